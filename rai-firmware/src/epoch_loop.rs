@@ -6,21 +6,23 @@
 //! time ─► watchdog ─► sleep
 //! ```
 //!
-//! A pass is short whatever the host does: it takes one command, or sends one sentence of an answer that needs many. It does so
-//! only while the way out has room for the sentences of an epoch beside it: a host that sends commands faster than its line
-//! carries answers costs its own commands, and no epoch its sentences. Nothing waits for the host. Only a loop that comes round
-//! feeds the watchdog.
+//! A pass is short whatever the host does: it takes one command, or sends one sentence of an answer
+//! that needs many. It does so only while the way out has room for the sentences of an epoch beside
+//! it: a host that sends commands faster than its line carries answers costs its own commands, and
+//! no epoch its sentences. Nothing waits for the host. Only a loop that comes round feeds the
+//! watchdog.
 //!
-//! What an epoch costs is noted with it: ticks that the receiver was busy since the last epoch, and ticks from its last
-//! byte to the pin. That byte came no earlier than the loop last found nothing waiting or was first woken.
+//! What an epoch costs is noted with it: ticks that the receiver was busy since the last epoch, and
+//! ticks from its last byte to the pin. That byte came no earlier than the loop last found nothing
+//! waiting or was first woken.
 
 use crate::bit_rate::BitRate;
 use crate::board::{Board, Note, PortLosses};
 use crate::receiver::Receiver;
 use crate::timed_ring::Taken;
 
-/// GNSS bytes for which the loop goes round before a millisecond is over. With a pass for each byte the passes of an epoch
-/// would cost more than it does.
+/// GNSS bytes for which the loop goes round before a millisecond is over. With a pass for each byte
+/// the passes of an epoch would cost more than it does.
 pub const WORTH_A_PASS_BYTES: usize = 64;
 
 /// GNSS bytes handed to the receiver at once.
@@ -38,7 +40,8 @@ const EPOCHS_PER_HIGH_WATER: u32 = 60;
 /// What the loop remembers.
 #[derive(Debug)]
 pub struct EpochLoop {
-    /// Kept from pass to pass, most of which find nothing: clearing it would be a fifth of such a pass.
+    /// Kept from pass to pass, most of which find nothing: clearing it would be a fifth of such a
+    /// pass.
     chunk: [u8; CHUNK_BYTES],
     busy_ticks: u64,
     epochs: u32,
@@ -123,7 +126,8 @@ impl EpochLoop {
         self.busy_ticks = 0;
     }
 
-    /// Lets the GNSS port listen at another rate, where a command wants it or nothing can be read at this one.
+    /// Lets the GNSS port listen at another rate, where a command wants it or nothing can be read
+    /// at this one.
     fn set_rate<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
         if let Some(baud) = self.rate.next(receiver.frames(), receiver.configuration().bit_rate.rate()) {
             board.set_gnss_rate(baud);
@@ -142,8 +146,8 @@ impl EpochLoop {
     }
 }
 
-/// Lets time pass for the receiver. What it says then it says without a byte having come: that the line is silent, or what
-/// it makes of an epoch that a damaged frame had held back.
+/// Lets time pass for the receiver. What it says then it says without a byte having come: that the
+/// line is silent, or what it makes of an epoch that a damaged frame had held back.
 fn look_at_clock<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
     let now_ms = board.now_ms();
     if receiver.tick(now_ms, board.host()) {
@@ -151,8 +155,9 @@ fn look_at_clock<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
     }
 }
 
-/// Takes bytes of the host port up to the end of one command, or sends one sentence of a long answer. While one is
-/// under way, or an epoch would find no room for its sentences, no other command is taken.
+/// Takes bytes of the host port up to the end of one command, or sends one sentence of a long
+/// answer. While one is under way, or an epoch would find no room for its sentences, no other
+/// command is taken.
 // Not inlined: what a command needs of the stack an epoch need not have beside it.
 #[inline(never)]
 fn take_command<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {

@@ -1,7 +1,8 @@
 //! Sentences into a ring, whole or not at all, for a host that may read too slowly.
 //!
-//! What one call of `write` brings, a sentence or a binary message, goes into the ring whole. Where there is no room it is
-//! dropped and counted: the host misses sentences, and never gets half of one. Nothing waits for it.
+//! What one call of `write` brings, a sentence or a binary message, goes into the ring whole. Where
+//! there is no room it is dropped and counted: the host misses sentences, and never gets half of
+//! one. Nothing waits for it.
 
 use core::convert::Infallible;
 

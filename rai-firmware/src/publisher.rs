@@ -69,7 +69,8 @@ impl Publisher {
         }
     }
 
-    /// Takes note of other settings by their hash, which are then said at the next look at the clock.
+    /// Takes note of other settings by their hash, which are then said at the next look at the
+    /// clock.
     pub fn reconfigured(&mut self, settings_hash: u32) {
         self.settings_hash = settings_hash;
         self.settings_due_ms = 0;
@@ -107,7 +108,8 @@ impl Publisher {
         Ok(())
     }
 
-    /// Sends a verdict that no epoch brought: none came within the time to alert, or settings have changed.
+    /// Sends a verdict that no epoch brought: none came within the time to alert, or settings have
+    /// changed.
     ///
     /// # Errors
     /// The writer's own.

@@ -1,7 +1,7 @@
 //! The reference folder that stands beside the project where the project is developed.
 //!
-//! Recordings live there and not in the repository. A test that needs one asks [`path_or_skip`], and is counted as
-//! skipped where there is none.
+//! Recordings live there and not in the repository. A test that needs one asks [`path_or_skip`],
+//! and is counted as skipped where there is none.
 
 use std::path::{Path, PathBuf};
 

@@ -25,11 +25,12 @@ pub(crate) struct Arguments {
     /// A server that passes on the module's host port, HOST:PORT.
     #[arg(long, group = "source")]
     tcp: Option<String>,
-    /// What --record wrote, or a capture of a receiver, which the module in process then judges. Both may be gzip.
+    /// What --record wrote, or a capture of a receiver, which the module in process then judges.
+    /// Both may be gzip.
     #[arg(long, group = "source")]
     file: Option<PathBuf>,
-    /// How fast --file is shown: a multiple of how it was recorded, or max. With --plain as fast as it can be judged,
-    /// unless given.
+    /// How fast --file is shown: a multiple of how it was recorded, or max. With --plain as fast as
+    /// it can be judged, unless given.
     #[arg(long, requires = "file", value_name = "N|max", value_parser = speed)]
     speed: Option<Speed>,
     /// A simulated sky on the emulated board, one satellite of which drifts off.
@@ -148,8 +149,8 @@ fn watch(source: &mut Source, mut dashboard: Dashboard, mut record: Option<&mut 
     seen.and(failure)
 }
 
-/// Takes what has come, for at most as long as the picture may be behind; while it is paused, what comes waits. Returns why
-/// the source has failed, if it has.
+/// Takes what has come, for at most as long as the picture may be behind; while it is paused, what
+/// comes waits. Returns why the source has failed, if it has.
 fn hear(
     source: &Source,
     dashboard: &mut Dashboard,

@@ -39,8 +39,8 @@ pub(crate) enum Frequencies {
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// What a receiver sent, UBX or RTCM 3, with text in between or not: a file (.ubx, .rtcm3, any; gz too), - for
-    /// standard input, tcp://HOST:PORT, or serial:PATH@BAUD. The last two need --to.
+    /// What a receiver sent, UBX or RTCM 3, with text in between or not: a file (.ubx, .rtcm3, any;
+    /// gz too), - for standard input, tcp://HOST:PORT, or serial:PATH@BAUD. The last two need --to.
     #[arg(value_name = "CAPTURE", conflicts_with_all = ["obs", "sample"])]
     capture: Option<String>,
     /// Observation files instead of a capture: RINEX 2, 3 or 4; plain, gz, crx or crx.gz.
@@ -52,16 +52,20 @@ pub(crate) struct Arguments {
     /// Fetch a small real recording (60 s, Kamakura, Japan) and use it.
     #[arg(long, conflicts_with_all = ["obs", "nav"])]
     sample: bool,
-    /// Where the antenna was: X,Y,Z in metres, earth-fixed, or latitude,longitude,height in degrees and metres.
+    /// Where the antenna was: X,Y,Z in metres, earth-fixed, or latitude,longitude,height in degrees
+    /// and metres.
     #[arg(long, value_name = "X,Y,Z", conflicts_with = "truth_csv", allow_hyphen_values = true)]
     truth: Option<String>,
-    /// Where the antenna was when: a table whose heading names week,tow and `x_m,y_m,z_m` or `lat_deg,lon_deg,height_m`.
+    /// Where the antenna was when: a table whose heading names week,tow and `x_m,y_m,z_m` or
+    /// `lat_deg,lon_deg,height_m`.
     #[arg(long, value_name = "FILE")]
     truth_csv: Option<PathBuf>,
-    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS), J (QZSS); the first three unless given.
+    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS), J (QZSS); the first three
+    /// unless given.
     #[arg(long, value_name = "LETTERS")]
     systems: Option<String>,
-    /// GPS week of a capture's first epoch, not rolled over: 1709 is October 2012. Unless given, from the capture itself.
+    /// GPS week of a capture's first epoch, not rolled over: 1709 is October 2012. Unless given,
+    /// from the capture itself.
     #[arg(long, value_name = "N", requires = "capture", value_parser = clap::value_parser!(u16).range(0..=8191))]
     week: Option<u16>,
     /// Frequencies to use.
@@ -85,11 +89,12 @@ pub(crate) struct Arguments {
     /// Least time between epochs, s.
     #[arg(long, default_value_t = 0.0, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     every: f64,
-    /// Phase of flight: sets the alert limits. CUSTOM needs --set HAL=METRES. Unless given, as the module starts: NPA.
+    /// Phase of flight: sets the alert limits. CUSTOM needs --set HAL=METRES. Unless given, as the
+    /// module starts: NPA.
     #[arg(long, ignore_case = true, value_parser = word("PHASE"))]
     phase: Option<String>,
-    /// Threshold of the test: from the false alarms, from the missed detections, or least cost of both. Unless given, as
-    /// the module starts: T1.
+    /// Threshold of the test: from the false alarms, from the missed detections, or least cost of
+    /// both. Unless given, as the module starts: T1.
     #[arg(long, ignore_case = true, value_parser = word("POLICY"))]
     policy: Option<String>,
     /// How a faulty satellite is found. Unless given, as the module starts: AUTO.
@@ -107,7 +112,8 @@ pub(crate) struct Arguments {
     /// Write the sentences.
     #[arg(long, value_name = "FILE")]
     pub(crate) nmea: Option<PathBuf>,
-    /// Write the stream that the module heard: RTCM, or what is left of the capture, with the faults in it.
+    /// Write the stream that the module heard: RTCM, or what is left of the capture, with the
+    /// faults in it.
     #[arg(long, value_name = "FILE")]
     pub(crate) rtcm: Option<PathBuf>,
     /// Write an HTML report with plots into this folder.
@@ -351,8 +357,8 @@ fn commands(arguments: &Arguments, week: Option<u16>, klobuchar: Option<[f64; 8]
         .iter()
         .filter_map(|(key, value)| value.as_ref().map(|value| format!("{key},{value}")))
         .collect();
-    // Of a recording only what is asked for is sent; a capture holds what it holds, and the module chooses. GLONASS and
-    // QZSS take part in neither unless the module is told.
+    // Of a recording only what is asked for is sent; a capture holds what it holds, and the module
+    // chooses. GLONASS and QZSS take part in neither unless the module is told.
     let says_systems = |letters: &&String| arguments.capture.is_some() || letters.contains(['R', 'J']);
     setup.extend(arguments.systems.as_ref().filter(says_systems).map(|letters| format!("SYSTEMS,{letters}")));
     if arguments.capture.is_some() {

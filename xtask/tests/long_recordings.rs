@@ -1,7 +1,8 @@
-//! Recordings of any length: memory does not grow with them, and `monitor` reads what `replay` reads.
+//! Recordings of any length: memory does not grow with them, and `monitor` reads what `replay`
+//! reads.
 //!
-//! A simulated sky of three systems is written as RTCM 3, as UBX and as RINEX. Its length is that of the test, or of
-//! `RAI_EPOCHS`; 86,400 of them are a day.
+//! A simulated sky of three systems is written as RTCM 3, as UBX and as RINEX. Its length is that
+//! of the test, or of `RAI_EPOCHS`; 86,400 of them are a day.
 
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -27,7 +28,8 @@ const MEMORY_KIB: u64 = 64 * 1024;
 /// Epochs of a recording, of which another has eight times as many.
 const EPOCHS: u32 = 450;
 
-/// How much more memory eight times as many epochs may take, KiB: numbers that are counted exactly, and the first picture.
+/// How much more memory eight times as many epochs may take, KiB: numbers that are counted exactly,
+/// and the first picture.
 const GROWTH_KIB: u64 = 6 * 1024;
 
 fn sky(epochs: u32, step_s: f64) -> Recording {

@@ -1,6 +1,8 @@
-//! The exported functions, called as a C program calls them: what they give, what they refuse, what they leave alone.
+//! The exported functions, called as a C program calls them: what they give, what they refuse, what
+//! they leave alone.
 //!
-//! Under an interpreter (`cargo xtask miri`) this is also the proof that no call does what the language does not define.
+//! Under an interpreter (`cargo xtask miri`) this is also the proof that no call does what the
+//! language does not define.
 #![allow(unsafe_code)]
 
 use std::mem::MaybeUninit;

@@ -11,17 +11,21 @@
 //! | [`Orbit::Kepler`] | GPS, QZSS, Galileo, `BeiDou`: the same elements; gravity, earth rate, time scale of `toe` and the rotation of the geostationary `BeiDou` satellites differ | [`kepler`] |
 //! | [`Orbit::StateVector`] | GLONASS: integrated over the time since ([`forces`]) | [`state_vector`] |
 //!
-//! What differs by message (age, satellite numbers, what the clock refers to) is [`Source`]'s and [`clock`]'s.
+//! What differs by message (age, satellite numbers, what the clock refers to) is [`Source`]'s and
+//! [`clock`]'s.
 //!
-//! - [`Ephemeris::new`] and [`Ephemeris::of_state`] check every field once: who holds one can compute with it.
-//! - [`Store`] keeps what was received last of every satellite and refuses those that are unhealthy, too old or
-//!   contradicted, with a reason.
-//! - Every element stays the integer that was broadcast, and orbits and clocks are worked out in integers ([`fixed`]).
+//! - [`Ephemeris::new`] and [`Ephemeris::of_state`] check every field once: who holds one can
+//!   compute with it.
+//! - [`Store`] keeps what was received last of every satellite and refuses those that are
+//!   unhealthy, too old or contradicted, with a reason.
+//! - Every element stays the integer that was broadcast, and orbits and clocks are worked out in
+//!   integers ([`fixed`]).
 //!
-//! Accuracy: position and clock follow the interface documents to better than 0.1 mm; how good the broadcast is
-//! itself (0.5 m to 2 m) is said by [`Ephemeris::accuracy_m`].
+//! Accuracy: position and clock follow the interface documents to better than 0.1 mm; how good the
+//! broadcast is itself (0.5 m to 2 m) is said by [`Ephemeris::accuracy_m`].
 //!
-//! References: [IS-GPS-200] 20.3.3, table 20-IV; [OS-SIS-ICD] 5.1.1 to 5.1.5; [BDS-SIS-B1I] 5.2.4, table 5-11.
+//! References: [IS-GPS-200] 20.3.3, table 20-IV; [OS-SIS-ICD] 5.1.1 to 5.1.5; [BDS-SIS-B1I] 5.2.4,
+//! table 5-11.
 //!
 //! [IS-GPS-200]: crate#references
 //! [OS-SIS-ICD]: crate#references
@@ -78,7 +82,8 @@ pub use store::{CAPACITY, Insertion, Store};
 pub enum EphemerisError {
     /// None has been received.
     Missing,
-    /// The satellite says of itself, or of the signals that came, that they are not to be used, or promises no accuracy.
+    /// The satellite says of itself, or of the signals that came, that they are not to be used, or
+    /// promises no accuracy.
     Unhealthy,
     /// The newest one is too old, or its reference time too far ahead.
     Stale,
@@ -220,15 +225,16 @@ impl Ephemeris {
         self.toe
     }
 
-    /// Moves the reference time to the same second of another week: orbit and clock depend on the second alone.
+    /// Moves the reference time to the same second of another week: orbit and clock depend on the
+    /// second alone.
     pub(crate) fn date(&mut self, toe: GpsTime) {
         if toe.tow_ms == self.toe.tow_ms {
             self.toe = toe;
         }
     }
 
-    /// One sigma of the error that the satellite promises for a range made of these carriers, m; `None` when it promises
-    /// nothing.
+    /// One sigma of the error that the satellite promises for a range made of these carriers, m;
+    /// `None` when it promises nothing.
     pub fn accuracy_m(&self, bands: (Band, Option<Band>)) -> Option<f32> {
         let [plain_m, with_e5a_m] = self.accuracies_m;
         let has_e5a = bands.0 == Band::E5a || bands.1 == Some(Band::E5a);
@@ -241,15 +247,16 @@ impl Ephemeris {
         self.orbit.advance(received.since_ms(self.toe) as f64 * 1e-3);
     }
 
-    /// Takes the statements of Galileo's F/NAV about its own signals: their health, and the accuracy of ranges with them.
+    /// Takes the statements of Galileo's F/NAV about its own signals: their health, and the
+    /// accuracy of ranges with them.
     fn merge_health(&mut self, fnav: &Self) {
         self.health = fnav.health.over(self.health);
         let [_, with_e5a_m] = &mut self.accuracies_m;
         [_, *with_e5a_m] = fnav.accuracies_m;
     }
 
-    /// Keeps the earlier statements about signals that this message does not mention. Of a set that is out of date only the
-    /// bad ones stay: nobody repeats that the signals are good.
+    /// Keeps the earlier statements about signals that this message does not mention. Of a set that
+    /// is out of date only the bad ones stay: nobody repeats that the signals are good.
     fn inherit_health(&mut self, before: &Self, is_before_stale: bool) {
         if self.source == Source::GalileoInav && before.health.mentions(Band::E5a) {
             let [_, with_e5a_m] = &mut self.accuracies_m;
@@ -277,7 +284,8 @@ impl Ephemeris {
         if self.is_stale(time) { Err(EphemerisError::Stale) } else { Ok(()) }
     }
 
-    /// True when the satellite promises something for this carrier, and does not say that it is out of service.
+    /// True when the satellite promises something for this carrier, and does not say that it is out
+    /// of service.
     pub fn serves(&self, band: Band) -> bool {
         self.health.serves(band) && self.accuracy_m((band, None)).is_some()
     }
@@ -289,13 +297,13 @@ impl Ephemeris {
 
     /// Position and clock when a signal left that was received at `received` with this pseudorange.
     ///
-    /// `received` is the receiver's own time tag and the range is measured against the same clock, so the clock's
-    /// offset cancels: `received − range/c` is what the satellite's clock showed.
+    /// `received` is the receiver's own time tag and the range is measured against the same clock,
+    /// so the clock's offset cancels: `received − range/c` is what the satellite's clock showed.
     ///
     /// # Errors
-    /// [`EphemerisError::TravelTime`] when the range is not finite, negative or longer than a second of light, or
-    /// when `received` is more than a day from the reference time; [`EphemerisError::Stale`] for a state vector that is
-    /// more than half an hour old.
+    /// [`EphemerisError::TravelTime`] when the range is not finite, negative or longer than a
+    /// second of light, or when `received` is more than a day from the reference time;
+    /// [`EphemerisError::Stale`] for a state vector that is more than half an hour old.
     pub fn at(&self, received: GpsTime, range_m: f64) -> Result<SatelliteState, EphemerisError> {
         const PER_METRE_2_46: f64 = (1_u64 << 46) as f64 / SPEED_OF_LIGHT_M_S;
         let since_toe_ms = received.since_ms(self.toe);

@@ -7,34 +7,39 @@
 //! else                                       neither is used until a third agrees with one of them
 //! ```
 //!
-//! **Which is better.** What was received last, whatever its reference time: a set that is ahead of its time is worse than
-//! the one for now, though it is newer. Whatever is out of date, in the past or in the future, gives way to what is not,
-//! and takes the place of nothing else.
+//! **Which is better.** What was received last, whatever its reference time: a set that is ahead of
+//! its time is worse than the one for now, though it is newer. Whatever is out of date, in the past
+//! or in the future, gives way to what is not, and takes the place of nothing else.
 //!
-//! **Contradiction.** Two sets of one satellite that are both in date describe one orbit, and differ by a few metres. Where
-//! they differ by more, one is wrong, and nothing says which. The third that decides is a set of its own: one more copy
-//! of what contradicts has nothing new to say. A copy of what was known takes back a contradiction that came once, as by a
-//! message spoilt on its way; where the contradiction is repeated as well, copies decide nothing. A satellite that has been
-//! moved is out of use until its second new set.
+//! **Contradiction.** Two sets of one satellite that are both in date describe one orbit, and
+//! differ by a few metres. Where they differ by more, one is wrong, and nothing says which. The
+//! third that decides is a set of its own: one more copy of what contradicts has nothing new to
+//! say. A copy of what was known takes back a contradiction that came once, as by a message spoilt
+//! on its way; where the contradiction is repeated as well, copies decide nothing. A satellite that
+//! has been moved is out of use until its second new set.
 //!
-//! **Galileo** sends two messages. I/NAV carries both group delays and so serves every pair of signals; the orbit of
-//! F/NAV takes its place only when it has become stale. What each says of the health of its own signals counts from then on
-//! ([`Ephemeris::merge_health`]).
+//! **Galileo** sends two messages. I/NAV carries both group delays and so serves every pair of
+//! signals; the orbit of F/NAV takes its place only when it has become stale. What each says of the
+//! health of its own signals counts from then on ([`Ephemeris::merge_health`]).
 //!
-//! **Room** for [`CAPACITY`] satellites, 9 KiB: as many as an epoch has, and more than four systems show at once. A stream
-//! may carry twice as many. If the store is full, the least useful set gives way, in this order:
+//! **Room** for [`CAPACITY`] satellites, 9 KiB: as many as an epoch has, and more than four systems
+//! show at once. A stream may carry twice as many. If the store is full, the least useful set gives
+//! way, in this order:
 //!
 //! 1. a stale set;
 //! 2. a satellite that was not in the last epochs ([`Sight`]), with or without a set;
 //! 3. the one farthest below the horizon of the last position, where one is known;
-//! 4. the one that was observed longest ago; a satellite that is new counts as one that has just set;
+//! 4. the one that was observed longest ago; a satellite that is new counts as one that has just
+//!    set;
 //! 5. one of the system with the most sets, so that systems that come first are not lost at start;
 //! 6. the one that was received first.
 //!
-//! A set that is worth less by the first three than all others is not taken. [`Store::displaced`] counts sets of satellites
-//! in sight that gave way. Half a dozen contradictions are kept; where there are more, the set that is known stays, disputed.
+//! A set that is worth less by the first three than all others is not taken. [`Store::displaced`]
+//! counts sets of satellites in sight that gave way. Half a dozen contradictions are kept; where
+//! there are more, the set that is known stays, disputed.
 //!
-//! **State vectors** are integrated, and what the next epochs have in common with this one is kept ([`Store::advance`]).
+//! **State vectors** are integrated, and what the next epochs have in common with this one is kept
+//! ([`Store::advance`]).
 
 use core::cmp::Reverse;
 
@@ -53,7 +58,8 @@ pub const CAPACITY: usize = 64;
 /// How many contradictions are kept.
 const RIVALS: usize = 6;
 
-/// Two sets that are farther apart than this, in position or clock, contradict each other, m: ten sigma of the poorest.
+/// Two sets that are farther apart than this, in position or clock, contradict each other, m: ten
+/// sigma of the poorest.
 const AGREEMENT_M: f64 = 30.0;
 
 const _: () = assert!(size_of::<Entry>() <= 144);
@@ -63,8 +69,8 @@ const _: () = assert!(size_of::<Entry>() <= 144);
 pub enum Insertion {
     /// It is the one in use now.
     Taken,
-    /// The one in use, or those of other satellites in a full store, are more useful. At most the health of its own signals
-    /// is taken over.
+    /// The one in use, or those of other satellites in a full store, are more useful. At most the
+    /// health of its own signals is taken over.
     Kept,
     /// It contradicts the one in use: neither is used.
     Disputed,
@@ -74,7 +80,8 @@ pub enum Insertion {
 #[derive(Clone, Debug)]
 struct Entry {
     ephemeris: Ephemeris,
-    /// Of which epoch the satellite was last a part; of one that has been in none, the last but one when it was received.
+    /// Of which epoch the satellite was last a part; of one that has been in none, the last but one
+    /// when it was received.
     observed: u32,
     /// The how-manieth ephemeris it was.
     received: u32,
@@ -126,7 +133,8 @@ impl Store {
         let received = self.received;
         let known = self.entries.iter_mut().find(|entry| entry.ephemeris.satellite == offered.satellite);
         let Some(entry) = known else {
-            // It may be of a satellite that is about to rise: not so sure to be of use as those in sight, more than any other.
+            // It may be of a satellite that is about to rise: not so sure to be of use as those in
+            // sight, more than any other.
             let observed = self.epochs.saturating_sub(1);
             let entry = Entry {
                 ephemeris: offered,
@@ -151,7 +159,8 @@ impl Store {
         self.rivals.retain(|rival| rival.ephemeris.satellite.constellation() != constellation);
     }
 
-    /// Moves sets that are dated a week from the present into its week: the week was named or moved after they came.
+    /// Moves sets that are dated a week from the present into its week: the week was named or moved
+    /// after they came.
     pub fn redate(&mut self, present: GpsTime) {
         let entries = self.entries.iter_mut().map(|entry| &mut entry.ephemeris);
         for ephemeris in entries.chain(self.rivals.iter_mut().map(|rival| &mut rival.ephemeris)) {
@@ -175,8 +184,9 @@ impl Store {
         }
     }
 
-    /// Takes the position of the receiver at the last epoch, and the elevation from which on satellites are used. A full
-    /// store works out the elevation of one satellite each time: all of them are known before any has moved by a degree.
+    /// Takes the position of the receiver at the last epoch, and the elevation from which on
+    /// satellites are used. A full store works out the elevation of one satellite each time: all of
+    /// them are known before any has moved by a degree.
     #[inline(never)]
     pub fn look_from(&mut self, receiver: Ecef, mask_rad: f64, now: GpsTime) {
         if !self.entries.is_full() {
@@ -196,13 +206,14 @@ impl Store {
         self.entries.iter_mut().for_each(|entry| entry.elevation = HORIZON);
     }
 
-    /// Returns how many sets of satellites that were in the last epochs, or above the mask, gave way to others.
+    /// Returns how many sets of satellites that were in the last epochs, or above the mask, gave
+    /// way to others.
     pub fn displaced(&self) -> u32 {
         self.displaced
     }
 
-    /// Integrates the state vectors of the satellites that were observed last up to an instant, so that where they are
-    /// then and soon after is a matter of one step. It changes no position.
+    /// Integrates the state vectors of the satellites that were observed last up to an instant, so
+    /// that where they are then and soon after is a matter of one step. It changes no position.
     pub fn advance(&mut self, time: GpsTime) {
         let observed = self.entries.iter_mut().filter(|entry| entry.observed == self.epochs);
         observed.for_each(|entry| entry.ephemeris.advance(time));
@@ -342,8 +353,8 @@ fn is_stale(ephemeris: &Ephemeris, now: Option<GpsTime>) -> bool {
     now.is_some_and(|now| ephemeris.is_stale(now))
 }
 
-/// True when two sets of a satellite put it at the same place with the same clock; without a time, half-way between
-/// their reference times. What cannot be computed contradicts nothing.
+/// True when two sets of a satellite put it at the same place with the same clock; without a time,
+/// half-way between their reference times. What cannot be computed contradicts nothing.
 fn agree(one: &Ephemeris, other: &Ephemeris, now: Option<GpsTime>) -> bool {
     if one.describes_as(other) {
         return true;

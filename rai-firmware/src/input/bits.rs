@@ -1,7 +1,7 @@
 //! Fields of navigation messages: bits in the order of transmission, most significant first.
 //!
-//! Offsets and widths are constants of the decoders' tables and lie inside the pages, whose lengths are those of their
-//! types; what a wrong table would read beyond the end is zeros.
+//! Offsets and widths are constants of the decoders' tables and lie inside the pages, whose lengths
+//! are those of their types; what a wrong table would read beyond the end is zeros.
 
 use crate::ephemeris::times_power_of_two;
 

@@ -13,11 +13,13 @@ counters! {
         crc_failures,
         /// Beginnings of frames that were passed over because too many before them had been none.
         frames_unchecked,
-        /// Frames that had not ended when the line fell silent, or when another inside them was complete and right.
+        /// Frames that had not ended when the line fell silent, or when another inside them was
+        /// complete and right.
         frames_cut,
         /// Messages of a type that is not read.
         messages_other,
-        /// Observations of systems that are not used, SBAS and `NavIC`, and without full ranges: MSM1 to MSM3.
+        /// Observations of systems that are not used, SBAS and `NavIC`, and without full ranges:
+        /// MSM1 to MSM3.
         observations_other,
         /// Messages too short for their type, or that contradict themselves.
         messages_malformed,
@@ -41,7 +43,8 @@ counters! {
         subframes_surplus,
         /// Sets of navigation bits whose pages are of different issues.
         subframes_mixed,
-        /// Sets of navigation bits that lacked a page and were given up when none had come for two minutes.
+        /// Sets of navigation bits that lacked a page and were given up when none had come for two
+        /// minutes.
         subframes_abandoned,
         /// Reference positions far from the surface of the earth.
         positions_invalid,
@@ -53,7 +56,8 @@ counters! {
         epochs_backwards,
         /// Epochs dropped because their ranges are those of the epoch before, bit for bit.
         epochs_repeated,
-        /// Times that went back and were accepted: they went on from there, or from what was known to be right.
+        /// Times that went back and were accepted: they went on from there, or from what was known
+        /// to be right.
         time_restarts,
         /// Weeks corrected because the ephemerides agreed on another one.
         week_corrections,

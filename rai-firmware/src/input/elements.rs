@@ -1,7 +1,9 @@
-//! Orbital elements in navigation messages: a table of places for each message, and one reader for all.
+//! Orbital elements in navigation messages: a table of places for each message, and one reader for
+//! all.
 //!
-//! Every system sends the same elements, in numbers of its own widths and units ([`Form`]); every message has them in
-//! another order ([`Layout`]). References: [IS-GPS-200] 20.3.3.3 and 20.3.3.4; [OS-SIS-ICD] 5.1; [BDS-SIS-B1I] 5.2.4.
+//! Every system sends the same elements, in numbers of its own widths and units ([`Form`]); every
+//! message has them in another order ([`Layout`]). References: [IS-GPS-200] 20.3.3.3 and 20.3.3.4;
+//! [OS-SIS-ICD] 5.1; [BDS-SIS-B1I] 5.2.4.
 //!
 //! [IS-GPS-200]: crate#references
 //! [OS-SIS-ICD]: crate#references

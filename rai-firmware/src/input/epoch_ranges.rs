@@ -10,18 +10,19 @@ use crate::raw::{RawEpoch, RawSatellite, RawSignal};
 
 /// Pseudoranges that satellites can have, m.
 ///
-/// No satellite is nearer than 19,000 km or farther than 43,000 km; a receiver clock may add or take 30 ms.
+/// No satellite is nearer than 19,000 km or farther than 43,000 km; a receiver clock may add or
+/// take 30 ms.
 const RANGE_M: core::ops::RangeInclusive<f64> = 1.0e7..=5.2e7;
 
-/// Ranges of one band at one instant that differ by more are of two antennas, or two clocks, m: a receiver says the same however
-/// often, to the steps of its messages. Its codes of one band may differ by as much, by reflections; then one of them is the one that
-/// is kept.
+/// Ranges of one band at one instant that differ by more are of two antennas, or two clocks, m: a
+/// receiver says the same however often, to the steps of its messages. Its codes of one band may
+/// differ by as much, by reflections; then one of them is the one that is kept.
 const APART_M: f64 = 5.0;
 
 /// Returns a hash of all ranges and whose they are; `None` without satellites.
 ///
-/// Two different epochs that follow each other have the same hash once in 2³²: the second is then dropped, which costs one epoch in
-/// thirteen years at 10 Hz.
+/// Two different epochs that follow each other have the same hash once in 2³²: the second is then
+/// dropped, which costs one epoch in thirteen years at 10 Hz.
 pub(super) fn hash_of_ranges(epoch: &RawEpoch) -> Option<u32> {
     let mix = |hash: u32, word: u32| (hash.rotate_left(5) ^ word).wrapping_mul(0x9E37_79B1);
     let hash = epoch.satellites.iter().fold(0, |hash, satellite| {
@@ -48,7 +49,8 @@ pub(super) struct Comparison {
 }
 
 impl Comparison {
-    /// Takes the next signal; whether the satellite before, whose signals have all come, has other ranges on some band.
+    /// Takes the next signal; whether the satellite before, whose signals have all come, has other
+    /// ranges on some band.
     pub(super) fn differs(&mut self, epoch: &RawEpoch, satellite: SatelliteId, signal: &RawSignal) -> bool {
         let is_next = self.satellite.is_some_and(|before| before != satellite);
         let is_rival = is_next && self.end();
@@ -71,7 +73,8 @@ impl Comparison {
 
 /// Adds a signal of a message that began when the epoch held `earlier` satellites.
 ///
-/// A satellite that an earlier message of the epoch has brought is a duplicate and keeps its first ranges.
+/// A satellite that an earlier message of the epoch has brought is a duplicate and keeps its first
+/// ranges.
 pub(super) fn add(
     epoch: &mut RawEpoch,
     satellite: SatelliteId,
@@ -100,8 +103,9 @@ fn open(epoch: &mut RawEpoch, satellite: SatelliteId, signal: RawSignal, counter
     }
 }
 
-/// Keeps one code of each band: the one that the broadcast clock is of, else the first on the wire. Of a code whose
-/// strength says nothing the strength is that of the other. Of more bands than there is room for, spare ones go.
+/// Keeps one code of each band: the one that the broadcast clock is of, else the first on the wire.
+/// Of a code whose strength says nothing the strength is that of the other. Of more bands than
+/// there is room for, spare ones go.
 fn add_signal(raw: &mut RawSatellite, signal: RawSignal, is_reference: bool, counters: &mut Counters) {
     if let Some(known) = raw.signals.iter_mut().find(|known| known.carrier.band == signal.carrier.band) {
         if is_reference {

@@ -5,11 +5,12 @@
 //! | the receiver, or satellites in their navigation bits | the next number, said twice in a row; any other, said [`RUN`] times in a row |
 //! | messages of one instant, one tagged with GPS time and one with UTC | any other, the same [`RUN`] times in a row |
 //!
-//! Where nothing is known, the first word counts. One word may be spoilt; leap seconds come one at a time.
+//! Where nothing is known, the first word counts. One word may be spoilt; leap seconds come one at
+//! a time.
 //!
-//! A leap second is inserted at the end of June or December, at midnight of UTC ([ITU-R TF.460-6]). For a minute from then on tags need to
-//! agree in [`STEP_RUN`] epochs only on the next number. Until they do, a tag of UTC is unsure by a second
-//! ([`LeapSeconds::is_unsure`]).
+//! A leap second is inserted at the end of June or December, at midnight of UTC ([ITU-R TF.460-6]).
+//! For a minute from then on tags need to agree in [`STEP_RUN`] epochs only on the next number.
+//! Until they do, a tag of UTC is unsure by a second ([`LeapSeconds::is_unsure`]).
 //!
 //! [ITU-R TF.460-6]: crate#references
 
@@ -107,8 +108,8 @@ impl LeapSeconds {
         }
     }
 
-    /// Two messages of one instant are tagged so. A message of a neighbouring epoch, where bytes were lost, is wrong by whole
-    /// seconds, and so is not believed at once.
+    /// Two messages of one instant are tagged so. A message of a neighbouring epoch, where bytes
+    /// were lost, is wrong by whole seconds, and so is not believed at once.
     pub(super) fn infer(&mut self, gps_ms: u32, utc_ms: u32, now: Option<GpsTime>) {
         let difference_ms = (gps_ms + WEEK_MS - utc_ms) % WEEK_MS;
         let seconds = (difference_ms + 500) / 1000;
@@ -136,8 +137,8 @@ impl LeapSeconds {
         }
     }
 
-    /// Returns true if a tag of UTC that is the first of its instant may be wrong by a second: tags were not compared since the step
-    /// can show, or did not fit the known number.
+    /// Returns true if a tag of UTC that is the first of its instant may be wrong by a second: tags
+    /// were not compared since the step can show, or did not fit the known number.
     pub(super) fn is_unsure(&self, utc_ms: u32, now: Option<GpsTime>) -> bool {
         if self.inferred.run == 0 || !self.is_step_due(now) {
             return false;
@@ -201,7 +202,8 @@ mod tests {
 
     #[test]
     fn half_years_begin_when_leap_seconds_were_inserted() {
-        // IERS Bulletin C: the first instant after a leap second, s of Unix time, and GPS time minus UTC from then on.
+        // IERS Bulletin C: the first instant after a leap second, s of Unix time, and GPS time
+        // minus UTC from then on.
         const UNIX_1980_01_06: u64 = 315_964_800;
         let inserted = [
             (362_793_600, 1),    // 1981-07-01

@@ -1,4 +1,5 @@
-//! The instant that a message names by a week number, which comes round again, and a second of that week.
+//! The instant that a message names by a week number, which comes round again, and a second of that
+//! week.
 //!
 //! | system | bits | week 0 is | comes round |
 //! |---|---|---|---|
@@ -6,8 +7,9 @@
 //! | Galileo | 12 | GPS week 1,024 | in 2078 |
 //! | `BeiDou` | 13 | GPS week 1,356, 14 s later | in 2163 |
 //!
-//! The week number is that of transmission ([IS-GPS-200] 20.3.3.3.1.1), while many programs send the week of `toe`. Near the end
-//! of a week the two differ. [`super::roll_over`] decides; here the two numbers are put together as they stand.
+//! The week number is that of transmission ([IS-GPS-200] 20.3.3.3.1.1), while many programs send
+//! the week of `toe`. Near the end of a week the two differ. [`super::roll_over`] decides; here the
+//! two numbers are put together as they stand.
 //!
 //! [IS-GPS-200]: crate#references
 
@@ -15,7 +17,8 @@ use raim_core::satellite::Constellation;
 
 use crate::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime, WEEK_MS};
 
-/// The first week that a GPS ephemeris can mean when nothing else tells the time: 2019-04-07, the third cycle.
+/// The first week that a GPS ephemeris can mean when nothing else tells the time: 2019-04-07, the
+/// third cycle.
 ///
 /// Right until 2038-11-20; with a Galileo or `BeiDou` ephemeris it is not needed.
 pub const NOT_BEFORE_WEEK: u16 = 2048;
@@ -28,7 +31,8 @@ pub(super) struct MessageWeek {
 }
 
 impl MessageWeek {
-    /// Returns the instant at `tow_s` of the stated week of the system's own time; `known` chooses the cycle of a GPS week.
+    /// Returns the instant at `tow_s` of the stated week of the system's own time; `known` chooses
+    /// the cycle of a GPS week.
     pub(super) fn stated(self, tow_s: u32, known: Option<GpsTime>) -> Option<GpsTime> {
         let tow_ms = tow_s.checked_mul(1000).filter(|tow_ms| *tow_ms < WEEK_MS)?;
         let own = GpsTime { week: self.full_week(known)?, tow_ms };

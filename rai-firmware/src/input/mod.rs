@@ -22,8 +22,8 @@
 //! | `leap_seconds` | how far UTC is behind |
 //! | [`Counters`] | what came in and what was not used |
 //!
-//! Behind [`Message`] no wire format is known. A new one is a module beside `rtcm` with a type that implements
-//! `protocol::Protocol`, and a row for it in the table of formats in this file.
+//! Behind [`Message`] no wire format is known. A new one is a module beside `rtcm` with a type that
+//! implements `protocol::Protocol`, and a row for it in the table of formats in this file.
 //!
 //! ```
 //! # use raim_firmware::input::{Event, Input};
@@ -39,7 +39,8 @@
 //! });
 //! ```
 //!
-//! All input is hostile. Whatever is not used increments one of the [`Counters`]; the state survives.
+//! All input is hostile. Whatever is not used increments one of the [`Counters`]; the state
+//! survives.
 
 mod assembly;
 mod bits;
@@ -91,13 +92,13 @@ pub enum Event<'a> {
     Epoch(&'a RawEpoch, u64),
     /// A checked ephemeris.
     Ephemeris(Ephemeris),
-    /// The present, whose week was named or moved only now: sets told before are dated a week off where the instant nearest to
-    /// it says so ([`crate::ephemeris::Store::redate`]).
+    /// The present, whose week was named or moved only now: sets told before are dated a week off
+    /// where the instant nearest to it says so ([`crate::ephemeris::Store::redate`]).
     Redated(GpsTime),
     /// Where a station says it is: a first guess.
     Position(Ecef),
-    /// Coefficients of the ionosphere as the satellites of GPS or `BeiDou` broadcast them, each for its own model,
-    /// `α0…α3, β0…β3`.
+    /// Coefficients of the ionosphere as the satellites of GPS or `BeiDou` broadcast them, each for
+    /// its own model, `α0…α3, β0…β3`.
     Ionosphere(Constellation, [f64; 8]),
     /// What the receiver says of jamming and spoofing.
     Jamming(Jamming),
@@ -130,7 +131,8 @@ struct Ranges<'a> {
     station: u16,
     /// The system that the message is of; `None` where it speaks for all.
     series: Option<Series>,
-    /// Milliseconds into the week of GPS time; `None` where the format's own time cannot be told as such.
+    /// Milliseconds into the week of GPS time; `None` where the format's own time cannot be told as
+    /// such.
     tow_ms: Option<u32>,
     /// Milliseconds into the week of UTC, where the format counts so.
     of_utc_ms: Option<u32>,
@@ -141,7 +143,8 @@ struct Ranges<'a> {
     measured: Measured<'a>,
 }
 
-/// A series of messages that says for itself whether more follow: a number that stays the same, below 16.
+/// A series of messages that says for itself whether more follow: a number that stays the same,
+/// below 16.
 type Series = u8;
 
 // One row for each wire format.
@@ -196,16 +199,17 @@ impl Input {
         }
     }
 
-    /// The line has been silent for longer than a gap inside a frame can be: what is incomplete stays incomplete.
+    /// The line has been silent for longer than a gap inside a frame can be: what is incomplete
+    /// stays incomplete.
     ///
-    /// A cut frame may announce more bytes than are left of the burst it came in, and would hold back the good frames
-    /// behind it until the next burst.
+    /// A cut frame may announce more bytes than are left of the burst it came in, and would hold
+    /// back the good frames behind it until the next burst.
     pub fn silence(&mut self, mut tell: impl FnMut(Event<'_>)) {
         self.drain(true, &mut tell);
     }
 
-    /// The line pauses, for longer than between two messages of one burst: an epoch is complete whose end was said by a
-    /// system that has said so wrongly before.
+    /// The line pauses, for longer than between two messages of one burst: an epoch is complete
+    /// whose end was said by a system that has said so wrongly before.
     pub fn pause(&mut self, mut tell: impl FnMut(Event<'_>)) {
         self.assembly.pause(&mut self.counters, &mut tell);
     }
@@ -216,32 +220,34 @@ impl Input {
         self.assembly.interrupt(&mut self.counters);
     }
 
-    /// The ranges of an epoch that came at `came_ms` agreed with orbits: its time is right, in its week, and its source is the
-    /// receiver.
+    /// The ranges of an epoch that came at `came_ms` agreed with orbits: its time is right, in its
+    /// week, and its source is the receiver.
     pub fn confirm(&mut self, time: GpsTime, came_ms: u64) {
         self.calendar.confirm(time, came_ms);
         self.preference.settle();
     }
 
-    /// Takes the GPS week of the next epoch, not rolled over, from a source that is to be believed: the date of a recording. It
-    /// also chooses the cycle of GPS weeks.
+    /// Takes the GPS week of the next epoch, not rolled over, from a source that is to be believed:
+    /// the date of a recording. It also chooses the cycle of GPS weeks.
     pub fn assume(&mut self, week: u16) {
         self.calendar.assume(week);
     }
 
-    /// Nothing that was confirmed is so any more: what comes next may be of another receiver, and another time.
+    /// Nothing that was confirmed is so any more: what comes next may be of another receiver, and
+    /// another time.
     pub fn forget(&mut self) {
         self.calendar.forget();
         self.preference = Preference::new();
     }
 
-    /// Whether, since this was asked last, an epoch has come over again with other ranges: two receivers share the line.
+    /// Whether, since this was asked last, an epoch has come over again with other ranges: two
+    /// receivers share the line.
     pub fn take_rivalry(&mut self) -> bool {
         self.assembly.take_rivalry()
     }
 
-    /// Returns true if epochs of other sources come since the settled one is missing: a receiver that returned with another station
-    /// number or format, or somebody else on its line.
+    /// Returns true if epochs of other sources come since the settled one is missing: a receiver
+    /// that returned with another station number or format, or somebody else on its line.
     pub fn hears_others(&self) -> bool {
         self.preference.hears_others()
     }
@@ -261,7 +267,8 @@ impl Input {
         self.calendar.leap_second()
     }
 
-    // What reads a message and what learns from one are not inlined: an epoch is told of, and judged, below this frame.
+    // What reads a message and what learns from one are not inlined: an epoch is told of, and
+    // judged, below this frame.
     fn drain(&mut self, is_silent: bool, tell: &mut dyn FnMut(Event<'_>)) {
         let Self { framer, calendar, assembly, memory, preference, counters } = self;
         while let Some((format, frame)) = framer.next(is_silent, counters) {
@@ -299,8 +306,8 @@ impl Input {
     }
 }
 
-/// Returns the position of the station that a single RTCM frame contains: checked and read as in a stream, without the
-/// memory of one.
+/// Returns the position of the station that a single RTCM frame contains: checked and read as in a
+/// stream, without the memory of one.
 pub(crate) fn station(frame: &[u8]) -> Option<Ecef> {
     let frame = protocol::whole::<rtcm::Rtcm>(frame)?;
     match rtcm::Rtcm::read(&frame, &mut (), &Calendar::new(), &mut Counters::NONE.clone()) {

@@ -1,11 +1,13 @@
 //! The week of the present, from the weeks that sets of ephemerides state.
 //!
-//! Before the first epoch the second of the week is unknown, and near the end of a week a stated week names none
-//! ([`super::roll_over`]). Distinct statements are kept until the first epoch, which the one that says the most then dates.
+//! Before the first epoch the second of the week is unknown, and near the end of a week a stated
+//! week names none ([`super::roll_over`]). Distinct statements are kept until the first epoch,
+//! which the one that says the most then dates.
 //!
-//! If every set so far fits two weeks, the likelier one is taken and the other is kept as doubt. The first set of any system
-//! that fits one of the two only decides. While there is doubt no epoch confirms the week: ranges agree as well with orbits
-//! that are all dated a week early. Sets that fit both say nothing, and sets that fit neither vote ([`super::week_votes`]).
+//! If every set so far fits two weeks, the likelier one is taken and the other is kept as doubt.
+//! The first set of any system that fits one of the two only decides. While there is doubt no epoch
+//! confirms the week: ranges agree as well with orbits that are all dated a week early. Sets that
+//! fit both say nothing, and sets that fit neither vote ([`super::week_votes`]).
 
 use heapless::Vec;
 use raim_core::satellite::Constellation;
@@ -14,7 +16,8 @@ use super::roll_over::PresentWeeks;
 use super::week_votes::{Vote, WeekVotes};
 use crate::time::GpsTime;
 
-/// Statements that are kept until the first epoch: at one time a system has one to four reference times.
+/// Statements that are kept until the first epoch: at one time a system has one to four reference
+/// times.
 const KEPT: usize = 8;
 
 /// Half of the cycle in which GPS counts weeks.
@@ -72,7 +75,8 @@ impl PresentWeek {
         }
     }
 
-    /// Takes a set after the first; `now` is the last epoch or, before there was one, the instant that the first set states.
+    /// Takes a set after the first; `now` is the last epoch or, before there was one, the instant
+    /// that the first set states.
     pub(super) fn hear(&mut self, (system, stated): Statement, now: GpsTime) -> Ruling {
         let weeks = PresentWeeks::of(system, stated, now);
         match self.kept.first() {
@@ -117,8 +121,8 @@ impl PresentWeek {
         Ruling::Replaced(now.later_by_weeks(weeks.preferred()))
     }
 
-    /// Returns the first epoch, at `tow_ms`, in the week that the kept statements name, and true if one of them states another
-    /// week than its set is of.
+    /// Returns the first epoch, at `tow_ms`, in the week that the kept statements name, and true if
+    /// one of them states another week than its set is of.
     pub(super) fn first_epoch(&mut self, tow_ms: u32) -> Option<(GpsTime, bool)> {
         let kept = core::mem::take(&mut self.kept);
         let weeks_of = |&(system, stated): &Statement| {
@@ -148,7 +152,8 @@ impl PresentWeek {
         Some((present, is_off))
     }
 
-    /// Takes the time that a receiver states with an epoch. It decides between two weeks, and nothing else.
+    /// Takes the time that a receiver states with an epoch. It decides between two weeks, and
+    /// nothing else.
     pub(super) fn hear_time(&mut self, stated: GpsTime, now: GpsTime) -> Ruling {
         let weeks = i32::from(GpsTime::nearest(now.tow_ms, stated).week) - i32::from(now.week);
         match self.doubt {

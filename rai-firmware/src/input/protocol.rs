@@ -1,8 +1,8 @@
 //! The interface between the stream of bytes and a wire format.
 //!
-//! A wire format is one type that implements [`Protocol`], in a folder of its own, and one row of the table of formats in
-//! `input/mod.rs`. `formats!` makes of that table everything that has a case for each format, so that no other module
-//! names one:
+//! A wire format is one type that implements [`Protocol`], in a folder of its own, and one row of
+//! the table of formats in `input/mod.rs`. `formats!` makes of that table everything that has a
+//! case for each format, so that no other module names one:
 //!
 //! | made | use |
 //! |---|---|
@@ -10,8 +10,9 @@
 //! | `Memory` | holds what each format remembers between frames |
 //! | `Measured` | holds the ranges of a message, still encoded |
 //!
-//! No function of [`Protocol`] has a default, so that a format that lacks one does not compile. Calls are resolved when
-//! the module is compiled: the cost and the proof that nothing panics are those of a `match`.
+//! No function of [`Protocol`] has a default, so that a format that lacks one does not compile.
+//! Calls are resolved when the module is compiled: the cost and the proof that nothing panics are
+//! those of a `match`.
 
 use core::fmt::Debug;
 
@@ -38,14 +39,15 @@ pub(super) trait Protocol {
     /// Ranges of one message, still encoded.
     type Ranges<'a>: Measurements;
 
-    /// Returns the length of the frame that begins with these bytes. They begin with [`Self::SYNC`] and may end before
-    /// the frame does. A length beyond [`Self::LONGEST`] is refused here.
+    /// Returns the length of the frame that begins with these bytes. They begin with [`Self::SYNC`]
+    /// and may end before the frame does. A length beyond [`Self::LONGEST`] is refused here.
     fn length(bytes: &[u8]) -> Extent;
 
     /// Returns true if the check of a complete frame holds.
     fn check(frame: &[u8]) -> bool;
 
-    /// Reads a frame whose check holds. The result is `None` if the frame only adds to what others have said.
+    /// Reads a frame whose check holds. The result is `None` if the frame only adds to what others
+    /// have said.
     ///
     /// # Errors
     /// [`Unread`] names why the frame leads to no message.
@@ -62,7 +64,8 @@ pub(super) trait Measurements: Debug {
     /// Returns true if the message has no satellite.
     fn is_empty(&self) -> bool;
 
-    /// Hands each range to `add`, and says if its code is the one of its band that the broadcast clock refers to.
+    /// Hands each range to `add`, and says if its code is the one of its band that the broadcast
+    /// clock refers to.
     fn each(
         &self,
         counters: &mut Counters,
@@ -104,7 +107,8 @@ pub(super) fn whole<P: Protocol>(bytes: &[u8]) -> Option<Frame<'_>> {
     (is_one && P::check(bytes)).then_some(Frame { bytes, came_ms: 0 })
 }
 
-/// Returns how far the frame of a format reaches that begins with these bytes, however few they are.
+/// Returns how far the frame of a format reaches that begins with these bytes, however few they
+/// are.
 pub(super) fn extent<P: Protocol>(bytes: &[u8]) -> Extent {
     if bytes.starts_with(P::SYNC) {
         P::length(bytes)
@@ -207,7 +211,8 @@ macro_rules! formats {
                 }
             }
 
-            /// Hands each range to `add`, and says if its code is the one of its band that the broadcast clock refers to.
+            /// Hands each range to `add`, and says if its code is the one of its band that the
+            /// broadcast clock refers to.
             fn each(
                 &self,
                 counters: &mut Counters,

@@ -26,7 +26,8 @@ pub struct Jamming {
 /// A statement of jamming or spoofing holds for so long, ms.
 const HOLDS_MS: u64 = 60_000;
 
-/// The statements of a receiver about its signals so far, from all its messages; each has an age of its own.
+/// The statements of a receiver about its signals so far, from all its messages; each has an age of
+/// its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Suspicions {
     /// Noise that hides the signals.
@@ -51,9 +52,10 @@ impl Suspicions {
         spoofing_ms: 0,
     };
 
-    /// Takes what a message says. One that knows of spoofing only never lowers what one has said that knows of both; and who
-    /// was sure and now does not know, as a receiver that has begun anew, has taken nothing back. A message renews the age of a
-    /// state only if the state is the one that the message says.
+    /// Takes what a message says. One that knows of spoofing only never lowers what one has said
+    /// that knows of both; and who was sure and now does not know, as a receiver that has begun
+    /// anew, has taken nothing back. A message renews the age of a state only if the state is the
+    /// one that the message says.
     pub fn hear(&mut self, said: &Jamming, now_ms: u64) {
         let knows_both = said.jamming.is_some();
         if let Some(spoofing) = said.spoofing {
@@ -70,7 +72,8 @@ impl Suspicions {
         self.is_told_both |= knows_both;
     }
 
-    /// Sets each state to unknown that no message has renewed for a minute, unless it is sure of spoofing.
+    /// Sets each state to unknown that no message has renewed for a minute, unless it is sure of
+    /// spoofing.
     pub fn age(&mut self, now_ms: u64) {
         let is_old = |said_ms: u64| now_ms.abs_diff(said_ms) > HOLDS_MS;
         if is_old(self.jamming_ms) {

@@ -1,12 +1,13 @@
 //! Votes of the systems on the week, each by its ephemerides.
 //!
-//! What one system says, however often, does not outvote two that agree. The week is wrong when more systems contradict it than
-//! confirm it, or as many and with [`DISSENT`] more ephemerides. Who has confirmed it is heard to contradict it when it has done
-//! so as often: some forged ephemerides do not turn a system's vote.
+//! What one system says, however often, does not outvote two that agree. The week is wrong when
+//! more systems contradict it than confirm it, or as many and with [`DISSENT`] more ephemerides.
+//! Who has confirmed it is heard to contradict it when it has done so as often: some forged
+//! ephemerides do not turn a system's vote.
 //!
-//! Two confirm what they cannot know. GLONASS counts days, and is dated by the time that is known: it has no vote. GPS counts
-//! weeks in cycles of 1,024, and is dated in the one that is nearest: where others contradict the cycle, what it has confirmed counts
-//! for nothing.
+//! Two confirm what they cannot know. GLONASS counts days, and is dated by the time that is known:
+//! it has no vote. GPS counts weeks in cycles of 1,024, and is dated in the one that is nearest:
+//! where others contradict the cycle, what it has confirmed counts for nothing.
 
 use raim_core::satellite::Constellation;
 
@@ -27,7 +28,8 @@ pub(super) enum Vote {
     OtherCycle,
 }
 
-/// What each system says of the week: that it is right where positive, that it is wrong where negative.
+/// What each system says of the week: that it is right where positive, that it is wrong where
+/// negative.
 #[derive(Clone, Debug)]
 pub(super) struct WeekVotes([i8; Constellation::ALL.len()]);
 

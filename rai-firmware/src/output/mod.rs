@@ -9,9 +9,10 @@
 //!
 //! Who tells, and remembers what was told, is [`crate::publisher`].
 //!
-//! One [`Statement`] describes one epoch. In an alert no sentence and no message carries a coordinate, a height, a speed or
-//! a protection level, and every mode says so. Outputs therefore take the place from `Statement::usable_solution` and the
-//! velocity from `Statement::usable_motion`.
+//! One [`Statement`] describes one epoch. In an alert no sentence and no message carries a
+//! coordinate, a height, a speed or a protection level, and every mode says so. Outputs therefore
+//! take the place from `Statement::usable_solution` and the velocity from
+//! `Statement::usable_motion`.
 
 use raim_core::report::{Report, Solution, Verdict};
 use raim_core::requirements::Requirements;
@@ -54,8 +55,8 @@ impl Motion {
     }
 }
 
-/// How sure the receiver that measures is of an interference, as `PRAIN` says it: 0 unknown, 1 none, 2 suspected or
-/// mitigated, 3 sure.
+/// How sure the receiver that measures is of an interference, as `PRAIN` says it: 0 unknown, 1
+/// none, 2 suspected or mitigated, 3 sure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Interference {
     /// Noise that hides the signals.

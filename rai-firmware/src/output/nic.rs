@@ -1,7 +1,8 @@
 //! NIC: the navigation integrity category of ADS-B that a horizontal protection level is good for.
 //!
-//! The category stands for a radius of containment that the level must stay below. The radius is one of 1e-7 an hour
-//! in a transponder; what it is here follows from the probabilities that are set, which `PRAIQ` says.
+//! The category stands for a radius of containment that the level must stay below. The radius is
+//! one of 1e-7 an hour in a transponder; what it is here follows from the probabilities that are
+//! set, which `PRAIQ` says.
 //!
 //! | NIC | 11 | 10 | 9 | 8 | 7 | 6 | 5 | 4 | 3 | 2 | 1 |
 //! |---|---|---|---|---|---|---|---|---|---|---|---|

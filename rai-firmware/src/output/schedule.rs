@@ -1,8 +1,8 @@
 //! How often each sentence and message is sent.
 //!
-//! `OUTPUT,item,n` sends an item with every n-th epoch, or never with 0; and with an epoch whose state is worse than that of
-//! the one before. The sentences that say whether the position may be used (`PRAIS`, `PRAIX`, `PRAIM`, `PRAIN`) and those of
-//! the settings cannot be switched off.
+//! `OUTPUT,item,n` sends an item with every n-th epoch, or never with 0; and with an epoch whose
+//! state is worse than that of the one before. The sentences that say whether the position may be
+//! used (`PRAIS`, `PRAIX`, `PRAIM`, `PRAIN`) and those of the settings cannot be switched off.
 
 /// Makes the items out of their names, rates at start, and features.
 macro_rules! items {

@@ -1,4 +1,5 @@
-//! What happens to each thing that comes in: an epoch is judged, the pin set, the report said; all else is remembered.
+//! What happens to each thing that comes in: an epoch is judged, the pin set, the report said; all
+//! else is remembered.
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
@@ -31,7 +32,8 @@ counters! {
         epochs_alert,
         /// Nothing to be promised.
         epochs_unavailable,
-        /// Epochs that were complete only after the time to alert, or were so much longer on their way than others before.
+        /// Epochs that were complete only after the time to alert, or were so much longer on their
+        /// way than others before.
         epochs_late,
         /// Epochs that were not judged because their end had waited too long behind others.
         epochs_skipped,
@@ -62,7 +64,8 @@ pub(super) struct EpochLoop<P> {
     /// Whether the last verdict is that of a report, and not of a silence.
     pub(super) has_report: bool,
     last_time: Option<GpsTime>,
-    /// When it came or, where it was late, should have come; or when its silence was last complained of.
+    /// When it came or, where it was late, should have come; or when its silence was last
+    /// complained of.
     last_epoch_ms: u64,
     lateness: Lateness,
     /// The last epoch whose ranges agreed with orbits that say the week, and when it came.
@@ -113,7 +116,8 @@ impl<P: OutputPin> EpochLoop<P> {
         })
     }
 
-    /// The last position counts for nothing, nor do how long epochs were on their way, and what was said of jamming and spoofing.
+    /// The last position counts for nothing, nor do how long epochs were on their way, and what was
+    /// said of jamming and spoofing.
     pub(super) fn forget(&mut self) {
         self.navigator.forget_position();
         self.lateness.forget();
@@ -268,12 +272,14 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 
     fn time_to_alert_ms(&self) -> u64 {
-        // At most an hour, and asked for at every look at the clock: to the nearest without software doubles.
+        // At most an hour, and asked for at every look at the clock: to the nearest without
+        // software doubles.
         u64::from((self.configuration.time_to_alert_s as f32 * 1e3 + 0.5) as u32)
     }
 
-    /// Takes over the settings that a command has changed. Where a promise rests on them, the pin goes low, because the promise was
-    /// made under others. Returns true where such a promise stood.
+    /// Takes over the settings that a command has changed. Where a promise rests on them, the pin
+    /// goes low, because the promise was made under others. Returns true where such a promise
+    /// stood.
     #[must_use]
     pub(super) fn reconfigure(&mut self) -> bool {
         let hash = self.configuration.promise_hash();
@@ -331,8 +337,8 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 }
 
-/// Whether ranges agree with orbits that tell the week, though perhaps not well enough for a promise: the epoch is of the instant that
-/// it is tagged with. GLONASS alone fits every week.
+/// Whether ranges agree with orbits that tell the week, though perhaps not well enough for a
+/// promise: the epoch is of the instant that it is tagged with. GLONASS alone fits every week.
 fn agree<const N: usize>(report: &Report<N>) -> bool {
     use Unavailable::{Accuracy, Emt, Hpl, Risk, Vpl};
     let is_contradicted = !matches!(

@@ -1,4 +1,5 @@
-//! How long an epoch was on its way: what a line, a relay or a logger holds back is old, and its tag does not say so.
+//! How long an epoch was on its way: what a line, a relay or a logger holds back is old, and its
+//! tag does not say so.
 //!
 //! ```text
 //! late = min (t − tₚ − (τ − τₚ) − d (t − tₚ))
@@ -10,20 +11,23 @@
 //! | `tₚ`, `τₚ` | the same of an epoch whose ranges agreed with orbits | ms |
 //! | `d` | how much the own clock may gain on the tags: [`Boot::clock_error_ppm`](super::Boot::clock_error_ppm) | – |
 //!
-//! The way from the antenna to the module always takes its time; the shortest that was seen counts as none. Tags are held
-//! against those of epochs that agreed alone: satellites move by kilometres in a second, so ranges that agree with their orbits
-//! are of the instant that they are tagged with. A signal that was recorded and is sent again is late for the same reason.
+//! The way from the antenna to the module always takes its time; the shortest that was seen counts
+//! as none. Tags are held against those of epochs that agreed alone: satellites move by kilometres
+//! in a second, so ranges that agree with their orbits are of the instant that they are tagged
+//! with. A signal that was recorded and is sent again is late for the same reason.
 //!
-//! What one epoch says is not yet known. An epoch far ahead of the others is not believed, and what fewer than [`FIRM_EPOCHS`] have
-//! led to gives way to as many that contradict it and agree with each other.
+//! What one epoch says is not yet known. An epoch far ahead of the others is not believed, and what
+//! fewer than [`FIRM_EPOCHS`] have led to gives way to as many that contradict it and agree with
+//! each other.
 //!
-//! **Limits.** A delay that grows more slowly than `d` is not told from a fast clock, nor is one seen that was there from the
-//! start. A clock faster than `d` makes everything late in the end.
+//! **Limits.** A delay that grows more slowly than `d` is not told from a fast clock, nor is one
+//! seen that was there from the start. A clock faster than `d` makes everything late in the end.
 
 use crate::division::divided;
 use crate::time::{GpsTime, WEEK_MS};
 
-/// Epochs, and the time between the first and the last of them, ms, that make known how long the way is.
+/// Epochs, and the time between the first and the last of them, ms, that make known how long the
+/// way is.
 const FIRM_EPOCHS: u8 = 10;
 const FIRM_MS: u64 = 10_000;
 
@@ -163,7 +167,8 @@ mod tests {
 
     const START: GpsTime = GpsTime { week: 2200, tow_ms: 0 };
 
-    /// How late epochs are that say these times and come then, s, where what is not late by ten seconds agrees with orbits.
+    /// How late epochs are that say these times and come then, s, where what is not late by ten
+    /// seconds agrees with orbits.
     fn late_s_by(clock_error_ppm: u32, epochs: &[(f64, f64)]) -> std::vec::Vec<f64> {
         let mut lateness = Lateness::by_clock_within(clock_error_ppm);
         let late = |&(tag_s, came_s): &(f64, f64)| {

@@ -5,22 +5,26 @@
 //!                                       └────► integrity pin
 //! ```
 //!
-//! The pin is high while the position of the last epoch may be used, and low in every other case: from reset on,
-//! on every verdict but `Protected`, and when the time to alert has passed since the last epoch came. A change of a setting that a
-//! promise rests on takes it back until the next epoch, a missed known answer until the next start. An epoch that is complete
-//! only after the time to alert is not judged at all: it would promise what was. Nor is one that was so much longer on its way
-//! than others before it, by its tag and the module's own clock ([`lateness`]): something holds back what it passes on.
+//! The pin is high while the position of the last epoch may be used, and low in every other case:
+//! from reset on, on every verdict but `Protected`, and when the time to alert has passed since the
+//! last epoch came. A change of a setting that a promise rests on takes it back until the next
+//! epoch, a missed known answer until the next start. An epoch that is complete only after the time
+//! to alert is not judged at all: it would promise what was. Nor is one that was so much longer on
+//! its way than others before it, by its tag and the module's own clock ([`lateness`]): something
+//! holds back what it passes on.
 //!
-//! What is said of an epoch is said at once; the time to alert bounds the silence after it. Epochs that come and are
-//! unavailable are therefore never stale, however long it lasts: the pin went low with the first of them.
+//! What is said of an epoch is said at once; the time to alert bounds the silence after it. Epochs
+//! that come and are unavailable are therefore never stale, however long it lasts: the pin went low
+//! with the first of them.
 //!
-//! An epoch whose end has waited for more than [`LAG_MS`] is skipped, and counted: where epochs come faster than they can
-//! be judged, the newest is judged and not the oldest.
+//! An epoch whose end has waited for more than [`LAG_MS`] is skipped, and counted: where epochs
+//! come faster than they can be judged, the newest is judged and not the oldest.
 //!
-//! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte; the pin is set before
-//! a sentence is written. The worst-case epoch of a stream that a search over all settings has found (40 satellites,
-//! twenty faulty) takes 2.4 million instructions: 14 ms at 168 MHz and one instruction a cycle (`cargo xtask bench`).
-//! A silent line is noticed by [`Receiver::tick`], to be called at least ten times a second.
+//! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte;
+//! the pin is set before a sentence is written. The worst-case epoch of a stream that a search over
+//! all settings has found (40 satellites, twenty faulty) takes 2.4 million instructions: 14 ms at
+//! 168 MHz and one instruction a cycle (`cargo xtask bench`). A silent line is noticed by
+//! [`Receiver::tick`], to be called at least ten times a second.
 
 mod epochs;
 mod lateness;
@@ -47,15 +51,17 @@ pub struct Boot {
     pub git: &'static str,
     /// Why it started, in the words of `PRAIV`.
     pub reset_cause: heapless::String<16>,
-    /// By how much the module's own clock may gain on the right time, parts per million: how old an epoch may be without being
-    /// found late.
+    /// By how much the module's own clock may gain on the right time, parts per million: how old an
+    /// epoch may be without being found late.
     pub clock_error_ppm: u32,
 }
 
 impl Boot {
-    /// Of a clock with a crystal: some 50 ppm when new and through its temperatures, and as much again for its years.
+    /// Of a clock with a crystal: some 50 ppm when new and through its temperatures, and as much
+    /// again for its years.
     pub const CRYSTAL_PPM: u32 = 250;
-    /// Of one without: within 1 % at room temperature. Whose clock is farther off than this reads no byte of a receiver.
+    /// Of one without: within 1 % at room temperature. Whose clock is farther off than this reads
+    /// no byte of a receiver.
     pub const WITHOUT_CRYSTAL_PPM: u32 = 40_000;
 
     /// As a program on a computer starts: for no reason of its own, and with a crystal.
@@ -70,8 +76,8 @@ const SILENCE_MS: u64 = 500;
 /// A pause of the line that no burst has inside, ms.
 const PAUSE_MS: u64 = 100;
 
-/// How long the end of an epoch may have waited to be read, ms. Reading costs a tenth of what judging costs, so whoever is
-/// behind catches up by reading alone.
+/// How long the end of an epoch may have waited to be read, ms. Reading costs a tenth of what
+/// judging costs, so whoever is behind catches up by reading alone.
 pub const LAG_MS: u64 = 40;
 
 /// The module: everything but the hardware.
@@ -112,7 +118,8 @@ impl<P: OutputPin> Receiver<P> {
         })
     }
 
-    // Not inlined, nor are the other ways in: what one needs of the stack the others need not have beside theirs.
+    // Not inlined, nor are the other ways in: what one needs of the stack the others need not have
+    // beside theirs.
 
     /// Says what runs here, why it started, and whether its arithmetic is right.
     #[inline(never)]
@@ -126,8 +133,9 @@ impl<P: OutputPin> Receiver<P> {
         self.epochs.sent(write_version(version, self.boot.git, cause, selftest, host).is_ok());
     }
 
-    /// Takes over the settings that the program before has sealed. Where a restart has damaged them, nothing is promised
-    /// until the host confirms those at start; after power-on they are what is meant.
+    /// Takes over the settings that the program before has sealed. Where a restart has damaged
+    /// them, nothing is promised until the host confirms those at start; after power-on they are
+    /// what is meant.
     pub fn restore(&mut self, memory: &[u8; SEALED_BYTES], after_power_on: bool) {
         match Configuration::unseal(memory) {
             _ if after_power_on => {}
@@ -140,8 +148,9 @@ impl<P: OutputPin> Receiver<P> {
         }
     }
 
-    /// Seals the settings for the next start, if they have changed since the last call. Not those that nobody has confirmed: a
-    /// second restart would find them, and take them for what is meant.
+    /// Seals the settings for the next start, if they have changed since the last call. Not those
+    /// that nobody has confirmed: a second restart would find them, and take them for what is
+    /// meant.
     pub fn seal(&mut self, memory: &mut [u8; SEALED_BYTES]) {
         if self.epochs.is_confirmed && core::mem::take(&mut self.is_unsealed) {
             self.epochs.configuration.seal(memory);
@@ -199,8 +208,8 @@ impl<P: OutputPin> Receiver<P> {
         &self.losses
     }
 
-    /// Looks at the clock: a cut frame holds nothing back any more after a pause, and a line that is silent for the
-    /// time to alert is an alert. Says whether something was said.
+    /// Looks at the clock: a cut frame holds nothing back any more after a pause, and a line that
+    /// is silent for the time to alert is an alert. Says whether something was said.
     #[inline(never)]
     pub fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
         let Self { input, epochs, .. } = self;
@@ -231,7 +240,8 @@ impl<P: OutputPin> Receiver<P> {
         }
     }
 
-    /// Takes bytes of the host port, and says all there is to say to them: for a host that waits for nothing else.
+    /// Takes bytes of the host port, and says all there is to say to them: for a host that waits
+    /// for nothing else.
     #[inline(never)]
     pub fn command<W: Write>(&mut self, bytes: &[u8], host: &mut W) {
         for &byte in bytes {
@@ -242,8 +252,8 @@ impl<P: OutputPin> Receiver<P> {
         }
     }
 
-    /// Takes one byte of the host port; says whether it ended a command that was obeyed. None is to be taken while there is
-    /// more to say to the last one.
+    /// Takes one byte of the host port; says whether it ended a command that was obeyed. None is to
+    /// be taken while there is more to say to the last one.
     pub fn command_byte<W: Write>(&mut self, byte: u8, host: &mut W) -> bool {
         let heard = self.commands.push(byte, &mut self.epochs.configuration, host);
         self.epochs.sent(heard.answered.is_ok());
@@ -344,8 +354,8 @@ impl<P: OutputPin> Receiver<P> {
         &self.epochs.pin
     }
 
-    /// Every counter by name: verdicts, ports, wire, satellites, range rates, commands; and the mean of SSE/dof in percent, which is
-    /// about 100 where the sigmas are right.
+    /// Every counter by name: verdicts, ports, wire, satellites, range rates, commands; and the
+    /// mean of SSE/dof in percent, which is about 100 where the sigmas are right.
     pub fn statistics(&self) -> impl Iterator<Item = (&'static str, u32)> {
         self.statistics_from(0)
     }

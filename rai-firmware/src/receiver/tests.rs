@@ -140,7 +140,8 @@ fn settings_that_a_restart_has_lost_have_to_be_confirmed() {
     }
 }
 
-/// The settings at start are nobody's until they are confirmed: sealed before, a second restart would take them for meant.
+/// The settings at start are nobody's until they are confirmed: sealed before, a second restart
+/// would take them for meant.
 #[test]
 fn settings_that_nobody_has_confirmed_are_not_sealed() {
     let mut sealed = [0; SEALED_BYTES];

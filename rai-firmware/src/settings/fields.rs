@@ -1,8 +1,10 @@
-//! Text cut at a character, once for all that is read: what the standard library makes of it is written anew wherever it is used.
+//! Text cut at a character, once for all that is read: what the standard library makes of it is
+//! written anew wherever it is used.
 
 /// What stands before the first of these characters and behind it.
 ///
-/// A single one is written twice: the search for one alone keeps bounds checks that no compiler sees through.
+/// A single one is written twice: the search for one alone keeps bounds checks that no compiler
+/// sees through.
 #[inline(never)]
 pub(super) fn cut(text: &str, at: [char; 2]) -> Option<(&str, &str)> {
     text.split_once(at)

@@ -40,7 +40,8 @@ impl Systems {
     /// GPS, Galileo and `BeiDou`.
     pub const AT_START: Self = Self(0b01101);
 
-    /// Returns the systems with these letters, each once; `None` for none, twice the same, or another letter.
+    /// Returns the systems with these letters, each once; `None` for none, twice the same, or
+    /// another letter.
     pub fn of(letters: &str) -> Option<Self> {
         let mut set = 0;
         for letter in letters.chars() {

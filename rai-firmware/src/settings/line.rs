@@ -1,15 +1,15 @@
 //! Bytes to lines: `$PRAIC,key,value…*CS`, ended by CR or LF, out of whatever else is on the wire.
 //!
-//! A `$` begins a line wherever it stands, so that garbage costs at most the line it is in. A character that no
-//! sentence contains (NUL, other controls, anything beyond ASCII) breaks the line off. Nothing grows beyond
-//! [`MAX_LINE`].
+//! A `$` begins a line wherever it stands, so that garbage costs at most the line it is in. A
+//! character that no sentence contains (NUL, other controls, anything beyond ASCII) breaks the line
+//! off. Nothing grows beyond [`MAX_LINE`].
 
 use heapless::String;
 
 use super::fields::{Fields, cut};
 
-/// Longest line accepted, `$` and line end not counted. Longer than a sentence may be: eight ionospheric coefficients of
-/// twelve digits do not fit into 82 characters.
+/// Longest line accepted, `$` and line end not counted. Longer than a sentence may be: eight
+/// ionospheric coefficients of twelve digits do not fit into 82 characters.
 pub const MAX_LINE: usize = 192;
 
 /// Longest part of an unknown key that an answer repeats.

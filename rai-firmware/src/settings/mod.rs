@@ -1,16 +1,20 @@
 //! Settings of the module, and the commands that change them.
 //!
-//! `$PRAIC,key,value…*CS` is answered with `$PRAIA,key,value…,OK*CS` or with `$PRAIA,key,ERR,why*CS`. A command
-//! makes a whole new [`Configuration`] or none: a refused one changes nothing.
+//! `$PRAIC,key,value…*CS` is answered with `$PRAIA,key,value…,OK*CS` or with
+//! `$PRAIA,key,ERR,why*CS`. A command makes a whole new [`Configuration`] or none: a refused one
+//! changes nothing.
 //!
-//! The table in `table.rs` has one row a setting. Key, field, start value, reading, reporting, hash, seal and the table of
-//! INTERFACES.md follow from it. A new setting takes one row; a type of values that no other setting has takes one file besides.
+//! The table in `table.rs` has one row a setting. Key, field, start value, reading, reporting,
+//! hash, seal and the table of INTERFACES.md follow from it. A new setting takes one row; a type of
+//! values that no other setting has takes one file besides.
 //!
-//! A key without a value answers what is in force, in the words that set it. `HAL`, `VAL`, `PFA` and `PMD` make the
-//! phase `CUSTOM`; `TTA` does not. A word that is known but not built in is refused with `not in this build`. The answer repeats
-//! the values as they came; where that would make it longer than 82 characters (eight long coefficients), it has the key and `OK`
-//! alone. A command that is obeyed but hardly wise is answered with `OK,WARN,why`: the thresholds `T2` and `TOP` hold missed
-//! detections down and nothing else, so that at a limit of 556 m and more no error that occurs raises an alarm.
+//! A key without a value answers what is in force, in the words that set it. `HAL`, `VAL`, `PFA`
+//! and `PMD` make the phase `CUSTOM`; `TTA` does not. A word that is known but not built in is
+//! refused with `not in this build`. The answer repeats the values as they came; where that would
+//! make it longer than 82 characters (eight long coefficients), it has the key and `OK` alone. A
+//! command that is obeyed but hardly wise is answered with `OK,WARN,why`: the thresholds `T2` and
+//! `TOP` hold missed detections down and nothing else, so that at a limit of 556 m and more no
+//! error that occurs raises an alarm.
 
 use raim_core::allocation::Allocation;
 use raim_core::continuity::{self, ContinuitySettings};
@@ -52,8 +56,9 @@ pub use table::{Configuration, Documentation, PhaseEffect, Row, Setting};
 
 use read::{Values, none};
 
-/// From this horizontal limit on, the thresholds that only hold missed detections down lie above any error that
-/// occurs: at 556 m, `T2` and `TOP` alarmed in none of 986 real epochs with errors up to 158 m.
+/// From this horizontal limit on, the thresholds that only hold missed detections down lie above
+/// any error that occurs: at 556 m, `T2` and `TOP` alarmed in none of 986 real epochs with errors
+/// up to 158 m.
 const WIDE_LIMIT_M: f64 = 556.0;
 
 /// Factor from degrees to radians.
@@ -105,8 +110,8 @@ impl Configuration {
         Ok(())
     }
 
-    /// Returns what the core requires. In no named phase, ARAIM's allocation of the risk follows from the numbers: of the phase
-    /// before, nothing is reported.
+    /// Returns what the core requires. In no named phase, ARAIM's allocation of the risk follows
+    /// from the numbers: of the phase before, nothing is reported.
     pub const fn requirements(&self) -> Requirements {
         let mut required = match self.phase.requirements() {
             Some(required) => required,
@@ -155,7 +160,8 @@ impl Configuration {
         }
     }
 
-    /// Returns the limits of the antenna's motion, and the time for which satellites must agree after an alert.
+    /// Returns the limits of the antenna's motion, and the time for which satellites must agree
+    /// after an alert.
     pub const fn continuity(&self) -> ContinuitySettings {
         ContinuitySettings {
             max_speed_m_s: self.greatest_speed_m_s,

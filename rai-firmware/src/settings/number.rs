@@ -1,8 +1,8 @@
 //! Decimal numbers in and out, without heap and without surprises.
 //!
-//! [`decimal`] reads `[+-]digits[.digits][(e|E)[+-]digits]` and nothing else: no `nan`, no `inf`, no blanks, no hexadecimal.
-//! Numbers of up to 15 digits with a decimal exponent within ±22 are read to the nearest `f64`; others to a few units in the
-//! last place.
+//! [`decimal`] reads `[+-]digits[.digits][(e|E)[+-]digits]` and nothing else: no `nan`, no `inf`,
+//! no blanks, no hexadecimal. Numbers of up to 15 digits with a decimal exponent within ±22 are
+//! read to the nearest `f64`; others to a few units in the last place.
 
 use heapless::String;
 use heapless::string::StringView;
@@ -83,7 +83,8 @@ fn integer(text: &str) -> Option<i32> {
     Some(if negative { -magnitude } else { magnitude })
 }
 
-/// `value · 10^exponent`. Dividing by an exact power rounds once; multiplying by a negative one would round twice.
+/// `value · 10^exponent`. Dividing by an exact power rounds once; multiplying by a negative one
+/// would round twice.
 fn scale(mut value: f64, exponent: i32) -> f64 {
     let mut left = exponent.unsigned_abs().min(2 * MAX_EXPONENT as u32);
     while left > 0 {
@@ -95,8 +96,8 @@ fn scale(mut value: f64, exponent: i32) -> f64 {
     value
 }
 
-/// A positive number below 1 with up to ten significant digits, as `3.33e-7`: how a probability of the tables is
-/// named so that it is understood when it is sent back.
+/// A positive number below 1 with up to ten significant digits, as `3.33e-7`: how a probability of
+/// the tables is named so that it is understood when it is sent back.
 pub fn scientific(value: f64) -> String<20> {
     const DECIMALS: u8 = 9;
     const UNIT: u32 = 10_u32.pow(DECIMALS as u32);
@@ -153,7 +154,8 @@ pub(crate) fn hexadecimal(value: u32) -> String<8> {
     text
 }
 
-/// A number of so many parts of a unit, without zeros at the end. What does not fit is left out, here and below.
+/// A number of so many parts of a unit, without zeros at the end. What does not fit is left out,
+/// here and below.
 #[inline(never)]
 fn push_decimals(text: &mut StringView, parts: u64, unit: u32) {
     let (mut whole, mut rest) = divided(parts, unit);

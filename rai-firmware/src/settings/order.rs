@@ -3,7 +3,8 @@
 use super::read::{Values, next_number, none};
 use super::refusal::Refusal;
 
-/// Makes the orders out of their keys; behind the name of one with a number stand its type and range.
+/// Makes the orders out of their keys; behind the name of one with a number stand its type and
+/// range.
 macro_rules! orders {
     ($($key:literal $order:ident $(($of:ident in $range:expr))?: $text:literal,)*) => {
         /// Order of the host.
@@ -13,7 +14,8 @@ macro_rules! orders {
         }
 
         impl Order {
-            /// Key of every order, its values, and one line for INTERFACES.md, which a test compares.
+            /// Key of every order, its values, and one line for INTERFACES.md, which a test
+            /// compares.
             pub const ALL: &'static [[&'static str; 3]] =
                 &[$([$key, orders!(@values $($of)?), $text],)*];
 

@@ -8,8 +8,8 @@
 //! | `LPV200` | 40 | 35 | 6 | 6 |
 //! | `CUSTOM` | the present one | the present one | the present one | 3600 |
 //!
-//! [ICAO-A10] allows an oceanic flight 300 s. A pin that stays high through five minutes of silence helps nobody who
-//! can be told earlier: whoever wants it says `CUSTOM`.
+//! [ICAO-A10] allows an oceanic flight 300 s. A pin that stays high through five minutes of silence
+//! helps nobody who can be told earlier: whoever wants it says `CUSTOM`.
 //!
 //! [ICAO-A10]: crate#references
 

@@ -19,7 +19,8 @@ pub enum Action {
 
 /// What a byte of the host port has led to.
 ///
-/// Two things, since neither waits for the other: a host that does not read its answers is obeyed nevertheless.
+/// Two things, since neither waits for the other: a host that does not read its answers is obeyed
+/// nevertheless.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[must_use]
 pub struct Heard<E> {
@@ -90,8 +91,8 @@ impl CommandPort {
         Heard { action: None, answered }
     }
 
-    /// What came in, by name: commands obeyed and refused (wrong checksums and unknown keys among them), sentences that are no
-    /// command, and breaks by characters that belong to none.
+    /// What came in, by name: commands obeyed and refused (wrong checksums and unknown keys among
+    /// them), sentences that are no command, and breaks by characters that belong to none.
     pub fn counters(&self) -> impl Iterator<Item = (&'static str, u32)> + use<> {
         COUNTERS.into_iter().zip(self.counts())
     }

@@ -1,6 +1,8 @@
-//! Integrity support of the satellites as a value: a preset, and what a command gave for single systems.
+//! Integrity support of the satellites as a value: a preset, and what a command gave for single
+//! systems.
 //!
-//! The module receives no integrity support message. A host that does, or trusts a system less than the preset, gives five values:
+//! The module receives no integrity support message. A host that does, or trusts a system less than
+//! the preset, gives five values:
 //!
 //! | value | field | range | unit |
 //! |---|---|---|---|
@@ -31,7 +33,8 @@ const BIAS_M: (f64, f64) = (0.0, 100.0);
 /// Probabilities other than 0: below, single precision has no pairs; above, nothing is promised.
 const FAULT: (f64, f64) = (1e-12, 0.1);
 
-/// Below this, four satellites together are below what ARAIM may leave out of its watch, 8e-8 ([Blanch2015]).
+/// Below this, four satellites together are below what ARAIM may leave out of its watch, 8e-8
+/// ([Blanch2015]).
 ///
 /// [Blanch2015]: crate#references
 const LEAST_WATCHED: f64 = 2e-8;
@@ -86,7 +89,8 @@ impl Promises {
         ism
     }
 
-    /// Returns true if a satellite of a system fails so seldom that ARAIM does not watch it: levels then bound noise alone.
+    /// Returns true if a satellite of a system fails so seldom that ARAIM does not watch it: levels
+    /// then bound noise alone.
     pub(super) fn leaves_faults_unwatched(&self) -> bool {
         self.own.iter().flatten().any(|own| own.satellite_fault < LEAST_WATCHED)
     }

@@ -27,7 +27,8 @@ pub enum Refusal {
     NotANumber,
     /// A number is outside the key's range.
     OutOfRange,
-    /// Eight zeros: a receiver's way of saying that it has no coefficients, and no model of an ionosphere.
+    /// Eight zeros: a receiver's way of saying that it has no coefficients, and no model of an
+    /// ionosphere.
     AllZero,
     /// The probability is not in the tables.
     NotInTables {

@@ -1,11 +1,13 @@
-//! Reports of the settings in force: the answer to a key without a value, and all of them in `PRAIQ`.
+//! Reports of the settings in force: the answer to a key without a value, and all of them in
+//! `PRAIQ`.
 //!
-//! Each setting is reported in the words and numbers that set it, so that a host can send them back. Fields that do not apply are
-//! empty.
+//! Each setting is reported in the words and numbers that set it, so that a host can send them
+//! back. Fields that do not apply are empty.
 //!
-//! `$PRAIQ,hash,field…,n,m*CS`: the fields of all settings in the order of the table, in as many sentences as they need; the last
-//! two fields of each are its number and how many there are. `hash` is the CRC-32 (IEEE 802.3, as zlib has it) of all
-//! fields with commas between them, 8 hexadecimal digits.
+//! `$PRAIQ,hash,field…,n,m*CS`: the fields of all settings in the order of the table, in as many
+//! sentences as they need; the last two fields of each are its number and how many there are.
+//! `hash` is the CRC-32 (IEEE 802.3, as zlib has it) of all fields with commas between them, 8
+//! hexadecimal digits.
 
 use embedded_io::Write;
 

@@ -1,8 +1,9 @@
 //! Settings in memory that survives a restart.
 //!
-//! They lie there as the commands that make them, one a line, and are obeyed again at the next start: what is read back has
-//! passed every check of a command. Memory after power-on holds anything, so they count only under three conditions: the
-//! mark, the CRC-32 of the text, and the hash that the settings read back must have ([`Configuration::hash`]).
+//! They lie there as the commands that make them, one a line, and are obeyed again at the next
+//! start: what is read back has passed every check of a command. Memory after power-on holds
+//! anything, so they count only under three conditions: the mark, the CRC-32 of the text, and the
+//! hash that the settings read back must have ([`Configuration::hash`]).
 //!
 //! | bytes | what |
 //! |---|---|
@@ -86,8 +87,8 @@ impl Configuration {
         }
     }
 
-    /// Hands over the commands that make these settings, line by line. Numbers of a named phase are not among them: set by
-    /// themselves, they would make it `CUSTOM`.
+    /// Hands over the commands that make these settings, line by line. Numbers of a named phase are
+    /// not among them: set by themselves, they would make it `CUSTOM`.
     fn say_commands(&self, mut take: impl FnMut(&str)) {
         for setting in Setting::ALL {
             if setting.row().phase != PhaseEffect::Leaves || self.phase == Phase::Custom {
@@ -177,7 +178,8 @@ mod tests {
             settings(&["HAL,40", "VAL,35", "PFA,1e-5", "PMD,1e-4", "TTA,3600"]),
             settings(&["IONO,1.4e-8,2.2e-8,-6e-8,-1.2e-7,9.6e4,1.3e5,-6.5e4,-3.3e5", "POLICY,T2"]),
             settings(&["ISM,RESEARCH-AIR", "ISM,G,2.4,2.4,0,1e-5,1e-4", "ISM,E,6,4.5,0.75,0,2e-4"]),
-            // What a phase leaves to choose, and a coefficient at its limit, of more digits than are said.
+            // What a phase leaves to choose, and a coefficient at its limit, of more digits than
+            // are said.
             settings(&["PHASE,LPV200", "PFF,1e-9", "MASK,5"]),
             settings(&["IONO,-1.1920928955078125e-7,0,0,0,0,0,0,0"]),
             longest(),

@@ -13,7 +13,8 @@ pub(super) type Take<'t> = &'t mut dyn FnMut(&str);
 /// Lowest and highest value of each number of a value.
 pub(super) type Ranges = [(f64, f64)];
 
-/// Value of a setting, whatever its type: settings are handled through this trait object, once for all of them.
+/// Value of a setting, whatever its type: settings are handled through this trait object, once for
+/// all of them.
 pub(super) trait Value {
     /// Replaces the value, or a part of it, by what a command has behind its key.
     fn change(&mut self, values: Values<'_, '_>, ranges: &Ranges) -> Result<(), Refusal>;
@@ -21,7 +22,8 @@ pub(super) trait Value {
     /// Reports the value in as many fields as any other value of its type.
     fn say(&self, take: Take<'_>);
 
-    /// Reports the value as commands have it, where that is not as [`Self::say`] reports it; returns true where it has.
+    /// Reports the value as commands have it, where that is not as [`Self::say`] reports it;
+    /// returns true where it has.
     fn tell(&self, _: Take<'_>) -> bool {
         false
     }

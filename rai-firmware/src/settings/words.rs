@@ -1,7 +1,8 @@
 //! Words that values are made of, and the meaning of each.
 //!
-//! Every meaning has its word, because the macro matches it: a variant without a word does not compile. A word that is known but not
-//! built in has no meaning, so that an answer can tell a wrong word from a missing feature.
+//! Every meaning has its word, because the macro matches it: a variant without a word does not
+//! compile. A word that is known but not built in has no meaning, so that an answer can tell a
+//! wrong word from a missing feature.
 
 use raim_core::integrity::raim::detection::threshold::policy::Policy;
 #[cfg(feature = "searches")]
@@ -38,7 +39,8 @@ macro_rules! with {
     };
 }
 
-/// Gives the meanings of a type their words. A host may also write an alias; the module reports the word.
+/// Gives the meanings of a type their words. A host may also write an alias; the module reports the
+/// word.
 macro_rules! words {
     ($type:ty {
         $($word:literal = [$($meaning:tt)+] $(if $feature:literal)?,)+
@@ -57,7 +59,8 @@ macro_rules! words {
                     $($(#[cfg(feature = $feature)])? $($meaning)+ => $word,)+
                     // No command leads here.
                     $(#[cfg(feature = $core_feature)] $($wordless)+ => "",)?
-                    // Another crate of the same program may have built the core with what this one lacks.
+                    // Another crate of the same program may have built the core with what this one
+                    // lacks.
                     $($(
                         #[cfg(not(feature = $feature))]
                         #[allow(unreachable_patterns, reason = "the core has it only with its own feature")]

@@ -1,4 +1,5 @@
-//! Which of a satellite's sets is in use, which satellites have one, and what becomes of contradictions.
+//! Which of a satellite's sets is in use, which satellites have one, and what becomes of
+//! contradictions.
 
 use crate::orbits::{CASES, Case, later};
 use raim_core::satellite::{Constellation, SatelliteId};
@@ -173,7 +174,8 @@ fn more_disputes_than_are_kept_still_end() {
     }
 }
 
-/// Satellites of all systems but those of a case, the geostationary ones left out: their elements mean another plane.
+/// Satellites of all systems but those of a case, the geostationary ones left out: their elements
+/// mean another plane.
 fn names() -> Vec<(usize, SatelliteId)> {
     let of = |case, constellation, numbers: std::ops::RangeInclusive<u8>| {
         numbers.map(move |number| (case, SatelliteId::new(constellation, number).unwrap()))
@@ -273,7 +275,8 @@ fn what_fnav_says_of_e5a_counts_though_the_orbit_is_that_of_inav() {
     assert_eq!(chosen(&[fnav(0, true, Some(3.12))]), both_pairs, "F/NAV alone, for E1 and E5a");
 }
 
-/// [OS-SDD] 2.3.1: data without guarantee makes no signal healthy. Both messages describe one orbit, so either speaks for it.
+/// [OS-SDD] 2.3.1: data without guarantee makes no signal healthy. Both messages describe one
+/// orbit, so either speaks for it.
 ///
 /// [OS-SDD]: raim_firmware#references
 #[test]
@@ -306,7 +309,8 @@ fn data_without_guarantee_closes_every_signal_whichever_band_says_it() {
     assert_eq!(chosen(&[inav(0, [false; 2]), fnav(0, true), fnav(600, false)]), open);
 }
 
-/// I/NAV called E1 healthy until its set was out of date; five hours later F/NAV says that E5a is in test.
+/// I/NAV called E1 healthy until its set was out of date; five hours later F/NAV says that E5a is
+/// in test.
 #[test]
 fn good_word_of_a_set_that_is_out_of_date_does_not_hold() {
     const LATER_S: i64 = 5 * 3600;

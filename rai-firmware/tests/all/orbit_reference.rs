@@ -46,8 +46,9 @@ fn harmonic(unit: f64) -> impl Strategy<Value = f32> {
     field(1 << 17).prop_map(move |units| (units * unit) as f32)
 }
 
-/// An orbit that a system has, as the module's documentation bounds it: message, satellite, √A, eccentricity, inclination in
-/// degrees. Those of the geostationary satellites of `BeiDou` are about the plane of their elements.
+/// An orbit that a system has, as the module's documentation bounds it: message, satellite, √A,
+/// eccentricity, inclination in degrees. Those of the geostationary satellites of `BeiDou` are
+/// about the plane of their elements.
 type Kind = (Source, u8, (f64, f64), (f64, f64), (f64, f64));
 
 const KINDS: [Kind; 9] = [

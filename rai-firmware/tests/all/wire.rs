@@ -1,4 +1,5 @@
-//! RTCM 3 written bit by bit from the tables of the standard: an encoder that shares nothing with the decoder.
+//! RTCM 3 written bit by bit from the tables of the standard: an encoder that shares nothing with
+//! the decoder.
 #![allow(dead_code, reason = "each test program uses a part")]
 
 use raim_firmware::ephemeris::Source;
@@ -87,8 +88,8 @@ fn rough(satellite: u8, cells: &[Cell]) -> i64 {
     (cell.2 / 299_792.458 * 1024.0).round() as i64
 }
 
-/// Rate of a satellite in m/s, and what a signal's differs from it in 0.1 mm/s, in levels 5 and 7; satellite 9 has none,
-/// nor has the second signal of satellite 5.
+/// Rate of a satellite in m/s, and what a signal's differs from it in 0.1 mm/s, in levels 5 and 7;
+/// satellite 9 has none, nor has the second signal of satellite 5.
 pub(crate) fn rates(satellite: u8, signal: u8) -> Option<(i64, i64)> {
     let is_said = satellite != 9 && (satellite, signal) != (5, L2W);
     is_said.then(|| (i64::from(satellite) * 37 - 500, i64::from(signal) * 1000 - 7001))

@@ -100,7 +100,8 @@ impl EmulatedBoard {
         self.send(crate::sentence::command(text).as_bytes())
     }
 
-    /// Returns the next line of the host port, with its line end. It discards `MAVLink` frames before it.
+    /// Returns the next line of the host port, with its line end. It discards `MAVLink` frames
+    /// before it.
     ///
     /// # Errors
     /// If none comes within `patience`.

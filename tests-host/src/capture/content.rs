@@ -118,7 +118,8 @@ impl Content {
         )
     }
 
-    /// What is missing, system by system; `others` are satellites whose ephemerides come from elsewhere.
+    /// What is missing, system by system; `others` are satellites whose ephemerides come from
+    /// elsewhere.
     pub fn missing(&self, others: &BTreeSet<SatelliteId>) -> Option<String> {
         let has_orbit =
             |satellite: &SatelliteId| self.known.contains(satellite) || others.contains(satellite);

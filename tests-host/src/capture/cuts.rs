@@ -1,8 +1,9 @@
 //! Where a stream is cut: behind the frame that completes an epoch.
 //!
-//! The module's own input says when an epoch is complete. Bytes that look like the beginning of a long frame may hold it
-//! back; on a line they do so until it falls silent, which it does between two epochs. Here the line counts as silent behind
-//! a frame of ranges that says that it is the last, and the module is left as long to notice when the lump is replayed.
+//! The module's own input says when an epoch is complete. Bytes that look like the beginning of a
+//! long frame may hold it back; on a line they do so until it falls silent, which it does between
+//! two epochs. Here the line counts as silent behind a frame of ranges that says that it is the
+//! last, and the module is left as long to notice when the lump is replayed.
 
 use std::collections::BTreeSet;
 
@@ -58,8 +59,8 @@ impl Cutter {
         self.input.counters().week_corrections
     }
 
-    /// Takes the next piece; returns the epoch that ends with it. Of two that were held back together the module says the
-    /// last verdict only, so that they are one here.
+    /// Takes the next piece; returns the epoch that ends with it. Of two that were held back
+    /// together the module says the last verdict only, so that they are one here.
     pub(super) fn take(&mut self, piece: &Piece<'_>) -> Option<Cut> {
         let Self { input, ranged, known, ephemerides, ionosphere } = self;
         let mut ended = None;
@@ -95,7 +96,8 @@ impl Cutter {
     }
 }
 
-/// Returns true where a time of week is not that of an epoch, to the tenth of a second that systems may be apart.
+/// Returns true where a time of week is not that of an epoch, to the tenth of a second that systems
+/// may be apart.
 fn is_other(tow_ms: u32, epoch: GpsTime) -> bool {
     GpsTime::nearest(tow_ms, epoch).since_ms(epoch).abs() > 100
 }

@@ -1,4 +1,5 @@
-//! Faults in a capture: the ranges of a frame are altered where they stand, and all else stays as it came.
+//! Faults in a capture: the ranges of a frame are altered where they stand, and all else stays as
+//! it came.
 //!
 //! ```text
 //! RXM-RAWX    prMes, a double                            P' = P + Δ
@@ -11,9 +12,10 @@
 //! | MSM4, MSM5 | 2⁻²⁴ ms, 18 mm |
 //! | MSM6, MSM7 | 2⁻²⁹ ms, 0.6 mm |
 //!
-//! The fine range reaches 292 m to either side of the rough one, which all signals of a satellite share. It is kept where
-//! the faulty ranges fit, and moved where they do not. A lost satellite has no measurement in RXM-RAWX, and in MSM ranges that
-//! say that there are none. Carrier phases and rates are left alone: they are of no use to who checks a code range.
+//! The fine range reaches 292 m to either side of the rough one, which all signals of a satellite
+//! share. It is kept where the faulty ranges fit, and moved where they do not. A lost satellite has
+//! no measurement in RXM-RAWX, and in MSM ranges that say that there are none. Carrier phases and
+//! rates are left alone: they are of no use to who checks a code range.
 //!
 //! Reference: [RTCM-10403.3] 3.5.16, tables 3.5-73 to 3.5-101.
 //!
@@ -63,7 +65,8 @@ fn change(faults: &[Fault], satellite: SatelliteId, elapsed_s: f64) -> Option<Ch
     (bias_m != 0.0).then_some(Change::Longer(bias_m))
 }
 
-/// The time of week of a frame's ranges, ms of GPS time; `None` where there is none or it cannot be told.
+/// The time of week of a frame's ranges, ms of GPS time; `None` where there is none or it cannot be
+/// told.
 pub(super) fn tow_ms(piece: &Piece<'_>) -> Option<u32> {
     let payload = payload(piece);
     if piece.kind == Kind::RAWX {
@@ -83,8 +86,8 @@ pub(super) fn tow_ms(piece: &Piece<'_>) -> Option<u32> {
     }
 }
 
-/// The frame with the faults in it, `None` where they do not touch it. `epoch` is the one that it came with, `elapsed_s`
-/// after the first.
+/// The frame with the faults in it, `None` where they do not touch it. `epoch` is the one that it
+/// came with, `elapsed_s` after the first.
 ///
 /// # Errors
 /// A fault that a message has no room for.

@@ -1,7 +1,7 @@
 //! Where the bytes of a capture come from: a file, standard input, a TCP server, a serial port.
 //!
-//! A file has an end. A server and a port need not: they are listened to for a time, and until they have been silent for
-//! [`SILENCE`].
+//! A file has an end. A server and a port need not: they are listened to for a time, and until they
+//! have been silent for [`SILENCE`].
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Error, ErrorKind, Read};
@@ -38,11 +38,12 @@ pub struct Bytes {
 }
 
 impl Bytes {
-    /// Opens a source: a path, `-`, `tcp://host:port`, `serial:path` or `serial:path@rate`. A source without an end of its
-    /// own ends after `limit_s` seconds.
+    /// Opens a source: a path, `-`, `tcp://host:port`, `serial:path` or `serial:path@rate`. A
+    /// source without an end of its own ends after `limit_s` seconds.
     ///
     /// # Errors
-    /// The source cannot be opened or read, sends nothing, is packed by something other than gzip, or needs a limit.
+    /// The source cannot be opened or read, sends nothing, is packed by something other than gzip,
+    /// or needs a limit.
     pub fn open(name: &str, limit_s: f64) -> Result<Self> {
         let limit =
             limit_s.is_finite().then(|| Duration::from_secs_f64(limit_s.clamp(0.0, LONGEST_S)) + GRACE);

@@ -18,15 +18,15 @@ use crate::replay::{Lump, Window};
 /// The longest gap between two epochs of one recording, ms: a day.
 const LONGEST_GAP_MS: i64 = 86_400_000;
 
-/// Bytes that are kept at most for one lump: a thousand times what a receiver sends in an epoch, or what satellites
-/// broadcast in an hour. Where more come, the oldest are dropped.
+/// Bytes that are kept at most for one lump: a thousand times what a receiver sends in an epoch, or
+/// what satellites broadcast in an hour. Where more come, the oldest are dropped.
 const LUMP_BYTES: usize = 4 << 20;
 
 /// Bytes by which something that is no capture is named.
 const HEAD: usize = 4096;
 
-/// The lumps of a capture. Nothing of the source is kept but the bytes of one epoch, so that its length does not matter;
-/// what is wrong with all of it comes as an error at its end.
+/// The lumps of a capture. Nothing of the source is kept but the bytes of one epoch, so that its
+/// length does not matter; what is wrong with all of it comes as an error at its end.
 pub struct Lumps<R> {
     stream: Stream<R>,
     cutter: Cutter,
@@ -64,11 +64,13 @@ struct Span {
 }
 
 impl<R: Read> Lumps<R> {
-    /// Returns the lumps of a window of `source`, with faults and with the orbits of navigation files beside its own. Faults
-    /// are timed from the first epoch of the capture, whatever the window is.
+    /// Returns the lumps of a window of `source`, with faults and with the orbits of navigation
+    /// files beside its own. Faults are timed from the first epoch of the capture, whatever the
+    /// window is.
     ///
     /// # Errors
-    /// A fault that needs to know where satellites stand; an ephemeris that no message has room for.
+    /// A fault that needs to know where satellites stand; an ephemeris that no message has room
+    /// for.
     pub fn of(source: R, orbits: Option<Orbits>, faults: &[Fault], window: &Window) -> Result<Self> {
         ensure!(
             !faults.iter().any(Fault::needs_directions),
@@ -106,13 +108,14 @@ impl<R: Read> Lumps<R> {
         self
     }
 
-    /// Returns the GPS week of the window's first epoch if the module has to be told, once that epoch was read.
+    /// Returns the GPS week of the window's first epoch if the module has to be told, once that
+    /// epoch was read.
     pub fn week(&self) -> Option<u16> {
         self.given.and(self.first_used).map(|first| first.week)
     }
 
-    /// Returns the GPS week of the first epoch, as far as all that was read agrees on it; `None` if it is the week that
-    /// the module takes.
+    /// Returns the GPS week of the first epoch, as far as all that was read agrees on it; `None` if
+    /// it is the week that the module takes.
     pub(super) fn agreed_week(&self) -> Option<u16> {
         let span = self.span.as_ref()?;
         week::of(span.first, span.last, self.cutter.week_corrections(), self.stated)
@@ -128,8 +131,8 @@ impl<R: Read> Lumps<R> {
         self.content.missing(&self.orbits.as_ref().map(Orbits::satellites).unwrap_or_default())
     }
 
-    /// Returns the coefficients of the ionosphere that the module cannot hear itself: of a navigation file, or from before
-    /// the first lump that was returned.
+    /// Returns the coefficients of the ionosphere that the module cannot hear itself: of a
+    /// navigation file, or from before the first lump that was returned.
     pub fn klobuchar(&self) -> Option<[f64; 8]> {
         self.orbits.as_ref().and_then(|orbits| orbits.klobuchar).or(self.klobuchar)
     }
@@ -287,7 +290,8 @@ fn falsified(bytes: &[u8], epoch: (GpsTime, f64), faults: &[Fault]) -> Result<Ve
     Ok(altered)
 }
 
-/// Returns the frames of an epoch without its ranges. Those of the next one, which may have come with it, stay.
+/// Returns the frames of an epoch without its ranges. Those of the next one, which may have come
+/// with it, stay.
 fn without_ranges(bytes: &[u8], epoch: GpsTime) -> Vec<u8> {
     let is_kept = |piece: &Piece<'_>| {
         let of_next = || {

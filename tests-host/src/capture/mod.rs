@@ -14,8 +14,9 @@
 //! | `week` | the GPS week of the first epoch |
 //! | `orbits` | ephemerides of navigation files, where the capture has none |
 //!
-//! A lump holds every byte from the end of one epoch to the end of the next, good or bad, as they came. Time runs by the tags
-//! of the epochs: a capture has no other. What is left out by a window loses its ranges and keeps its ephemerides.
+//! A lump holds every byte from the end of one epoch to the end of the next, good or bad, as they
+//! came. Time runs by the tags of the epochs: a capture has no other. What is left out by a window
+//! loses its ranges and keeps its ephemerides.
 
 mod content;
 mod cuts;
@@ -53,7 +54,8 @@ pub struct Capture {
 pub struct Prepared {
     /// Epoch by epoch.
     pub lumps: Vec<Lump>,
-    /// Coefficients of the ionosphere that the module cannot hear itself: of a navigation file, or from before the window.
+    /// Coefficients of the ionosphere that the module cannot hear itself: of a navigation file, or
+    /// from before the window.
     pub klobuchar: Option<[f64; 8]>,
     /// The GPS week of the first epoch, which the module is told where it would take another.
     pub week: Option<u16>,
@@ -74,11 +76,12 @@ pub fn is_capture(path: &Path) -> bool {
     Bytes::open(&path.display().to_string(), f64::INFINITY).is_ok_and(|bytes| has_frames(bytes.head()))
 }
 
-/// Bytes of a file by which its week is told: minutes to hours, in which every system sends its sets.
+/// Bytes of a file by which its week is told: minutes to hours, in which every system sends its
+/// sets.
 const WEEK_BYTES: u64 = 16 << 20;
 
-/// Returns the GPS week of the first epoch of a file, not rolled over; `None` if the module takes it by
-/// itself, or if the source is no file, which can be read but once.
+/// Returns the GPS week of the first epoch of a file, not rolled over; `None` if the module takes
+/// it by itself, or if the source is no file, which can be read but once.
 ///
 /// # Errors
 /// As of [`Bytes::open`].
@@ -100,8 +103,8 @@ impl Capture {
     /// Reads what a receiver sent, with the orbits of navigation files beside its own.
     ///
     /// # Errors
-    /// Bytes that are no capture or hold no epoch, two recordings in one, orbits of another day: what was found, and what
-    /// would help.
+    /// Bytes that are no capture or hold no epoch, two recordings in one, orbits of another day:
+    /// what was found, and what would help.
     pub fn of(bytes: Vec<u8>, orbits: Option<Orbits>) -> Result<Self> {
         Self::of_week(bytes, orbits, None)
     }
@@ -129,11 +132,12 @@ impl Capture {
         self.missing.clone()
     }
 
-    /// Returns the lumps of a window. Faults are timed from the first epoch of the capture, whatever the window is.
+    /// Returns the lumps of a window. Faults are timed from the first epoch of the capture,
+    /// whatever the window is.
     ///
     /// # Errors
-    /// A fault of a satellite that is not in the capture or that a message has no room for, a window that is empty or that
-    /// cannot be thinned.
+    /// A fault of a satellite that is not in the capture or that a message has no room for, a
+    /// window that is empty or that cannot be thinned.
     pub fn lumps(&self, faults: &[Fault], window: &Window) -> Result<Prepared> {
         let source = Lumps::of(self.bytes.as_slice(), self.orbits.clone(), faults, window)?;
         let mut source = source.in_week(self.week);

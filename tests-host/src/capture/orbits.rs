@@ -1,6 +1,7 @@
 //! Ephemerides of RINEX navigation files, for where a capture has none.
 //!
-//! A capture's own ephemerides go before: a satellite of which it has said one lately gets none from the files.
+//! A capture's own ephemerides go before: a satellite of which it has said one lately gets none
+//! from the files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;

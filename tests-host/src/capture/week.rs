@@ -6,8 +6,8 @@
 //! | the week that the sets in the file agree on in the end | the module corrected it on the way |
 //! | the cycle of 1,024 weeks | the module takes a cycle that has not come yet: the last one that has |
 //!
-//! The module on a live wire takes no week before April 2019, and decides as it reads. The beginning of
-//! a file is read twice.
+//! The module on a live wire takes no week before April 2019, and decides as it reads. The
+//! beginning of a file is read twice.
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -29,7 +29,8 @@ pub(super) fn of(first: GpsTime, last: GpsTime, corrections: u32, stated: Option
     (!is_steady).then_some(week)
 }
 
-/// Returns the week that a RXM-RAWX states; `None` for another message, and for a receiver that does not know it.
+/// Returns the week that a RXM-RAWX states; `None` for another message, and for a receiver that
+/// does not know it.
 pub(super) fn stated(piece: &Piece<'_>) -> Option<u16> {
     /// Place of the week in the frame: behind six bytes of header and the time of week.
     const WEEK: std::ops::Range<usize> = 14..16;

@@ -1,4 +1,5 @@
-//! Where satellites stand, from the bytes that a module hears: their orbits and the ranges, and the module's position.
+//! Where satellites stand, from the bytes that a module hears: their orbits and the ranges, and the
+//! module's position.
 //!
 //! The module's sentences have no directions; whoever sees only these sees no sky.
 

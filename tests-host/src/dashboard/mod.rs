@@ -14,8 +14,8 @@
 //! | [`plain`] | the same as lines of text |
 //! | [`heaven`] | where satellites stand, as far as the source sends orbits |
 //!
-//! The pin is shown as the source knows it: the emulated board tells its level; behind a wire it is what the verdict says it
-//! must be, and marked so.
+//! The pin is shown as the source knows it: the emulated board tells its level; behind a wire it is
+//! what the verdict says it must be, and marked so.
 
 mod charts;
 pub mod draw;

@@ -183,8 +183,8 @@ impl Dashboard {
     }
 }
 
-/// Returns the settings by their keys, as far as there is room: of a setting with many fields the first. `None` unless the fields are
-/// those of all settings.
+/// Returns the settings by their keys, as far as there is room: of a setting with many fields the
+/// first. `None` unless the fields are those of all settings.
 fn named(mut fields: &[String]) -> Option<Vec<(&'static str, String)>> {
     let mut settings = Vec::new();
     for setting in Setting::ALL {

@@ -1,7 +1,8 @@
 //! Where the sentences come from.
 //!
-//! Each source is a thread that sends what it sees, and ends with a word about why. What a module said is recorded as it
-//! came; a recording is a source again. Captures are read as `replay` reads them, and time runs by the tags.
+//! Each source is a thread that sends what it sees, and ends with a word about why. What a module
+//! said is recorded as it came; a recording is a source again. Captures are read as `replay` reads
+//! them, and time runs by the tags.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
@@ -32,7 +33,8 @@ const PACE: Duration = Duration::from_millis(100);
 /// How long the emulated board may take for an epoch.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// The longest pause of a file of sentences that is waited for, s: in a longer one the module was off.
+/// The longest pause of a file of sentences that is waited for, s: in a longer one the module was
+/// off.
 const LONGEST_PAUSE_S: f64 = 60.0;
 
 /// Seconds of a day, at whose end the time of sentences begins anew.
@@ -60,7 +62,8 @@ pub enum Choice {
     Port(PathBuf),
     /// A TCP server that passes on the host port.
     Tcp(String),
-    /// A recording of sentences, or a capture of what a receiver sent, told apart by content; and how fast it is shown.
+    /// A recording of sentences, or a capture of what a receiver sent, told apart by content; and
+    /// how fast it is shown.
     File(PathBuf, Control),
     /// A simulated sky on the emulated board.
     Demo(Plan),
@@ -138,7 +141,8 @@ fn holds_sentences(head: &[u8]) -> bool {
     !has_frames(head) && head.split(|byte| *byte == b'\n').any(is_said)
 }
 
-/// A terminal is set to the module's rate and left alone otherwise; a pipe or a file is read as it is.
+/// A terminal is set to the module's rate and left alone otherwise; a pipe or a file is read as it
+/// is.
 fn serial(path: &Path) -> Result<File> {
     use std::os::unix::fs::FileTypeExt as _;
     let port = File::open(path).with_context(|| format!("{} cannot be opened", path.display()))?;

@@ -1,4 +1,5 @@
-//! Frequency slots: GLONASS satellites send on carriers of their own, and ranges of them say on which.
+//! Frequency slots: GLONASS satellites send on carriers of their own, and ranges of them say on
+//! which.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +23,8 @@ impl Channels {
         Self { slots: ephemerides.iter().filter_map(slot).collect() }
     }
 
-    /// The slot of a satellite, −7 to 6; 0 where all of its system share their carriers, none where nobody has said it.
+    /// The slot of a satellite, −7 to 6; 0 where all of its system share their carriers, none where
+    /// nobody has said it.
     pub(super) fn slot(&self, satellite: SatelliteId) -> Option<i8> {
         match satellite.constellation() {
             Constellation::Glonass => self.slots.get(&satellite).copied(),

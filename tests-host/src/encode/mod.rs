@@ -1,7 +1,8 @@
 //! Measurements to RTCM 3, as a receiver would send them: one lump of bytes per epoch.
 //!
-//! A lump is, in this order: the ephemerides that have become known ([`schedule`]), then the ranges of each system
-//! as MSM7 ([`msm`]). The last message of the lump says that it is the last (multiple-message bit 0).
+//! A lump is, in this order: the ephemerides that have become known ([`schedule`]), then the ranges
+//! of each system as MSM7 ([`msm`]). The last message of the lump says that it is the last
+//! (multiple-message bit 0).
 //!
 //! | what | message |
 //! |---|---|
@@ -12,7 +13,8 @@
 //! | QZSS ephemeris | 1044 |
 //! | ranges of GPS, GLONASS, Galileo, QZSS, `BeiDou` | 1077, 1087, 1097, 1117, 1127 |
 //!
-//! References: [RTCM-10403.3] §3.5.16 for MSM, DF002 ff. for the fields, as implemented by the `rtcm-rs` crate.
+//! References: [RTCM-10403.3] §3.5.16 for MSM, DF002 ff. for the fields, as implemented by the
+//! `rtcm-rs` crate.
 //!
 //! [RTCM-10403.3]: crate#references
 
@@ -111,14 +113,15 @@ impl Encoder {
         Self { schedule: self.schedule.like_a_receiver(), ..self }
     }
 
-    /// How many signals could not be sent so far: their pseudorange is negative, 255 ms or more, or more than 200 m
-    /// away from the satellite's other one, or of a GLONASS satellite whose frequency slot is unknown, which the message
-    /// has no numbers for.
+    /// How many signals could not be sent so far: their pseudorange is negative, 255 ms or more, or
+    /// more than 200 m away from the satellite's other one, or of a GLONASS satellite whose
+    /// frequency slot is unknown, which the message has no numbers for.
     pub fn unsendable(&self) -> u64 {
         self.unsendable
     }
 
-    /// The bytes of an epoch; they hold no ranges, and so end no epoch for the receiver, where nothing is seen.
+    /// The bytes of an epoch; they hold no ranges, and so end no epoch for the receiver, where
+    /// nothing is seen.
     ///
     /// # Errors
     /// A number that its message has no room for.

@@ -13,12 +13,12 @@
 //! | | rough phase range rate | m/s | 1 | ±8191, per satellite |
 //! | | fine phase range rate | m/s | 10⁻⁴ | ±1.6383, per signal |
 //!
-//! A message holds at most 64 cells, the product of the number of satellites and of different signals; what does not
-//! fit goes into further messages of the same kind. Carrier phases are left invalid: RAI does not use them.
+//! A message holds at most 64 cells, the product of the number of satellites and of different
+//! signals; what does not fit goes into further messages of the same kind. Carrier phases are left
+//! invalid: RAI does not use them.
 //!
-//! Of each satellite the signal of the first band is sent and, for two frequencies, the pair that the receiver
-//! combines; see [`pairs`].
-//! References: [RTCM-10403.3] tables 3.5-78 to 3.5-106.
+//! Of each satellite the signal of the first band is sent and, for two frequencies, the pair that
+//! the receiver combines; see [`pairs`]. References: [RTCM-10403.3] tables 3.5-78 to 3.5-106.
 //!
 //! [RTCM-10403.3]: crate#references
 
@@ -52,7 +52,8 @@ const M_PER_MS: f64 = SPEED_OF_LIGHT_M_S * 1e-3;
 /// Steps of `mod1` in a millisecond.
 const ROUGH_STEPS: f64 = 1024.0;
 
-/// Largest difference of a signal from its satellite's rough range, ms: what `fine` holds, less one unit.
+/// Largest difference of a signal from its satellite's rough range, ms: what `fine` holds, less one
+/// unit.
 const FINE_LIMIT_MS: f64 = 1.0 / 1024.0 - 1.0 / 536_870_912.0;
 
 /// Highest whole millisecond of a rough range; 255 means invalid.
@@ -70,8 +71,8 @@ type Choice = (u8, &'static str);
 
 /// The pairs to choose from, in the order of preference: first band, then second.
 ///
-/// Components come in the order in which the broadcast group delays fit them best: GPS clocks are of L1 P(Y) and L2
-/// P(Y), Galileo's of E1 and E5, `BeiDou`'s of B3I.
+/// Components come in the order in which the broadcast group delays fit them best: GPS clocks are
+/// of L1 P(Y) and L2 P(Y), Galileo's of E1 and E5, `BeiDou`'s of B3I.
 const fn pairs(constellation: Constellation) -> &'static [(Choice, Choice)] {
     const L1: Choice = (1, "CWPXLS");
     const E1: Choice = (1, "CXBAZ");
@@ -85,9 +86,9 @@ const fn pairs(constellation: Constellation) -> &'static [(Choice, Choice)] {
     }
 }
 
-/// What GPS satellites are sent with where all of it is there: C/A, which every reader of RTCM looks for, and the two
-/// codes that the broadcast clock is of. Between C/A and P(Y) a satellite has a delay of its own, up to a metre, that
-/// the combination triples and no message tells.
+/// What GPS satellites are sent with where all of it is there: C/A, which every reader of RTCM
+/// looks for, and the two codes that the broadcast clock is of. Between C/A and P(Y) a satellite
+/// has a delay of its own, up to a metre, that the combination triples and no message tells.
 const GPS_TRIPLE: [Choice; 3] = [(1, "C"), (1, "WP"), (2, "WP")];
 
 /// The signal of a satellite that is the best of a choice.
@@ -135,7 +136,8 @@ struct Cell {
 }
 
 impl Row {
-    /// Splits the ranges of a satellite; none if no signal is left. Signals without a place are counted.
+    /// Splits the ranges of a satellite; none if no signal is left. Signals without a place are
+    /// counted.
     fn new(
         satellite: SatelliteId,
         signals: &[&MeasuredSignal],
@@ -149,7 +151,8 @@ impl Row {
         };
         let sendable = |range_ms: f64| (0.0..=WHOLE_LIMIT_MS).contains(&range_ms);
         let first_ms = signals.iter().map(|signal| signal.pseudorange_m / M_PER_MS).find(|ms| sendable(*ms));
-        // The rough range is rounded from the first signal, which leaves the others at least half of the room.
+        // The rough range is rounded from the first signal, which leaves the others at least half
+        // of the room.
         let rough = (first_ms.unwrap_or(0.0) * ROUGH_STEPS).round();
         let rough_ms = rough / ROUGH_STEPS;
         let rates = signals.iter().filter_map(|signal| rate_m_s(system, slot, signal));
@@ -224,7 +227,8 @@ fn cells(part: &[Row]) -> usize {
     part.len() * signals.len()
 }
 
-/// The messages of an epoch; none for a system without satellites, since a message of nothing is not readable by all.
+/// The messages of an epoch; none for a system without satellites, since a message of nothing is
+/// not readable by all.
 pub(super) fn messages(
     epoch: &MeasuredEpoch,
     selection: &Selection,
@@ -261,7 +265,8 @@ fn rows(
     rows
 }
 
-/// The messages differ in names only, and in what stands beside the time and beside a satellite's range.
+/// The messages differ in names only, and in what stands beside the time and beside a satellite's
+/// range.
 macro_rules! msm7 {
     ($message:ident: $type:ident, $data:ident, $satellite:ident { $extended:ident: $of:expr }, $signal:ident, $id:ident,
      $($time:ident = $time_value:expr),+; $more:expr, $rows:expr) => {{

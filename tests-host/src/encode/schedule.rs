@@ -1,18 +1,19 @@
 //! Which ephemerides a receiver knows when, from what was broadcast when.
 //!
-//! At an epoch a receiver knows, of each satellite, the newest ephemeris that was sent by then. A recording begins
-//! in the middle: what a satellite was sending just before may be missing from the navigation file. So a satellite
-//! of which nothing is known yet gets the first one that is to come, if its reference time is no farther than
-//! [`VALIDITY_MS`] away.
+//! At an epoch a receiver knows, of each satellite, the newest ephemeris that was sent by then. A
+//! recording begins in the middle: what a satellite was sending just before may be missing from the
+//! navigation file. So a satellite of which nothing is known yet gets the first one that is to
+//! come, if its reference time is no farther than [`VALIDITY_MS`] away.
 //!
-//! GLONASS ephemerides are dated in UTC, and a module that does not know the leap seconds yet has no use for them: receivers say
-//! them again and again, here every [`REPEATED_MS`].
+//! GLONASS ephemerides are dated in UTC, and a module that does not know the leap seconds yet has
+//! no use for them: receivers say them again and again, here every [`REPEATED_MS`].
 //!
-//! A receiver sends sets of the satellites that it sees, when they are new to it and again every [`RECEIVER_REPEATS_MS`]
-//! ([`Schedule::like_a_receiver`]). A navigation file holds those of the whole world.
+//! A receiver sends sets of the satellites that it sees, when they are new to it and again every
+//! [`RECEIVER_REPEATS_MS`] ([`Schedule::like_a_receiver`]). A navigation file holds those of the
+//! whole world.
 //!
-//! Galileo satellites send the same orbit in two messages. I/NAV has the group delays of all signals; F/NAV is sent
-//! only for satellites without I/NAV.
+//! Galileo satellites send the same orbit in two messages. I/NAV has the group delays of all
+//! signals; F/NAV is sent only for satellites without I/NAV.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +22,8 @@ use raim_firmware::time::GpsTime;
 
 use crate::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
 
-/// How far from its reference time an ephemeris is used ahead of its broadcast, ms: 2 h, half of a GPS fit interval.
+/// How far from its reference time an ephemeris is used ahead of its broadcast, ms: 2 h, half of a
+/// GPS fit interval.
 const VALIDITY_MS: u64 = 2 * 3_600_000;
 
 /// How often a GLONASS ephemeris is said again, ms: as often as the satellite sends it.
@@ -62,7 +64,8 @@ impl Schedule {
         Self { is_as_received: true, ..self }
     }
 
-    /// What has become known since the last call, the epoch being no earlier than then, and what of its satellites is said again.
+    /// What has become known since the last call, the epoch being no earlier than then, and what of
+    /// its satellites is said again.
     pub(super) fn news(&mut self, epoch: &MeasuredEpoch) -> impl Iterator<Item = &TimedEphemeris> {
         let is_as_received = self.is_as_received;
         self.satellites.iter_mut().filter_map(move |(&id, satellite)| {
@@ -85,7 +88,8 @@ impl Satellite {
         self.broadcasts.sort_by_key(|ephemeris| (ephemeris.sent, ephemeris.toe));
     }
 
-    /// Returns the set that is sent now. Sets other than those of GLONASS are sent again only with `repeats_ms`.
+    /// Returns the set that is sent now. Sets other than those of GLONASS are sent again only with
+    /// `repeats_ms`.
     fn news(
         &mut self,
         now: GpsTime,

@@ -6,8 +6,8 @@
 //! | `BeiDou` | −14 s |
 //! | GLONASS, UTC | −leap seconds since 1980 |
 //!
-//! RINEX gives dates in the time system of the satellite (ephemerides) or of the header (observations).
-//! References: [RINEX-4.01] §4.1; days by the era method of [Hinnant2013].
+//! RINEX gives dates in the time system of the satellite (ephemerides) or of the header
+//! (observations). References: [RINEX-4.01] §4.1; days by the era method of [Hinnant2013].
 //!
 //! [RINEX-4.01]: crate#references
 //! [Hinnant2013]: crate#references
@@ -72,8 +72,8 @@ fn civil_from_days(days: i64) -> (i64, i64, i64) {
 
 /// The instant of `year month day hour minute second`, read from the blank-separated `text`.
 ///
-/// Two-digit years are those of RINEX 2: 80 to 99 are 1980 to 1999, 00 to 79 are 2000 to 2079. Seconds are
-/// rounded to milliseconds, which is what an observation message on the wire can say.
+/// Two-digit years are those of RINEX 2: 80 to 99 are 1980 to 1999, 00 to 79 are 2000 to 2079.
+/// Seconds are rounded to milliseconds, which is what an observation message on the wire can say.
 pub(super) fn instant(text: &str, system: TimeSystem) -> Result<GpsTime> {
     parse(text, system).with_context(|| format!("`{}` is not a date after 1980", text.trim()))
 }
@@ -109,8 +109,8 @@ fn from_ms(ms: i64) -> Option<GpsTime> {
     (0..CENTURY_MS).contains(&ms).then(|| GpsTime::from_ms(ms as u64))
 }
 
-/// The instant closest to `near` whose second of the week is `tow_s`, whatever the week of either; `None` for a second
-/// that is more than a week before or after the week's beginning.
+/// The instant closest to `near` whose second of the week is `tow_s`, whatever the week of either;
+/// `None` for a second that is more than a week before or after the week's beginning.
 pub(super) fn nearest_week(tow_s: f64, near: GpsTime, system: TimeSystem) -> Option<GpsTime> {
     const WEEK_S: f64 = 604_800.0;
     const WEEK_MS: i64 = 7 * DAY_MS;

@@ -10,10 +10,11 @@ use super::observations::Observations;
 use super::skipped::Skipped;
 use crate::measurement::MeasuredEpoch;
 
-/// The epochs of several observation files, merged in time and read one at a time; no time comes twice.
+/// The epochs of several observation files, merged in time and read one at a time; no time comes
+/// twice.
 ///
-/// Of epochs with the same time the first file's is kept. The last item is an error if a file cannot be read to its
-/// end, or if more than a tenth of its lines was lost.
+/// Of epochs with the same time the first file's is kept. The last item is an error if a file
+/// cannot be read to its end, or if more than a tenth of its lines was lost.
 pub struct Epochs {
     files: Vec<InOrder>,
     last: Option<GpsTime>,
@@ -30,7 +31,8 @@ impl Epochs {
         Ok(Self { files: files.collect::<Result<_>>()?, last: None, has_failed: false })
     }
 
-    /// The antenna's position by the first header that has one; wrong by hundreds of metres in some files.
+    /// The antenna's position by the first header that has one; wrong by hundreds of metres in some
+    /// files.
     pub fn approximate_position(&self) -> Option<Ecef> {
         self.files.iter().find_map(|file| file.observations.approximate_position())
     }
@@ -66,8 +68,9 @@ impl Iterator for Epochs {
 
 /// The epochs of one file in the order of time.
 ///
-/// Of two neighbours of which the second has no later time, one has a wrong date. It is the first one if the second is
-/// later than the epoch before both, or if there is none before; otherwise it is the second.
+/// Of two neighbours of which the second has no later time, one has a wrong date. It is the first
+/// one if the second is later than the epoch before both, or if there is none before; otherwise it
+/// is the second.
 struct InOrder {
     observations: Observations,
     last: Option<GpsTime>,

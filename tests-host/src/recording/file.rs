@@ -1,6 +1,7 @@
 //! A file's lines, whatever it is packed in.
 //!
-//! Content tells the packing, not the name: gzip by its magic bytes, compact RINEX by the label of its first line.
+//! Content tells the packing, not the name: gzip by its magic bytes, compact RINEX by the label of
+//! its first line.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -27,7 +28,8 @@ const PACKED: [(&[u8], &str, &str); 8] = [
 /// The first bytes of gzip, which is read as it is.
 const GZIP: &[u8] = &[0x1f, 0x8b];
 
-/// Returns the program that packed the bytes and the command that unpacks them; `None` for plain bytes and gzip.
+/// Returns the program that packed the bytes and the command that unpacks them; `None` for plain
+/// bytes and gzip.
 pub fn packed_by(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     PACKED
         .iter()

@@ -1,4 +1,5 @@
-//! GLONASS records: a state vector in three rows, and from RINEX 3.05 on a fourth that may say how good it is.
+//! GLONASS records: a state vector in three rows, and from RINEX 3.05 on a fourth that may say how
+//! good it is.
 //!
 //! | row | |
 //! |---|---|
@@ -8,8 +9,8 @@
 //! | 3 | z, its rate, its acceleration, age |
 //! | 4 | status, L2 later than L1, `F_T`, health of the strings |
 //!
-//! RINEX 2 has the first four rows in a file of their own. Dates are UTC. References: [RINEX-2.11] table A11, [RINEX-3.05]
-//! table A10.
+//! RINEX 2 has the first four rows in a file of their own. Dates are UTC. References: [RINEX-2.11]
+//! table A11, [RINEX-3.05] table A10.
 //!
 //! [RINEX-2.11]: crate#references
 //! [RINEX-3.05]: crate#references
@@ -21,8 +22,8 @@ use rtcm_rs::msg::Msg1020T;
 
 use crate::measurement::{Ephemeris, TimedEphemeris};
 
-/// `F_T` where a file does not know it, and most write 15 then, which on the air promises nothing: 4 m, an assumption of
-/// the size of what such orbits err.
+/// `F_T` where a file does not know it, and most write 15 then, which on the air promises nothing:
+/// 4 m, an assumption of the size of what such orbits err.
 const ASSUMED_FT: u8 = 3;
 
 /// How long before its reference time a set is sent first, ms: its first quarter of an hour.
@@ -37,8 +38,8 @@ fn first_year(time: GpsTime) -> u16 {
     1996 + 4 * (day.saturating_sub(TO_1996) / FOUR_YEARS) as u16
 }
 
-/// Checks that the fields of the message have room for the numbers ([GLONASS-ICD] table 4.5): a larger one was not
-/// broadcast.
+/// Checks that the fields of the message have room for the numbers ([GLONASS-ICD] table 4.5): a
+/// larger one was not broadcast.
 ///
 /// [GLONASS-ICD]: crate#references
 pub(super) fn check(values: &[f64]) -> Result<()> {
@@ -54,7 +55,8 @@ pub(super) fn check(values: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// A record's numbers, three in the first row and four in each other, as a message. `toe` is GPS time.
+/// A record's numbers, three in the first row and four in each other, as a message. `toe` is GPS
+/// time.
 pub(super) fn ephemeris(satellite: SatelliteId, toe: GpsTime, leap_s: u8, values: &[f64]) -> TimedEphemeris {
     let at = |row: usize, column: usize| values.get(4 * row - 1 + column).copied().unwrap_or(0.0);
     let known = |value: f64| if value.abs() < 0.999e9 { value } else { 0.0 };

@@ -2,22 +2,24 @@
 //!
 //! Every line is coded against the one before it in the same role:
 //!
-//! - epoch line and quality flags: character differences. A blank keeps the old character, `&` means a blank now,
-//!   anything else replaces.
-//! - observations: integers of 0.001, differenced in time up to order `m ≤ 9`. `m&v` begins an arc of order `m` at
-//!   the value `v`; a bare number is the newest difference; nothing means no observation and ends the arc.
+//! - epoch line and quality flags: character differences. A blank keeps the old character, `&`
+//!   means a blank now, anything else replaces.
+//! - observations: integers of 0.001, differenced in time up to order `m ≤ 9`. `m&v` begins an arc
+//!   of order `m` at the value `v`; a bare number is the newest difference; nothing means no
+//!   observation and ends the arc.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `m` | `Arc::order` | — |
 //! | `Δ⁰…Δᵐ` | `Arc::differences` | 0.001 of the observation's unit |
 //!
-//! Versions 1 (RINEX 2) and 3 (RINEX 3 and 4). Receiver clock offsets on the second line of an epoch are skipped.
+//! Versions 1 (RINEX 2) and 3 (RINEX 3 and 4). Receiver clock offsets on the second line of an
+//! epoch are skipped.
 //!
-//! Damage in a satellite's line costs that satellite until each of its arcs begins again. A line that is missing or one
-//! too many would give each following satellite the ranges of its neighbour. The decoder therefore checks every
-//! epoch line. If the line is no epoch after the one before, it discards the epoch before, too, and everything up to
-//! the next epoch line that is given in full.
+//! Damage in a satellite's line costs that satellite until each of its arcs begins again. A line
+//! that is missing or one too many would give each following satellite the ranges of its neighbour.
+//! The decoder therefore checks every epoch line. If the line is no epoch after the one before, it
+//! discards the epoch before, too, and everything up to the next epoch line that is given in full.
 //! References: [Hatanaka2008].
 //!
 //! [Hatanaka2008]: crate#references
@@ -188,7 +190,8 @@ impl Compact {
         !self.ready.is_empty()
     }
 
-    /// Discards the last epoch and so many lines more, and begins to look for an epoch line in full.
+    /// Discards the last epoch and so many lines more, and begins to look for an epoch line in
+    /// full.
     fn lose(&mut self, lines: u64) {
         let held = std::mem::take(&mut self.held);
         let begin = if held.compact_lines > 0 { held.begin } else { self.number };
@@ -254,7 +257,8 @@ impl Compact {
         Ok(())
     }
 
-    /// Reads a line of an epoch. At the end of the file, or where it may be cut, the epoch is discarded.
+    /// Reads a line of an epoch. At the end of the file, or where it may be cut, the epoch is
+    /// discarded.
     fn within(&mut self) -> Result<bool> {
         let is_whole = self.next()? && !self.source.is_open();
         if is_whole {
@@ -302,7 +306,8 @@ impl Source for Compact {
     }
 }
 
-/// Returns true for what may stand in the line of the receiver's clock offset: one coded number, or nothing.
+/// Returns true for what may stand in the line of the receiver's clock offset: one coded number, or
+/// nothing.
 fn is_clock(line: &str) -> bool {
     let word = line.trim();
     let is_part = |part: &str| part.is_empty() || integer(part).is_some();
@@ -374,7 +379,8 @@ impl State {
     }
 }
 
-/// Returns true for a letter and two digits, of which the first may be blank; RINEX 2 may leave out the letter.
+/// Returns true for a letter and two digits, of which the first may be blank; RINEX 2 may leave out
+/// the letter.
 fn is_name(name: &str) -> bool {
     let mut letters = name.chars();
     letters.next().is_some_and(|letter| letter.is_ascii_uppercase() || letter == ' ')
@@ -435,10 +441,12 @@ impl Step {
 }
 
 impl Satellite {
-    /// Takes one coded line: as many observations as there are kinds, then the differences of their flags.
+    /// Takes one coded line: as many observations as there are kinds, then the differences of their
+    /// flags.
     ///
-    /// Returns the number of flaws. A word that cannot be read ends all arcs, because the words after it may have moved;
-    /// a difference without an arc, which is what damage leaves behind, is no observation.
+    /// Returns the number of flaws. A word that cannot be read ends all arcs, because the words
+    /// after it may have moved; a difference without an arc, which is what damage leaves behind, is
+    /// no observation.
     fn update(&mut self, line: &str, kinds: usize) -> usize {
         self.arcs.resize(kinds, None);
         let mut rest = line;

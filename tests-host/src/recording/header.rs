@@ -1,7 +1,7 @@
 //! The header of a RINEX file: what the records after it mean.
 //!
-//! A header line holds values in columns 0 to 59 and its label from column 60 on. Labels of RINEX 2, 3 and 4 are
-//! read alike; those that say nothing about ranges or orbits are passed over.
+//! A header line holds values in columns 0 to 59 and its label from column 60 on. Labels of RINEX
+//! 2, 3 and 4 are read alike; those that say nothing about ranges or orbits are passed over.
 //! References: [RINEX-2.11] tables A1 and A3, [RINEX-3.05] tables A2 and A5, [RINEX-4.01].
 //!
 //! [RINEX-2.11]: crate#references
@@ -33,7 +33,8 @@ pub(super) struct Header {
     /// Version times 100: 211, 302, 400.
     pub(super) version: u16,
     pub(super) kind: Kind,
-    /// Letter of the only system, or `M`. Some files claim one and hold many, so it only names the unnamed.
+    /// Letter of the only system, or `M`. Some files claim one and hold many, so it only names the
+    /// unnamed.
     pub(super) system: char,
     pub(super) time_system: TimeSystem,
     /// GPS time minus UTC, s: that of since 2017 where the file does not say.
@@ -44,7 +45,8 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Reads up to and including `END OF HEADER`. Fields that cannot be read and that RAI can do without are counted.
+    /// Reads up to and including `END OF HEADER`. Fields that cannot be read and that RAI can do
+    /// without are counted.
     pub(super) fn read(lines: &mut Lines, skipped: &mut Skipped) -> Result<Self> {
         let mut header = Self::begin(lines.next().unwrap_or(""))?;
         let mut time_system = String::new();
@@ -181,7 +183,8 @@ impl ObservationCodes {
     }
 }
 
-/// GPS coefficients of the single-frequency ionosphere model, as header lines give them in two halves.
+/// GPS coefficients of the single-frequency ionosphere model, as header lines give them in two
+/// halves.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Klobuchar {
     alpha: Option<[f64; 4]>,
@@ -189,7 +192,8 @@ pub(super) struct Klobuchar {
 }
 
 impl Klobuchar {
-    /// Takes a header line if it holds one half. Other systems' lines, repeated per satellite, are not those.
+    /// Takes a header line if it holds one half. Other systems' lines, repeated per satellite, are
+    /// not those.
     fn read(&mut self, line: &str) -> Result<()> {
         match (label(line), columns(line, 0, 4)) {
             ("ION ALPHA", _) => self.alpha = Some(quadruple(line, 2)?),

@@ -1,16 +1,18 @@
-//! Recordings: RINEX 2, 3 and 4 files of a receiver, plain or packed, as epochs of raw measurements.
+//! Recordings: RINEX 2, 3 and 4 files of a receiver, plain or packed, as epochs of raw
+//! measurements.
 //!
 //! ```text
 //! file (gzip, compact RINEX) ──► lines ──► header ──► observations ──► MeasuredEpoch ┐
 //!                                             └────► navigation ──► Ephemeris  ┴──► Recording ──► encode
 //! ```
 //!
-//! Nothing is corrected and nothing is judged: a recording is what the receiver saw. Observations are read one epoch at
-//! a time ([`Epochs`]); what cannot be read is passed over and counted ([`Skipped`]).
+//! Nothing is corrected and nothing is judged: a recording is what the receiver saw. Observations
+//! are read one epoch at a time ([`Epochs`]); what cannot be read is passed over and counted
+//! ([`Skipped`]).
 //!
-//! The files are read by this module and not by the `rinex` crate: that one builds more than two hundred packages
-//! (an ephemeris service with an HTTP client, tables for terminals) to parse text in fixed columns, which is most of
-//! the time that a first build of the project would take.
+//! The files are read by this module and not by the `rinex` crate: that one builds more than two
+//! hundred packages (an ephemeris service with an HTTP client, tables for terminals) to parse text
+//! in fixed columns, which is most of the time that a first build of the project would take.
 //!
 //! References: [RINEX-2.11], [RINEX-3.05], [RINEX-4.01], [Hatanaka2008].
 //!
@@ -55,7 +57,8 @@ pub struct Recording {
     pub epochs: Vec<MeasuredEpoch>,
     /// In the order of the files.
     pub ephemerides: Vec<TimedEphemeris>,
-    /// GPS coefficients of the single-frequency ionosphere model, `α0…α3, β0…β3`, in the broadcast's units.
+    /// GPS coefficients of the single-frequency ionosphere model, `α0…α3, β0…β3`, in the
+    /// broadcast's units.
     pub klobuchar: Option<[f64; 8]>,
     /// Records that were passed over.
     pub skipped: Skipped,
@@ -69,8 +72,9 @@ impl Recording {
     /// Records that cannot be read are passed over and counted.
     ///
     /// # Errors
-    /// A file that is missing, empty or not RINEX of the expected kind, a file of which more than a tenth cannot be
-    /// read, or a navigation file of another day: the message says what, where, and what would help.
+    /// A file that is missing, empty or not RINEX of the expected kind, a file of which more than a
+    /// tenth cannot be read, or a navigation file of another day: the message says what, where, and
+    /// what would help.
     pub fn load(observations: &[PathBuf], navigation: &[PathBuf]) -> Result<Self> {
         let mut epochs = Epochs::open(observations)?;
         let mut recording = Self { approximate_position: epochs.approximate_position(), ..Self::default() };

@@ -1,7 +1,8 @@
 //! Navigation records to broadcast ephemerides: RINEX 2, 3 and 4.
 //!
-//! A record is a line that names satellite and time of clock, followed by indented lines. Read row by row it is
-//! `[af0 af1 af2 | row 1 | row 2 | …]` with four numbers in each row; which is which depends on the system:
+//! A record is a line that names satellite and time of clock, followed by indented lines. Read row
+//! by row it is `[af0 af1 af2 | row 1 | row 2 | …]` with four numbers in each row; which is which
+//! depends on the system:
 //!
 //! | row | GPS LNAV | Galileo I/NAV, F/NAV | `BeiDou` D1, D2 |
 //! |---|---|---|---|
@@ -13,15 +14,18 @@
 //! | 6 | accuracy, health, TGD, IODC | accuracy, health, BGD E5a, BGD E5b | accuracy, health, TGD1, TGD2 |
 //! | 7 | sent at, fit interval | sent at | sent at, AODC |
 //!
-//! RINEX has radians where messages have semicircles, metres where they have accuracy indices. Weeks are taken from
-//! the date of the time of clock, which is unambiguous, and not from row 5, where files differ in what they count
-//! from. Times that a file does not know (0.9999e9 s) or that are half a week off are replaced by the time of clock.
+//! RINEX has radians where messages have semicircles, metres where they have accuracy indices.
+//! Weeks are taken from the date of the time of clock, which is unambiguous, and not from row 5,
+//! where files differ in what they count from. Times that a file does not know (0.9999e9 s) or that
+//! are half a week off are replaced by the time of clock.
 //!
-//! QZSS has the rows of GPS, GLONASS rows of its own ([`glonass`]), in RINEX 2 in a file of its own.
+//! QZSS has the rows of GPS, GLONASS rows of its own ([`glonass`]), in RINEX 2 in a file of its
+//! own.
 //!
-//! A record that cannot be read is counted and passed over, and so is one with a number that no message has room for. Kinds that are not read are counted apart: the modernised messages of RINEX 4 (CNAV and its kin), and other
-//! systems.
-//! References: [RINEX-2.11] table A4, [RINEX-3.05] tables A6, A8, A10, A14, [RINEX-4.01] tables A8 to A18.
+//! A record that cannot be read is counted and passed over, and so is one with a number that no
+//! message has room for. Kinds that are not read are counted apart: the modernised messages of
+//! RINEX 4 (CNAV and its kin), and other systems. References: [RINEX-2.11] table A4, [RINEX-3.05]
+//! tables A6, A8, A10, A14, [RINEX-4.01] tables A8 to A18.
 //!
 //! [RINEX-2.11]: crate#references
 //! [RINEX-3.05]: crate#references
@@ -243,8 +247,8 @@ fn values<'a>(rows: impl Iterator<Item = (&'a str, usize)>) -> Result<Vec<f64>> 
 
 /// Largest magnitudes by row and column that any of the messages has room for, in the file's units.
 ///
-/// The bits and scale factors are those of [IS-GPS-200] tables 20-I and 20-III, [Galileo-OS-SIS-ICD] tables 60 and 63 and
-/// [BDS-SIS-ICD] tables 5-8 and 5-10; the widest counts.
+/// The bits and scale factors are those of [IS-GPS-200] tables 20-I and 20-III,
+/// [Galileo-OS-SIS-ICD] tables 60 and 63 and [BDS-SIS-ICD] tables 5-8 and 5-10; the widest counts.
 ///
 /// [IS-GPS-200]: crate#references
 /// [Galileo-OS-SIS-ICD]: crate#references
@@ -286,7 +290,8 @@ impl Record {
         self.at(row, column) / PI
     }
 
-    /// Checks that the fields of the messages have room for the numbers: a larger one was not broadcast.
+    /// Checks that the fields of the messages have room for the numbers: a larger one was not
+    /// broadcast.
     fn check(&self) -> Result<()> {
         for (row, column, limit) in LIMITS {
             let value = self.at(row, column);
@@ -309,7 +314,8 @@ impl Record {
     /// When the satellite sent it.
     fn sent(&self) -> GpsTime {
         const WEEK_S: f64 = 604_800.0;
-        // Message times of the week before the week of the reference time are written negative by some.
+        // Message times of the week before the week of the reference time are written negative by
+        // some.
         let known = Some(self.at(7, 0)).filter(|tow_s| (-WEEK_S..=WEEK_S).contains(tow_s) && *tow_s != 0.0);
         known.and_then(|tow_s| calendar::nearest_week(tow_s, self.toc, self.system)).unwrap_or(self.toc)
     }
@@ -442,7 +448,8 @@ impl Record {
     }
 }
 
-/// The index of a user range accuracy in metres: the first class whose upper bound holds it ([IS-GPS-200] 20.3.3.3.1.3).
+/// The index of a user range accuracy in metres: the first class whose upper bound holds it
+/// ([IS-GPS-200] 20.3.3.3.1.3).
 ///
 /// [IS-GPS-200]: crate#references
 fn ura_index(accuracy_m: f64) -> u8 {
@@ -452,7 +459,8 @@ fn ura_index(accuracy_m: f64) -> u8 {
     class.unwrap_or(UPPER_M.len()) as u8
 }
 
-/// The index of a signal-in-space accuracy in metres ([Galileo-OS-SIS-ICD] §5.1.12); 255 where there is no prediction.
+/// The index of a signal-in-space accuracy in metres ([Galileo-OS-SIS-ICD] §5.1.12); 255 where
+/// there is no prediction.
 ///
 /// [Galileo-OS-SIS-ICD]: crate#references
 fn sisa_index(accuracy_m: f64) -> u8 {

@@ -7,9 +7,9 @@
 //! | codes | `C1`, `P2`: band only | `C1C`, `C2W`: band and attribute |
 //! | a line is missing or one too many | costs the epoch, because lines carry no names | costs its satellite |
 //!
-//! The reader keeps the systems that RAI knows; of these, satellites with a pseudorange. Epochs of events (new site, header
-//! lines, cycle slips) carry no ranges; header lines inside and outside them are obeyed.
-//! References: [RINEX-2.11] table A2, [RINEX-3.05] table A3.
+//! The reader keeps the systems that RAI knows; of these, satellites with a pseudorange. Epochs of
+//! events (new site, header lines, cycle slips) carry no ranges; header lines inside and outside
+//! them are obeyed. References: [RINEX-2.11] table A2, [RINEX-3.05] table A3.
 //!
 //! [RINEX-2.11]: crate#references
 //! [RINEX-3.05]: crate#references
@@ -37,8 +37,8 @@ const VALUE: usize = 14;
 
 /// The epochs of one observation file, read one at a time.
 ///
-/// What cannot be read is passed over and counted. The last item is an error if the file cannot be read to its end, or
-/// if more than a tenth of its lines was lost.
+/// What cannot be read is passed over and counted. The last item is an error if the file cannot be
+/// read to its end, or if more than a tenth of its lines was lost.
 pub struct Observations {
     name: String,
     header: Header,
@@ -53,7 +53,8 @@ pub struct Observations {
 /// The beginning of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Opening {
-    /// The event flag: 0 and 1 are ranges, 6 are cycle slips in the form of ranges, others are header lines.
+    /// The event flag: 0 and 1 are ranges, 6 are cycle slips in the form of ranges, others are
+    /// header lines.
     flag: u8,
     /// The time of the epoch; `None` for an event without one.
     time: Option<GpsTime>,
@@ -73,7 +74,8 @@ impl Observations {
     /// Opens a file: plain, gzip, compact, or compact in gzip.
     ///
     /// # Errors
-    /// A file that is missing, packed otherwise, or not RINEX observations, or a header that cannot be read.
+    /// A file that is missing, packed otherwise, or not RINEX observations, or a header that cannot
+    /// be read.
     pub fn open(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
         let place = || format!("observation file {name}");
@@ -146,8 +148,8 @@ impl Observations {
         self.skipped.lose(Flaw::Damaged, begin, lost);
     }
 
-    /// Passes over comments and header lines, and obeys them. A header of another version ends the file, because the
-    /// lines after it have another layout.
+    /// Passes over comments and header lines, and obeys them. A header of another version ends the
+    /// file, because the lines after it have another layout.
     fn skip_labelled(&mut self) {
         while let Some(line) = self.lines.next_if(is_labelled) {
             let version = Header::version(line);
@@ -228,7 +230,8 @@ impl Observations {
         }
     }
 
-    /// The satellites of an epoch of RINEX 2; `None` if the file ends inside it or its lines do not fit.
+    /// The satellites of an epoch of RINEX 2; `None` if the file ends inside it or its lines do not
+    /// fit.
     fn satellites_2(&mut self, count: usize) -> Option<Vec<MeasuredSatellite>> {
         let (begin, counted) = (self.lines.number(), self.lines.count());
         let names = self.names_2(count)?;
@@ -264,7 +267,8 @@ impl Observations {
             self.skipped.add(&flaws);
             return Some(satellites);
         }
-        // The names came first: with a line missing or one too many, satellites would get their neighbours' ranges.
+        // The names came first: with a line missing or one too many, satellites would get their
+        // neighbours' ranges.
         self.skipped.lose(Flaw::Damaged, begin, 1 + self.lines.count() - counted);
         None
     }
@@ -328,7 +332,8 @@ impl Iterator for Observations {
     }
 }
 
-/// Returns true for lines with letters where a header line has its label, known or not: data has none there.
+/// Returns true for lines with letters where a header line has its label, known or not: data has
+/// none there.
 fn has_label(line: &str) -> bool {
     columns(line, 60, 80).contains(|letter: char| letter.is_ascii_alphabetic())
 }
@@ -389,7 +394,8 @@ fn satellite(name: &str, values: &str, header: &Header, fields: &Fields) -> Read
     }
 }
 
-/// The letter of a satellite's system; RINEX 2 may leave it blank where the header names the only one.
+/// The letter of a satellite's system; RINEX 2 may leave it blank where the header names the only
+/// one.
 fn system(name: &str, header: &Header) -> Option<char> {
     match name.chars().next()? {
         letter if letter.is_ascii_alphabetic() => Some(letter),

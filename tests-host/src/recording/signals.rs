@@ -47,7 +47,8 @@ impl Fields {
     }
 }
 
-/// The signals of one satellite, and how many of the values beside their pseudoranges cannot be read.
+/// The signals of one satellite, and how many of the values beside their pseudoranges cannot be
+/// read.
 pub(super) struct Signals {
     pub(super) signals: Vec<MeasuredSignal>,
     pub(super) damaged: u64,
@@ -116,8 +117,8 @@ pub(super) struct Field {
 impl Field {
     /// The field of a code as RINEX 3.05 names signals, or none if RAI has no use for it.
     ///
-    /// `BeiDou`'s B1I at 1561.098 MHz has been band 2 since RINEX 3.03 and was band 1 in 3.02; RINEX 2 names the band
-    /// alone, so the attribute is the one in common use there.
+    /// `BeiDou`'s B1I at 1561.098 MHz has been band 2 since RINEX 3.03 and was band 1 in 3.02;
+    /// RINEX 2 names the band alone, so the attribute is the one in common use there.
     fn new(constellation: Constellation, code: &str, version: u16) -> Option<Self> {
         let mut letters = code.chars();
         let letter = letters.next()?;
@@ -147,8 +148,8 @@ impl Field {
         self.band == signal.band && self.attribute.is_none_or(|attribute| attribute == signal.attribute)
     }
 
-    /// A signal of this pseudorange. Until a field says more, C/N0 is the middle of the class that the digit beside the
-    /// value names: class `k` of 2 to 9 goes from `6 k` to `6 k + 6` dB-Hz.
+    /// A signal of this pseudorange. Until a field says more, C/N0 is the middle of the class that
+    /// the digit beside the value names: class `k` of 2 to 9 goes from `6 k` to `6 k + 6` dB-Hz.
     fn signal(self, pseudorange_m: f64, strength: &str) -> Option<MeasuredSignal> {
         let class = strength.parse::<u8>().ok().filter(|class| *class > 0);
         let cn0_dbhz = class.map(|class| 6.0 * f64::from(class) + 3.0);

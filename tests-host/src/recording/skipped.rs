@@ -94,7 +94,8 @@ impl Skipped {
         self
     }
 
-    /// Adds the counts of another part; the first place stays unless the other is earlier in the same file.
+    /// Adds the counts of another part; the first place stays unless the other is earlier in the
+    /// same file.
     pub fn add(&mut self, other: &Self) {
         self.damaged += other.damaged;
         self.unknown_satellites += other.unknown_satellites;

@@ -11,7 +11,8 @@ const LINE_LIMIT: u64 = 1 << 16;
 
 /// A source of lines.
 pub(super) trait Source: Send {
-    /// Replaces `line` by the next line and returns its number in the file from 1; `None` at the end.
+    /// Replaces `line` by the next line and returns its number in the file from 1; `None` at the
+    /// end.
     fn read(&mut self, line: &mut String) -> Result<Option<u64>>;
 
     /// Returns true if the line that was read last has no line end, so that it may be cut.
@@ -23,8 +24,8 @@ pub(super) trait Source: Send {
 
 /// Lines of a byte stream as they are.
 ///
-/// Bytes outside ASCII (names in comments) become `?`, so that every column stays where it was. A byte order mark
-/// before the first line is no part of it.
+/// Bytes outside ASCII (names in comments) become `?`, so that every column stays where it was. A
+/// byte order mark before the first line is no part of it.
 pub(super) struct Plain<R> {
     input: R,
     /// The error if the input cannot be read.
@@ -155,8 +156,8 @@ impl Lines {
         &self.current.text
     }
 
-    /// Returns true if the file ends inside a value of the next line. The fields begin at column `from`; each is `width`
-    /// columns wide, of which the value takes the first `of_value`.
+    /// Returns true if the file ends inside a value of the next line. The fields begin at column
+    /// `from`; each is `width` columns wide, of which the value takes the first `of_value`.
     pub(super) fn is_cut(&mut self, from: usize, width: usize, of_value: usize) -> bool {
         self.look();
         let used = self.ahead.text.trim_end().len();
@@ -202,7 +203,7 @@ pub(super) fn label(line: &str) -> &str {
     columns(line, 60, 80)
 }
 
-/// Labels of header lines that stand between records where files were spliced, besides those with a slash.
+/// Labels of header lines without a slash that stand between records where files were spliced.
 const LABELS: [&str; 24] = [
     "ANTENNA: B.SIGHT XYZ",
     "ANTENNA: DELTA H/E/N",

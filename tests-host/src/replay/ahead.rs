@@ -9,7 +9,8 @@ use super::lump::Lump;
 /// Lumps that are read ahead: four minutes at one a second.
 const AHEAD: usize = 256;
 
-/// Different intervals that are counted by themselves; a further one counts as the next longer of these.
+/// Different intervals that are counted by themselves; a further one counts as the next longer of
+/// these.
 const INTERVALS: usize = 4096;
 
 /// Lumps with a look ahead.
@@ -42,7 +43,8 @@ impl<I: Iterator<Item = Result<Lump>>> Ahead<I> {
         Ok(self.waiting.pop_front().map(|lump| (lump, self.waiting.front().map(Lump::elapsed_ms))))
     }
 
-    /// Returns the median interval of all lumps so far and of those that are read ahead, ms; 0 where there is none.
+    /// Returns the median interval of all lumps so far and of those that are read ahead, ms; 0
+    /// where there is none.
     pub(super) fn usual_ms(&self) -> u64 {
         self.intervals.median_ms()
     }

@@ -1,5 +1,5 @@
-//! Lumps as the firmware corrects them at a known antenna: the ranges, sigmas and directions that the module works with,
-//! without the position that it finds.
+//! Lumps as the firmware corrects them at a known antenna: the ranges, sigmas and directions that
+//! the module works with, without the position that it finds.
 
 use raim_core::epoch::Epoch;
 use raim_core::frame::Ecef;
@@ -13,8 +13,8 @@ use super::Lump;
 /// As the module starts, dB-Hz.
 const SIGNAL_MASK_DBHZ: f32 = 28.0;
 
-/// Returns the epochs of the lumps, of the satellites above the mask; `klobuchar` are the coefficients of the ionosphere that
-/// ranges on one frequency are corrected with.
+/// Returns the epochs of the lumps, of the satellites above the mask; `klobuchar` are the
+/// coefficients of the ionosphere that ranges on one frequency are corrected with.
 pub fn corrected(
     lumps: &[Lump],
     antenna: Ecef,

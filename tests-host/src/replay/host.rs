@@ -9,7 +9,8 @@ use super::pieces;
 use crate::pin::Pin;
 use crate::sentence::{self, EpochOutput};
 
-/// Bodies of the commands that configure the module before the first epoch, without `$PRAIC,` and checksum.
+/// Bodies of the commands that configure the module before the first epoch, without `$PRAIC,` and
+/// checksum.
 pub type Setup = [String];
 
 /// A command as it goes over the wire.
@@ -32,8 +33,8 @@ pub(super) fn check_answers(setup: &Setup, answers: &str) -> Result<()> {
 /// How time runs for the module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// As recorded. An interval half as long again as the recording's usual one is a silence, which the module is left to
-    /// notice; a recording thinned to 30 s is not one long alarm.
+    /// As recorded. An interval half as long again as the recording's usual one is a silence, which
+    /// the module is left to notice; a recording thinned to 30 s is not one long alarm.
     Recorded,
     /// The next lump follows the verdict on the last: there is no silence.
     LockStep,
@@ -102,7 +103,8 @@ pub fn on_host(
     Ok(run)
 }
 
-/// Lumps on their way through the module in process. No more of them are in memory than are read ahead.
+/// Lumps on their way through the module in process. No more of them are in memory than are read
+/// ahead.
 pub struct Playback<I> {
     lumps: Ahead<I>,
     module: Module,
@@ -122,7 +124,8 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
     /// Plays the next lump, and the silence behind it; returns `None` at the end.
     ///
     /// # Errors
-    /// What the source of the lumps says; a pin that is high when the verdict does not allow it, or the reverse.
+    /// What the source of the lumps says; a pin that is high when the verdict does not allow it, or
+    /// the reverse.
     pub fn advance(&mut self) -> Result<Option<(Lump, Said)>> {
         let Some((lump, next_ms)) = self.lumps.next()? else { return Ok(None) };
         let now_ms = lump.elapsed_ms();
@@ -179,13 +182,14 @@ impl Module {
         Ok(Self(receiver))
     }
 
-    /// Returns what the module says of an epoch that comes at `now_ms`. Where it says nothing, because no range came, the last
-    /// verdict stands until it is stale.
+    /// Returns what the module says of an epoch that comes at `now_ms`. Where it says nothing,
+    /// because no range came, the last verdict stands until it is stale.
     pub(super) fn hear(&mut self, bytes: &[u8], now_ms: u64) -> Result<String> {
         let mut said = Vec::new();
         let is_judged = self.0.gnss(bytes, now_ms, &mut said);
         if !is_judged && pieces::have_ranges(bytes) {
-            // Noise that looks like the beginning of a frame holds the epoch back until the line falls silent.
+            // Noise that looks like the beginning of a frame holds the epoch back until the line
+            // falls silent.
             self.0.tick(now_ms + QUIET_MS, &mut said);
         }
         let text = sentence::sentences(&said)?;

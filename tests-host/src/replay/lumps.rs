@@ -69,9 +69,10 @@ pub struct Broadcast<'a> {
     pub approximate_position: Option<Ecef>,
 }
 
-/// The lumps of a window of a recording, encoded epoch by epoch. None is kept, so that the length of the recording does not
-/// matter. An error comes at the end where a fault befalls no satellite of the recording, or where the window is empty;
-/// before it where a message has no room for a number.
+/// The lumps of a window of a recording, encoded epoch by epoch. None is kept, so that the length
+/// of the recording does not matter. An error comes at the end where a fault befalls no satellite
+/// of the recording, or where the window is empty; before it where a message has no room for a
+/// number.
 pub struct Encoding<I> {
     epochs: I,
     encoder: Encoder,
@@ -175,7 +176,8 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Iterator for Encoding<I> {
     }
 }
 
-/// Where satellites stand, as the module itself locates them, seen from where the recording says that the antenna is.
+/// Where satellites stand, as the module itself locates them, seen from where the recording says
+/// that the antenna is.
 struct Heaven {
     encoder: Encoder,
     corrector: Corrector,

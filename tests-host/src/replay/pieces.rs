@@ -6,8 +6,8 @@
 //! text     $ or ! | printable | * | two digits, the exclusive or of all between | CR LF
 //! ```
 //!
-//! The module's own framer is not asked: it passes text over, and this is a second opinion on where frames are.
-//! References: [RTCM-10403.3] 4; u-blox F9 HPG 1.32 interface description 3.2 and 3.4.
+//! The module's own framer is not asked: it passes text over, and this is a second opinion on where
+//! frames are. References: [RTCM-10403.3] 4; u-blox F9 HPG 1.32 interface description 3.2 and 3.4.
 //!
 //! [RTCM-10403.3]: crate#references
 
@@ -99,7 +99,8 @@ impl<R: Read> Stream<R> {
         Self { source, buffer: Vec::new(), at: 0, has_ended: false }
     }
 
-    /// Returns the next piece, or `None` at the end. Bytes that are no frame may come in several pieces.
+    /// Returns the next piece, or `None` at the end. Bytes that are no frame may come in several
+    /// pieces.
     ///
     /// # Errors
     /// The source cannot be read.
@@ -133,7 +134,8 @@ impl<R: Read> Stream<R> {
     }
 }
 
-/// Returns the kind and the length of the piece at the front; one that is no frame ends after `known` bytes at the latest.
+/// Returns the kind and the length of the piece at the front; one that is no frame ends after
+/// `known` bytes at the latest.
 fn first(bytes: &[u8], known: usize) -> Option<(Kind, usize)> {
     if bytes.is_empty() {
         return None;

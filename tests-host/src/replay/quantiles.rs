@@ -1,8 +1,9 @@
 //! Quantiles of any number of values in bounded memory.
 //!
-//! Values are counted by themselves until [`EXACT`] different ones have come. Then all are rounded to multiples of 1 mm, and
-//! of twice as much whenever there are as many again. So a day at one epoch a second is exact, and a longer run is wrong by
-//! half a step: by 0.5 mm where all values are below 131 m.
+//! Values are counted by themselves until [`EXACT`] different ones have come. Then all are rounded
+//! to multiples of 1 mm, and of twice as much whenever there are as many again. So a day at one
+//! epoch a second is exact, and a longer run is wrong by half a step: by 0.5 mm where all values
+//! are below 131 m.
 
 use std::collections::BTreeMap;
 

@@ -11,8 +11,8 @@ use super::track::{Moment, Track};
 use crate::fault::{Fault, Kind};
 use crate::recording::Skipped;
 
-/// Counts and errors of a run. Errors, misleading and hazardous epochs are known only where there is a truth; errors
-/// are those of protected epochs, since nobody is asked to use the others.
+/// Counts and errors of a run. Errors, misleading and hazardous epochs are known only where there
+/// is a truth; errors are those of protected epochs, since nobody is asked to use the others.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Summary {
     /// Epochs sent to the module.
@@ -57,8 +57,8 @@ pub struct Summary {
     pub hpl_max_m: Option<f64>,
     /// Largest vertical protection level, m.
     pub vpl_max_m: Option<f64>,
-    /// Mean of SSE/dof over all protected epochs in percent: about 100 where the sigmas are right, less where they are
-    /// too large.
+    /// Mean of SSE/dof over all protected epochs in percent: about 100 where the sigmas are right,
+    /// less where they are too large.
     pub sigma_check_pct: Option<f64>,
     /// Protected epochs with a truth beside them.
     pub with_truth: usize,
@@ -104,7 +104,8 @@ impl Summary {
     }
 }
 
-/// A run that is summed up epoch by epoch. Its memory does not grow with the run, but for the quantiles up to their bound.
+/// A run that is summed up epoch by epoch. Its memory does not grow with the run, but for the
+/// quantiles up to their bound.
 #[derive(Clone, Debug)]
 pub struct Tally {
     summary: Summary,
@@ -118,7 +119,8 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Returns the tally of no epoch; `has_truth` says whether anything is known of where the antenna was.
+    /// Returns the tally of no epoch; `has_truth` says whether anything is known of where the
+    /// antenna was.
     pub fn new(faults: &[Fault], has_truth: bool) -> Self {
         let judged = has_truth.then_some(0);
         let injected = faults.iter().map(Injected::of).collect();

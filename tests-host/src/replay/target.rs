@@ -1,11 +1,13 @@
 //! The module on the emulated board, beside the one in process.
 //!
-//! The board's time is its own: it judges an epoch as soon as it has come, whatever the tags say. The module in process
-//! therefore hears each lump at the time that the board's clock shows. What a verdict takes from that clock, the two then take
-//! alike: how far a receiver can have come, and how long satellites have agreed after an alert.
+//! The board's time is its own: it judges an epoch as soon as it has come, whatever the tags say.
+//! The module in process therefore hears each lump at the time that the board's clock shows. What a
+//! verdict takes from that clock, the two then take alike: how far a receiver can have come, and
+//! how long satellites have agreed after an alert.
 //!
-//! While they recover, the next lump waits as long as it would have by the tags, and [`RECOVERY_MS`] at most. Without the wait
-//! the clocks would decide on which epoch the recovery ends, and they differ by the milliseconds that bytes need.
+//! While they recover, the next lump waits as long as it would have by the tags, and
+//! [`RECOVERY_MS`] at most. Without the wait the clocks would decide on which epoch the recovery
+//! ends, and they differ by the milliseconds that bytes need.
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -21,7 +23,8 @@ use crate::board::{EmulatedBoard, Monitor, MonitorSocket, Settings};
 /// The longest that the emulated board may take for an epoch: hundreds of times what it needs.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// The longest recovery that is waited for, ms: what the module asks for when it starts, and less than the time to alert.
+/// The longest recovery that is waited for, ms: what the module asks for when it starts, and less
+/// than the time to alert.
 const RECOVERY_MS: u64 = 3000;
 
 /// Verdicts after which time decides on the next.
@@ -36,8 +39,8 @@ pub struct BoardRun {
     pub counters: Vec<(String, u32)>,
     /// Times that the board logged lost bytes or sentences.
     pub losses: usize,
-    /// The first sentence of the host that the board did not say, and what it said instead; either is empty where one said
-    /// less.
+    /// The first sentence of the host that the board did not say, and what it said instead; either
+    /// is empty where one said less.
     pub difference: Option<(String, String)>,
 }
 
@@ -50,11 +53,12 @@ pub struct Heard {
     pub board: String,
 }
 
-/// Runs the lumps on the emulated board and in process, in lock step: the next follows the verdict on the last. `each` gets
-/// what both say, lump by lump and at the end.
+/// Runs the lumps on the emulated board and in process, in lock step: the next follows the verdict
+/// on the last. `each` gets what both say, lump by lump and at the end.
 ///
 /// # Errors
-/// The board does not start, does not answer in time, or refuses a setup command; what the source of the lumps says.
+/// The board does not start, does not answer in time, or refuses a setup command; what the source
+/// of the lumps says.
 pub fn on_board(
     image: &Path,
     lumps: impl Iterator<Item = Result<Lump>>,
@@ -107,7 +111,8 @@ impl Both {
         Ok(Self { board, monitor, host, comparison, last_ms: None, is_recovering: false })
     }
 
-    /// Lets both hear a lump; returns what they say. An epoch of which the host says nothing is not waited for.
+    /// Lets both hear a lump; returns what they say. An epoch of which the host says nothing is not
+    /// waited for.
     fn hear(&mut self, lump: &Lump) -> Result<Heard> {
         let now_ms = self.wait(lump.elapsed_ms())?;
         let host = lasting(self.host.hear(&lump.bytes, now_ms)?.split_inclusive('\n'));

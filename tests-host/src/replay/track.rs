@@ -24,7 +24,8 @@ pub struct Moment {
     pub output: Option<EpochOutput>,
     /// Position minus truth, east, north, up, m; `None` without a fix or a truth.
     pub error: Option<Enu>,
-    /// When the module complained that the line was silent after this epoch, seconds after the first epoch.
+    /// When the module complained that the line was silent after this epoch, seconds after the
+    /// first epoch.
     pub stale_s: Option<f64>,
 }
 

@@ -6,8 +6,8 @@ use anyhow::{Context, Result, bail, ensure};
 use raim_core::frame::{Ecef, Geodetic, LocalFrame};
 use raim_firmware::time::GpsTime;
 
-/// How far the time tag of a point may be from the receiver's, ms: receivers' tags are some ms off the second, and a
-/// car moves a metre meanwhile.
+/// How far the time tag of a point may be from the receiver's, ms: receivers' tags are some ms off
+/// the second, and a car moves a metre meanwhile.
 const NEAREST_MS: i64 = 50;
 
 /// Farthest from the ellipsoid that a truth may be, m: what is beyond was written in another form.
@@ -30,8 +30,8 @@ enum Form {
 }
 
 impl Truth {
-    /// Reads `X,Y,Z` in metres, or latitude and longitude in degrees and height above the ellipsoid in metres: no
-    /// position near the ground can be meant as the one and read as the other.
+    /// Reads `X,Y,Z` in metres, or latitude and longitude in degrees and height above the ellipsoid
+    /// in metres: no position near the ground can be meant as the one and read as the other.
     ///
     /// # Errors
     /// What is wrong with it, and an example.
@@ -55,8 +55,8 @@ impl Truth {
         near_ground(point).with_context(|| format!("{text:?}")).map(Self::Fixed)
     }
 
-    /// Reads a table with a heading that names `week` and `tow`, and `x_m`, `y_m`, `z_m` or `lat_deg`, `lon_deg`,
-    /// `height_m` (above the ellipsoid). Other columns are passed over.
+    /// Reads a table with a heading that names `week` and `tow`, and `x_m`, `y_m`, `z_m` or
+    /// `lat_deg`, `lon_deg`, `height_m` (above the ellipsoid). Other columns are passed over.
     ///
     /// # Errors
     /// The file or the line that cannot be read.

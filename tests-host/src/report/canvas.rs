@@ -1,8 +1,8 @@
 //! Ground, ink and colours that all pictures share.
 //!
-//! Colours keep their meaning everywhere: green may be used, red must not, grey cannot be told. Who cannot tell green
-//! from red is told by form: alerts are hatched in bands and crosses among dots. Every picture says what it shows to
-//! those who do not see it.
+//! Colours keep their meaning everywhere: green may be used, red must not, grey cannot be told. Who
+//! cannot tell green from red is told by form: alerts are hatched in bands and crosses among dots.
+//! Every picture says what it shows to those who do not see it.
 
 use anyhow::Result;
 use plotters::coord::Shift;
@@ -57,7 +57,8 @@ pub const fn verdict_colour(verdict: Verdict) -> RGBColor {
     }
 }
 
-/// Draws a picture of the given width and height in pixels; `title` is what a screen reader says of it.
+/// Draws a picture of the given width and height in pixels; `title` is what a screen reader says of
+/// it.
 ///
 /// # Errors
 /// What plotters could not draw.
@@ -118,7 +119,8 @@ pub enum Mark {
     Low,
 }
 
-/// Draws the heading of a picture and its legend in one row below: never on top of the lines themselves.
+/// Draws the heading of a picture and its legend in one row below: never on top of the lines
+/// themselves.
 ///
 /// # Errors
 /// What plotters could not draw.

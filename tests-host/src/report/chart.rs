@@ -223,7 +223,8 @@ impl LineChart {
     }
 }
 
-/// What a logarithmic axis begins below its first power of ten, so that rounding cannot take its label away.
+/// What a logarithmic axis begins below its first power of ten, so that rounding cannot take its
+/// label away.
 pub const EDGE: f64 = 0.99;
 
 /// How strongly a span tints.
@@ -235,7 +236,8 @@ fn thinned(RGBColor(red, green, blue): RGBColor) -> RGBColor {
     RGBColor(thin(red), thin(green), thin(blue))
 }
 
-/// How the labels of an axis are written. On a linear axis a place that is zero but for rounding is zero.
+/// How the labels of an axis are written. On a linear axis a place that is zero but for rounding is
+/// zero.
 fn label(scale: Scale, range: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
     let rounding = if scale == Scale::Linear { 1e-9 * (range.end - range.start) } else { 0.0 };
     move |&value| short(if value.abs() < rounding { 0.0 } else { value })

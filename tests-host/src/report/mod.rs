@@ -9,8 +9,9 @@
 //! | one self-contained HTML page | [`page`] |
 //! | of any number of epochs, those that a picture needs | [`thinned`] |
 //!
-//! Every picture is SVG without scripts, fonts or links. On a page it has no ground of its own and its ink is
-//! `currentColor`, so that it follows a light or a dark page; as a file it stands on white.
+//! Every picture is SVG without scripts, fonts or links. On a page it has no ground of its own and
+//! its ink is `currentColor`, so that it follows a light or a dark page; as a file it stands on
+//! white.
 
 pub mod bars;
 pub mod canvas;
@@ -57,7 +58,8 @@ impl Verdict {
     }
 }
 
-/// What is known of one epoch, from the module's sentences and from the truth. What is unknown is `None`.
+/// What is known of one epoch, from the module's sentences and from the truth. What is unknown is
+/// `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moment {
     /// Seconds since the first epoch.

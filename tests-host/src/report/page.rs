@@ -156,8 +156,8 @@ fn escaped(words: &str) -> String {
     words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// Lets a picture shrink with the page: its size in pixels becomes the most it takes. It shrinks to four fifths and no
-/// further, so that its words stay legible; a narrower page scrolls it.
+/// Lets a picture shrink with the page: its size in pixels becomes the most it takes. It shrinks to
+/// four fifths and no further, so that its words stay legible; a narrower page scrolls it.
 fn scalable(svg: &str) -> String {
     let size = |name: &str| {
         let (_, rest) = svg.split_once(&format!("{name}=\""))?;

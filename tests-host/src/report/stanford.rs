@@ -7,7 +7,8 @@
 //! | below the diagonal, error beyond the alert limit | hazardous |
 //! | bound above the alert limit | unavailable |
 //!
-//! Protected epochs are drawn over the others, and misleading ones over all, so that none hides them.
+//! Protected epochs are drawn over the others, and misleading ones over all, so that none hides
+//! them.
 
 use anyhow::Result;
 

@@ -1,8 +1,9 @@
 //! Any number of epochs as so many that a picture has room for.
 //!
-//! All epochs are kept until [`MOST`] have come. Then each stretch of them gives way to its extremes: the largest and the
-//! smallest of every curve, the largest error against its level, the first epoch of each verdict and the first that leaves a
-//! satellite out. Stretches get longer as more epochs come. What lasts for an epoch only is therefore in every picture.
+//! All epochs are kept until [`MOST`] have come. Then each stretch of them gives way to its
+//! extremes: the largest and the smallest of every curve, the largest error against its level, the
+//! first epoch of each verdict and the first that leaves a satellite out. Stretches get longer as
+//! more epochs come. What lasts for an epoch only is therefore in every picture.
 
 use super::{Moment, Verdict};
 

@@ -1,4 +1,5 @@
-//! What happened over time: the statistic against its threshold, the error against its bound, the verdicts.
+//! What happened over time: the statistic against its threshold, the error against its bound, the
+//! verdicts.
 //!
 //! The three share their time axis, so that [`stacked`] can put them above each other.
 
@@ -236,7 +237,8 @@ pub fn stacked(charts: &[LineChart], moments: &[Moment], ground: Ground) -> Resu
     stacked_of(charts, moments, tally(moments), ground)
 }
 
-/// As [`stacked`], where moments stand for others: of each verdict there are as many as `tally` says.
+/// As [`stacked`], where moments stand for others: of each verdict there are as many as `tally`
+/// says.
 fn stacked_of(charts: &[LineChart], moments: &[Moment], tally: [usize; 3], ground: Ground) -> Result<String> {
     const PANEL_PX: u32 = 260;
     let titles: Vec<&str> = charts.iter().map(|chart| chart.title.as_str()).collect();

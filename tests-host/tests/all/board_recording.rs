@@ -59,7 +59,8 @@ fn verdicts(sentences: &str) -> Vec<(char, String)> {
     epochs.into_iter().map(|epoch| (epoch.state.state, epoch.state.reason)).collect()
 }
 
-/// By the tags, satellites agree for a minute after the alert; by the board's clock, for some tenths of a second.
+/// By the tags, satellites agree for a minute after the alert; by the board's clock, for some
+/// tenths of a second.
 #[test]
 fn a_recovery_ends_with_the_same_epoch() {
     if !is_installed() {

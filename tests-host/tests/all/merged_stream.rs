@@ -1,5 +1,6 @@
-//! A stream that carries the ephemerides of more satellites than the store holds, as a caster's or a merged file's: those in view
-//! keep theirs, in whatever order the systems come, and no system makes levels worse.
+//! A stream that carries the ephemerides of more satellites than the store holds, as a caster's or
+//! a merged file's: those in view keep theirs, in whatever order the systems come, and no system
+//! makes levels worse.
 
 use std::collections::BTreeMap;
 

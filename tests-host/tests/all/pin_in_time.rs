@@ -89,7 +89,8 @@ fn whatever_the_host_sends_the_pin_is_in_time() {
     }
 }
 
-/// Sentences of epochs that a host hears while it sends `flood` at the rate of its line: `PRAIS` and `PRAIN`.
+/// Sentences of epochs that a host hears while it sends `flood` at the rate of its line: `PRAIS`
+/// and `PRAIN`.
 fn heard_beside(flood: &str, lumps: &[Vec<u8>]) -> ([usize; 2], Outcome) {
     let lines = Lines { flood: flood.as_bytes(), ..every(1000) };
     let have = run(lumps, QUIET, lines, Costs::measured(FULL_HZ, EPOCH));

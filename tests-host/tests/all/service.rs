@@ -123,7 +123,8 @@ fn pin_falls_within_the_time_to_alert_of_a_silent_receiver_whatever_clients_do()
     let _ = reader.read_to_end(&mut sentences);
     let sentences = String::from_utf8_lossy(&sentences);
     assert!(sentences.contains(",P,OK,") && sentences.contains(",A,STALE,"), "{sentences}");
-    // It comes back in its own time, and is promised again: what is tagged as old as it is came late.
+    // It comes back in its own time, and is promised again: what is tagged as old as it is came
+    // late.
     let missed = (last_epoch.elapsed().as_secs_f64() * f64::from(RATE_HZ)).ceil() as usize;
     for piece in pieces(60).into_iter().skip(21 + missed).take(20) {
         line.write_all(&piece).unwrap();

@@ -1,7 +1,9 @@
-//! The date at the end of a week: both meanings of a stated week, every order of systems, lumps and single bytes.
+//! The date at the end of a week: both meanings of a stated week, every order of systems, lumps and
+//! single bytes.
 //!
-//! In the simulated sky every GPS and Galileo set of the last half hour has its reference time in the next week, and every one of
-//! `BeiDou` in this one. Right values follow from the simulation's own time.
+//! In the simulated sky every GPS and Galileo set of the last half hour has its reference time in
+//! the next week, and every one of `BeiDou` in this one. Right values follow from the simulation's
+//! own time.
 
 use raim_core::satellite::Constellation;
 use raim_firmware::input::{Event, Input};
@@ -173,7 +175,8 @@ fn sets_that_come_after_the_first_epoch_mend_the_date_without_loss() {
                     [of_first.unwrap_or_default(), second.ranges.clone()].concat()
                 })
                 .collect();
-            // Weeks of toe of GPS and Galileo alone look like those of transmission, until BeiDou speaks.
+            // Weeks of toe of GPS and Galileo alone look like those of transmission, until BeiDou
+            // speaks.
             let beidou = order.find('C').unwrap();
             let first = if stated == StatedWeek::Toe { beidou } else { 0 };
             check(&seconds, &lumps, first, &format!("{order}, {stated:?}"));

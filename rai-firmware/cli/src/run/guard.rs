@@ -1,7 +1,7 @@
 //! The guard: a second thread that drops the pin and ends the program if the epoch loop hangs.
 //!
-//! Under systemd it also keeps the service's watchdog: only a loop that comes round feeds it. If the
-//! whole process hangs, systemd ends it, and the unit's `ExecStopPost` drops the pin.
+//! Under systemd it also keeps the service's watchdog: only a loop that comes round feeds it. If
+//! the whole process hangs, systemd ends it, and the unit's `ExecStopPost` drops the pin.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

@@ -1,14 +1,18 @@
 //! Which week it is, and that time goes forward.
 //!
-//! Observations carry the second of the week, ephemerides a week ([`super::message_week`], [`super::roll_over`]). That of GPS is taken
-//! in the cycle of 1,024 nearest to the known time, and before any time is known in the cycle that begins with [`NOT_BEFORE_WEEK`].
+//! Observations carry the second of the week, ephemerides a week ([`super::message_week`],
+//! [`super::roll_over`]). That of GPS is taken in the cycle of 1,024 nearest to the known time, and
+//! before any time is known in the cycle that begins with [`NOT_BEFORE_WEEK`].
 //!
-//! Nothing on the wire is accepted for ever. A time that goes back is dropped, but [`RESTART_RUN`] epochs in a row
-//! that are older and follow each other are the new time. A time that leaps ahead is the time.
+//! Nothing on the wire is accepted for ever. A time that goes back is dropped, but [`RESTART_RUN`]
+//! epochs in a row that are older and follow each other are the new time. A time that leaps ahead
+//! is the time.
 //!
-//! What is known better is remembered: satellites move by kilometres in a second, so an epoch whose ranges agreed with their orbits
-//! was at the instant of its tag, and in the week of its ephemerides. An epoch that goes on from there by the module's own clock
-//! ([`Tick::leads_to`]) is the time at once, in its week, whatever came between: leaps, however many, and votes on the week.
+//! What is known better is remembered: satellites move by kilometres in a second, so an epoch whose
+//! ranges agreed with their orbits was at the instant of its tag, and in the week of its
+//! ephemerides. An epoch that goes on from there by the module's own clock ([`Tick::leads_to`]) is
+//! the time at once, in its week, whatever came between: leaps, however many, and votes on the
+//! week.
 //!
 //! The systems vote on the week ([`super::present_week`]).
 
@@ -37,8 +41,8 @@ const CLOCK_ERROR: u64 = 64;
 /// Half of the cycle in which GPS counts weeks.
 const HALF_CYCLE_WEEKS: u16 = 512;
 
-/// Epochs that agreed with nothing after which what was confirmed does not stand against the votes any more: it may itself have
-/// been wrong.
+/// Epochs that agreed with nothing after which what was confirmed does not stand against the votes
+/// any more: it may itself have been wrong.
 const DOUBT_EPOCHS: u16 = 600;
 
 /// The time line.
@@ -132,8 +136,9 @@ impl Calendar {
         self.last.map(|last| last.time)
     }
 
-    /// Takes the time that a receiver states. It is used where nothing else names the week, and where sets leave two weeks;
-    /// ephemerides may outvote it. A week before [`NOT_BEFORE_WEEK`], as of receivers that count an earlier cycle, is ignored.
+    /// Takes the time that a receiver states. It is used where nothing else names the week, and
+    /// where sets leave two weeks; ephemerides may outvote it. A week before [`NOT_BEFORE_WEEK`],
+    /// as of receivers that count an earlier cycle, is ignored.
     pub(super) fn suppose(&mut self, time: GpsTime, counters: &mut Counters) {
         if time.week < NOT_BEFORE_WEEK {
             return;
@@ -150,7 +155,8 @@ impl Calendar {
         }
     }
 
-    /// Takes the week of the next epoch from a source that is to be believed, in any cycle of GPS weeks.
+    /// Takes the week of the next epoch from a source that is to be believed, in any cycle of GPS
+    /// weeks.
     pub(super) fn assume(&mut self, week: u16) {
         // Every second of the week is within half a week of its middle.
         self.reference = Some(GpsTime { week, tow_ms: WEEK_MS / 2 });
@@ -158,7 +164,8 @@ impl Calendar {
         self.week = PresentWeek::new();
     }
 
-    /// Returns the present if, since the last call, its week was named or moved by what came after sets of ephemerides.
+    /// Returns the present if, since the last call, its week was named or moved by what came after
+    /// sets of ephemerides.
     pub(super) fn take_redating(&mut self) -> Option<GpsTime> {
         self.reference.filter(|_| core::mem::take(&mut self.is_redated))
     }
@@ -195,7 +202,8 @@ impl Calendar {
         self.leap.known()
     }
 
-    /// About when it is: the last epoch or, before there was one, the reference time of an ephemeris.
+    /// About when it is: the last epoch or, before there was one, the reference time of an
+    /// ephemeris.
     pub(super) fn present(&self) -> Option<GpsTime> {
         self.reference
     }
@@ -224,7 +232,8 @@ impl Calendar {
         Ok(self.set(next))
     }
 
-    /// The epoch at `tow_ms`, if it goes on from the one that was confirmed and what came between does not.
+    /// The epoch at `tow_ms`, if it goes on from the one that was confirmed and what came between
+    /// does not.
     fn as_confirmed(&self, tow_ms: u32, came_ms: u64) -> Option<Tick> {
         let confirmed = self.confirmed.filter(|_| self.unconfirmed < DOUBT_EPOCHS)?;
         let is_on_line = |last: Tick| last.time == confirmed.time || confirmed.leads_to(last);
@@ -250,8 +259,8 @@ impl Calendar {
         tick.time
     }
 
-    /// The instant of an epoch at `tow_ms` that has no satellites to vouch for it: time does not go on to it, and it is none
-    /// before an epoch that has satellites.
+    /// The instant of an epoch at `tow_ms` that has no satellites to vouch for it: time does not go
+    /// on to it, and it is none before an epoch that has satellites.
     pub(super) fn foresee(&self, tow_ms: u32) -> Result<GpsTime, TimeError> {
         let last = self.time().ok_or(TimeError::Ahead)?;
         let time = GpsTime::nearest(tow_ms, last);
@@ -274,7 +283,8 @@ impl Calendar {
         run >= RESTART_RUN
     }
 
-    /// Takes a set that states this reference time, and returns the reference time that it means at the known present.
+    /// Takes a set that states this reference time, and returns the reference time that it means at
+    /// the known present.
     pub(super) fn learn(
         &mut self,
         system: Constellation,

@@ -10,8 +10,8 @@ fn an_older_time_comes_back_though_every_system_ends_its_own_epoch() {
     assert_eq!((accepted, calendar.time()), (1, Some(GpsTime { week: 2111, tow_ms: 5000 })));
 }
 
-/// Seconds of the week, and when they come, s; and which of them are the time, s after the beginning of week 2111. One may
-/// be confirmed.
+/// Seconds of the week, and when they come, s; and which of them are the time, s after the
+/// beginning of week 2111. One may be confirmed.
 fn times_of(epochs: &[(u32, u64)], confirmed: Option<usize>) -> std::vec::Vec<Option<i64>> {
     let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
     let start = GpsTime { week: 2111, tow_ms: 0 };
@@ -92,7 +92,8 @@ fn sets_that_fit_two_weeks_do_not_confirm_the_week() {
     }
 }
 
-/// The week after ephemerides have voted for the next one, so many epochs after the last that was confirmed.
+/// The week after ephemerides have voted for the next one, so many epochs after the last that was
+/// confirmed.
 fn week_voted_on(epochs: u32) -> u16 {
     let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
     let week = |week: u16| GpsTime { week, tow_ms: 200_000_000 };

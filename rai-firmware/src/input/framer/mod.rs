@@ -1,13 +1,16 @@
-//! The transport layer: finds the frames of all wire formats in one stream of bytes, and checks each once.
+//! The transport layer: finds the frames of all wire formats in one stream of bytes, and checks
+//! each once.
 //!
-//! The beginning of a frame may be an accident, and its length then swallows good frames. So nothing is thrown away
-//! before it has been searched: if a candidate fails, only its first byte goes, and the search starts again behind it. A
-//! candidate that is incomplete ends as soon as a frame inside it is complete and its check holds ([`nested`]).
+//! The beginning of a frame may be an accident, and its length then swallows good frames. So
+//! nothing is thrown away before it has been searched: if a candidate fails, only its first byte
+//! goes, and the search starts again behind it. A candidate that is incomplete ends as soon as a
+//! frame inside it is complete and its check holds ([`nested`]).
 //!
-//! A stream made of nothing but beginnings would have every byte checked a thousand times over. Each byte that comes
-//! therefore pays for [`CREDIT_PER_BYTE`] bytes of checking, and [`CREDIT_MOST`] can be saved up, enough for a dozen of
-//! the longest RTCM frames that fail in a row. A candidate that cannot be paid for is passed over and counted. Frames
-//! inside a candidate are checked as long as [`CREDIT_RESERVE`] stays for the candidates themselves.
+//! A stream made of nothing but beginnings would have every byte checked a thousand times over.
+//! Each byte that comes therefore pays for [`CREDIT_PER_BYTE`] bytes of checking, and
+//! [`CREDIT_MOST`] can be saved up, enough for a dozen of the longest RTCM frames that fail in a
+//! row. A candidate that cannot be paid for is passed over and counted. Frames inside a candidate
+//! are checked as long as [`CREDIT_RESERVE`] stays for the candidates themselves.
 
 mod nested;
 
@@ -70,8 +73,8 @@ impl Framer {
         }
     }
 
-    /// Takes bytes that came at an instant, as many as there is room for, and returns the others. There is room for some
-    /// if [`Framer::next`] has been called until it returned none.
+    /// Takes bytes that came at an instant, as many as there is room for, and returns the others.
+    /// There is room for some if [`Framer::next`] has been called until it returned none.
     pub(super) fn take<'b>(&mut self, bytes: &'b [u8], came_ms: u64, counters: &mut Counters) -> &'b [u8] {
         self.make_room(bytes.len(), counters);
         let room = self.buffer.capacity() - self.buffer.len();
@@ -110,8 +113,8 @@ impl Framer {
         self.front = 0;
     }
 
-    /// Returns true if [`Framer::next`] would find more than it did before. Bytes come a few at a time. To ask it after
-    /// every few would cost half as much as reading the message.
+    /// Returns true if [`Framer::next`] would find more than it did before. Bytes come a few at a
+    /// time. To ask it after every few would cost half as much as reading the message.
     pub(super) fn is_worth_a_look(&mut self) -> bool {
         if self.handed > 0 || !matches!(self.candidate(), Front::Incomplete) {
             return true;
@@ -122,8 +125,8 @@ impl Framer {
 
     /// Returns the next frame that passes its check, with its format; the one before is done with.
     ///
-    /// With `is_silent` no more bytes will come to complete a candidate: an incomplete one is counted as cut, and its
-    /// bytes are searched.
+    /// With `is_silent` no more bytes will come to complete a candidate: an incomplete one is
+    /// counted as cut, and its bytes are searched.
     pub(super) fn next(&mut self, is_silent: bool, counters: &mut Counters) -> Option<(Format, Frame<'_>)> {
         self.front += core::mem::take(&mut self.handed);
         let (format, length) = loop {
@@ -163,7 +166,8 @@ impl Framer {
         nested.search(buffer, *front, |at| if at >= *fresh { *fresh_ms } else { *old_ms });
     }
 
-    /// Ends an incomplete candidate in which a frame is complete and passes its check, and moves the front to that frame.
+    /// Ends an incomplete candidate in which a frame is complete and passes its check, and moves
+    /// the front to that frame.
     fn inner(&mut self, counters: &mut Counters) -> Option<(Format, usize)> {
         self.search();
         while let Some(Begun { start, came_ms, .. }) = self.nested.take_complete(&self.buffer, self.front) {

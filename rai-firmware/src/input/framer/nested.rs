@@ -1,11 +1,11 @@
 //! Beginnings of frames inside a candidate that is incomplete.
 //!
-//! The beginning of a frame may be an accident whose length reaches over the good frames behind it. The pin must not wait
-//! for that length to come. So every byte that comes is searched once for the beginning of a frame. When the last byte of
-//! one has come, its check decides.
+//! The beginning of a frame may be an accident whose length reaches over the good frames behind it.
+//! The pin must not wait for that length to come. So every byte that comes is searched once for the
+//! beginning of a frame. When the last byte of one has come, its check decides.
 //!
-//! [`MOST`] beginnings are remembered. If there are more, the one that ends last is dropped: it holds nothing back, and
-//! is found again if the search gets there.
+//! [`MOST`] beginnings are remembered. If there are more, the one that ends last is dropped: it
+//! holds nothing back, and is found again if the search gets there.
 
 use heapless::Vec;
 
@@ -32,7 +32,8 @@ pub(super) struct Nested {
     begun: Vec<Begun, MOST>,
     /// Position up to which the buffer has been searched.
     searched: usize,
-    /// Time at which the byte at `searched` came, ms, if it begins something of which more is needed to tell.
+    /// Time at which the byte at `searched` came, ms, if it begins something of which more is
+    /// needed to tell.
     unknown_ms: Option<u64>,
 }
 
@@ -43,8 +44,8 @@ impl Nested {
         Self { begun: Vec::new(), searched: 0, unknown_ms: None }
     }
 
-    /// Searches the bytes behind the front that have not been searched. `came_ms` returns when the byte at a position
-    /// came.
+    /// Searches the bytes behind the front that have not been searched. `came_ms` returns when the
+    /// byte at a position came.
     pub(super) fn search(&mut self, buffer: &[u8], front: usize, came_ms: impl Fn(usize) -> u64) {
         if self.searched <= front {
             (self.searched, self.unknown_ms) = (front + 1, None);

@@ -45,7 +45,8 @@ fn both_formats_are_found_in_one_stream() {
     assert_eq!((counters.frames, counters.bytes_skipped, counters.crc_failures), (3, 14, 0));
 }
 
-/// Whole frames, cut ones, beginnings of long ones and noise, in every order of three, in pieces of every size.
+/// Whole frames, cut ones, beginnings of long ones and noise, in every order of three, in pieces of
+/// every size.
 #[test]
 fn asked_only_when_it_is_worth_a_look_it_finds_the_same() {
     let pieces: [&[u8]; 8] = [
@@ -181,7 +182,8 @@ fn a_long_message_of_ranges_is_none_as_soon_as_its_number_contradicts_its_length
     }
 }
 
-/// What is checked inside candidates leaves the candidates their credit, and good frames behind them are found.
+/// What is checked inside candidates leaves the candidates their credit, and good frames behind
+/// them are found.
 #[test]
 fn a_stream_of_nested_beginnings_leaves_credit_for_what_follows() {
     let shorter_and_shorter: Vec<u8> = (3..=120_u8).rev().flat_map(|length| [0xD3, 0x00, length]).collect();

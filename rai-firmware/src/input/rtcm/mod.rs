@@ -1,7 +1,8 @@
 //! RTCM 3: one frame to one message.
 //!
-//! What is read: MSM4 to MSM7 of GPS, GLONASS, Galileo, QZSS and `BeiDou`; 1019, 1020, 1042, 1044, 1045, 1046; 1005 and 1006. MSM of
-//! the other systems are counted, and still say when an epoch is complete. Everything else is counted.
+//! What is read: MSM4 to MSM7 of GPS, GLONASS, Galileo, QZSS and `BeiDou`; 1019, 1020, 1042, 1044,
+//! 1045, 1046; 1005 and 1006. MSM of the other systems are counted, and still say when an epoch is
+//! complete. Everything else is counted.
 //!
 //! References: [RTCM-10403.3] 3.5.16 (MSM).
 //!

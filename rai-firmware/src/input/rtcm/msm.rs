@@ -4,9 +4,9 @@
 //! P = c · (whole ms + rough/1024 ms + fine · 2⁻²⁴ or 2⁻²⁹ ms)
 //! ```
 //!
-//! The message numbers are regular: 1070 + 10 · system + level, with system 0 GPS, 1 GLONASS, 2 Galileo, 3 SBAS,
-//! 4 QZSS, 5 `BeiDou`, 6 `NavIC`. All begin alike; then each field stands for all satellites, or for all cells (a
-//! satellite's signal), before the next field begins:
+//! The message numbers are regular: 1070 + 10 · system + level, with system 0 GPS, 1 GLONASS, 2
+//! Galileo, 3 SBAS, 4 QZSS, 5 `BeiDou`, 6 `NavIC`. All begin alike; then each field stands for all
+//! satellites, or for all cells (a satellite's signal), before the next field begins:
 //!
 //! | part | bits (levels 4, 5, 6, 7) | what |
 //! |---|---|---|
@@ -21,11 +21,13 @@
 //! | | 6, 6, 10, 10 | C/N0, 1 dB-Hz or 1/16 dB-Hz, 0 for none |
 //! | | 0, 15, 0, 15 | rate, signed, 0.1 mm/s, the most negative for none |
 //!
-//! A message without satellites is as good as any: a system that sees none still says when the instant is complete.
+//! A message without satellites is as good as any: a system that sees none still says when the
+//! instant is complete.
 //!
-//! Four of ten fields are of use here, so the message is read in place. A general decoder (`rtcm-rs`, which reads
-//! the small messages) returns every field of 64 cells by value, which took 44 KiB of stack and 65 KiB of flash,
-//! and it drops a whole message for one signal that it does not know.
+//! Four of ten fields are of use here, so the message is read in place. A general decoder
+//! (`rtcm-rs`, which reads the small messages) returns every field of 64 cells by value, which took
+//! 44 KiB of stack and 65 KiB of flash, and it drops a whole message for one signal that it does
+//! not know.
 //!
 //! Reference: [RTCM-10403.3] 3.5.16, tables 3.5-73 to 3.5-101.
 //!
@@ -109,9 +111,11 @@ fn gps_tow_ms(system: System, time_ms: u32) -> Option<u32> {
     (time_ms < WEEK_MS).then_some((time_ms + offset_ms) % WEEK_MS)
 }
 
-/// Returns the milliseconds into the week of UTC from the day and the time of day of GLONASS, which are three hours ahead.
+/// Returns the milliseconds into the week of UTC from the day and the time of day of GLONASS, which
+/// are three hours ahead.
 ///
-/// Day 7 means that the day is unknown (DF416). It is then the one that brings the time nearest to the present.
+/// Day 7 means that the day is unknown (DF416). It is then the one that brings the time nearest to
+/// the present.
 fn utc_week_ms(time: u32, calendar: &Calendar) -> Result<u32, Unread> {
     const UNKNOWN_DAY: u32 = 7;
     const DAY_MS: u32 = 86_400_000;
@@ -212,7 +216,8 @@ enum Unused {
 /// Widths of the fields that the levels differ in, bits.
 #[derive(Debug)]
 struct Widths {
-    /// What levels 5 and 7 have besides: extended information and rough rate of a satellite, rate of a cell.
+    /// What levels 5 and 7 have besides: extended information and rough rate of a satellite, rate
+    /// of a cell.
     extended: usize,
     satellite_rate: usize,
     cell_rate: usize,
@@ -315,7 +320,8 @@ impl<'a> Layout<'a> {
         field as f32 * self.widths.cn0_dbhz
     }
 
-    /// How fast the range of a cell grows, m/s; `None` where the level has no rates, or the message does not say.
+    /// How fast the range of a cell grows, m/s; `None` where the level has no rates, or the message
+    /// does not say.
     fn rate_m_s(&self, row: &Row, cell: usize) -> Option<f32> {
         let Widths { fine, between, cn0, cell_rate, .. } = self.widths;
         let start = self.cell_start + self.cells.count() * (fine + between + cn0);
@@ -323,7 +329,8 @@ impl<'a> Layout<'a> {
         Some(row.rate_m_s? as f32 + fine as f32 * FINE_RATE_M_S)
     }
 
-    /// A number with a sign; `None` for the most negative one, which says that there is none, and for no bits.
+    /// A number with a sign; `None` for the most negative one, which says that there is none, and
+    /// for no bits.
     fn optional(&self, start: usize, width: usize) -> Option<i32> {
         if width == 0 {
             return None;

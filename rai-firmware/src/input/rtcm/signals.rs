@@ -3,11 +3,12 @@
 use crate::input::system::System;
 use crate::raw::Band;
 
-/// The band of a signal by its position in the signal mask of an MSM, from 1; `None` for those that are not used.
+/// The band of a signal by its position in the signal mask of an MSM, from 1; `None` for those that
+/// are not used.
 ///
-/// Left out: restricted services (Galileo E1A, E1Z) and bands whose delay against the broadcast clock is not
-/// broadcast while others' are (Galileo E6 and E5 alt-BOC, `BeiDou` B2b, QZSS L6). Reference: [RTCM-10403.3] tables
-/// 3.5-91, 3.5-96, 3.5-99, 3.5-105, 3.5-108.
+/// Left out: restricted services (Galileo E1A, E1Z) and bands whose delay against the broadcast
+/// clock is not broadcast while others' are (Galileo E6 and E5 alt-BOC, `BeiDou` B2b, QZSS L6).
+/// Reference: [RTCM-10403.3] tables 3.5-91, 3.5-96, 3.5-99, 3.5-105, 3.5-108.
 ///
 /// [RTCM-10403.3]: crate#references
 pub(super) const fn band(system: System, signal: u8) -> Option<Band> {
@@ -29,14 +30,15 @@ pub(super) const fn band(system: System, signal: u8) -> Option<Band> {
     }
 }
 
-/// Whether a signal is the one code of its band that the broadcast clock is of, where another one may be beside it:
-/// P and Y on L1. To C/A a GPS satellite has a delay of its own, up to a metre, that no message tells.
+/// Whether a signal is the one code of its band that the broadcast clock is of, where another one
+/// may be beside it: P and Y on L1. To C/A a GPS satellite has a delay of its own, up to a metre,
+/// that no message tells.
 pub(super) const fn is_reference(system: System, signal: u8) -> bool {
     matches!((system, signal), (System::Gps, 3 | 4))
 }
 
-/// Whether receivers track the code without knowing it: P and Y of GPS. What is left of its strength, 10 to 20 dB less,
-/// says nothing of the signal.
+/// Whether receivers track the code without knowing it: P and Y of GPS. What is left of its
+/// strength, 10 to 20 dB less, says nothing of the signal.
 pub(super) const fn is_codeless(system: System, signal: u8) -> bool {
     matches!((system, signal), (System::Gps, 3 | 4 | 9 | 10))
 }

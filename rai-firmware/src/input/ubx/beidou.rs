@@ -1,9 +1,10 @@
 //! `BeiDou` D1 and D2: subframes of ten words of 30 bits, on B1I, B2I and B3I.
 //!
-//! A page here is the information in a subframe without parities, in which the fields that the parities split join:
-//! 26 bits of the first word, then 22 of each other. D1 spreads the ephemeris over subframes 1 to 3, D2 (of the
-//! geostationary satellites) over ten pages of subframe 1, of which five words are used. Neither says to which issue
-//! a subframe belongs; its second of the week does, since they follow each other without a gap.
+//! A page here is the information in a subframe without parities, in which the fields that the
+//! parities split join: 26 bits of the first word, then 22 of each other. D1 spreads the ephemeris
+//! over subframes 1 to 3, D2 (of the geostationary satellites) over ten pages of subframe 1, of
+//! which five words are used. Neither says to which issue a subframe belongs; its second of the
+//! week does, since they follow each other without a gap.
 //!
 //! | | fields |
 //! |---|---|
@@ -17,7 +18,8 @@
 //! | D2, 7, 8 | Cic 42, Cis 50, toe 68, i0 85 and 42, Crc 53, Crs 71, Ω̇ 89 |
 //! | D2, 9, 10 | Ω̇ 42, Ω0 47, ω 79 and 42, i̇ 47 |
 //!
-//! The coefficients of the ionosphere are of another model than those of GPS ([`crate::correction::Klobuchar`]).
+//! The coefficients of the ionosphere are of another model than those of GPS
+//! ([`crate::correction::Klobuchar`]).
 //!
 //! References: [BDS-SIS-B1I] 5.2, 5.3; [BDS-SIS-B3I] 5.
 //!

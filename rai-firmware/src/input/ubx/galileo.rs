@@ -1,8 +1,9 @@
 //! Galileo I/NAV and F/NAV: pages with a CRC.
 //!
-//! I/NAV comes as an even and an odd part, which make a word of 128 bits; words 1 to 4 are the ephemeris and say which
-//! issue they belong to, word 5 has health, group delays and week and does not. A satellite sends it last in each 30 s,
-//! so it closes the set that came before it. F/NAV has the same in four pages, every one with its issue.
+//! I/NAV comes as an even and an odd part, which make a word of 128 bits; words 1 to 4 are the
+//! ephemeris and say which issue they belong to, word 5 has health, group delays and week and does
+//! not. A satellite sends it last in each 30 s, so it closes the set that came before it. F/NAV has
+//! the same in four pages, every one with its issue.
 //!
 //! | I/NAV word | fields |
 //! |---|---|
@@ -63,7 +64,8 @@ const FNAV: Layout = Layout {
     group_delays: [Some(on(0, 143)), None],
 };
 
-/// The word of an I/NAV page, from the receiver's eight words: 120 bits of each part, then eight of no meaning.
+/// The word of an I/NAV page, from the receiver's eight words: 120 bits of each part, then eight of
+/// no meaning.
 pub(super) fn inav_word(words: &[u32; 8]) -> Result<[u8; INAV_BYTES], Refusal> {
     let page = bytes_of(words);
     let page = Bits(&page);
@@ -71,7 +73,8 @@ pub(super) fn inav_word(words: &[u32; 8]) -> Result<[u8; INAV_BYTES], Refusal> {
     if page.unsigned(0, 2) != 0b00 || page.unsigned(128, 2) != 0b10 {
         return Err(Refusal::Malformed);
     }
-    // Leading zeros leave a CRC as it is, so the 114 and 82 bits follow four of them and make whole bytes.
+    // Leading zeros leave a CRC as it is, so the 114 and 82 bits follow four of them and make whole
+    // bytes.
     let mut covered = Packed::<25>::new();
     covered.push(0, 4);
     append(&mut covered, page, 0, 114);

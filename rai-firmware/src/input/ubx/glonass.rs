@@ -1,8 +1,9 @@
 //! GLONASS strings: 85 bits every two seconds; one to four are the ephemeris.
 //!
-//! A page here is a string with the idle bit first. Numbers are a sign bit and a magnitude. The strings of one frame
-//! follow each other within eight seconds and say nothing of which set they belong to, so a set is taken only in their
-//! order: a first string begins it, and each other one must follow the one before.
+//! A page here is a string with the idle bit first. Numbers are a sign bit and a magnitude. The
+//! strings of one frame follow each other within eight seconds and say nothing of which set they
+//! belong to, so a set is taken only in their order: a first string begins it, and each other one
+//! must follow the one before.
 //!
 //! | string | fields |
 //! |---|---|

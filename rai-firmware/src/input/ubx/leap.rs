@@ -1,7 +1,7 @@
 //! Leap seconds as the satellites announce them: what holds, what will hold, and from when on.
 //!
-//! The week of the change is said with eight bits, so it is the one of 256 that is nearest to the present.
-//! References: [IS-GPS-200] 20.3.3.5.2.4; [OS-SIS-ICD] 5.1.7.
+//! The week of the change is said with eight bits, so it is the one of 256 that is nearest to the
+//! present. References: [IS-GPS-200] 20.3.3.5.2.4; [OS-SIS-ICD] 5.1.7.
 //!
 //! [IS-GPS-200]: crate#references
 //! [OS-SIS-ICD]: crate#references
@@ -11,7 +11,8 @@ use crate::time::{GpsTime, WEEK_MS};
 /// Milliseconds of a day.
 const DAY_MS: u64 = 86_400_000;
 
-/// Seconds that GPS time may be ahead of UTC: 17 since 2015, and no more than one a year for longer than this lives.
+/// Seconds that GPS time may be ahead of UTC: 17 since 2015, and no more than one a year for longer
+/// than this lives.
 const PLAUSIBLE_S: core::ops::RangeInclusive<i32> = 0..=63;
 
 /// What a satellite says of leap seconds.
@@ -45,7 +46,8 @@ impl Announcement {
 mod tests {
     use super::*;
 
-    /// The last leap second: at the end of 2016-12-31, which was day 7 (Saturday) of week 1929, GPS − UTC rose from 17 to 18 s.
+    /// The last leap second: at the end of 2016-12-31, which was day 7 (Saturday) of week 1929, GPS
+    /// − UTC rose from 17 to 18 s.
     const LAST: Announcement = Announcement { now_s: 17, then_s: 18, week: (1929 % 256) as u8, day: 7 };
 
     #[test]

@@ -1,5 +1,5 @@
-//! LNAV of GPS and QZSS: subframes of ten words of 30 bits; one to three are the ephemeris, page 18 of the fourth is the
-//! ionosphere and UTC.
+//! LNAV of GPS and QZSS: subframes of ten words of 30 bits; one to three are the ephemeris, page 18
+//! of the fourth is the ionosphere and UTC.
 //!
 //! A page here is a subframe without parities: 240 bits. Offsets in them:
 //!
@@ -41,7 +41,8 @@ const PREAMBLE: u32 = 0x8B;
 /// [IS-GPS-200]: crate#references
 const ALERT: usize = 41;
 
-/// Between the first and the last subframe of one ephemeris, seconds: two frames, one of them with gaps.
+/// Between the first and the last subframe of one ephemeris, seconds: two frames, one of them with
+/// gaps.
 const SPAN_S: u32 = 90;
 
 /// The identity of the page with ionosphere and UTC.
@@ -58,7 +59,8 @@ const LAYOUT: Layout = Layout {
     group_delays: [Some(on(0, 160)), None],
 };
 
-/// Returns the subframe in the words of the receiver, which has undone the inversion of their data ([`is_lnav_word`]).
+/// Returns the subframe in the words of the receiver, which has undone the inversion of their data
+/// ([`is_lnav_word`]).
 pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; BYTES], Refusal> {
     let mut packed = Packed::new();
     for &word in words {
@@ -118,7 +120,8 @@ fn is_one_frame(subframes: [Bits<'_>; PAGES]) -> bool {
     is_near(first, second) && is_near(second, third)
 }
 
-/// Klobuchar's coefficients and the leap seconds, where a fourth subframe is page 18 of the GPS satellites.
+/// Klobuchar's coefficients and the leap seconds, where a fourth subframe is page 18 of the GPS
+/// satellites.
 ///
 /// The satellites of QZSS send a page of the same identity with coefficients for their own region.
 pub(super) fn ionosphere_and_utc(subframe: Bits<'_>) -> Option<([f64; 8], Announcement)> {

@@ -11,8 +11,9 @@
 //! | SEC-SIG | 27 09 | jamming and spoofing ([`security`]) |
 //! | NAV-STATUS | 01 03 | spoofing, by receivers that have no SEC-SIG |
 //!
-//! These receivers send no ephemerides in RTCM: the bits are where orbits come from. To be switched on at the receiver:
-//! `CFG-MSGOUT-UBX_RXM_RAWX`, `-UBX_RXM_SFRBX` and, where there is one, `-UBX_SEC_SIG`, and 115200 baud or more.
+//! These receivers send no ephemerides in RTCM: the bits are where orbits come from. To be switched
+//! on at the receiver: `CFG-MSGOUT-UBX_RXM_RAWX`, `-UBX_RXM_SFRBX` and, where there is one,
+//! `-UBX_SEC_SIG`, and 115200 baud or more.
 //!
 //! References: [UBX-F9], [UBX-M8].
 //!

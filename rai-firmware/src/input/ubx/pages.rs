@@ -1,12 +1,14 @@
 //! Pages of navigation messages until they make an ephemeris.
 //!
-//! Each satellite's message has a slot until its set is complete. Slots are few: all but the ten pages of a
-//! geostationary `BeiDou` satellite fit into [`SMALL_BYTES`], and those have slots of their own. A slot whose set was
-//! read is free; one that nothing was added to for [`ABANDONED_MS`] is free, too, and what is in it is forgotten, so
-//! that a satellite that comes back does not mix what it says with what it said before.
+//! Each satellite's message has a slot until its set is complete. Slots are few: all but the ten
+//! pages of a geostationary `BeiDou` satellite fit into [`SMALL_BYTES`], and those have slots of
+//! their own. A slot whose set was read is free; one that nothing was added to for [`ABANDONED_MS`]
+//! is free, too, and what is in it is forgotten, so that a satellite that comes back does not mix
+//! what it says with what it said before.
 //!
-//! 48 satellites and 8 geostationary ones take 6.5 KiB. A satellite for which there is no slot loses the page, with a
-//! count; it sends it again half a minute later, when others have done with theirs.
+//! 48 satellites and 8 geostationary ones take 6.5 KiB. A satellite for which there is no slot
+//! loses the page, with a count; it sends it again half a minute later, when others have done with
+//! theirs.
 
 use heapless::Vec;
 use raim_core::satellite::SatelliteId;
@@ -133,7 +135,8 @@ impl Set<'_> {
         }))
     }
 
-    /// Whether the page just added comes right behind the one before it; a first one does. Else the set begins anew.
+    /// Whether the page just added comes right behind the one before it; a first one does. Else the
+    /// set begins anew.
     pub(super) fn follows(&mut self, index: usize) -> bool {
         /// Two to three of the units of time, 2 s to 3 s.
         const NEXT: u32 = 3;

@@ -1,7 +1,7 @@
 //! Parities and checksums of the navigation messages.
 //!
-//! The receiver passes on only pages whose code holds. The line between it and the module may still flip a bit, and the
-//! frame's own checksum misses 1 error in 65,536: too many for an orbit.
+//! The receiver passes on only pages whose code holds. The line between it and the module may still
+//! flip a bit, and the frame's own checksum misses 1 error in 65,536: too many for an orbit.
 //!
 //! | message | code | over |
 //! |---|---|---|
@@ -19,15 +19,17 @@
 
 use crate::input::bits::Bits;
 
-/// Bits of a GPS word and its predecessor that each parity bit covers: `D29* D30* d1 … d24`, then the six parity bits.
+/// Bits of a GPS word and its predecessor that each parity bit covers: `D29* D30* d1 … d24`, then
+/// the six parity bits.
 const LNAV: [u32; 6] = [0xBB1F_3480, 0x5D8F_9A40, 0xAEC7_CD00, 0x5763_E680, 0x6BB1_F340, 0x8B7A_89C0];
 
 /// Returns true when the parity of a GPS word holds, as a u-blox receiver sends it.
 ///
-/// Bits 31 and 30 are `D29*` and `D30*`, the last two bits of the word before. If `D30*` was 1, the satellite has inverted
-/// the data, and the receiver complements all 32 bits: the data are then as meant, and the parity and both bits are
-/// complemented. The equations hold for the complement too, because each parity bit covers one of the two. Bit 30 is thus
-/// always 0; a 1 there could hide a wrong `d21`, since both stand in the same equations.
+/// Bits 31 and 30 are `D29*` and `D30*`, the last two bits of the word before. If `D30*` was 1, the
+/// satellite has inverted the data, and the receiver complements all 32 bits: the data are then as
+/// meant, and the parity and both bits are complemented. The equations hold for the complement too,
+/// because each parity bit covers one of the two. Bit 30 is thus always 0; a 1 there could hide a
+/// wrong `d21`, since both stand in the same equations.
 pub(super) fn is_lnav_word(word: u32) -> bool {
     const STAR_30: u32 = 1 << 30;
     let covered = word & 0xFFFF_FFC0;
@@ -44,7 +46,8 @@ pub(super) fn crc24q(bits: Bits<'_>, count: usize) -> u32 {
     })
 }
 
-/// Whether a `BeiDou` word of 30 bits is right; the first of a subframe protects its last eleven bits only.
+/// Whether a `BeiDou` word of 30 bits is right; the first of a subframe protects its last eleven
+/// bits only.
 pub(super) fn is_beidou_word(word: u32, is_first: bool) -> bool {
     if is_first {
         return bch(word >> 4 & 0x7FF) == word & 15;
@@ -63,10 +66,12 @@ fn bch(eleven: u32) -> u32 {
 
 /// Whether a GLONASS string of 85 bits, the idle bit first, is right.
 ///
-/// Seven check bits, the second to eighth from the end backwards, are those of a Hamming code whose 77 data bits are
-/// numbered, from the last one on, by what is no power of two; the last bit but seven is the parity of all.
+/// Seven check bits, the second to eighth from the end backwards, are those of a Hamming code whose
+/// 77 data bits are numbered, from the last one on, by what is no power of two; the last bit but
+/// seven is the parity of all.
 pub(super) fn is_glonass_string(bits: Bits<'_>) -> bool {
-    // Bits are numbered from the end in the interface document: the first sent is 85, the check bits are 8 to 1.
+    // Bits are numbered from the end in the interface document: the first sent is 85, the check
+    // bits are 8 to 1.
     let bit = |number: usize| bits.is_set(85 - number);
     let mut syndrome = 0;
     let mut number = 2;
@@ -89,7 +94,8 @@ mod tests {
     use super::*;
     use crate::input::bits::Packed;
 
-    /// [IS-GPS-200] table 20-XIV: the data bits in each equation, and whether it begins with D29* or D30*.
+    /// [IS-GPS-200] table 20-XIV: the data bits in each equation, and whether it begins with D29*
+    /// or D30*.
     ///
     /// [IS-GPS-200]: crate#references
     const EQUATIONS: [(bool, &[u32]); 6] = [
@@ -110,8 +116,8 @@ mod tests {
         }
     }
 
-    /// Returns the words that a receiver sends of one subframe, from the rules of [IS-GPS-200] 20.3.5.2 alone, and for how
-    /// many of them `D30*` was 1.
+    /// Returns the words that a receiver sends of one subframe, from the rules of [IS-GPS-200]
+    /// 20.3.5.2 alone, and for how many of them `D30*` was 1.
     ///
     /// [IS-GPS-200]: crate#references
     fn as_sent(data: [u32; 10]) -> ([u32; 10], usize) {
@@ -182,7 +188,8 @@ mod tests {
         assert!(is_beidou_word(0, false), "a linear code has the zero word");
     }
 
-    /// The masks that the interface document's sums of positions make, in hexadecimal, as receivers' software has them.
+    /// The masks that the interface document's sums of positions make, in hexadecimal, as
+    /// receivers' software has them.
     const GLONASS: [[u8; 11]; 8] = [
         [0x55, 0x55, 0x5A, 0xAA, 0xAA, 0xAA, 0xB5, 0x55, 0x6A, 0xD8, 0x08],
         [0x66, 0x66, 0x6C, 0xCC, 0xCC, 0xCC, 0xD9, 0x99, 0xB3, 0x68, 0x10],

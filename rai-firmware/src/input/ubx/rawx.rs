@@ -11,10 +11,11 @@
 //! | 16 + 26 | u8 | C/N0, dB-Hz |
 //! | 16 + 30 | bits | 0: range valid |
 //!
-//! The time tag need not be a whole millisecond, and an epoch's is: ranges are moved to it, `P − c δ`, which leaves the
-//! instant of transmission where it was and is common to all.
+//! The time tag need not be a whole millisecond, and an epoch's is: ranges are moved to it,
+//! `P − c δ`, which leaves the instant of transmission where it was and is common to all.
 //!
-//! Doubles are hostile numbers: a time or a range that is not finite or no time or range is refused here.
+//! Doubles are hostile numbers: a time or a range that is not finite or no time or range is refused
+//! here.
 //!
 //! Reference: [UBX-F9] RXM-RAWX.
 //!
@@ -85,8 +86,8 @@ impl Measurements for Rawx<'_> {
         self.measurements.is_empty()
     }
 
-    /// Hands none as the code that a broadcast clock refers to: these receivers measure one code a band. Counts those that
-    /// cannot be used.
+    /// Hands none as the code that a broadcast clock refers to: these receivers measure one code a
+    /// band. Counts those that cannot be used.
     fn each(
         &self,
         counters: &mut Counters,
@@ -105,14 +106,14 @@ pub(super) const fn payload_of(measurements: usize) -> usize {
     HEADER + measurements * MEASUREMENT
 }
 
-/// Returns true if a payload that begins with these bytes may have this length, which is no less than a header: the number
-/// of measurements explains it, or has not come yet.
+/// Returns true if a payload that begins with these bytes may have this length, which is no less
+/// than a header: the number of measurements explains it, or has not come yet.
 pub(super) fn may_have(begun: &[u8], length: usize) -> bool {
     begun.get(MANY_AT).is_none_or(|&many| explains(many, length.saturating_sub(HEADER)))
 }
 
-/// Returns true if a number of measurements explains so many bytes of them. Some receivers set the highest bit of the
-/// number besides.
+/// Returns true if a number of measurements explains so many bytes of them. Some receivers set the
+/// highest bit of the number besides.
 fn explains(many: u8, bytes: usize) -> bool {
     [many, many & 0x7F].map(|many| usize::from(many) * MEASUREMENT).contains(&bytes)
 }
@@ -192,7 +193,8 @@ pub(super) const fn system_of(number: u8) -> Option<System> {
     }
 }
 
-/// The carrier of a signal; `None` for those that are not used. Signal 0 is what receivers of one band write for all.
+/// The carrier of a signal; `None` for those that are not used. Signal 0 is what receivers of one
+/// band write for all.
 const fn carrier(system: System, signal: u8, channel: u8) -> Option<Carrier> {
     let band = match (system, signal) {
         (System::Gps | System::Qzss, 0) => Band::L1,

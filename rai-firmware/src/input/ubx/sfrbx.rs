@@ -15,8 +15,8 @@
 //! | `BeiDou` B1I, B2I, B3I (0 to 4, 10) | 10 | [`beidou`], D1 of most and D2 of the geostationary satellites |
 //! | GLONASS L1, L2 (0, 2) | 4 | [`glonass`] |
 //!
-//! I/NAV of E5b has its words in another order and would close sets too early; that of E1 says the same. Others (CNAV,
-//! `BeiDou`'s newer messages, SBAS) are counted.
+//! I/NAV of E5b has its words in another order and would close sets too early; that of E1 says the
+//! same. Others (CNAV, `BeiDou`'s newer messages, SBAS) are counted.
 //!
 //! Reference: [UBX-F9] RXM-SFRBX.
 //!
@@ -164,7 +164,8 @@ impl Context<'_> {
                     .ok_or(Unread::BitsSurplus)?;
                 Ok(None)
             }
-            // The fifth says of no issue; it belongs to those before it, and is taken only when they are here.
+            // The fifth says of no issue; it belongs to those before it, and is taken only when
+            // they are here.
             5 => {
                 let page = page(frame, Kind::Inav, 4, &word);
                 let set = self.pages.add(&page, self.now_ms).ok_or(Unread::BitsSurplus)?;

@@ -4,9 +4,10 @@
 //! B5 62 | class | id | length (16 bit) | payload | sums over all from class on (2 × 8 bit)
 //! ```
 //!
-//! Only RXM-RAWX needs to be long. The beginning of a frame may be an accident, and a long one would swallow seconds of
-//! good frames. So any other message may have [`ORDINARY_PAYLOAD`] bytes at most, and a longer RXM-RAWX is a candidate
-//! only while the number of its measurements explains its length.
+//! Only RXM-RAWX needs to be long. The beginning of a frame may be an accident, and a long one
+//! would swallow seconds of good frames. So any other message may have [`ORDINARY_PAYLOAD`] bytes
+//! at most, and a longer RXM-RAWX is a candidate only while the number of its measurements explains
+//! its length.
 //!
 //! References: [UBX-F9] 3.2 and 3.4.
 //!
@@ -25,7 +26,8 @@ const PARITY: usize = 2;
 /// The longest payload of any message but RXM-RAWX, bytes.
 const ORDINARY_PAYLOAD: usize = 1023;
 
-/// The longest payload of RXM-RAWX that is read, bytes: 160 measurements, of which 64 satellites hardly send more.
+/// The longest payload of RXM-RAWX that is read, bytes: 160 measurements, of which 64 satellites
+/// hardly send more.
 const RAWX_PAYLOAD: usize = rawx::payload_of(160);
 
 /// The format of UBX.

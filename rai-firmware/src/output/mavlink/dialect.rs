@@ -1,11 +1,12 @@
 //! The layouts of the messages: the one place that knows a dialect.
 //!
-//! Fields stand in the order of the wire: by size, the largest first, and by the order of the definition among equals.
-//! `crc_extra` follows from name, types and names (a test computes it); a change of the dialect changes it, and whoever
-//! reads by another revision then refuses the message instead of misreading it.
+//! Fields stand in the order of the wire: by size, the largest first, and by the order of the
+//! definition among equals. `crc_extra` follows from name, types and names (a test computes it); a
+//! change of the dialect changes it, and whoever reads by another revision then refuses the message
+//! instead of misreading it.
 //!
-//! The dialect of `GNSS_INTEGRITY` is under review: [mavlink/rfcs#30] keeps the id and drops the four qualities. Then this
-//! table changes, and the values in the order of it.
+//! The dialect of `GNSS_INTEGRITY` is under review: [mavlink/rfcs#30] keeps the id and drops the
+//! four qualities. Then this table changes, and the values in the order of it.
 
 /// Which definitions these layouts are.
 pub const DIALECT: &str = "mavlink development.xml de1e078a (2026-07-22) and common.xml";
@@ -132,7 +133,8 @@ mod tests {
     use super::super::frame::Checksum;
     use super::*;
 
-    /// The rule of the serialization guide: checksum of name, and of type and name of each field, folded into a byte.
+    /// The rule of the serialization guide: checksum of name, and of type and name of each field,
+    /// folded into a byte.
     #[test]
     fn the_seed_of_each_checksum_follows_from_its_layout() {
         for layout in [HEARTBEAT, GPS_INPUT, GNSS_INTEGRITY] {

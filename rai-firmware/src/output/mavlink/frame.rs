@@ -1,7 +1,7 @@
 //! Frames of `MAVLink` 2: `FD`, length, flags, number, sender, message, payload, checksum.
 //!
-//! The payload is cut behind its last byte that is not zero, but never to nothing. The checksum is CRC-16/MCRF4XX of
-//! everything behind `FD`, and of one byte that stands for the layout.
+//! The payload is cut behind its last byte that is not zero, but never to nothing. The checksum is
+//! CRC-16/MCRF4XX of everything behind `FD`, and of one byte that stands for the layout.
 //!
 //! References: [MAVLINK], the guide.
 //!

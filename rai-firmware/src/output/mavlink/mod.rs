@@ -6,14 +6,15 @@
 //! | `GPS_INPUT` | 232 | position and velocity, or that there is no fix |
 //! | `GNSS_INTEGRITY` | 441 | whether the position may be used, protection levels, jamming and spoofing |
 //!
-//! Autopilots act on `GPS_INPUT` as they are: fix type 3 only while the position is protected; else 1, or 0 where there is no
-//! position, both without coordinates. Its accuracies are one sigma and never say less than the protection levels
-//! do: `max(σ, PL / 5.33)`, where 5.33 sigmas are what a level of 1e-7 means. The altitude is above the ellipsoid, since
-//! the module holds no geoid.
+//! Autopilots act on `GPS_INPUT` as they are: fix type 3 only while the position is protected; else
+//! 1, or 0 where there is no position, both without coordinates. Its accuracies are one sigma and
+//! never say less than the protection levels do: `max(σ, PL / 5.33)`, where 5.33 sigmas are what a
+//! level of 1e-7 means. The altitude is above the ellipsoid, since the module holds no geoid.
 //!
-//! `GNSS_INTEGRITY` carries the protection levels in `raim_hfom` and `raim_vfom`, rounded up to a centimetre; the layout is
-//! that of the dialect named by [`DIALECT`], and will change ([`dialect`] is the only place that knows it). Protected is
-//! `OK`; alert and unavailable are `FAILED`, and `UNKNOWN` where too few satellites make no position, all with both figures invalid.
+//! `GNSS_INTEGRITY` carries the protection levels in `raim_hfom` and `raim_vfom`, rounded up to a
+//! centimetre; the layout is that of the dialect named by [`DIALECT`], and will change ([`dialect`]
+//! is the only place that knows it). Protected is `OK`; alert and unavailable are `FAILED`, and
+//! `UNKNOWN` where too few satellites make no position, all with both figures invalid.
 //!
 //! References: [MAVLINK], the guide, `common.xml` and `development.xml`.
 //!
@@ -45,7 +46,8 @@ const INVALID: u64 = 65_535;
 /// A quality of `GNSS_INTEGRITY` that is not known.
 const UNKNOWN_QUALITY: u64 = 255;
 
-/// All parts of `GPS_INPUT` that its ignore flags speak of but height: the dilutions, velocities and accuracies.
+/// All parts of `GPS_INPUT` that its ignore flags speak of but height: the dilutions, velocities
+/// and accuracies.
 const IGNORE_ALL: u64 = 0xFF;
 const IGNORE_VELOCITY: u64 = 8 | 16 | 32;
 

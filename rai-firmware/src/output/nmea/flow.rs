@@ -1,4 +1,5 @@
-//! Fields that take more than one sentence: as many sentences as they need, each full before the next begins.
+//! Fields that take more than one sentence: as many sentences as they need, each full before the
+//! next begins.
 //!
 //! Who says the fields is asked twice, first to count the sentences, then to write them.
 

@@ -1,8 +1,9 @@
 //! Sentences for the host: NMEA 0183 v4.11 and the proprietary `PRAI` ones.
 //!
-//! One epoch is, in this order and as far as [`super::schedule`] wants it, `RMC`, `GGA`, `GNS`, `VTG`, `ZDA` (once a second),
-//! `GSA` (one per system used, and another where it has more than 12 satellites), `GST`, `GBS` (where there is redundancy),
-//! and always `PRAIS`, one `PRAIX` per excluded satellite, `PRAIM` where ARAIM judged, and `PRAIN`, which ends the epoch.
+//! One epoch is, in this order and as far as [`super::schedule`] wants it, `RMC`, `GGA`, `GNS`,
+//! `VTG`, `ZDA` (once a second), `GSA` (one per system used, and another where it has more than 12
+//! satellites), `GST`, `GBS` (where there is redundancy), and always `PRAIS`, one `PRAIX` per
+//! excluded satellite, `PRAIM` where ARAIM judged, and `PRAIN`, which ends the epoch.
 //!
 //! | verdict | navigational status of `GNS` | fix mode of `GSA` | state of `PRAIS` |
 //! |---|---|---|---|
@@ -13,20 +14,21 @@
 //!
 //! Decisions where the standard leaves room or its readers differ:
 //!
-//! - **Altitude** is the height above the WGS 84 ellipsoid, and the geoid separation is `0.0`. The module holds
-//!   no geoid model; with an empty separation a reader (gpsd) would add its own and report a wrong height
-//!   above the ellipsoid.
-//! - **Mode of `GNS`** is one character, `A` or `N`. The standard gives each system its character, but gpsd reads
-//!   the first only, and takes `N` there (no GPS) for no fix; the `nmea` crate refuses more than two. Which
-//!   systems are used is told by the `GSA` sentences.
-//! - **`GBS`** gives as expected errors the standard deviations of `GST`, which is how gpsd reads them. The
-//!   satellite named is the one *used* that fits worst; what was left out is in `PRAIX`.
-//! - **A number that does not fit** loses decimals; one that is infinite, or beyond its field, leaves the field
-//!   empty (a protection level without bound is not defined), except that the dilutions of precision stop at
-//!   99.99 and the test statistic at 99999, where only "large" matters.
+//! - **Altitude** is the height above the WGS 84 ellipsoid, and the geoid separation is `0.0`. The
+//!   module holds no geoid model; with an empty separation a reader (gpsd) would add its own and
+//!   report a wrong height above the ellipsoid.
+//! - **Mode of `GNS`** is one character, `A` or `N`. The standard gives each system its character,
+//!   but gpsd reads the first only, and takes `N` there (no GPS) for no fix; the `nmea` crate
+//!   refuses more than two. Which systems are used is told by the `GSA` sentences.
+//! - **`GBS`** gives as expected errors the standard deviations of `GST`, which is how gpsd reads
+//!   them. The satellite named is the one *used* that fits worst; what was left out is in `PRAIX`.
+//! - **A number that does not fit** loses decimals; one that is infinite, or beyond its field,
+//!   leaves the field empty (a protection level without bound is not defined), except that the
+//!   dilutions of precision stop at 99.99 and the test statistic at 99999, where only "large"
+//!   matters.
 //!
-//! Every sentence has at most 82 characters, the line end included; numbers are formatted as fixed-point
-//! integers, since formatting floats is large and slow on the target.
+//! Every sentence has at most 82 characters, the line end included; numbers are formatted as
+//! fixed-point integers, since formatting floats is large and slow on the target.
 //!
 //! References: [NMEA-0183] v4.11; [GPSD-NMEA].
 //!
@@ -67,7 +69,8 @@ pub fn write_epoch<W: Write, const N: usize>(
     if due.has(Item::Vtg) {
         position::write_velocity(statement, out)?;
     }
-    // A time that comes with a position that must not be used is as little worth as that, and `ZDA` has no mode to say so.
+    // A time that comes with a position that must not be used is as little worth as that, and `ZDA`
+    // has no mode to say so.
     if due.has(Item::Zda) && statement.usable_solution().is_some() {
         write_sentence(&mut standard::date_and_time(time), out)?;
     }

@@ -7,8 +7,8 @@
 //! | `GNS` | mode `N`, no position | mode `A` |
 //! | `VTG` | mode `N`, no velocity | mode `A` |
 //!
-//! `RMC` and `GNS` end with the navigational status. Some readers never look at a status or a mode, so none of the sentences
-//! has a position that must not be used.
+//! `RMC` and `GNS` end with the navigational status. Some readers never look at a status or a mode,
+//! so none of the sentences has a position that must not be used.
 //!
 //! Position and time are written once and stand in several sentences.
 

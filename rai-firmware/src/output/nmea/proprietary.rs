@@ -10,14 +10,15 @@
 //! | `PRAIV` | version, git, reset cause, self-test |
 //! | `PRAIA` | key, values, `OK`; or key, `ERR`, why |
 //!
-//! In an alert `PRAIS` has the statistic and the threshold that it missed, and no protection level; `PRAIN` then has NIC 0, as
-//! wherever a level bounds nothing. `PRAIQ` is told by [`crate::settings`].
+//! In an alert `PRAIS` has the statistic and the threshold that it missed, and no protection level;
+//! `PRAIN` then has NIC 0, as wherever a level bounds nothing. `PRAIQ` is told by
+//! [`crate::settings`].
 //!
-//! A mode is named by what it takes away: `E` a whole system, `G05` a satellite, `EG05` both; empty where the noise of all
-//! satellites makes the level.
+//! A mode is named by what it takes away: `E` a whole system, `G05` a satellite, `EG05` both; empty
+//! where the noise of all satellites makes the level.
 //!
-//! `PRAIS` gives the statistic and its threshold to 3 decimals and metres to 1. Where extreme values would make it
-//! longer than 82 characters, both drop to 1 and 0.
+//! `PRAIS` gives the statistic and its threshold to 3 decimals and metres to 1. Where extreme
+//! values would make it longer than 82 characters, both drop to 1 and 0.
 
 use embedded_io::Write;
 use heapless::String;
@@ -149,13 +150,15 @@ fn named(mode: DominantMode) -> String<16> {
     name
 }
 
-/// `PRAIN`: the settings in force, what the level is good for, and what the receiver says of its signals.
+/// `PRAIN`: the settings in force, what the level is good for, and what the receiver says of its
+/// signals.
 pub(super) fn write_settings_and_interference<W: Write, const N: usize>(
     statement: &Statement<'_, N>,
     time: TimeOfDay,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    // A level that was refused for its size is a level; one that is there for want of anything better is none.
+    // A level that was refused for its size is a level; one that is there for want of anything
+    // better is none.
     let bounds = matches!(
         statement.report.verdict,
         Verdict::Protected(_)
@@ -259,8 +262,8 @@ pub fn write_version<W: Write>(
     write_sentence(&mut sentence, out)
 }
 
-/// `PRAIA,key,value…,OK`, and `WARN,why` behind it where there is a warning. Values that would make the answer longer
-/// than 82 characters are left out together.
+/// `PRAIA,key,value…,OK`, and `WARN,why` behind it where there is a warning. Values that would make
+/// the answer longer than 82 characters are left out together.
 ///
 /// # Errors
 /// The writer's own.
@@ -295,7 +298,8 @@ pub fn write_refusal<W: Write>(key: &str, why: &str, out: &mut W) -> Result<(), 
     write_sentence(Sentence::new("PRAIA").text(key).text("ERR").text(why), out)
 }
 
-/// `PRAIA,STATS,name,value…,OK`: one answer with as many of the counters as it has room for. Says how many.
+/// `PRAIA,STATS,name,value…,OK`: one answer with as many of the counters as it has room for. Says
+/// how many.
 ///
 /// # Errors
 /// The writer's own.

@@ -1,12 +1,12 @@
 //! One sentence: `$address,field,…*CS` CR LF, built field by field in a fixed buffer.
 //!
-//! The checksum is the exclusive or of all characters between `$` and `*`. Each method of [`Sentence`] appends one
-//! field with its leading comma and hands the sentence on, which stays where it is. A sentence that outgrows 82
-//! characters remembers it and is not sent: whoever builds one chooses its fields so that it cannot, or falls back to a
-//! coarser form.
+//! The checksum is the exclusive or of all characters between `$` and `*`. Each method of
+//! [`Sentence`] appends one field with its leading comma and hands the sentence on, which stays
+//! where it is. A sentence that outgrows 82 characters remembers it and is not sent: whoever builds
+//! one chooses its fields so that it cannot, or falls back to a coarser form.
 //!
-//! Numbers are rounded to the nearest, halves to the even neighbour, and written by 32-bit divisions where they fit: the
-//! processor has these, and those of 64 bits are long calls.
+//! Numbers are rounded to the nearest, halves to the even neighbour, and written by 32-bit
+//! divisions where they fit: the processor has these, and those of 64 bits are long calls.
 
 use embedded_io::Write;
 use heapless::Vec;
@@ -47,7 +47,8 @@ struct Fixed {
 }
 
 impl Fixed {
-    /// `None` where the value is not finite or beyond [`SCALED_LIMIT`]. What rounds to zero has no sign.
+    /// `None` where the value is not finite or beyond [`SCALED_LIMIT`]. What rounds to zero has no
+    /// sign.
     fn new(value: f64, decimals: usize) -> Option<Self> {
         let scale = *SCALE.get(decimals)?;
         let scaled = nearest_integer(libm::fabs(value) * f64::from(scale))?;
@@ -55,8 +56,8 @@ impl Fixed {
         Some(Self { negative: value.is_sign_negative() && scaled > 0, whole, fraction, decimals })
     }
 
-    /// As [`Self::new`] in single precision, which the processor calculates with; `None` where its seven digits are too
-    /// few to round as doubles do, but for numbers within 1e-4 of a half.
+    /// As [`Self::new`] in single precision, which the processor calculates with; `None` where its
+    /// seven digits are too few to round as doubles do, but for numbers within 1e-4 of a half.
     fn short(value: f64, decimals: usize) -> Option<Self> {
         const LIMIT: u64 = 512_f64.to_bits();
         // Beside 2²³ there is no room for a fraction in single precision.
@@ -88,10 +89,12 @@ impl Fixed {
     }
 }
 
-/// The integer nearest to a number from 0 to [`SCALED_LIMIT`], to the even one of two; `None` beyond.
+/// The integer nearest to a number from 0 to [`SCALED_LIMIT`], to the even one of two; `None`
+/// beyond.
 ///
-/// Both steps work on the bits, since comparing and converting doubles are calls on this processor: those of positive
-/// numbers have the order of the numbers, with what is no number at the end, and beside 2⁵² there is no room for a fraction.
+/// Both steps work on the bits, since comparing and converting doubles are calls on this processor:
+/// those of positive numbers have the order of the numbers, with what is no number at the end, and
+/// beside 2⁵² there is no room for a fraction.
 fn nearest_integer(value: f64) -> Option<u64> {
     const BESIDE: f64 = (1_u64 << 52) as f64;
     let is_within = value.to_bits() < SCALED_LIMIT.to_bits();
@@ -114,7 +117,8 @@ fn digits(value: u64) -> usize {
     }
 }
 
-/// True for a character that may stand inside a field: printable, and not one that the format reserves.
+/// True for a character that may stand inside a field: printable, and not one that the format
+/// reserves.
 pub(crate) fn is_field_character(byte: u8) -> bool {
     matches!(byte, b' '..=b'~') && !matches!(byte, b'!' | b'$' | b'*' | b',' | b'\\' | b'^' | b'~')
 }
@@ -141,7 +145,8 @@ impl Sentence {
         self
     }
 
-    /// A field or several that are known to hold no reserved character, but for commas between them.
+    /// A field or several that are known to hold no reserved character, but for commas between
+    /// them.
     pub(crate) fn ready(&mut self, fields: &[u8]) -> &mut Self {
         self.push_one(b',');
         self.push(fields);
@@ -167,8 +172,8 @@ impl Sentence {
         self.ready(&digits)
     }
 
-    /// A number with as many decimals, up to `decimals`, as leave it within `width` characters; an empty field where
-    /// even its whole part does not fit, or where it is infinite.
+    /// A number with as many decimals, up to `decimals`, as leave it within `width` characters; an
+    /// empty field where even its whole part does not fit, or where it is infinite.
     pub fn number(&mut self, value: f64, decimals: usize, width: usize) -> &mut Self {
         self.push_one(b',');
         if let Some(fixed) = Fixed::fitting(value, decimals, width) {
@@ -185,7 +190,8 @@ impl Sentence {
         }
     }
 
-    /// A probability in plain decimals, nine at most and no zeros at the end: readers know no exponents.
+    /// A probability in plain decimals, nine at most and no zeros at the end: readers know no
+    /// exponents.
     pub fn probability(&mut self, value: f64) -> &mut Self {
         self.push_one(b',');
         if let Some(mut fixed) = Fixed::new(value, SCALE.len() - 1) {
@@ -245,8 +251,8 @@ impl Sentence {
         self.integer(u32::from(number) + offset, 2)
     }
 
-    /// The sentence, ended by checksum and line end; `None` if it would exceed [`MAX_LENGTH`]. One that has ended takes no
-    /// more fields.
+    /// The sentence, ended by checksum and line end; `None` if it would exceed [`MAX_LENGTH`]. One
+    /// that has ended takes no more fields.
     pub fn finish(&mut self) -> Option<&[u8]> {
         if !self.fits() {
             return None;
@@ -275,7 +281,8 @@ impl Sentence {
     }
 
     /// Writes the digits of a number, with leading zeros up to `width`.
-    // Not inlined, nor are the two below: they are called in many places, and flash is dearer than the calls.
+    // Not inlined, nor are the two below: they are called in many places, and flash is dearer than
+    // the calls.
     #[inline(never)]
     fn push_digits(&mut self, value: u64, width: usize) {
         let (high, mut low) = split(value);
@@ -323,8 +330,8 @@ const fn hexadecimal(nibble: u8) -> u8 {
 /// Sends a finished sentence; one that did not fit is not sent.
 ///
 /// # Errors
-/// The writer's own. A writer that takes nothing and calls it success ends the sentence: the contract of
-/// [`Write`] forbids it, and waiting for it would have no bound.
+/// The writer's own. A writer that takes nothing and calls it success ends the sentence: the
+/// contract of [`Write`] forbids it, and waiting for it would have no bound.
 pub fn write_sentence<W: Write>(sentence: &mut Sentence, out: &mut W) -> Result<(), W::Error> {
     let Some(mut rest) = sentence.finish() else { return Ok(()) };
     while !rest.is_empty() {

@@ -6,8 +6,8 @@
 //! | `GST` | `θ` | its orientation from true north over east: `½ atan2(C, (N−E)/2)` | ° |
 //! | `GBS` | | bias of the satellite that fits worst, with its standard deviation | m |
 //!
-//! `E`, `N`, `C` are the variances of east and north and their covariance. The root mean square of `GST` is that of
-//! the residuals.
+//! `E`, `N`, `C` are the variances of east and north and their covariance. The root mean square of
+//! `GST` is that of the residuals.
 
 use embedded_io::Write;
 use raim_core::report::{Report, Solution, Suspect};
@@ -21,7 +21,8 @@ use crate::output::Statement;
 /// Satellites that one `GSA` names.
 const PER_GSA: usize = 12;
 
-/// Identifies "all signals" of a system ([NMEA-0183] v4.11 table 20): a combination of frequencies is no single signal.
+/// Identifies "all signals" of a system ([NMEA-0183] v4.11 table 20): a combination of frequencies
+/// is no single signal.
 ///
 /// [NMEA-0183]: crate#references
 const ALL_SIGNALS: u32 = 0;
@@ -110,7 +111,8 @@ fn standard_deviations(solution: &Solution) -> [f64; 3] {
 
 /// The ellipse of one standard deviation in the horizontal plane.
 ///
-/// In single precision, which the processor calculates with: millimetres of some metres are four digits.
+/// In single precision, which the processor calculates with: millimetres of some metres are four
+/// digits.
 struct ErrorEllipse {
     semi_major_m: f64,
     semi_minor_m: f64,

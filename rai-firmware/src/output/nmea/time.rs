@@ -1,12 +1,14 @@
 //! UTC as sentences tell it: time of day and date.
 //!
-//! Days are counted from 1980-01-06; the calendar of them is that of Gregory from a year that begins in March, so that a
-//! leap day is the last of its year: `day of year = (153 month + 2) / 5 + day`.
+//! Days are counted from 1980-01-06; the calendar of them is that of Gregory from a year that
+//! begins in March, so that a leap day is the last of its year:
+//! `day of year = (153 month + 2) / 5 + day`.
 
 use crate::division::divided;
 use crate::time::{DAY_MS, GpsTime};
 
-/// GPS time minus UTC, s: the leap seconds since 1980. 18 since 2017-01-01 (IERS Bulletin C 52); none is announced.
+/// GPS time minus UTC, s: the leap seconds since 1980. 18 since 2017-01-01 (IERS Bulletin C 52);
+/// none is announced.
 pub const GPS_MINUS_UTC_S: u8 = 18;
 
 /// Days from 0000-03-01 to 1980-01-06, when GPS time began.
@@ -26,8 +28,8 @@ pub struct TimeOfDay {
 }
 
 impl TimeOfDay {
-    /// UTC at an instant of GPS time; `gps_minus_utc_s` is [`GPS_MINUS_UTC_S`] until the next leap second. A time that
-    /// rounds up to midnight is midnight of the next day.
+    /// UTC at an instant of GPS time; `gps_minus_utc_s` is [`GPS_MINUS_UTC_S`] until the next leap
+    /// second. A time that rounds up to midnight is midnight of the next day.
     pub fn new(time: GpsTime, gps_minus_utc_s: u8) -> Self {
         let utc_ms = time.to_ms().saturating_sub(u64::from(gps_minus_utc_s) * 1000) + 5;
         let (day, of_day_ms) = divided(utc_ms, DAY_MS);

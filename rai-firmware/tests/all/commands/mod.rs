@@ -1,4 +1,5 @@
-//! The host port's commands: what is obeyed, what is refused and why, and that what is refused changes nothing.
+//! The host port's commands: what is obeyed, what is refused and why, and that what is refused
+//! changes nothing.
 
 mod lines;
 mod said;

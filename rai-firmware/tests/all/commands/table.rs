@@ -1,4 +1,5 @@
-//! The table of the settings: each row does all that a setting does, and INTERFACES.md has what the table says.
+//! The table of the settings: each row does all that a setting does, and INTERFACES.md has what the
+//! table says.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -85,7 +86,8 @@ fn every_word_is_obeyed() {
 fn the_ends_of_every_range_are_obeyed_and_what_lies_beyond_is_refused() {
     let single = |setting: &&Setting| {
         let (row, example) = (setting.row(), setting.documentation().example);
-        // A probability of the tables is none of its range's ends, and a phase bounds its time to alert.
+        // A probability of the tables is none of its range's ends, and a phase bounds its time to
+        // alert.
         row.ranges.len() == 1 && !example.contains(',') && !["PFA", "PMD", "TTA"].contains(&row.key)
     };
     let mut count = 0;

@@ -1,7 +1,8 @@
 //! In an alert no output carries a coordinate, a height or a speed.
 //!
-//! The outputs are not named here. Two epochs that differ in place, height and velocity alone must be sent as the same
-//! bytes, so that a new output is held to the rule as soon as the schedule has it.
+//! The outputs are not named here. Two epochs that differ in place, height and velocity alone must
+//! be sent as the same bytes, so that a new output is held to the rule as soon as the schedule has
+//! it.
 
 use raim_core::report::{Alert, Protected, Verdict};
 use raim_firmware::output::schedule::{Item, Schedule};

@@ -1,4 +1,5 @@
-//! The sentences of an epoch, read by somebody else: the `nmea` crate, or plain splitting at commas.
+//! The sentences of an epoch, read by somebody else: the `nmea` crate, or plain splitting at
+//! commas.
 
 mod alerts;
 mod read_back;
@@ -476,8 +477,9 @@ fn counters_are_said_with_their_whole_names_and_as_many_as_fit() {
     assert_eq!(have.iter().filter_map(|line| line.split('*').next()).collect::<Vec<_>>(), want);
 }
 
-/// Version 0.8 of the crate reads the two errors of `GBS` as a latitude and a longitude with hemispheres. As long as
-/// it refuses even a receiver maker's own examples, it cannot judge ours; gpsd does, and the frame is checked here.
+/// Version 0.8 of the crate reads the two errors of `GBS` as a latitude and a longitude with
+/// hemispheres. As long as it refuses even a receiver maker's own examples, it cannot judge ours;
+/// gpsd does, and the frame is checked here.
 #[test]
 fn the_crate_refuses_the_textbook_gbs_and_reads_the_frame_of_ours() {
     // u-blox's protocol specification: as before NMEA 4.1, and with the system and signal of 4.1.

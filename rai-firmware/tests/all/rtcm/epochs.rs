@@ -74,7 +74,8 @@ fn a_message_without_satellites_moves_no_clock() {
     }
 }
 
-/// Ranges of three systems at one instant, in the order GPS, GLONASS, `BeiDou`; the last two say that none follows.
+/// Ranges of three systems at one instant, in the order GPS, GLONASS, `BeiDou`; the last two say
+/// that none follows.
 fn with_glonass_without_more_bit(tow_ms: u32) -> Vec<u8> {
     let mut bytes = gps(tow_ms, true);
     bytes.extend(msm(1087, 12_345, false, &[Cell(3, 2, 2.0e7, 50.0)]));

@@ -5,7 +5,8 @@ use crate::wire::{B1I, Cell, E1C, msm};
 use raim_firmware::input::{Event, Input};
 use raim_firmware::time::{GpsTime, WEEK_MS};
 
-/// 2023-01-01 00:00, as if a leap second had been inserted before it, as before 2017-01-01 (IERS Bulletin C 52).
+/// 2023-01-01 00:00, as if a leap second had been inserted before it, as before 2017-01-01 (IERS
+/// Bulletin C 52).
 const MIDNIGHT_UTC: GpsTime = GpsTime { week: 2243, tow_ms: 0 };
 
 /// The leap seconds before and after.

@@ -8,7 +8,8 @@ use raim_firmware::time::GpsTime;
 use super::{TOW_MS, knowing, names_of_nonzero};
 use crate::wire::{Bits, Cell, L1C, Seen, epochs, feed, frame, msm};
 
-/// The fields behind the message number, in the order of [RTCM-10403.3] table 3.5-22: width, and whether it has a sign.
+/// The fields behind the message number, in the order of [RTCM-10403.3] table 3.5-22: width, and
+/// whether it has a sign.
 const FIELDS: [(u32, bool); 29] = [
     (4, false),
     (16, false),
@@ -132,7 +133,8 @@ fn every_field_of_1044_is_read_up_to_its_borders() {
             fields[index] = border;
             let want = broadcast(&fields).and_then(|broadcast| Ephemeris::new(&broadcast).ok());
             let (have, counted) = read(&fields);
-            // As text: an accuracy that is not promised is not a number, and that is not equal to itself.
+            // As text: an accuracy that is not promised is not a number, and that is not equal to
+            // itself.
             assert_eq!(format!("{have:?}"), format!("{want:?}"), "field {index}: {border}");
             if want.is_some() {
                 taken += 1;

@@ -142,7 +142,8 @@ fn two_systems_that_agree_correct_the_week_of_a_third_that_came_first() {
     assert_eq!(epochs(feed(&mut input, &gps(TOW_MS, false)))[0].time.week, 2111);
 }
 
-/// The GLONASS messages of each second before those of GPS, or after an end that was said too early.
+/// The GLONASS messages of each second before those of GPS, or after an end that was said too
+/// early.
 #[test]
 fn glonass_tells_the_leap_seconds_before_gps_and_behind_it() {
     const LEAP_MS: u32 = 18_000;
@@ -183,11 +184,13 @@ fn glonass_without_a_day_has_the_day_of_the_known_time() {
     const MOSCOW_MS: u32 = 3 * 3_600_000;
     const LEAP_MS: u32 = 18_000;
     const CELLS: [Cell; 1] = [Cell(3, 2, 2.0e7, 50.0)];
-    // Each half hour of the week, its edges and the three hours in which receivers send it among them.
+    // Each half hour of the week, its edges and the three hours in which receivers send it among
+    // them.
     for half_hour in 0..336 {
         let tow_ms = half_hour * 1_800_000 + 1_000;
         let mut input = knowing();
-        // What tells the time and the leap seconds: GPS and GLONASS with a day, twelve seconds of both.
+        // What tells the time and the leap seconds: GPS and GLONASS with a day, twelve seconds of
+        // both.
         for second in 0..12 {
             let now_ms = tow_ms + 1000 * second;
             let moscow_ms = (now_ms + 7 * DAY_MS - LEAP_MS + MOSCOW_MS) % (7 * DAY_MS);

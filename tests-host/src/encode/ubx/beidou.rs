@@ -101,7 +101,8 @@ fn health_and_clock(row: Row, m: &Msg1042T) -> Result<Row> {
         .signed(delay(m.tgd2_s), 10)
 }
 
-/// Ten words: 15 bits as they are and eleven with four parities, then twice eleven and their parities in each.
+/// Ten words: 15 bits as they are and eleven with four parities, then twice eleven and their
+/// parities in each.
 pub(super) fn words(row: Row) -> Result<Vec<u32>> {
     let row = row.until(26 + 9 * 22)?;
     let (first, others) = row.bits().split_at(26);

@@ -64,7 +64,8 @@ pub(super) fn number(bits: &[bool]) -> u32 {
     bits.iter().fold(0, |number, bit| number << 1 | u32::from(*bit))
 }
 
-/// The remainder of a row, followed by as many zeros as the polynomial has bits but one, as long division leaves it.
+/// The remainder of a row, followed by as many zeros as the polynomial has bits but one, as long
+/// division leaves it.
 fn remainder(bits: &[bool], polynomial: &[bool]) -> Vec<bool> {
     let width = polynomial.len() - 1;
     let mut rest: Vec<bool> = bits.iter().copied().chain(std::iter::repeat_n(false, width)).collect();

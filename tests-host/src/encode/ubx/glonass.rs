@@ -1,4 +1,5 @@
-//! GLONASS strings as a receiver passes them on: 85 bits in three words, and a fourth that says which frame.
+//! GLONASS strings as a receiver passes them on: 85 bits in three words, and a fourth that says
+//! which frame.
 //!
 //! Numbers are a sign bit and a magnitude.
 //!
@@ -12,8 +13,8 @@ use super::bits::Row;
 /// Bits of a string before its check bits, the idle bit first.
 const DATA: usize = 77;
 
-/// What each check bit sums up, its own place among them: bit 85 of the interface document (the idle bit) first. The last
-/// is the parity of the whole string.
+/// What each check bit sums up, its own place among them: bit 85 of the interface document (the
+/// idle bit) first. The last is the parity of the whole string.
 const SUMS: [[u8; 11]; 8] = [
     [0x55, 0x55, 0x5A, 0xAA, 0xAA, 0xAA, 0xB5, 0x55, 0x6A, 0xD8, 0x08],
     [0x66, 0x66, 0x6C, 0xCC, 0xCC, 0xCC, 0xD9, 0x99, 0xB3, 0x68, 0x10],

@@ -1,7 +1,8 @@
-//! GPS LNAV subframes as a u-blox receiver sends them: ten words of 24 data bits and six parity bits.
+//! GPS LNAV subframes as a u-blox receiver sends them: ten words of 24 data bits and six parity
+//! bits.
 //!
-//! Bits 31 and 30 of a word are the last two of the word before, `D29*` and `D30*`. Where `D30*` is 1, the satellite inverts the
-//! data, and the receiver complements all 32 bits.
+//! Bits 31 and 30 of a word are the last two of the word before, `D29*` and `D30*`. Where `D30*` is
+//! 1, the satellite inverts the data, and the receiver complements all 32 bits.
 //!
 //! References: [IS-GPS-200] figure 20-1, table 20-XIV.
 
@@ -10,7 +11,8 @@ use rtcm_rs::msg::Msg1019T;
 
 use super::bits::{Row, number};
 
-/// The source bits of each parity, and whether bit 29 or 30 of the word before belongs to it ([IS-GPS-200] table 20-XIV).
+/// The source bits of each parity, and whether bit 29 or 30 of the word before belongs to it
+/// ([IS-GPS-200] table 20-XIV).
 const PARITIES: [(usize, &[usize]); 6] = [
     (29, &[1, 2, 3, 5, 6, 10, 11, 12, 13, 14, 17, 18, 20, 23]),
     (30, &[2, 3, 4, 6, 7, 11, 12, 13, 14, 15, 18, 19, 21, 24]),
@@ -101,8 +103,8 @@ fn opening(frame: u32, number: u32) -> Result<Row> {
         .until(48)
 }
 
-/// Returns the words that a receiver sends. The last two data bits of the second and the last word make their last two
-/// parity bits zero ([IS-GPS-200] 20.3.3.2).
+/// Returns the words that a receiver sends. The last two data bits of the second and the last word
+/// make their last two parity bits zero ([IS-GPS-200] 20.3.3.2).
 pub(super) fn words(row: Row) -> Result<Vec<u32>> {
     let row = row.until(240)?;
     let mut before = (false, false);
@@ -146,14 +148,16 @@ mod tests {
 
     #[test]
     fn words_after_one_that_ends_in_1_are_complemented_with_their_parity() {
-        // A word of zeros has no parity bits. One whose last data bit alone is 1 has D26, D29 and D30; the next word of zeros
-        // then has D25 to D30 of D29* and D30*, all but none, and is complemented.
+        // A word of zeros has no parity bits. One whose last data bit alone is 1 has D26, D29 and
+        // D30; the next word of zeros then has D25 to D30 of D29* and D30*, all but none, and is
+        // complemented.
         let one = Row::default().unsigned(1, 24).unwrap();
         let words = words(one).unwrap();
         let first = 1 << 6 | 0b01_0011;
         assert_eq!(words[0], first);
-        // D25 to D30 are D29*, D30*, D29*, D30*, D30*, D29*: ones. Complemented they are zeros, as are bits 31 and 30; the
-        // data, sent as ones, are zeros. The last two parity bits must be zero, so the fill bits differ.
+        // D25 to D30 are D29*, D30*, D29*, D30*, D30*, D29*: ones. Complemented they are zeros, as
+        // are bits 31 and 30; the data, sent as ones, are zeros. The last two parity bits must be
+        // zero, so the fill bits differ.
         assert_eq!(words[1] & 0xFFFF_FE00, 0);
         assert_eq!(words[1] & 0b11, 0b11, "zeros as broadcast");
     }

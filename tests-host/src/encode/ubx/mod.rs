@@ -1,8 +1,9 @@
 //! Measurements to UBX, as a u-blox receiver would send them: one lump of bytes per epoch.
 //!
-//! A lump is, in this order: the pages of the ephemerides that have become known ([`super::schedule`]) as RXM-SFRBX, then
-//! all ranges as one RXM-RAWX. The pages are those that a satellite sends, packed field by field, in the order in which
-//! it sends them; only their times are drawn together into the lump.
+//! A lump is, in this order: the pages of the ephemerides that have become known
+//! ([`super::schedule`]) as RXM-SFRBX, then all ranges as one RXM-RAWX. The pages are those that a
+//! satellite sends, packed field by field, in the order in which it sends them; only their times
+//! are drawn together into the lump.
 //!
 //! | what | pages |
 //! |---|---|
@@ -91,7 +92,8 @@ const fn channel(constellation: Constellation, slot: i8) -> u8 {
     }
 }
 
-/// The number of a signal by its RINEX band and attribute; none for what a u-blox receiver does not measure.
+/// The number of a signal by its RINEX band and attribute; none for what a u-blox receiver does not
+/// measure.
 const fn signal(constellation: Constellation, signal: &MeasuredSignal) -> Option<u8> {
     match (constellation, signal.band, signal.attribute) {
         (Constellation::Gps | Constellation::Glonass, 1, 'C')
@@ -130,7 +132,8 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// An encoder that knows what will be broadcast; ionosphere and leap seconds go with the first GPS ephemeris.
+    /// An encoder that knows what will be broadcast; ionosphere and leap seconds go with the first
+    /// GPS ephemeris.
     pub fn new(
         ephemerides: &[TimedEphemeris],
         selection: Selection,

@@ -1,4 +1,5 @@
-//! Pages of any content with the parities that belong to it: a decoder behind a check is reached by nothing else.
+//! Pages of any content with the parities that belong to it: a decoder behind a check is reached by
+//! nothing else.
 
 use anyhow::{Result, ensure};
 

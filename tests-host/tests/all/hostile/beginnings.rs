@@ -1,5 +1,5 @@
-//! Beginnings of frames that are none, before the epochs of a line that never falls silent for long: the pin is as early as
-//! without them.
+//! Beginnings of frames that are none, before the epochs of a line that never falls silent for
+//! long: the pin is as early as without them.
 
 use tests_host::encode::{Encoder, Frequency, Selection, ubx};
 use tests_host::paced::{Costs, Lines, run};

@@ -254,7 +254,8 @@ fn a_compact_file_with_a_line_missing_or_too_many_goes_on_at_the_next_full_epoch
             [without_line(&text, at(line)), with_line(&text, at(line), |line| format!("{line}\n{line}"))]
         {
             let have = observed(&damaged);
-            // The epoch before the gap may go with it: whether its last line is the one that is missing cannot be told.
+            // The epoch before the gap may go with it: whether its last line is the one that is
+            // missing cannot be told.
             let lost: Vec<GpsTime> = [3, 4, 5].map(|epoch| all_ranges(60)[epoch * NAMES.len()].0).to_vec();
             let all = all_ranges(60);
             assert!(ranges(&have).iter().all(|range| all.contains(range)), "line {line}");

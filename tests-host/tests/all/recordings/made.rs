@@ -46,7 +46,8 @@ pub(crate) fn version_3(epochs: usize) -> String {
     text
 }
 
-/// The same epochs in RINEX 2.11: the range stands in the first line of a satellite, the ratio in the second.
+/// The same epochs in RINEX 2.11: the range stands in the first line of a satellite, the ratio in
+/// the second.
 pub(crate) fn version_2(epochs: usize) -> String {
     let mut text = line("     2.11           OBSERVATION DATA    M (MIXED)", "RINEX VERSION / TYPE");
     text += &line("     6    C1    L1    P2    L2    D1    S1", "# / TYPES OF OBSERV");

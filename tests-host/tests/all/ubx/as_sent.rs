@@ -67,8 +67,8 @@ const M0_RAD: f64 = 3.102_436_714_93;
 const OMEGA0_RAD: f64 = 2.223_159_664_92;
 const OMEGA_RAD: f64 = -0.783_470_470_393;
 
-/// Asserts that position and clock at the reference time are those of the elements above, computed in `f64` without the
-/// harmonic corrections, which move a satellite by less than a kilometre.
+/// Asserts that position and clock at the reference time are those of the elements above, computed
+/// in `f64` without the harmonic corrections, which move a satellite by less than a kilometre.
 fn assert_is_at_reference(have: &Ephemeris) {
     const SECONDS_INTO_WEEK: f64 = 144_000.0;
     const EARTH_RATE_RAD_S: f64 = 7.292_115_146_7e-5;
