@@ -13,8 +13,8 @@
 //! | `example` | values of a command that changes the setting from what it is at start |
 //! | `text` | one line for INTERFACES.md, which a test compares |
 //!
-//! The order of the rows is that of `PRAIQ`, and of the sealed commands: a phase comes before what
-//! a phase sets.
+//! The order of the rows is that of `PRAIQ` and of the sealed commands. A phase therefore stands
+//! before the settings that it changes.
 //!
 //! References: [IS-GPS-200] table 20-X for the range of the ionospheric coefficients.
 //!
