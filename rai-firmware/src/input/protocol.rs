@@ -1,18 +1,17 @@
-//! The interface between the stream of bytes and a wire format.
+//! Interface between the stream of bytes and a wire format.
 //!
 //! A wire format is one type that implements [`Protocol`], in a folder of its own, and one row of
-//! the table of formats in `input/mod.rs`. `formats!` makes of that table everything that has a
-//! case for each format, so that no other module names one:
+//! the table of formats in `input/mod.rs`. `formats!` generates everything that has a case for each
+//! format from that table, so that no other module names one:
 //!
-//! | made | use |
+//! | generated | use |
 //! |---|---|
 //! | `Format` | names the format of a frame; its functions call those of the implementation |
 //! | `Memory` | holds what each format remembers between frames |
 //! | `Measured` | holds the ranges of a message, still encoded |
 //!
-//! No function of [`Protocol`] has a default, so that a format that lacks one does not compile.
-//! Calls are resolved when the module is compiled: the cost and the proof that nothing panics are
-//! those of a `match`.
+//! No function of [`Protocol`] has a default, so that an incomplete format does not compile. Calls
+//! are resolved at compile time, so that cost and panic proof are those of a `match`.
 
 use core::fmt::Debug;
 
@@ -22,7 +21,7 @@ use super::calendar::Calendar;
 use super::{Counters, Message, Unread};
 use crate::raw::RawSignal;
 
-/// A wire format.
+/// Wire format.
 pub(super) trait Protocol {
     /// First bytes of every frame, at least one.
     const SYNC: &'static [u8];
@@ -50,7 +49,7 @@ pub(super) trait Protocol {
     /// have said.
     ///
     /// # Errors
-    /// [`Unread`] names why the frame leads to no message.
+    /// [`Unread`] states why the frame leads to no message.
     fn read<'a>(
         frame: &Frame<'a>,
         memory: &mut Self::Memory,
@@ -64,8 +63,7 @@ pub(super) trait Measurements: Debug {
     /// Returns true if the message has no satellite.
     fn is_empty(&self) -> bool;
 
-    /// Hands each range to `add`, and says if its code is the one of its band that the broadcast
-    /// clock refers to.
+    /// Passes each range to `add`, with true if the broadcast clock refers to its code.
     fn each(
         &self,
         counters: &mut Counters,
@@ -73,10 +71,10 @@ pub(super) trait Measurements: Debug {
     );
 }
 
-/// How far a frame reaches, as its first bytes tell.
+/// Length of a frame, from its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Extent {
-    /// More bytes are needed to tell.
+    /// More bytes are needed.
     Unknown,
     /// Length of the whole frame, bytes.
     Bytes(usize),
@@ -84,7 +82,7 @@ pub(super) enum Extent {
     NoFrame,
 }
 
-/// A frame that has passed its check.
+/// Frame whose check holds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame<'a> {
     /// The whole frame.
@@ -107,8 +105,7 @@ pub(super) fn whole<P: Protocol>(bytes: &[u8]) -> Option<Frame<'_>> {
     (is_one && P::check(bytes)).then_some(Frame { bytes, came_ms: 0 })
 }
 
-/// Returns how far the frame of a format reaches that begins with these bytes, however few they
-/// are.
+/// Returns the extent of the frame of a format that begins with these bytes, however few they are.
 pub(super) fn extent<P: Protocol>(bytes: &[u8]) -> Extent {
     if bytes.starts_with(P::SYNC) {
         P::length(bytes)
@@ -119,10 +116,10 @@ pub(super) fn extent<P: Protocol>(bytes: &[u8]) -> Extent {
     }
 }
 
-/// Makes everything that has a case for each wire format of rows `module::Implementation`.
+/// Makes everything that has a case for each wire format from rows `module::Implementation`.
 macro_rules! formats {
     ($($(#[$condition:meta])* $module:ident::$Name:ident,)+) => {
-        /// The wire format of a frame.
+        /// Wire format of a frame.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         enum Format {
             $($(#[$condition])* $Name,)+
@@ -203,7 +200,7 @@ macro_rules! formats {
         }
 
         impl Measured<'_> {
-            /// Returns true if there is no satellite in it.
+            /// Returns true if the message has no satellite.
             fn is_empty(&self) -> bool {
                 match self {
                     Self::Nothing => true,
@@ -211,8 +208,7 @@ macro_rules! formats {
                 }
             }
 
-            /// Hands each range to `add`, and says if its code is the one of its band that the
-            /// broadcast clock refers to.
+            /// Passes each range to `add`, with true if the broadcast clock refers to its code.
             fn each(
                 &self,
                 counters: &mut Counters,

@@ -11,7 +11,7 @@ use super::pin::Wire;
 
 /// Longest time that the loop may take to come round, ms.
 const PATIENCE_MS: u64 = 2000;
-/// How often the guard looks.
+/// Interval between two checks of the guard.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// The loop's side of the guard.

@@ -11,10 +11,11 @@
 //! | 16 + 26 | u8 | C/N0, dB-Hz |
 //! | 16 + 30 | bits | 0: range valid |
 //!
-//! The time tag need not be a whole millisecond, and an epoch's is: ranges are moved to it,
-//! `P − c δ`, which leaves the instant of transmission where it was and is common to all.
+//! The time tag need not be a whole millisecond, but that of an epoch is. Ranges are therefore
+//! moved to the nearest one by `P − c δ`. This keeps the instant of transmission and is common to
+//! all ranges.
 //!
-//! Doubles are hostile numbers: a time or a range that is not finite or no time or range is refused
+//! Doubles may hold any value: a time or a range that is not finite or out of range is refused
 //! here.
 //!
 //! Reference: [UBX-F9] RXM-RAWX.
@@ -31,26 +32,27 @@ use crate::input::{Counters, Unread};
 use crate::raw::{Band, Carrier, RawSignal};
 use crate::time::GpsTime;
 
-/// Bytes before the measurements, and of each.
+/// Bytes before the measurements, and of each measurement.
 const HEADER: usize = 16;
 const MEASUREMENT: usize = 32;
 
-/// Class and id of the message, and where in the payload the number of measurements is.
+/// Class and id of the message, and the offset of the number of measurements in the payload.
 pub(super) const MESSAGE: [u8; 2] = [0x02, 0x15];
 const MANY_AT: usize = 11;
 
-/// A time of week in a double is rounded by a tenth of this, s; an offset as small is none.
+/// Largest offset of the time tag that counts as zero, s: ten times the rounding of a time of week
+/// in a double.
 const ROUNDING_S: f64 = 1e-9;
 
-/// A message whose header and length are right.
+/// Message whose header and length are valid.
 #[derive(Debug)]
 pub(in crate::input) struct Rawx<'a> {
     measurements: &'a [u8],
-    /// The epoch, to the next millisecond.
+    /// Time of the epoch, to the nearest millisecond.
     pub(super) time: GpsTime,
-    /// What the time tag is later than that, m of range.
+    /// Offset of the time tag after that time, m of range.
     offset_m: f64,
-    /// GPS time minus UTC, s, where the receiver knows it.
+    /// GPS time minus UTC, s, if the receiver knows it.
     pub(super) leap_s: Option<u8>,
 }
 
