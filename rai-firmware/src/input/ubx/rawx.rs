@@ -88,8 +88,8 @@ impl Measurements for Rawx<'_> {
         self.measurements.is_empty()
     }
 
-    /// Hands none as the code that a broadcast clock refers to: these receivers measure one code a
-    /// band. Counts those that cannot be used.
+    /// Passes no code as one that the broadcast clock refers to, because these receivers measure
+    /// one code a band. Counts unusable measurements.
     fn each(
         &self,
         counters: &mut Counters,
@@ -103,7 +103,7 @@ impl Measurements for Rawx<'_> {
     }
 }
 
-/// Returns the length of a payload with so many measurements, bytes.
+/// Returns the length of a payload with this number of measurements, bytes.
 pub(super) const fn payload_of(measurements: usize) -> usize {
     HEADER + measurements * MEASUREMENT
 }
@@ -114,13 +114,13 @@ pub(super) fn may_have(begun: &[u8], length: usize) -> bool {
     begun.get(MANY_AT).is_none_or(|&many| explains(many, length.saturating_sub(HEADER)))
 }
 
-/// Returns true if a number of measurements explains so many bytes of them. Some receivers set the
-/// highest bit of the number besides.
+/// Returns true if a number of measurements explains this number of bytes. Some receivers also set
+/// the highest bit of the number.
 fn explains(many: u8, bytes: usize) -> bool {
     [many, many & 0x7F].map(|many| usize::from(many) * MEASUREMENT).contains(&bytes)
 }
 
-/// One measurement; what cannot be used is counted.
+/// Reads one measurement; counts an unusable one.
 fn read(measurement: &[u8], offset_m: f64, counters: &mut Counters) -> Option<(SatelliteId, RawSignal)> {
     let &[
         p0,
@@ -183,7 +183,7 @@ fn read(measurement: &[u8], offset_m: f64, counters: &mut Counters) -> Option<(S
     Some((satellite, signal))
 }
 
-/// The systems that are used, by the number that UBX gives them.
+/// Returns the system with this number in UBX, if it is used.
 pub(super) const fn system_of(number: u8) -> Option<System> {
     match number {
         0 => Some(System::Gps),
@@ -195,8 +195,8 @@ pub(super) const fn system_of(number: u8) -> Option<System> {
     }
 }
 
-/// The carrier of a signal; `None` for those that are not used. Signal 0 is what receivers of one
-/// band write for all.
+/// Returns the carrier of a signal; `None` for unused signals. Receivers of one band write signal 0
+/// for all.
 const fn carrier(system: System, signal: u8, channel: u8) -> Option<Carrier> {
     let band = match (system, signal) {
         (System::Gps | System::Qzss, 0) => Band::L1,
