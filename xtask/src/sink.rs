@@ -1,4 +1,4 @@
-//! What `cargo xtask replay` writes, epoch by epoch: rows, sentences, the stream, a report.
+//! Output of `cargo xtask replay`, epoch by epoch: rows, sentences, the stream, a report.
 
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
@@ -11,7 +11,7 @@ use tests_host::replay::{Lump, Moment, Report, Rows, Said, Summary, Tally, Truth
 
 use crate::replay::{Arguments, Place, Question};
 
-/// What is made of each epoch as it comes.
+/// Outputs of the epochs.
 pub(crate) struct Sink<'a> {
     truth: Option<&'a Truth>,
     tally: Tally,
@@ -23,7 +23,7 @@ pub(crate) struct Sink<'a> {
 }
 
 impl<'a> Sink<'a> {
-    /// Makes the files that are asked for.
+    /// Creates the requested files.
     pub(crate) fn open(arguments: &'a Arguments, question: &'a Question) -> Result<Self> {
         let rows = arguments.csv.as_deref().map(|path| {
             let rows = create(path).and_then(|file| Ok(Rows::begin(file)?));
@@ -46,7 +46,7 @@ impl<'a> Sink<'a> {
         })
     }
 
-    /// Takes an epoch; passes its lump on.
+    /// Takes an epoch; returns its lump.
     pub(crate) fn take(&mut self, played: Result<Option<(Lump, Said)>>) -> Result<Option<Lump>> {
         let Some((lump, said)) = played? else { return Ok(None) };
         let moment = Moment::of(&lump, &said, self.truth)?;
@@ -68,7 +68,7 @@ impl<'a> Sink<'a> {
         Ok(Some(lump))
     }
 
-    /// Returns what the epochs so far come to.
+    /// Returns the summary of the epochs so far.
     pub(crate) fn summary(&self) -> Summary {
         self.tally.summary()
     }
@@ -90,7 +90,7 @@ impl<'a> Sink<'a> {
     }
 }
 
-/// A file that grows with the replay.
+/// File that grows with the replay.
 struct Copy<'a> {
     path: &'a Path,
     file: BufWriter<File>,
@@ -106,7 +106,7 @@ impl<'a> Copy<'a> {
     }
 
     fn end(mut self) -> Result<()> {
-        // A buffer that is only dropped would keep a full disk to itself.
+        // A buffer that is only dropped would not report a full disk.
         self.file.flush().with_context(|| cannot_write(self.path))
     }
 }

@@ -17,7 +17,7 @@ const STEP: f64 = 2.0;
 pub enum Speed {
     /// Seconds of the file in a second; positive.
     Times(f64),
-    /// As fast as the module can judge.
+    /// The highest speed at which the module can judge.
     Max,
 }
 
