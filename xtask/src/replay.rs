@@ -13,7 +13,7 @@ use tests_host::recording::{Epochs, Recording, Skipped};
 use tests_host::replay::{self, BoardRun, Broadcast, Encoding, Lump, Pace, Playback, Summary, Truth, Window};
 use tests_host::{image, sample, setup};
 
-use crate::sink::Sink;
+use crate::sink::{Sink, Wanted};
 
 /// Place in which the module runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -109,23 +109,23 @@ pub(crate) struct Arguments {
     json: bool,
     /// Write one row per epoch.
     #[arg(long, value_name = "FILE")]
-    pub(crate) csv: Option<PathBuf>,
+    csv: Option<PathBuf>,
     /// Write the sentences.
     #[arg(long, value_name = "FILE")]
-    pub(crate) nmea: Option<PathBuf>,
+    nmea: Option<PathBuf>,
     /// Write the stream that the module received: RTCM, or the rest of the capture, with the
     /// faults.
     #[arg(long, value_name = "FILE")]
-    pub(crate) rtcm: Option<PathBuf>,
+    rtcm: Option<PathBuf>,
     /// Write an HTML report with plots into this folder.
     #[arg(long, value_name = "DIR")]
-    pub(crate) report: Option<PathBuf>,
+    report: Option<PathBuf>,
 }
 
 /// Inputs beside the recording or the capture.
-pub(crate) struct Question {
-    pub(crate) truth: Option<Truth>,
-    pub(crate) faults: Vec<Fault>,
+struct Question {
+    truth: Option<Truth>,
+    faults: Vec<Fault>,
     window: Window,
 }
 
@@ -213,7 +213,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     };
     let first = source.next().context("no epoch")?.map_err(in_source)?;
     let commands = commands(arguments, source.week(), source.klobuchar())?;
-    let mut sink = Sink::open(arguments, &question)?;
+    let wanted = Wanted {
+        rows: arguments.csv.as_deref(),
+        sentences: arguments.nmea.as_deref(),
+        stream: arguments.rtcm.as_deref(),
+        report: arguments.report.as_deref(),
+    };
+    let place = match arguments.on {
+        Place::Host => "on the host",
+        Place::Board => "on the board",
+    };
+    let mut sink = Sink::open(wanted, question.truth.as_ref(), &question.faults, place)?;
 
     let lumps = iter::once(Ok(first)).chain(source.by_ref().map(|lump| lump.map_err(in_source)));
     let mut playback = Playback::start(lumps, &commands, Pace::Recorded)?;

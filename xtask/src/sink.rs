@@ -9,8 +9,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use tests_host::fault::Fault;
 use tests_host::replay::{Lump, Moment, Report, Rows, Said, Summary, Tally, Truth};
 
-use crate::replay::{Arguments, Place, Question};
-
 /// Outputs of the epochs.
 pub(crate) struct Sink<'a> {
     truth: Option<&'a Truth>,
@@ -22,27 +20,37 @@ pub(crate) struct Sink<'a> {
     report: Option<(&'a Path, Report)>,
 }
 
+/// Files that the user has requested.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Wanted<'a> {
+    pub(crate) rows: Option<&'a Path>,
+    pub(crate) sentences: Option<&'a Path>,
+    pub(crate) stream: Option<&'a Path>,
+    pub(crate) report: Option<&'a Path>,
+}
+
 impl<'a> Sink<'a> {
-    /// Creates the requested files.
-    pub(crate) fn open(arguments: &'a Arguments, question: &'a Question) -> Result<Self> {
-        let rows = arguments.csv.as_deref().map(|path| {
+    /// Creates the requested files. The progress bar shows `place`, in which the module runs.
+    pub(crate) fn open(
+        wanted: Wanted<'a>,
+        truth: Option<&'a Truth>,
+        faults: &[Fault],
+        place: &'static str,
+    ) -> Result<Self> {
+        let rows = wanted.rows.map(|path| {
             let rows = create(path).and_then(|file| Ok(Rows::begin(file)?));
             rows.map(|rows| (path, rows)).with_context(|| cannot_write(path))
         });
         let style = ProgressStyle::with_template("{spinner} {msg} {pos} epochs {per_sec}");
-        let place = match arguments.on {
-            Place::Host => "on the host",
-            Place::Board => "on the board",
-        };
         let bar = ProgressBar::new_spinner().with_message(place);
         Ok(Self {
-            truth: question.truth.as_ref(),
-            tally: Tally::new(&question.faults, question.truth.is_some()),
+            truth: truth,
+            tally: Tally::new(faults, truth.is_some()),
             bar: style.map(|style| bar.clone().with_style(style)).unwrap_or(bar),
             rows: rows.transpose()?,
-            sentences: arguments.nmea.as_deref().map(Copy::open).transpose()?,
-            stream: arguments.rtcm.as_deref().map(Copy::open).transpose()?,
-            report: arguments.report.as_deref().map(|folder| (folder, Report::default())),
+            sentences: wanted.sentences.map(Copy::open).transpose()?,
+            stream: wanted.stream.map(Copy::open).transpose()?,
+            report: wanted.report.map(|folder| (folder, Report::default())),
         })
     }
 

@@ -64,7 +64,8 @@ fn comments(source: &str) -> String {
 fn counters(source: &str) -> impl Iterator<Item = &str> {
     let blocks = source.split("\ncounters! {").skip(1).filter_map(|rest| rest.split("\n}").next());
     let lines = blocks.flat_map(str::lines).map(str::trim).filter(|line| !line.starts_with("//"));
-    let is_no_field = |text: &&str| text.starts_with("cmd_") || *text == "sigma_check_pct";
+    let is_no_field =
+        |text: &&str| text.starts_with("cmd_") || ["sigma_check_pct", "ephemerides_displaced"].contains(text);
     lines.filter_map(|line| line.strip_suffix(',')).chain(source.split('"').filter(is_no_field))
 }
 

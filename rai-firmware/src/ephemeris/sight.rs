@@ -40,6 +40,8 @@ pub(super) struct Sight {
 }
 
 impl Sight {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { now: [0; 8], before: [0; 8], epochs: 0 }
     }

@@ -114,6 +114,8 @@ pub struct Store {
 
 impl Store {
     /// Returns a store without ephemerides.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub const fn new() -> Self {
         Self {
             entries: Vec::new(),

@@ -87,6 +87,8 @@ impl Repeated {
 }
 
 impl LeapSeconds {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { known: None, claimed: Repeated::NONE, inferred: Repeated::NONE, compared: None }
     }

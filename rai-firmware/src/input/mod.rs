@@ -177,7 +177,7 @@ impl Input {
     /// Returns an input before the first byte.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
-    pub const fn new() -> Self {
+    pub fn new() -> Self {
         Self {
             framer: Framer::new(),
             calendar: Calendar::new(),

@@ -47,6 +47,8 @@ pub(super) struct PresentWeek {
 }
 
 impl PresentWeek {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { kept: Vec::new(), doubt: None, votes: WeekVotes::none() }
     }

@@ -32,8 +32,9 @@ pub(super) trait Protocol {
     /// State that the format keeps between frames.
     type Memory: Debug;
 
-    /// State before the first frame.
-    const AT_START: Self::Memory;
+    /// Returns the state before the first frame. It is a function and no constant, because a constant
+    /// lies in flash and is copied by way of the stack.
+    fn at_start() -> Self::Memory;
 
     /// Ranges of one message, still encoded.
     type Ranges<'a>: Measurements;
@@ -186,8 +187,10 @@ macro_rules! formats {
 
         impl Memory {
             /// State before the first frame.
-            const fn new() -> Self {
-                Self { $($(#[$condition])* $module: <$module::$Name as Protocol>::AT_START,)+ }
+            #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+            #[inline(always)]
+            fn new() -> Self {
+                Self { $($(#[$condition])* $module: <$module::$Name as Protocol>::at_start(),)+ }
             }
         }
 

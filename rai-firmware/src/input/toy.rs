@@ -31,9 +31,12 @@ impl Protocol for Toy {
 
     /// Number of frames so far.
     type Memory = u32;
-    const AT_START: u32 = 0;
 
     type Ranges<'a> = ToyRanges<'a>;
+
+    fn at_start() -> u32 {
+        0
+    }
 
     fn length(bytes: &[u8]) -> Extent {
         match *bytes {

@@ -40,6 +40,7 @@ mod said;
 mod sealed;
 mod table;
 mod value;
+mod word;
 mod words;
 
 pub use kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, Systems};

@@ -51,6 +51,8 @@ pub struct CommandPort {
 
 impl CommandPort {
     /// Returns a port without received bytes.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub const fn new() -> Self {
         let counters = Counters {
             obeyed: 0,

@@ -18,7 +18,7 @@ use super::Refusal;
 use super::number::{plain, signed_scientific};
 use super::read::{Values, next, next_number, number};
 use super::value::{Commands, Ranges, Spelled, Take, Value, range};
-use super::words::Word;
+use super::word::Word;
 
 /// Number of values for a system.
 const VALUES: usize = 5;

@@ -5,7 +5,7 @@ use raim_core::numeric::probability::Probability;
 use super::Refusal;
 use super::number::{plain, scientific};
 use super::read::{Values, next, next_number, number};
-use super::words::{Word, next_word};
+use super::word::{Word, next_word};
 
 /// Takes one field.
 pub(super) type Take<'t> = &'t mut dyn FnMut(&str);

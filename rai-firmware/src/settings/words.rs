@@ -9,21 +9,10 @@ use raim_core::integrity::raim::detection::threshold::policy::Policy;
 use raim_core::integrity::raim::isolation::parity::Isolation;
 use raim_core::monitor::Method;
 
+use super::Phase;
 use super::kinds::{Baud, Frequencies, Levels, Sigma};
 use super::promises::Preset;
-use super::read::{Values, next};
-use super::{Phase, Refusal};
-
-/// Meaning of a word of the commands.
-pub(super) trait Word: Copy + 'static {
-    /// Words, in the order of [`Self::MEANINGS`].
-    const WORDS: &'static [&'static str];
-    /// Meanings; `None` if this build lacks the feature.
-    const MEANINGS: &'static [Option<Self>];
-
-    /// Returns the word of this meaning.
-    fn word(self) -> &'static str;
-}
+use super::word::Word;
 
 /// Returns `Some` meaning if the feature is built in, else `None`.
 macro_rules! with {
@@ -137,10 +126,3 @@ words! { Baud {
     "460800" = [Baud::B460800],
     "921600" = [Baud::B921600],
 } }
-
-/// Reads a word and returns its place among others, once for all types.
-#[inline(never)]
-pub(super) fn next_word(values: Values<'_, '_>, words: &[&str]) -> Result<usize, Refusal> {
-    let word = next(values)?;
-    words.iter().position(|known| *known == word).ok_or(Refusal::UnknownValue)
-}

@@ -56,7 +56,7 @@ impl Found {
     }
 
     fn read(&mut self, text: &str, module: &str) {
-        let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+        let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
         for line in code.lines() {
             if let Some(name) = line.strip_prefix("pub ").and_then(type_declared) {
                 self.public_types.insert(name.to_owned());

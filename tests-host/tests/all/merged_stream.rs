@@ -137,13 +137,13 @@ fn hear(recording: &Recording, systems: &str, caster: Option<&Caster>, step_s: u
 
 /// Returns a sky of 99 satellites.
 fn sky(epochs: u32, step_s: f64) -> Recording {
-    let fleets = [Fleet::Gps31, Fleet::Galileo24, Fleet::Beidou44];
+    let fleets = [Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal];
     let simulation = Simulation {
         satellites: fleets.into_iter().flat_map(Fleet::satellites).collect(),
         step_s,
         ..Simulation::above_xian(3600.0, epochs, 5)
     };
-    assert!(simulation.satellites.len() > CAPACITY + 30);
+    assert!(simulation.satellites.len() > CAPACITY + 20);
     simulation.record()
 }
 

@@ -114,6 +114,8 @@ impl TimeError {
 }
 
 impl Calendar {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
             leap: LeapSeconds::new(),

@@ -26,9 +26,10 @@ impl Protocol for Rtcm {
     const LONGEST: usize = HEADER + 1023 + PARITY;
 
     type Memory = ();
-    const AT_START: () = ();
 
     type Ranges<'a> = Msm<'a>;
+
+    fn at_start() {}
 
     fn length(bytes: &[u8]) -> Extent {
         match *bytes {

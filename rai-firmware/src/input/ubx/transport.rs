@@ -39,9 +39,14 @@ impl Protocol for Ubx {
     const LONGEST: usize = HEADER + RAWX_PAYLOAD + PARITY;
 
     type Memory = Navigation;
-    const AT_START: Navigation = Navigation::new();
 
     type Ranges<'a> = Rawx<'a>;
+
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    fn at_start() -> Navigation {
+        Navigation::new()
+    }
 
     fn length(bytes: &[u8]) -> Extent {
         let &[_, _, class, id, low, high, ref payload @ ..] = bytes else { return Extent::Unknown };
