@@ -32,8 +32,8 @@ pub(super) trait Protocol {
     /// State that the format keeps between frames.
     type Memory: Debug;
 
-    /// Returns the state before the first frame. It is a function and no constant, because a constant
-    /// lies in flash and is copied by way of the stack.
+    /// Returns the state before the first frame. It is a function and no constant, because a
+    /// constant lies in flash and is copied by way of the stack.
     fn at_start() -> Self::Memory;
 
     /// Ranges of one message, still encoded.

@@ -61,7 +61,7 @@ const F9P: &str = "real/f9p_sfrbx.ubx";
 const STREAMS: Evidence = Program("independent UBX writer, read back by RTKLIB and pyubx2");
 /// `rtcm-rs` writes them from a table of its own.
 const RTCM_RS: Evidence = Program("rtcm-rs");
-/// RTKLIB's `convbin` says the same of the same bits; `ubx::rtklib` compares it.
+/// RTKLIB's `convbin` gives the same values for the same bits; `ubx::rtklib` compares them.
 const RTKLIB: Evidence = Program("RTKLIB");
 
 const ROWS: [(Rule, &str, Evidence); 76] = [
@@ -246,7 +246,7 @@ fn holds(bytes: &[u8], rule: Rule) -> bool {
     pieces(bytes).any(|piece| is_it(piece.kind, piece.bytes))
 }
 
-/// Returns what was refused for its form, its check or its values.
+/// Returns the counters of input refused for its form, its check or its values.
 fn refused(counters: &Counters) -> [u32; 8] {
     [
         counters.messages_malformed,

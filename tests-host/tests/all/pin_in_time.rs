@@ -117,12 +117,13 @@ fn whatever_the_host_sends_it_hears_every_epoch() {
         command("SELFTEST"),
         command("STATS"),
         command("OUTPUT"),
-        // Each changes what a promise rests on, and is answered by all settings besides.
+        // Each changes a setting that protection depends on, and all settings are reported after
+        // it.
         [command("MASK,9"), command("MASK,10")].concat(),
     ];
     for flood in &floods {
         let (heard, have) = heard_beside(flood, &lumps);
-        // A promise that is taken back is a `PRAIS` of its own.
+        // A withdrawn verdict is a `PRAIS` of its own.
         let case = format!("{:?}: {heard:?}, {} lost", flood.trim_end(), have.counter("sentences_lost"));
         assert!(heard[0] >= 60 && heard[1] == 60, "{case}");
         assert_eq!(have.counter("sentences_lost"), 0, "{case}");

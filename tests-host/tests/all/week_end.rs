@@ -106,7 +106,7 @@ fn civil_from_days(mut days: i64) -> (i64, u32, u32) {
     (year, month, days as u32 + 1)
 }
 
-/// The date of each epoch as the module sends it, and true where it promises the position.
+/// Returns the date of each epoch in the output, and true if its position is protected.
 fn dates(lumps: &[Vec<u8>], by_byte: bool) -> Vec<(String, bool)> {
     let mut receiver = Receiver::new(Pin::default(), Boot::on_host("week end")).unwrap();
     let mut dates = Vec::new();

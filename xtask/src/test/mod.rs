@@ -91,8 +91,7 @@ fn alone(name: &str, arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// The beginning of the line by which a step's process tells that it was skipped, and for lack of
-/// what.
+/// Beginning of the line in which a skipped step prints the requirement that it lacks.
 const SKIPPED: &str = "step skipped: needs ";
 
 /// Runs a step in a process of its own.

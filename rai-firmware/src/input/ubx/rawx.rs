@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | 0, 8 | f64, u16 | time of week, s; week, 0 until the receiver knows it |
 //! | 10, 12 | i8, bits | leap seconds; bit 0: they are known |
-//! | 11 | u8 | how many measurements follow, 32 bytes each |
+//! | 11 | u8 | number of measurements, 32 bytes each |
 //! | 16 + 0 | f64 | pseudorange, m |
 //! | 16 + 16 | f32 | Doppler, Hz, positive when approaching |
 //! | 16 + 20 to 23 | u8 | system, satellite, signal, GLONASS channel + 7 |

@@ -3,7 +3,7 @@
 //! | offset | type | field |
 //! |---|---|---|
 //! | 0 to 3 | u8 | system, satellite, signal, GLONASS channel + 7 |
-//! | 4 | u8 | how many words follow |
+//! | 4 | u8 | number of words |
 //! | 6 | u8 | version, 2 |
 //! | 8 | u32 each | words |
 //!

@@ -3,8 +3,8 @@
 //! | sentence | fields |
 //! |---|---|
 //! | `PRAIS` | time, state, reason, satellites tracked, used, degrees of freedom, statistic, threshold, HPL, VPL, HAL, VAL |
-//! | `PRAIX` | time, how many are excluded, satellite, w-test, bias |
-//! | `PRAIM` | time, watched modes, probability of what is not watched, EMT, σ of the height for accuracy, mode that makes the vertical level, share of the risk |
+//! | `PRAIX` | time, number of exclusions, satellite, w-test, bias |
+//! | `PRAIM` | time, monitored modes, probability of unmonitored faults, EMT, σ of the height for accuracy, mode that dominates the vertical level, share of the risk |
 //! | `PRAIN` | time, hash of the settings, NIC, jamming, spoofing |
 //! | `PRAIL` | bytes lost at the GNSS port and at the host port, frames refused, epochs late; since start |
 //! | `PRAIV` | version, git, reset cause, self-test |

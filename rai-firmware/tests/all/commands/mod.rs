@@ -148,7 +148,8 @@ fn a_custom_phase_keeps_the_present_numbers() {
     let mut module = Module::new();
     module.ask("PRAIC,PHASE,LPV200");
     module.ask("PRAIC,PHASE,CUSTOM");
-    // ARAIM's allocation of the risk is part of LPV-200, but none of its single numbers.
+    // The EMT and accuracy limits of LPV-200 are not settings, so that `CUSTOM` has its allocation
+    // without them.
     let want = Requirements { allocation: Allocation::vertical(), ..Requirements::lpv200() };
     assert_eq!((module.configuration.phase, module.configuration.requirements()), (Phase::Custom, want));
 }

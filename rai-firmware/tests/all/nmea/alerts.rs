@@ -59,7 +59,7 @@ fn in_an_alert_no_output_depends_on_place_height_or_velocity() {
     }
 }
 
-/// The rule above says something: without an alert each of them changes what is sent.
+/// The rule above is not void, because without an alert each of them changes the output.
 #[test]
 fn without_an_alert_outputs_carry_place_height_and_velocity() {
     let verdict = Verdict::Protected(Protected::Ok);

@@ -1,4 +1,4 @@
-//! The wire: good streams give what was sent, bad ones a named counter and nothing else.
+//! Streams of RTCM: valid ones give the sent values, invalid ones only a named counter.
 
 mod ephemerides;
 mod epochs;

@@ -16,12 +16,12 @@ use tests_host::shared;
 
 use super::said;
 
-/// Returns a capture of the reference folder; counts the test as skipped where there is none.
+/// Returns a capture of the reference folder; counts the test as skipped if it is missing.
 fn capture(relative: &str) -> Option<Vec<u8>> {
     Some(std::fs::read(shared::path_or_skip(&format!("data/{relative}"))?).unwrap())
 }
 
-/// Returns how many RXM-SFRBX a capture has of the system with this number in UBX.
+/// Returns the number of RXM-SFRBX in a capture of the system with this number in UBX.
 fn frames_of(bytes: &[u8], system: u8) -> u32 {
     let is_of = |piece: &tests_host::replay::pieces::Piece<'_>| {
         piece.kind == Kind::Ubx([0x02, 0x13]) && piece.bytes.get(6) == Some(&system)
