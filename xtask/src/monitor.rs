@@ -19,21 +19,21 @@ use tests_host::sentence::command;
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("source").required(true))]
 pub(crate) struct Arguments {
-    /// Serial port of the module's host port, such as /dev/ttyUSB0.
+    /// Watch the module whose host port is on this serial port, such as /dev/ttyUSB0.
     #[arg(long, group = "source")]
     port: Option<PathBuf>,
-    /// Server that passes on the module's host port, HOST:PORT.
+    /// Watch a module through a server that forwards its host port, HOST:PORT.
     #[arg(long, group = "source")]
     tcp: Option<String>,
-    /// File of --record, or a capture of a receiver, which the module in process then judges. Both
-    /// may be gzip.
+    /// Watch a file of --record, or a capture of a receiver, which the module in process then
+    /// judges. Both may be gzip.
     #[arg(long, group = "source")]
     file: Option<PathBuf>,
-    /// Speed of --file: a multiple of the recorded one, or max. Unless given, --plain runs at the
-    /// highest speed.
+    /// Show --file at a multiple of the recorded speed, or at max. The default is 1, with --plain
+    /// max.
     #[arg(long, requires = "file", value_name = "N|max", value_parser = speed)]
     speed: Option<Speed>,
-    /// Simulated sky on the emulated board, with one satellite that drifts off.
+    /// Watch a simulated sky on the emulated board, with one satellite that drifts off.
     #[arg(long, group = "source")]
     demo: bool,
     /// Write the module's sentences to a file, for --file.
@@ -42,7 +42,7 @@ pub(crate) struct Arguments {
     /// Print lines instead of a picture: verdicts and exclusions.
     #[arg(long)]
     plain: bool,
-    /// Print every sentence as it comes, with --plain.
+    /// With --plain, print every sentence as it comes.
     #[arg(long, requires = "plain")]
     raw: bool,
 }

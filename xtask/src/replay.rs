@@ -39,69 +39,70 @@ pub(crate) enum Frequencies {
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Bytes of a receiver, UBX or RTCM 3, with or without text: a file (.ubx, .rtcm3, any; gz
-    /// too), - for standard input, tcp://HOST:PORT, or serial:PATH@BAUD. The last two need --to.
+    /// Replay the bytes of a receiver, UBX or RTCM 3, with or without text: a file (.ubx, .rtcm3,
+    /// any; gz too), - for standard input, tcp://HOST:PORT, or serial:PATH@BAUD. The last two need
+    /// --to.
     #[arg(value_name = "CAPTURE", conflicts_with_all = ["obs", "sample"])]
     capture: Option<String>,
-    /// Observation files instead of a capture: RINEX 2, 3 or 4; plain, gz, crx or crx.gz.
+    /// Replay observation files instead of a capture: RINEX 2, 3 or 4; plain, gz, crx or crx.gz.
     #[arg(long, num_args = 1.., value_name = "FILE")]
     obs: Vec<PathBuf>,
-    /// Navigation files of the same time. A capture needs none, and takes missing ephemerides from
-    /// them.
+    /// Read navigation files of the same time. A capture needs none, and takes missing ephemerides
+    /// from them.
     #[arg(long, num_args = 1.., value_name = "FILE")]
     nav: Vec<PathBuf>,
     /// Fetch a small real recording (60 s, Kamakura, Japan) and use it.
     #[arg(long, conflicts_with_all = ["obs", "nav"])]
     sample: bool,
-    /// Position of the antenna: X,Y,Z in metres, earth-fixed, or latitude,longitude,height in
-    /// degrees and metres.
+    /// Set the true position of the antenna: X,Y,Z in metres, earth-fixed, or
+    /// latitude,longitude,height in degrees and metres.
     #[arg(long, value_name = "X,Y,Z", conflicts_with = "truth_csv", allow_hyphen_values = true)]
     truth: Option<String>,
-    /// Positions of the antenna over time: a table whose heading names week,tow and `x_m,y_m,z_m`
-    /// or `lat_deg,lon_deg,height_m`.
+    /// Read the true positions of the antenna over time from a table whose heading names week,tow
+    /// and `x_m,y_m,z_m` or `lat_deg,lon_deg,height_m`.
     #[arg(long, value_name = "FILE")]
     truth_csv: Option<PathBuf>,
-    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS), J (QZSS); the first three
-    /// by default.
+    /// Use these systems: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS), J (QZSS). The default is
+    /// the first three.
     #[arg(long, value_name = "LETTERS")]
     systems: Option<String>,
-    /// GPS week of a capture's first epoch, not rolled over: 1709 is October 2012. By default it is
-    /// taken from the capture.
+    /// Set the GPS week of a capture's first epoch, not rolled over: 1709 is October 2012. The
+    /// default is taken from the capture.
     #[arg(long, value_name = "N", requires = "capture", value_parser = clap::value_parser!(u16).range(0..=8191))]
     week: Option<u16>,
-    /// Frequencies to use.
+    /// Use these frequencies.
     #[arg(long, value_enum, default_value = "dual")]
     frequency: Frequencies,
-    /// Place in which the module runs.
+    /// Run the module in process or on the emulated board.
     #[arg(long, value_enum, default_value = "host")]
     pub(crate) on: Place,
-    /// A step or an outage: G05:+80@600..1200, E31:lost@..60; repeatable.
+    /// Inject a step or an outage: G05:+80@600..1200, E31:lost@..60; repeatable.
     #[arg(long, value_name = "FAULT")]
     inject: Vec<String>,
-    /// A drift in m/s: G05:0.5@600..; repeatable.
+    /// Inject a drift in m/s: G05:0.5@600..; repeatable.
     #[arg(long, value_name = "FAULT")]
     ramp: Vec<String>,
-    /// Seconds after the first epoch at which to start.
+    /// Start this number of seconds after the first epoch.
     #[arg(long, default_value_t = 0.0, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     from: f64,
-    /// Seconds after the first epoch at which to end.
+    /// End this number of seconds after the first epoch.
     #[arg(long, default_value_t = f64::INFINITY, hide_default_value = true, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     to: f64,
-    /// Minimum time between epochs, s.
+    /// Skip epochs that come sooner than this after the last used one, s.
     #[arg(long, default_value_t = 0.0, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     every: f64,
-    /// Phase of flight, which sets the alert limits. CUSTOM needs --set HAL=METRES. The module
-    /// starts with NPA.
+    /// Set the phase of flight, which sets the alert limits. CUSTOM needs --set HAL=METRES. The
+    /// default is NPA.
     #[arg(long, ignore_case = true, value_parser = word("PHASE"))]
     phase: Option<String>,
-    /// Threshold of the test: from the false alarms, from the missed detections, or least cost of
-    /// both. The module starts with T1.
+    /// Set the threshold of the test: from the false alarms, from the missed detections, or least
+    /// cost of both. The default is T1.
     #[arg(long, ignore_case = true, value_parser = word("POLICY"))]
     policy: Option<String>,
-    /// Method to find a faulty satellite. The module starts with AUTO.
+    /// Set the method that finds a faulty satellite. The default is AUTO.
     #[arg(long, ignore_case = true, value_parser = word("METHOD"))]
     method: Option<String>,
-    /// Any other setting of the module, such as HAL=40 or MASK=5; repeatable, in this order.
+    /// Set any other setting of the module, such as HAL=40 or MASK=5; repeatable, in this order.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Print the summary as JSON.
