@@ -186,7 +186,7 @@ macro_rules! formats {
         }
 
         impl Memory {
-            /// State before the first frame.
+            /// Returns the state before the first frame.
             #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
             #[inline(always)]
             fn new() -> Self {

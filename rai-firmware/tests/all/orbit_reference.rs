@@ -82,7 +82,7 @@ fn between((least, most): (f64, f64), fraction: f64, exponent: i32) -> f64 {
     (least + fraction * (most - least)).round() * unit
 }
 
-/// A fraction that is as often 0 or 1 as between them.
+/// Returns fractions, of which half are 0 or 1.
 fn fraction() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0, 0.0..=1.0]
 }

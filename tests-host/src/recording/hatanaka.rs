@@ -293,7 +293,7 @@ impl Source for Compact {
         }
     }
 
-    /// It is never open, because an epoch whose last line may be cut is discarded here.
+    /// Returns false, because an epoch whose last line may be cut is discarded here.
     fn is_open(&self) -> bool {
         false
     }

@@ -79,14 +79,14 @@ fn sky(
     recording.epochs.iter().map(second).collect()
 }
 
-/// The field `ddmmyy` of `RMC` at an instant, by a calendar of its own.
+/// Returns the field `ddmmyy` of `RMC` at an instant, by a calendar of its own.
 fn ddmmyy(time: GpsTime) -> String {
     let day = ((time.to_ms() - 18_000) / 86_400_000).cast_signed() + UNIX_DAYS;
     let date = civil_from_days(day);
     format!("{:02}{:02}{:02}", date.2, date.1, date.0 % 100)
 }
 
-/// Year, month, day of days since 1970-01-01, counted day by day.
+/// Returns year, month, day of days since 1970-01-01, counted day by day.
 fn civil_from_days(mut days: i64) -> (i64, u32, u32) {
     let is_leap = |year: i64| year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
     let mut year = 1970;

@@ -137,7 +137,7 @@ fn tests(bless: bool, all: bool) -> Result<Done> {
     Ok(Done::Passed)
 }
 
-/// Each skipped test with all that it needs.
+/// Returns each skipped test with all that it needs.
 fn skipped(lines: &str) -> BTreeMap<&str, Vec<&str>> {
     let mut tests = BTreeMap::<&str, Vec<&str>>::new();
     for (test, needs) in lines.lines().filter_map(|line| line.split_once('\t')) {

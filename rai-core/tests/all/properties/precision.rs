@@ -42,7 +42,7 @@ proptest! {
     }
 }
 
-/// Two satellites that are good to 0.5 m among four that are good to 30 m.
+/// Returns two satellites that are good to 0.5 m among four that are good to 30 m.
 fn two_precise_ones<T: Real>() -> Snapshot<'static, T> {
     let directions_deg = [
         (10.0, 75.0, 30.0),

@@ -49,7 +49,7 @@ pub(super) struct Outbox {
 }
 
 impl Outbox {
-    /// The place to which new consumers are added.
+    /// Returns the place to which new consumers are added.
     pub(super) fn consumers(&self) -> Consumers {
         self.consumers.clone()
     }

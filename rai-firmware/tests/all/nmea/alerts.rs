@@ -11,12 +11,12 @@ use raim_firmware::publisher::Publisher;
 
 use super::{Growing, npa, report, solution, statement};
 
-/// Every item of the schedule.
+/// Returns every item of the schedule.
 fn items() -> Vec<Item> {
     Schedule::AT_START.rates().map(|(name, _)| Item::named(name).expect("an item of this name")).collect()
 }
 
-/// The bytes of one epoch at a place, with a velocity, of all items.
+/// Returns the bytes of one epoch at a place, with a velocity, of all items.
 fn sent(verdict: Verdict, [latitude_deg, longitude_deg, height_m]: [f64; 3], motion: Motion) -> Vec<u8> {
     let (mut report, npa) = (report(), npa());
     report.verdict = verdict;

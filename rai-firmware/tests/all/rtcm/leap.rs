@@ -35,7 +35,7 @@ impl Burst {
     }
 }
 
-/// Every order of the systems.
+/// Returns every order of the systems.
 fn orders() -> Vec<String> {
     let mut orders = vec![String::new()];
     for _ in 0..4 {

@@ -15,7 +15,7 @@ use raim_firmware::input::{Counters, Input};
 /// Time of week of the first epoch: at the first case's reference time.
 const TOW_MS: u32 = 360_000_000;
 
-/// An input that knows the week.
+/// Returns an input that knows the week.
 fn knowing() -> Input {
     let mut input = Input::new();
     feed(&mut input, &ephemeris(&CASES[2]));

@@ -16,7 +16,7 @@ fn observed(text: &str) -> Recording {
     read(text, &navigation(2)).unwrap()
 }
 
-/// The counts, and the line of the first flaw.
+/// Returns the counts, and the line of the first flaw.
 fn counts(recording: &Recording) -> (Skipped, u64) {
     let mut skipped = recording.skipped.clone();
     let line = skipped.first.take().map_or(0, |first| first.line);
@@ -24,7 +24,7 @@ fn counts(recording: &Recording) -> (Skipped, u64) {
     (skipped, line)
 }
 
-/// All ranges but those of some epochs, and of one satellite of an epoch.
+/// Returns all ranges but those of some epochs, and of one satellite of an epoch.
 fn all_but(epochs: &[usize], satellite: Option<(usize, &str)>) -> Vec<super::made::Range> {
     let mut all = all_ranges(EPOCHS);
     let time = |epoch: usize| all_ranges(EPOCHS)[epoch * NAMES.len()].0;

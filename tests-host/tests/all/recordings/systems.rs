@@ -60,7 +60,7 @@ fn a_bare_number_is_glonass_in_a_file_of_glonass_alone() {
     assert!(have.is_err());
 }
 
-/// A record of QZSS by the rule of RINEX 3, of the numbers of a GPS record.
+/// Returns a record of QZSS by the rule of RINEX 3, of the numbers of a GPS record.
 fn qzss_navigation() -> String {
     super::quirks::NAVIGATION_3.replacen("G05", "J02", 1)
 }
