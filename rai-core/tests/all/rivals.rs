@@ -61,7 +61,7 @@ impl Sky {
         Self { rows: rows.collect(), faulty }
     }
 
-    /// Returns the core's result for leaving the faulty ones out.
+    /// Returns true if the core finds the faulty satellites separable.
     fn is_separable<T: Real>(&self) -> bool {
         let mut epoch = LinearEpoch::<T, MAX_ROWS>::new();
         for &(towards, clock, residual_m) in &self.rows {

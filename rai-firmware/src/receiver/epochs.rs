@@ -39,7 +39,7 @@ counters! {
         epochs_skipped,
         /// Alerts because the line was silent for the time to alert.
         line_stale,
-        /// Ephemerides that are out of date, or of F/NAV where I/NAV serves.
+        /// Ephemerides that are out of date, or of F/NAV while I/NAV is in use.
         ephemerides_kept,
         /// Ephemerides that contradict the one in use.
         ephemerides_disputed,

@@ -1,6 +1,6 @@
 //! The emulator: the one on the path, or Debian's packages of it unpacked below `target`.
 //!
-//! To unpack needs no rights and changes nothing outside the project. It also works where the
+//! Unpacking needs no rights and changes nothing outside the project. It also works where the
 //! system's own package of the emulator would remove another package. `apt-get` keeps its lists and
 //! archives in the same folder, so that a machine that has never fetched any needs no step before.
 

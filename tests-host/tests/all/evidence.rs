@@ -220,8 +220,8 @@ fn documentation_lists_what_nothing_outside_confirms() {
     assert_eq!(listed, unconfirmed);
 }
 
-/// Returns a capture of the reference folder, unpacked; counts the test as skipped where there is
-/// none.
+/// Returns a capture of the reference folder, unpacked; counts the test as skipped if it is
+/// missing.
 fn capture(relative: &str) -> Option<Vec<u8>> {
     let bytes = std::fs::read(shared::path_or_skip(&format!("data/{relative}"))?).unwrap();
     if Path::new(relative).extension().is_none_or(|ending| ending != "gz") {

@@ -102,7 +102,7 @@ fn heard_beside(flood: &str, lumps: &[Vec<u8>]) -> ([usize; 2], Outcome) {
 #[test]
 fn whatever_the_host_sends_it_hears_every_epoch() {
     let lumps = lumps(63);
-    // Settings that take the most room where all of them are reported.
+    // Settings with the longest text when all of them are reported.
     let long = ["G", "E", "C", "R"].map(|system| {
         command(&format!("ISM,{system},99.123456,98.123456,97.123456,1.234567891e-12,1.234567891e-12"))
     });
