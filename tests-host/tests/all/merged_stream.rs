@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use raim_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::SatelliteId;
 use raim_firmware::ephemeris::CAPACITY;
 use raim_firmware::time::GpsTime;
 use tests_host::attack::victim::{Seen, Victim};
@@ -42,10 +42,7 @@ impl Caster {
         for sets in by_satellite.values_mut() {
             sets.sort_by_key(|(sent, _)| *sent);
         }
-        let of_system = |letter| {
-            let system = Constellation::from_letter(letter).expect("a system");
-            by_satellite.iter().filter(move |(id, _)| id.constellation() == system)
-        };
+        let of_system = |letter| by_satellite.iter().filter(move |(id, _)| id.name().0 == letter);
         let satellites = order.chars().flat_map(of_system).map(|(_, sets)| sets.clone()).collect();
         Self { satellites, period_s, pace }
     }
@@ -71,7 +68,7 @@ impl Caster {
 
 /// Returns the message of one set.
 fn message(set: &TimedEphemeris) -> Vec<u8> {
-    let letter = set.satellite.constellation().letter().to_string();
+    let letter = set.satellite.name().0.to_string();
     let selection = Selection::new(&letter, Frequency::Dual).unwrap();
     let nothing = MeasuredEpoch { time: set.sent, satellites: Vec::new() };
     let bytes = Encoder::new(std::slice::from_ref(set), selection).epoch(&nothing).unwrap();

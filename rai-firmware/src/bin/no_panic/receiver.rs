@@ -100,6 +100,8 @@ fn wire() {
         Input::interrupt as fn(_),
         Input::confirm as fn(_, _, _),
         Input::take_rivalry as fn(_) -> _,
+        Input::assume as fn(_, _),
+        Input::hears_others as fn(_) -> _,
         Input::forget as fn(_),
         Input::counters as fn(_) -> _,
         Input::time as fn(_) -> _,

@@ -249,6 +249,7 @@ fn a_receiver_that_delays_channels_differently_is_worse_with_it() {
         for epoch in &recording.epochs {
             module.hear(&encoder.epoch(epoch).unwrap(), STATIC_BASE.truth);
         }
+        println!("{systems}: {} times a satellite of GLONASS in {} epochs", module.used, module.fixes);
         module.errors_m()
     };
     let without = play(&recording, "GCE");
