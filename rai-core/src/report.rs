@@ -63,8 +63,8 @@ pub enum Alert {
     /// The position moved farther than it can since it was last protected: the satellites that
     /// agree on it agree by chance, or are counterfeit.
     Jump,
-    /// No epoch of the receiver in use came within the time to alert, and epochs of another station or
-    /// in another format did. The receiver around the core sets it.
+    /// No epoch of the receiver in use came within the time to alert, and epochs of another station
+    /// or in another format did. The receiver around the core sets it.
     Source,
     /// The GNSS receiver reports counterfeit signals. The receiver around the core sets it.
     Spoofed,

@@ -1,10 +1,10 @@
-//! The smallest program around the module: a receiver's bytes from standard input, sentences to
-//! standard output.
+//! Smallest program around the module: reads a receiver's bytes from standard input and writes
+//! sentences to standard output.
 //!
 //! `cargo run --package raim-firmware --example stream < capture.rtcm3`
 //!
-//! A thread reads, because the module has to see the clock while the line is silent: it reports
-//! `STALE` and drops the pin without a byte.
+//! A thread reads, because the module must check the clock while the line is silent: without a byte
+//! it reports `STALE` and sets the pin low.
 
 use std::convert::Infallible;
 use std::io::{self, Read as _, Write as _};
@@ -15,10 +15,10 @@ use std::time::{Duration, Instant};
 use embedded_hal::digital::{ErrorType, OutputPin};
 use raim_firmware::receiver::{Boot, Receiver};
 
-/// How often the module looks at the clock.
+/// Interval between two ticks of the module.
 const TICK: Duration = Duration::from_millis(100);
 
-/// The integrity pin of a machine that has no pins.
+/// Integrity pin of a machine without pins.
 #[derive(Default)]
 struct Pin;
 

@@ -1,4 +1,4 @@
-//! The loop around the receiver: GNSS bytes first, everything else as far as it makes nobody wait.
+//! The loop around the receiver: GNSS bytes first, everything else without delaying them.
 //!
 //! ```text
 //! GNSS bytes ─► receiver ─► pin, sentences      one chunk of bytes that came together
@@ -6,43 +6,45 @@
 //! time ─► watchdog ─► sleep
 //! ```
 //!
-//! A pass is short whatever the host does: it takes one command, or sends one sentence of an answer that needs many. It does so
-//! only while the way out has room for the sentences of an epoch beside it: a host that sends commands faster than its line
-//! carries answers costs its own commands, and no epoch its sentences. Nothing waits for the host. Only a loop that comes round
-//! feeds the watchdog.
+//! A pass is short whatever the host does: it takes one command, or sends one sentence of a long
+//! answer. It does so only while the outgoing ring also has room for the sentences of an epoch. A
+//! host that sends commands faster than its line carries answers therefore loses commands, and no
+//! epoch loses its sentences. Nothing waits for the host. Only a running loop feeds the watchdog.
 //!
-//! What an epoch costs is noted with it: ticks that the receiver was busy since the last epoch, and ticks from its last
-//! byte to the pin. That byte came no earlier than the loop last found nothing waiting or was first woken.
+//! The cost of an epoch is noted with it: ticks that the receiver was busy since the last epoch,
+//! and ticks from its last byte to the pin. That byte came no earlier than the loop last found no
+//! bytes or was first woken.
 
 use crate::bit_rate::BitRate;
 use crate::board::{Board, Note, PortLosses};
 use crate::receiver::Receiver;
 use crate::timed_ring::Taken;
 
-/// GNSS bytes for which the loop goes round before a millisecond is over. With a pass for each byte the passes of an epoch
-/// would cost more than it does.
+/// Number of GNSS bytes for which the loop runs a pass before a millisecond is over. With a pass
+/// for each byte, the passes of an epoch would cost more than its computation.
 pub const WORTH_A_PASS_BYTES: usize = 64;
 
 /// GNSS bytes handed to the receiver at once.
 const CHUNK_BYTES: usize = 256;
 
-/// Bytes of the host port that one pass takes at most, where they make no command.
+/// Largest number of host bytes in a pass, if they complete no command.
 const COMMAND_BYTES: usize = 128;
 
-/// Room that an answer leaves: the sentences of an epoch.
+/// Room that an answer leaves for the sentences of an epoch, bytes.
 const RESERVE_BYTES: usize = 1536;
 
-/// Epochs between two looks at the stack, which take longer than an epoch's share.
+/// Epochs between two measurements of the stack, because a measurement takes longer than an epoch.
 const EPOCHS_PER_HIGH_WATER: u32 = 60;
 
-/// What the loop remembers.
+/// State of the loop between passes.
 #[derive(Debug)]
 pub struct EpochLoop {
-    /// Kept from pass to pass, most of which find nothing: clearing it would be a fifth of such a pass.
+    /// Buffer of a chunk. It is not cleared, because most passes find no bytes and clearing would
+    /// be a fifth of their cost.
     chunk: [u8; CHUNK_BYTES],
     busy_ticks: u64,
     epochs: u32,
-    /// What waits came after this instant.
+    /// Waiting bytes came after this instant.
     silent_until_ticks: u64,
     losses: PortLosses,
     rate: BitRate,
@@ -55,7 +57,7 @@ impl Default for EpochLoop {
 }
 
 impl EpochLoop {
-    /// A loop before its first pass.
+    /// Returns a loop before its first pass.
     pub const fn new() -> Self {
         Self {
             chunk: [0; CHUNK_BYTES],
@@ -67,14 +69,14 @@ impl EpochLoop {
         }
     }
 
-    /// Goes round until the host asks for a reset.
+    /// Runs passes until the host orders a reset.
     pub fn run<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
         while !receiver.reset_requested() {
             self.pass(board, receiver);
         }
     }
 
-    /// Goes round once.
+    /// Runs one pass.
     pub fn pass<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
         self.take_gnss(board, receiver);
         take_command(board, receiver);
@@ -90,7 +92,7 @@ impl EpochLoop {
         }
     }
 
-    /// Hands over one chunk.
+    /// Hands one chunk of GNSS bytes to the receiver.
     fn take_gnss<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
         let start_ticks = board.now_ticks();
         match board.gnss(&mut self.chunk) {
@@ -123,7 +125,8 @@ impl EpochLoop {
         self.busy_ticks = 0;
     }
 
-    /// Lets the GNSS port listen at another rate, where a command wants it or nothing can be read at this one.
+    /// Sets another rate of the GNSS port, if a command requires it or no frame is valid at this
+    /// one.
     fn set_rate<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
         if let Some(baud) = self.rate.next(receiver.frames(), receiver.configuration().bit_rate.rate()) {
             board.set_gnss_rate(baud);
@@ -142,8 +145,8 @@ impl EpochLoop {
     }
 }
 
-/// Lets time pass for the receiver. What it says then it says without a byte having come: that the line is silent, or what
-/// it makes of an epoch that a damaged frame had held back.
+/// Advances the receiver's time. The receiver may then report without a new byte: that the line is
+/// silent, or an epoch that a damaged frame had delayed.
 fn look_at_clock<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
     let now_ms = board.now_ms();
     if receiver.tick(now_ms, board.host()) {
@@ -151,9 +154,10 @@ fn look_at_clock<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
     }
 }
 
-/// Takes bytes of the host port up to the end of one command, or sends one sentence of a long answer. While one is
-/// under way, or an epoch would find no room for its sentences, no other command is taken.
-// Not inlined: what a command needs of the stack an epoch need not have beside it.
+/// Takes bytes of the host port up to the end of one command, or sends one sentence of a long
+/// answer. No further command is taken while an answer is incomplete, or while the sentences of an
+/// epoch would find no room.
+// Not inlined, so that its stack is not needed beside that of an epoch.
 #[inline(never)]
 fn take_command<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
     if receiver.has_more_to_say() {
@@ -163,7 +167,7 @@ fn take_command<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
         return;
     }
     for _ in 0..COMMAND_BYTES {
-        // Each byte may end a line that is answered, refused ones too.
+        // Each byte may end a line that is answered, even if it is refused.
         if board.host_room() < RESERVE_BYTES {
             break;
         }
@@ -174,7 +178,7 @@ fn take_command<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
     }
 }
 
-/// Whether a long answer can go on now.
+/// Returns true if a long answer can continue now.
 fn may_answer<B: Board>(board: &B, receiver: &Receiver<B::Pin>) -> bool {
     receiver.has_more_to_say() && board.host_room() >= RESERVE_BYTES
 }

@@ -1,13 +1,14 @@
-//! Sentences into a ring, whole or not at all, for a host that may read too slowly.
+//! Writer of sentences into a ring, whole or not at all, for a host that may read too slowly.
 //!
-//! What one call of `write` brings, a sentence or a binary message, goes into the ring whole. Where there is no room it is
-//! dropped and counted: the host misses sentences, and never gets half of one. Nothing waits for it.
+//! The bytes of one call of `write`, a sentence or a binary message, go into the ring whole.
+//! Without room they are dropped and counted: the host misses sentences, and never receives half of
+//! one. Nothing waits for the host.
 
 use core::convert::Infallible;
 
 use crate::ring::Ring;
 
-/// The way out: a writer in front of the ring.
+/// Writer in front of the ring.
 pub struct Outlet<'r, const N: usize, S> {
     ring: &'r Ring<N>,
     start_sending: S,
@@ -15,17 +16,17 @@ pub struct Outlet<'r, const N: usize, S> {
 }
 
 impl<'r, const N: usize, S: FnMut()> Outlet<'r, N, S> {
-    /// A way out that wakes whoever empties the ring with `start_sending`.
+    /// Returns a writer that calls `start_sending` after every write, so that the ring is emptied.
     pub const fn new(ring: &'r Ring<N>, start_sending: S) -> Self {
         Self { ring, start_sending, lost: 0 }
     }
 
-    /// Sentences that found no room since start; saturates.
+    /// Returns the number of writes dropped since start; saturates.
     pub fn lost(&self) -> u32 {
         self.lost
     }
 
-    /// Bytes that there is room for.
+    /// Returns the free room, bytes.
     pub fn room(&self) -> usize {
         self.ring.room()
     }
@@ -36,7 +37,7 @@ impl<const N: usize, S> embedded_io::ErrorType for Outlet<'_, N, S> {
 }
 
 impl<const N: usize, S: FnMut()> embedded_io::Write for Outlet<'_, N, S> {
-    // Not inlined: it is called in many places, and flash is dearer than the calls.
+    // Not inlined, because it has many callers and flash is scarcer than time here.
     #[inline(never)]
     fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
         if !self.ring.push_whole(bytes) {

@@ -1,8 +1,8 @@
-//! Who tells the host, and remembers what has been told: what is due, what was said when.
+//! The publisher: sends each sentence and message when it is due, and remembers the last state.
 //!
-//! | said | when |
+//! | sent | when |
 //! |---|---|
-//! | the items of the [`Schedule`] | with their epochs; all that are wanted, where the state is worse than that of the epoch before |
+//! | the items of the [`Schedule`] | at their rates; all with a nonzero rate if the state is worse than that of the epoch before |
 //! | `PRAIS`, `PRAIX`, `PRAIN` | with every epoch |
 //! | `PRAIQ` | at start, after every change, every 60 s |
 //! | `PRAIL` | every 60 s |
@@ -18,16 +18,16 @@ use crate::output::schedule::{Item, Schedule};
 use crate::settings::Configuration;
 use crate::time::GpsTime;
 
-/// How often settings and losses are said again, ms.
+/// Time between repetitions of settings and losses, ms.
 const AGAIN_MS: u64 = 60_000;
 
-/// What is remembered between epochs.
+/// State between epochs.
 #[derive(Clone, Debug)]
 pub struct Publisher {
     epochs: u32,
-    /// How far the last epoch was from a promise.
+    /// Distance of the last epoch from protection.
     told: Distance,
-    /// The last second that `ZDA` has told.
+    /// Last second that `ZDA` has reported.
     told_second: Option<u32>,
     #[cfg(feature = "mavlink")]
     sender: Sender,
@@ -36,7 +36,7 @@ pub struct Publisher {
     losses_due_ms: u64,
 }
 
-/// How far a state is from a promise.
+/// Distance of a state from protection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Distance {
     Protected,
@@ -55,7 +55,7 @@ impl Distance {
 }
 
 impl Publisher {
-    /// One that has told nothing, with the hash of the settings in force.
+    /// Returns a publisher before the first epoch, with the hash of the settings in force.
     pub fn new(settings_hash: u32) -> Self {
         Self {
             epochs: 0,
@@ -69,18 +69,18 @@ impl Publisher {
         }
     }
 
-    /// Takes note of other settings by their hash, which are then said at the next look at the clock.
+    /// Stores the hash of changed settings, which the next tick reports.
     pub fn reconfigured(&mut self, settings_hash: u32) {
         self.settings_hash = settings_hash;
         self.settings_due_ms = 0;
     }
 
-    /// Hash of the settings in force.
+    /// Returns the hash of the settings in force.
     pub fn settings_hash(&self) -> u32 {
         self.settings_hash
     }
 
-    /// Tells an epoch.
+    /// Sends the sentences and messages of an epoch.
     ///
     /// # Errors
     /// The writer's own, of the first sentence that it did not take.
@@ -91,7 +91,8 @@ impl Publisher {
         out: &mut W,
     ) -> Result<(), W::Error> {
         let distance = Distance::of(statement.report.verdict);
-        // Whoever wants few epochs must not take the last one that he was told for what holds now.
+        // A worse state is sent at once, because at a low rate the host would take the last state
+        // for the present one.
         let is_worse = distance > core::mem::replace(&mut self.told, distance);
         let mut due = schedule.due(if is_worse { 0 } else { self.epochs });
         self.epochs = self.epochs.wrapping_add(1);
@@ -107,7 +108,8 @@ impl Publisher {
         Ok(())
     }
 
-    /// Sends a verdict that no epoch brought: none came within the time to alert, or settings have changed.
+    /// Sends a verdict without an epoch: no epoch came within the time to alert, or settings have
+    /// changed.
     ///
     /// # Errors
     /// The writer's own.
@@ -125,7 +127,7 @@ impl Publisher {
         Ok(())
     }
 
-    /// Says again what is said again from time to time.
+    /// Repeats settings and losses if they are due.
     ///
     /// # Errors
     /// The writer's own.

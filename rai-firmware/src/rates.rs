@@ -20,12 +20,13 @@
 //! a satellite has changed between the epochs, its velocity is not computed, because sets differ by
 //! metres.
 //!
-//! The velocity has its own test ([`raim_core::velocity`]) with the probabilities of the position. A
-//! velocity that fails the test, or exceeds the largest speed of a receiver, is not reported. After
-//! contradictory rates, a velocity is reported again only when rates have agreed for the
-//! recovery time of positions ([`raim_core::continuity`]), because some of many false rates agree by
-//! chance. If the negative of all rates would pass, the receiver sends them with the wrong sign, as
-//! early firmware of a common receiver does. Such rates are counted by their own name and not used.
+//! The velocity has its own test ([`raim_core::velocity`]) with the probabilities of the position.
+//! A velocity that fails the test, or exceeds the largest speed of a receiver, is not reported.
+//! After contradictory rates, a velocity is reported again only when rates have agreed for the
+//! recovery time of positions ([`raim_core::continuity`]), because some of many false rates agree
+//! by chance. If the negative of all rates would pass, the receiver sends them with the wrong sign,
+//! as early firmware of a common receiver does. Such rates are counted by their own name and not
+//! used.
 //!
 //! Sigma is 0.05 m/s at 45 dB-Hz and above. Below, it grows with the root of the noise density, as
 //! the noise of a frequency lock does.

@@ -65,7 +65,7 @@ impl GpsTime {
         }
     }
 
-    /// Returns the same second of a week that many weeks later, or earlier where negative.
+    /// Returns the same second of a week that many weeks later, or earlier if negative.
     #[must_use]
     pub const fn later_by_weeks(self, weeks: i32) -> Self {
         let week = (self.week as i32).saturating_add(weeks);

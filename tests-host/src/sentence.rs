@@ -63,7 +63,8 @@ impl State {
         self.state == 'P'
     }
 
-    /// False for a verdict that no epoch brought: of a silence, or of settings that have changed under a promise.
+    /// Returns false for a verdict that no epoch brought: of a silence, or of settings that have
+    /// changed under a promise.
     pub fn has_epoch(&self) -> bool {
         self.reason != "STALE" && !(self.reason == "SETTINGS" && self.tracked == 0)
     }

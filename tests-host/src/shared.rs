@@ -1,15 +1,15 @@
-//! The reference folder that stands beside the project where the project is developed.
+//! Reference folder beside the project, which exists only where the project is developed.
 //!
-//! Recordings live there and not in the repository. A test that needs one asks [`path_or_skip`], and is counted as
-//! skipped where there is none.
+//! Recordings are in that folder and not in the repository. A test that needs one calls
+//! [`path_or_skip`], and is counted as skipped without it.
 
 use std::path::{Path, PathBuf};
 
 use crate::skip;
 
-/// The reference folder's entry `relative`, if it is there.
+/// Returns the path of the reference folder's entry `relative`, if it exists.
 ///
-/// The folder is named by `RAI_SHARED`, or is `../shared` beside the project's root.
+/// `RAI_SHARED` names the folder; by default it is `../shared` beside the project's root.
 pub fn path(relative: &str) -> Option<PathBuf> {
     let root = std::env::var_os("RAI_SHARED")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from);
@@ -17,7 +17,7 @@ pub fn path(relative: &str) -> Option<PathBuf> {
     path.exists().then_some(path)
 }
 
-/// As [`path`], and counts the calling test as skipped where the entry is missing.
+/// Returns the same as [`path`], and counts the calling test as skipped if the entry is missing.
 pub fn path_or_skip(relative: &str) -> Option<PathBuf> {
     let found = path(relative);
     if found.is_none() {

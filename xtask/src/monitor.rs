@@ -1,4 +1,4 @@
-//! `cargo xtask monitor`: a module, watched while it works.
+//! `cargo xtask monitor`: a live view of a module.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -19,29 +19,30 @@ use tests_host::sentence::command;
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("source").required(true))]
 pub(crate) struct Arguments {
-    /// The serial port that the module's host port is on, such as /dev/ttyUSB0.
+    /// Watch the module whose host port is on this serial port, such as /dev/ttyUSB0.
     #[arg(long, group = "source")]
     port: Option<PathBuf>,
-    /// A server that passes on the module's host port, HOST:PORT.
+    /// Watch a module through a server that forwards its host port, HOST:PORT.
     #[arg(long, group = "source")]
     tcp: Option<String>,
-    /// What --record wrote, or a capture of a receiver, which the module in process then judges. Both may be gzip.
+    /// Watch a file of --record, or a capture of a receiver, which the module in process then
+    /// judges. Both may be gzip.
     #[arg(long, group = "source")]
     file: Option<PathBuf>,
-    /// How fast --file is shown: a multiple of how it was recorded, or max. With --plain as fast as it can be judged,
-    /// unless given.
+    /// Show --file at a multiple of the recorded speed, or at max. The default is 1, with --plain
+    /// max.
     #[arg(long, requires = "file", value_name = "N|max", value_parser = speed)]
     speed: Option<Speed>,
-    /// A simulated sky on the emulated board, one satellite of which drifts off.
+    /// Watch a simulated sky on the emulated board, with one satellite that drifts off.
     #[arg(long, group = "source")]
     demo: bool,
-    /// Writes everything that the module says to a file, for --file.
+    /// Write the module's sentences to a file, for --file.
     #[arg(long)]
     record: Option<PathBuf>,
-    /// Prints lines instead of a picture: verdicts and exclusions.
+    /// Print lines instead of a picture: verdicts and exclusions.
     #[arg(long)]
     plain: bool,
-    /// With --plain, every sentence as it comes.
+    /// With --plain, print every sentence as it comes.
     #[arg(long, requires = "plain")]
     raw: bool,
 }
@@ -50,7 +51,7 @@ fn speed(text: &str) -> Result<Speed, String> {
     Speed::parse(text).map_err(|error| error.to_string())
 }
 
-/// How long the picture may be behind.
+/// Longest delay of the picture.
 const FRAME: Duration = Duration::from_millis(100);
 
 /// Runs the command.
@@ -97,7 +98,7 @@ fn note(line: &str, record: &mut Option<&mut File>) -> anyhow::Result<()> {
         .context("the recording cannot go on")
 }
 
-/// Line by line, until there is nothing more.
+/// Prints line by line, until the source ends.
 fn print(source: &Source, mut record: Option<&mut File>, is_raw: bool) -> anyhow::Result<()> {
     for news in &source.news {
         match news {
@@ -117,7 +118,7 @@ fn print(source: &Source, mut record: Option<&mut File>, is_raw: bool) -> anyhow
     Ok(())
 }
 
-/// As a picture, until somebody has seen enough.
+/// Shows the picture, until the user quits or the source ends.
 fn watch(source: &mut Source, mut dashboard: Dashboard, mut record: Option<&mut File>) -> anyhow::Result<()> {
     let mut terminal = ratatui::try_init().context("this is no terminal: try --plain")?;
     let mut failure = Ok(());
@@ -148,8 +149,8 @@ fn watch(source: &mut Source, mut dashboard: Dashboard, mut record: Option<&mut 
     seen.and(failure)
 }
 
-/// Takes what has come, for at most as long as the picture may be behind; while it is paused, what comes waits. Returns why
-/// the source has failed, if it has.
+/// Takes the news, for at most the longest delay of the picture; while it is paused, news waits.
+/// Returns the reason if the source has failed.
 fn hear(
     source: &Source,
     dashboard: &mut Dashboard,
@@ -163,7 +164,7 @@ fn hear(
             Ok(News::Line(line)) => {
                 note(&line, record)?;
                 dashboard.hear(&line);
-                // Of a file at its own speed or of a wire every epoch is drawn.
+                // Every epoch of a live source, or of a file at its own speed, is drawn.
                 if line.starts_with("$PRAIN") && !dashboard.control.as_ref().is_some_and(is_fast) {
                     break;
                 }
@@ -182,7 +183,7 @@ fn hear(
     Ok(None)
 }
 
-/// The letter that was pressed, if any.
+/// Returns the letter that was pressed, if any.
 fn key() -> anyhow::Result<Option<char>> {
     if !event::poll(Duration::from_millis(20))? {
         return Ok(None);
@@ -197,10 +198,10 @@ fn key() -> anyhow::Result<Option<char>> {
     })
 }
 
-/// Asks the module for its counters; one that hears nothing is not asked.
+/// Requests the counters of the module, unless the source takes no commands.
 fn ask(source: &mut Source) {
     if let Some(commands) = &mut source.commands {
-        // A port that takes no commands goes on being watched.
+        // A port that takes no commands can still be watched.
         let _ = commands.write_all(command("STATS").as_bytes());
     }
 }

@@ -32,8 +32,8 @@ pub(crate) fn verify() -> Result<()> {
     spawn(command(&doc).args([manifest.as_str(), "--target-dir", folder.as_str()]))
 }
 
-/// Checks that every name of ours resolves to our own package. A registry may give a name to another
-/// project, whose code cargo would then compile in place of ours.
+/// Checks that every name of ours resolves to our own package. A registry may give a name to
+/// another project, whose code cargo would then compile in place of ours.
 fn check_names(unpacked: &Path) -> Result<()> {
     let output = command(&["metadata", "--format-version", "1"]).current_dir(unpacked).output()?;
     ensure!(output.status.success(), "`cargo metadata` failed:\n{}", String::from_utf8_lossy(&output.stderr));

@@ -15,7 +15,7 @@ use tests_host::{image, sample, setup};
 
 use crate::sink::{Sink, Wanted};
 
-/// Where the module runs.
+/// Place in which the module runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Place {
     /// In process.
@@ -24,78 +24,85 @@ pub(crate) enum Place {
     Board,
 }
 
-/// Systems that are used unless others are asked for.
+/// Systems that are used by default.
 const SYSTEMS: &str = "GCE";
 
-/// How many frequencies the module gets to see.
+/// Number of frequencies that the module receives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Frequencies {
-    /// Two, where they were received.
+    /// Two, if they were received.
     Dual,
-    /// The first only.
+    /// Only the first.
     Single,
 }
 
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// What a receiver sent, UBX or RTCM 3, with text in between or not: a file (.ubx, .rtcm3, any; gz too), - for
-    /// standard input, tcp://HOST:PORT, or serial:PATH@BAUD. The last two need --to.
+    /// Replay the bytes of a receiver, UBX or RTCM 3, with or without text: a file (.ubx, .rtcm3,
+    /// any; gz too), - for standard input, tcp://HOST:PORT, or serial:PATH@BAUD. The last two need
+    /// --to.
     #[arg(value_name = "CAPTURE", conflicts_with_all = ["obs", "sample"])]
     capture: Option<String>,
-    /// Observation files instead of a capture: RINEX 2, 3 or 4; plain, gz, crx or crx.gz.
+    /// Replay observation files instead of a capture: RINEX 2, 3 or 4; plain, gz, crx or crx.gz.
     #[arg(long, num_args = 1.., value_name = "FILE")]
     obs: Vec<PathBuf>,
-    /// Navigation files of the same time. A capture needs none, and takes from them what it lacks.
+    /// Read navigation files of the same time. A capture needs none, and takes missing ephemerides
+    /// from them.
     #[arg(long, num_args = 1.., value_name = "FILE")]
     nav: Vec<PathBuf>,
     /// Fetch a small real recording (60 s, Kamakura, Japan) and use it.
     #[arg(long, conflicts_with_all = ["obs", "nav"])]
     sample: bool,
-    /// Where the antenna was: X,Y,Z in metres, earth-fixed, or latitude,longitude,height in degrees and metres.
+    /// Set the true position of the antenna: X,Y,Z in metres, earth-fixed, or
+    /// latitude,longitude,height in degrees and metres.
     #[arg(long, value_name = "X,Y,Z", conflicts_with = "truth_csv", allow_hyphen_values = true)]
     truth: Option<String>,
-    /// Where the antenna was when: a table whose heading names week,tow and `x_m,y_m,z_m` or `lat_deg,lon_deg,height_m`.
+    /// Read the true positions of the antenna over time from a table whose heading names week,tow
+    /// and `x_m,y_m,z_m` or `lat_deg,lon_deg,height_m`.
     #[arg(long, value_name = "FILE")]
     truth_csv: Option<PathBuf>,
-    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS), J (QZSS); the first three unless given.
+    /// Use these systems: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS), J (QZSS). The default is
+    /// the first three.
     #[arg(long, value_name = "LETTERS")]
     systems: Option<String>,
-    /// GPS week of a capture's first epoch, not rolled over: 1709 is October 2012. Unless given, from the capture itself.
+    /// Set the GPS week of a capture's first epoch, not rolled over: 1709 is October 2012. The
+    /// default is taken from the capture.
     #[arg(long, value_name = "N", requires = "capture", value_parser = clap::value_parser!(u16).range(0..=8191))]
     week: Option<u16>,
-    /// Frequencies to use.
+    /// Use these frequencies.
     #[arg(long, value_enum, default_value = "dual")]
     frequency: Frequencies,
-    /// Where the module runs.
+    /// Run the module in process or on the emulated board.
     #[arg(long, value_enum, default_value = "host")]
     pub(crate) on: Place,
-    /// A step or an outage: G05:+80@600..1200, E31:lost@..60; repeatable.
+    /// Inject a step or an outage: G05:+80@600..1200, E31:lost@..60; repeatable.
     #[arg(long, value_name = "FAULT")]
     inject: Vec<String>,
-    /// A drift in m/s: G05:0.5@600..; repeatable.
+    /// Inject a drift in m/s: G05:0.5@600..; repeatable.
     #[arg(long, value_name = "FAULT")]
     ramp: Vec<String>,
-    /// Seconds after the first epoch at which to start.
+    /// Start this number of seconds after the first epoch.
     #[arg(long, default_value_t = 0.0, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     from: f64,
-    /// Seconds after the first epoch at which to end.
+    /// End this number of seconds after the first epoch.
     #[arg(long, default_value_t = f64::INFINITY, hide_default_value = true, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     to: f64,
-    /// Least time between epochs, s.
+    /// Skip epochs that come sooner than this after the last used one, s.
     #[arg(long, default_value_t = 0.0, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     every: f64,
-    /// Phase of flight: sets the alert limits. CUSTOM needs --set HAL=METRES. Unless given, as the module starts: NPA.
+    /// Set the phase of flight, which sets the alert limits. CUSTOM needs --set HAL=METRES. The
+    /// default is NPA.
     #[arg(long, ignore_case = true, value_parser = word("PHASE"))]
     phase: Option<String>,
-    /// Threshold of the test: from the false alarms, from the missed detections, or least cost of both. Unless given, as
-    /// the module starts: T1.
+    /// Set the threshold of the test: from the false alarms, from the missed detections, or least
+    /// cost of both. The default is T1.
     #[arg(long, ignore_case = true, value_parser = word("POLICY"))]
     policy: Option<String>,
-    /// How a faulty satellite is found. Unless given, as the module starts: AUTO.
+    /// Set the method that finds a faulty satellite. The default is AUTO.
     #[arg(long, ignore_case = true, value_parser = word("METHOD"))]
     method: Option<String>,
-    /// Any other setting of the module, such as HAL=40 or MASK=5; repeatable, in this order.
+    /// Set any other setting of the module, such as HAL=40 or MASK=5; repeatable, in this order.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Print the summary as JSON.
@@ -107,7 +114,8 @@ pub(crate) struct Arguments {
     /// Write the sentences.
     #[arg(long, value_name = "FILE")]
     nmea: Option<PathBuf>,
-    /// Write the stream that the module heard: RTCM, or what is left of the capture, with the faults in it.
+    /// Write the stream that the module received: RTCM, or the rest of the capture, with the
+    /// faults.
     #[arg(long, value_name = "FILE")]
     rtcm: Option<PathBuf>,
     /// Write an HTML report with plots into this folder.
@@ -115,14 +123,14 @@ pub(crate) struct Arguments {
     report: Option<PathBuf>,
 }
 
-/// What is asked of the recording or the capture.
+/// Inputs beside the recording or the capture.
 struct Question {
     truth: Option<Truth>,
     faults: Vec<Fault>,
     window: Window,
 }
 
-/// Lumps that are read as they are needed.
+/// Lumps that are read on demand.
 enum Source {
     Recording(Box<Observed>),
     Capture(Box<Lumps<Bytes>>),
@@ -155,7 +163,7 @@ impl Observed {
 }
 
 impl Source {
-    /// Returns the coefficients of the ionosphere that the module is told.
+    /// Returns the coefficients of the ionosphere for the module.
     fn klobuchar(&self) -> Option<[f64; 8]> {
         match self {
             Self::Recording(observed) => observed.navigation.klobuchar,
@@ -163,7 +171,7 @@ impl Source {
         }
     }
 
-    /// Returns the GPS week of the first epoch if the module has to be told.
+    /// Returns the GPS week of the first epoch if the module needs it from a command.
     fn week(&self) -> Option<u16> {
         match self {
             Self::Recording(_) => None,
@@ -171,7 +179,7 @@ impl Source {
         }
     }
 
-    /// Returns the records that were passed over.
+    /// Returns the records that were skipped.
     fn skipped(&self) -> Skipped {
         match self {
             Self::Recording(observed) => {
@@ -238,7 +246,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Says what a capture held.
+/// Prints the content of a capture.
 fn note(source: &Source, arguments: &Arguments) {
     let (Source::Capture(lumps), Some(name), false) = (source, &arguments.capture, arguments.json) else {
         return;
@@ -267,7 +275,7 @@ fn question(arguments: &Arguments) -> Result<Question> {
     Ok(Question { truth, faults, window })
 }
 
-/// RINEX, as RTCM.
+/// Opens RINEX files, which are encoded as RTCM.
 fn of_recording(arguments: &Arguments, question: &mut Question) -> Result<Source> {
     if arguments.sample {
         let sample = sample::fetch(Path::new("target"))?;
@@ -302,7 +310,7 @@ fn observed(
     Ok(Source::Recording(Box::new(Observed { lumps, navigation, files })))
 }
 
-/// The bytes of a receiver, as they came.
+/// Opens the bytes of a receiver, as they came.
 fn of_capture(arguments: &Arguments, name: &str, question: &Question) -> Result<Source> {
     let is_here = Path::new(name).is_file();
     if !is_here && arguments.to.is_finite() {
@@ -322,7 +330,7 @@ fn of_capture(arguments: &Arguments, name: &str, question: &Question) -> Result<
     Ok(Source::Capture(Box::new(lumps.in_week(week))))
 }
 
-/// Letters of the systems that take part: what the module is told in the end.
+/// Returns the letters of the systems that take part, by the last setting.
 fn systems(arguments: &Arguments) -> String {
     let told = |setting: &String| setting.to_uppercase().strip_prefix("SYSTEMS=").map(str::to_owned);
     let set = arguments.set.iter().rev().find_map(told);
@@ -337,7 +345,7 @@ fn selection(arguments: &Arguments, systems: &str) -> Result<Selection> {
     Selection::new(systems, frequency).context("--systems")
 }
 
-/// The first of the files given as RINEX that is a capture.
+/// Returns the first of the RINEX files that is a capture.
 fn capture_among(arguments: &Arguments) -> Option<String> {
     let mut files = arguments.obs.iter().chain(&arguments.nav);
     files.find(|path| capture::is_capture(path)).map(|path| path.display().to_string())
@@ -348,21 +356,21 @@ fn word(key: &str) -> impl TypedValueParser<Value = String> {
     PossibleValuesParser::new(replay::words(key)).map(|word| word.to_uppercase())
 }
 
-/// A number of seconds that time can have.
+/// Reads a number of seconds that is not negative.
 fn not_negative(text: &str) -> Result<f64, String> {
     let seconds: f64 = text.parse().map_err(|_| "is no number of seconds".to_owned())?;
     if seconds >= 0.0 { Ok(seconds) } else { Err("seconds are not negative".to_owned()) }
 }
 
-/// Commands that configure the module as asked; what is not asked for stays as the module starts.
+/// Returns the commands that configure the module; other settings stay as they start.
 fn commands(arguments: &Arguments, week: Option<u16>, klobuchar: Option<[f64; 8]>) -> Result<Vec<String>> {
     let given = [("PHASE", &arguments.phase), ("POLICY", &arguments.policy), ("METHOD", &arguments.method)];
     let mut setup: Vec<String> = given
         .iter()
         .filter_map(|(key, value)| value.as_ref().map(|value| format!("{key},{value}")))
         .collect();
-    // Of a recording only what is asked for is sent; a capture holds what it holds, and the module chooses. GLONASS and
-    // QZSS take part in neither unless the module is told.
+    // GLONASS and QZSS take part only by a command. A recording is encoded with the selected
+    // systems alone; from a capture the module selects them.
     let says_systems = |letters: &&String| arguments.capture.is_some() || letters.contains(['R', 'J']);
     setup.extend(arguments.systems.as_ref().filter(says_systems).map(|letters| format!("SYSTEMS,{letters}")));
     if arguments.capture.is_some() {

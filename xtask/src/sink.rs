@@ -1,4 +1,4 @@
-//! What `cargo xtask replay` writes, epoch by epoch: rows, sentences, the stream, a report.
+//! Output of `cargo xtask replay`, epoch by epoch: rows, sentences, the stream, a report.
 
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use tests_host::fault::Fault;
 use tests_host::replay::{Lump, Moment, Report, Rows, Said, Summary, Tally, Truth};
 
-/// What is made of each epoch as it comes.
+/// Outputs of the epochs.
 pub(crate) struct Sink<'a> {
     truth: Option<&'a Truth>,
     tally: Tally,
@@ -20,7 +20,7 @@ pub(crate) struct Sink<'a> {
     report: Option<(&'a Path, Report)>,
 }
 
-/// Files that the user has asked for.
+/// Files that the user has requested.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Wanted<'a> {
     pub(crate) rows: Option<&'a Path>,
@@ -30,7 +30,7 @@ pub(crate) struct Wanted<'a> {
 }
 
 impl<'a> Sink<'a> {
-    /// Makes the files that are wanted. `place` tells on the bar where the module runs.
+    /// Creates the requested files. The progress bar shows `place`, in which the module runs.
     pub(crate) fn open(
         wanted: Wanted<'a>,
         truth: Option<&'a Truth>,
@@ -54,7 +54,7 @@ impl<'a> Sink<'a> {
         })
     }
 
-    /// Takes an epoch; passes its lump on.
+    /// Takes an epoch; returns its lump.
     pub(crate) fn take(&mut self, played: Result<Option<(Lump, Said)>>) -> Result<Option<Lump>> {
         let Some((lump, said)) = played? else { return Ok(None) };
         let moment = Moment::of(&lump, &said, self.truth)?;
@@ -76,7 +76,7 @@ impl<'a> Sink<'a> {
         Ok(Some(lump))
     }
 
-    /// Returns what the epochs so far come to.
+    /// Returns the summary of the epochs so far.
     pub(crate) fn summary(&self) -> Summary {
         self.tally.summary()
     }
@@ -98,7 +98,7 @@ impl<'a> Sink<'a> {
     }
 }
 
-/// A file that grows with the replay.
+/// File that grows with the replay.
 struct Copy<'a> {
     path: &'a Path,
     file: BufWriter<File>,
@@ -114,7 +114,7 @@ impl<'a> Copy<'a> {
     }
 
     fn end(mut self) -> Result<()> {
-        // A buffer that is only dropped would keep a full disk to itself.
+        // A buffer that is only dropped would not report a full disk.
         self.file.flush().with_context(|| cannot_write(self.path))
     }
 }

@@ -1,7 +1,8 @@
-//! Recordings of any length: memory does not grow with them, and `monitor` reads what `replay` reads.
+//! Recordings of any length: memory does not grow with them, and `monitor` reads the same files as
+//! `replay`.
 //!
-//! A simulated sky of three systems is written as RTCM 3, as UBX and as RINEX. Its length is that of the test, or of
-//! `RAI_EPOCHS`; 86,400 of them are a day.
+//! A simulated sky of three systems is written as RTCM 3, as UBX and as RINEX. Its length is that
+//! of the test, or of `RAI_EPOCHS`; 86,400 epochs are a day.
 
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -21,13 +22,14 @@ use tests_host::sky::raw::Simulation;
 /// Satellites of every epoch.
 const SATELLITES: usize = 28;
 
-/// The most memory that a replay of any length may take, KiB.
+/// Largest memory of a replay of any length, KiB.
 const MEMORY_KIB: u64 = 64 * 1024;
 
-/// Epochs of a recording, of which another has eight times as many.
+/// Epochs of a recording; another has eight times as many.
 const EPOCHS: u32 = 450;
 
-/// How much more memory eight times as many epochs may take, KiB: numbers that are counted exactly, and the first picture.
+/// Largest growth of the memory with eight times as many epochs, KiB: values that are counted
+/// exactly, and the first picture.
 const GROWTH_KIB: u64 = 6 * 1024;
 
 fn sky(epochs: u32, step_s: f64) -> Recording {
@@ -69,7 +71,7 @@ fn of_u_blox(recording: &Recording) -> impl Iterator<Item = Vec<u8>> {
     recording.epochs.iter().map(move |epoch| encoder.epoch(epoch).unwrap())
 }
 
-/// Date and time of a second of the week that begins on the last day of 2023.
+/// Returns date and time of a second of the week that begins on the last day of 2023.
 fn date(tow_ms: u32) -> String {
     const DAYS: [&str; 3] = ["2023 12 31", "2024 01 01", "2024 01 02"];
     let (day, second) = (DAYS[tow_ms as usize / 86_400_000], tow_ms / 1000 % 86_400);
@@ -104,7 +106,7 @@ fn observations(epoch: &MeasuredEpoch) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// The rows of a record, of the fields that the messages of all systems share.
+/// Makes the rows of a record, with the fields that the messages of all systems share.
 macro_rules! record {
     ($name:expr, $m:ident, [$af0:ident, $af1:ident], $issue:expr) => {{
         let radians = |semicircles: f64| semicircles * std::f64::consts::PI;
@@ -139,7 +141,7 @@ fn navigation(recording: &Recording) -> impl Iterator<Item = Vec<u8>> {
     std::iter::once(head).chain(records)
 }
 
-/// Ways to replay one sky, by name, and the arguments of each.
+/// Returns the ways to replay one sky, by name, and the arguments of each.
 fn ways(folder: &Path, epochs: u32) -> Vec<(&'static str, Vec<String>)> {
     let recording = sky(epochs, 1.0);
     let path = |name: &str| folder.join(format!("{epochs}{name}"));
@@ -160,7 +162,7 @@ fn xtask() -> Command {
     Command::new(std::env::var_os("RAI_XTASK").unwrap_or_else(|| env!("CARGO_BIN_EXE_xtask").into()))
 }
 
-/// Runs a replay; returns what it prints and the most memory that it had, KiB.
+/// Runs a replay; returns its output and its largest memory, KiB.
 fn replay(arguments: &[String]) -> (String, u64) {
     let mut child =
         xtask().arg("replay").args(arguments).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
@@ -211,7 +213,7 @@ fn monitor(path: &Path, more: &[&str]) -> Output {
     xtask().args(["monitor", "--plain", "--file"]).arg(path).args(more).output().unwrap()
 }
 
-/// The lines of verdicts in what `monitor --plain` prints.
+/// Returns the lines of verdicts that `monitor --plain` prints.
 fn verdicts(output: &Output) -> Vec<String> {
     let text = String::from_utf8(output.stdout.clone()).unwrap();
     let is_verdict = |line: &&str| line.contains("statistic");
@@ -236,7 +238,7 @@ fn monitor_judges_every_epoch_that_replay_judges() {
         assert!(have.status.success());
         assert_eq!(verdicts(&have).len(), TEN_HERTZ as usize, "{name}");
         assert_eq!(verdicts(&monitor(&packed, &[])), verdicts(&have), "{name}");
-        // What it has said is a file again.
+        // The recorded sentences are a file again.
         let said = folder.join("said.nmea");
         let record = ["--record", said.to_str().unwrap()];
         assert_eq!(verdicts(&monitor(&plain, &record)), verdicts(&have), "{name}");

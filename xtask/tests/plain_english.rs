@@ -41,14 +41,7 @@ const WIDTH: usize = 100;
 
 /// Package, relative openings now, wide comment lines now. The goal of each is 0; lower the figures
 /// whenever a count falls.
-const ALLOWED: [(&str, usize, usize); 6] = [
-    ("documents", 26, 0),
-    ("rai-core", 415, 761),
-    ("rai-firmware", 427, 651),
-    ("rai-firmware/capi", 33, 72),
-    ("tests-host", 168, 141),
-    ("xtask", 12, 9),
-];
+const ALLOWED: [(&str, usize, usize); 2] = [("rai-core", 1, 0), ("rai-firmware", 16, 18)];
 
 /// One line that breaks a rule.
 struct Offender {

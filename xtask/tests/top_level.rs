@@ -27,7 +27,7 @@ const FOR_READERS: [&str; 10] = [
     "results",
 ];
 
-/// The entries of the top level that git knows; none without git.
+/// Returns the entries of the top level that git knows; none without git.
 fn entries(root: &Path) -> BTreeSet<String> {
     let git = Command::new("git").arg("-C").arg(root).args(["ls-files"]).output();
     let listed = git.ok().filter(|output| output.status.success());

@@ -58,7 +58,7 @@ pub struct Row<T> {
     pub residual: T,
     /// Standard deviation, m.
     pub sigma: T,
-    /// Inverse variance, 1/m²; 0 where the row is left out.
+    /// Inverse variance, 1/m²; 0 if the row is left out.
     pub weight: T,
 }
 
@@ -165,7 +165,7 @@ impl<T: Real> References<T> {
     ) -> Result<Row<T>, RowError> {
         let longer = T::Absolute::of(range_m).less(sight.distance.whole);
         let reference = self.of(constellation).unwrap_or(longer);
-        // Small terms are subtracted last, where the scalar's digits suffice.
+        // Small terms are subtracted last, because the scalar's digits then suffice.
         let residual = longer.less(reference).narrow() - (sight.distance.rest + sight.rotation);
         let row = Row::new(Some(constellation), scaled(-T::one(), &sight.direction), residual, sigma_m)?;
         self.keep(constellation, reference);

@@ -48,7 +48,7 @@ impl<T: Real> Statistics<T> {
 /// The largest squared w-test and the runner-up. The first of equal ones wins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Worst<T> {
-    /// Index of the row; `None` where no test is above 0.
+    /// Index of the row; `None` if no test is above 0.
     pub(crate) index: Option<usize>,
     /// Its `w²`, dimensionless.
     pub(crate) largest: T,

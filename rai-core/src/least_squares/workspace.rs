@@ -49,7 +49,7 @@ impl<T: Real, const N: usize> Workspace<T, N> {
     ///
     /// # Errors
     /// [`SnapshotError::Insufficient`] with fewer rows than unknowns (without any, too),
-    /// [`SnapshotError::Singular`] where the rows do not determine them.
+    /// [`SnapshotError::Singular`] if the rows do not determine them.
     pub fn solve(&mut self) -> Result<Snapshot<'_, T>, SnapshotError> {
         self.solve_rows()?;
         Ok(self.lend())

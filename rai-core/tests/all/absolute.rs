@@ -9,8 +9,8 @@ use raim_core::numeric::absolute::{Absolute, Grid};
 /// Step of the grid, m.
 const STEP_M: f64 = 1.0 / 16_384.0;
 
-/// The root of a sum of squares of multiples of the step, to a thousandth of one: by integers of
-/// 128 bits.
+/// Returns the root of a sum of squares of multiples of the step, to a thousandth of one: by
+/// integers of 128 bits.
 fn length_m(coordinates: [f64; 3]) -> f64 {
     const FINER: f64 = 1024.0;
     let squares = coordinates.map(|metres| ((metres / STEP_M * FINER) as i128).pow(2));
@@ -26,7 +26,7 @@ fn length_on_grid_m(coordinates: [f64; 3]) -> f64 {
     length.whole.widen() + f64::from(length.rest)
 }
 
-/// Tolerance, m: the rounding of the rest, 2⁻²⁴ of some metres, and `ρ²/2D`.
+/// Returns the tolerance, m: the rounding of the rest, 2⁻²⁴ of some metres, and `ρ²/2D`.
 fn tolerance_m(length_m: f64) -> f64 {
     let rest_m = 0.125 + 8e-7 * length_m;
     2e-7 * rest_m + rest_m * rest_m / (2.0 * length_m) + 2e-6

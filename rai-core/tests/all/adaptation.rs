@@ -4,7 +4,7 @@
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_core::weighting::adaptation::{Adaptation, LEAST_DOF, Residuals};
 
-/// One epoch a second with ten degrees of freedom, each with this SSE/dof.
+/// Returns one epoch a second with ten degrees of freedom, each with this SSE/dof.
 fn after(epochs: u32, factor: f64) -> Adaptation {
     let mut adaptation = Adaptation::new();
     for second in 0..epochs {

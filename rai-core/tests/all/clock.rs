@@ -9,8 +9,8 @@ use raim_core::clock::{
 };
 use raim_core::numeric::real::Real;
 
-/// A level of one second, a drift of 300 m/s, and noise of the rate, 1 m each second; measured
-/// exactly.
+/// Returns the levels of a clock each second, with a drift of 300 m/s and a noise of 1 m in each
+/// second, measured exactly.
 fn crystal(seed: u64, values: usize) -> Vec<f64> {
     let mut noise = Noise(seed);
     let mut level_m = 299_792_458.0;
@@ -22,7 +22,7 @@ fn crystal(seed: u64, values: usize) -> Vec<f64> {
         .collect()
 }
 
-/// A clock that has seen `levels_m` at 0 s, 1 s, …
+/// Returns a clock that has seen `levels_m` at 0 s, 1 s, …
 fn after<T: Real>(levels_m: &[f64]) -> CoastingClock<T> {
     let mut clock = CoastingClock::new();
     for (second, &level_m) in levels_m.iter().enumerate() {
@@ -35,7 +35,8 @@ fn assert_close(have: f64, want: f64, tolerance: f64) {
     assert!((have - want).abs() <= tolerance, "have {have}, want {want} within {tolerance}");
 }
 
-/// A steady clock is a straight line: its continuation is exact, whatever the level.
+/// Checks that the continuation of a steady clock, which is a straight line, is exact, whatever the
+/// level.
 fn steady_clock_is_continued<T: Real>() {
     let at = |second: f64| 299_792_458.0 + 300.0 * second;
     let levels_m: Vec<f64> = (0..WINDOW).map(|second| at(second as f64)).collect();
@@ -56,8 +57,8 @@ fn steady_clock_of_a_second_is_continued_exactly_in_both_precisions() {
     steady_clock_is_continued::<f32>();
 }
 
-/// `cos ωt` obeys `1 − 2 cos ω z + z²` forwards and backwards, `(−1)^t` obeys `1 + z`: their sum
-/// the product of both.
+/// Checks that a harmonic process is found. `cos ωt` obeys `1 − 2 cos ω z + z²` forwards and
+/// backwards, and `(−1)^t` obeys `1 + z`, so that their sum obeys the product of both.
 fn harmonic_process_is_found<T: Real>(tolerance: f64) {
     let omega = core::f64::consts::TAU * 7.0 / 60.0;
     let series: Vec<Option<T>> =
@@ -275,7 +276,7 @@ fn unstable_fit_forecasts_no_farther_than_its_variance_allows() {
     assert!((0..80).filter_map(|step| clock.forecast(12.0 + f64::from(step))).all(sound));
 }
 
-/// Any sequence of steps in time and of levels, most of them sensible.
+/// Returns any sequence of steps in time and of levels, most of them sensible.
 fn observations() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
     let elapsed_s = prop_oneof![6 => Just(1.0), 1 => Just(2.0), 1 => -2.0..90.0, 1 => any::<f64>()];
     let step_m = prop_oneof![6 => -5.0..5.0, 1 => -1e9..1e9, 1 => any::<f64>()];

@@ -74,8 +74,8 @@ impl Receiver {
         }
     }
 
-    /// One second later: ranges to the first `satellites` of the sky, one of them faulty, and a
-    /// forecast clock.
+    /// Returns the sky one second later: ranges to the first `satellites`, one of them faulty, and
+    /// a forecast clock.
     fn next<T: Real>(
         &mut self,
         satellites: usize,
@@ -99,7 +99,7 @@ fn passes<T: Real>(snapshot: &Sky<T>) -> bool {
     detect(snapshot, &thresholds()).is_some_and(|detection| !detection.fault())
 }
 
-/// A receiver after a minute under an open sky, and the clocks learned from it.
+/// Returns a receiver after a minute under an open sky, and the clocks learned from it.
 fn after_a_minute<T: Real>(seed: u64) -> (Receiver, Clocks<T>) {
     let (mut receiver, mut clocks) = (Receiver::new(seed), Clocks::new());
     for _ in 0..LEARNING_S {
@@ -116,7 +116,7 @@ fn forecast<T: Real>(clocks: &Clocks<T>, receiver: &Receiver) -> Option<Forecast
     clocks.of(GPS).and_then(|clock| clock.forecast(receiver.time_s()))
 }
 
-/// The next second, aided, with `satellites` of the sky left.
+/// Returns the sky one second later, aided, with `satellites` left.
 fn aided_second(seed: u64, satellites: usize, fault: Option<(usize, f64)>) -> Sky<f32> {
     let (mut receiver, clocks) = after_a_minute::<f32>(seed);
     receiver.wait(1);

@@ -4,8 +4,8 @@
 
 use raim_core::clock::{CoastingClock, Observed};
 
-/// A clock that has seen `values` of a steady drift of 300 m a second, with standard deviation
-/// `sigma_m`.
+/// Returns a clock that has seen `values` of a steady drift of 300 m a second, with standard
+/// deviation `sigma_m`.
 fn steady(spacing_s: f64, values: u32, sigma_m: f64) -> CoastingClock<f64> {
     let mut clock = CoastingClock::new();
     for value in 0..values {

@@ -38,7 +38,7 @@ impl Scene {
         Self { directions, noise }
     }
 
-    /// The first `count` satellites at a second; the first of them is off by `bias_m`.
+    /// Returns the first `count` satellites at a second; the first of them is off by `bias_m`.
     fn epoch(&mut self, second: u32, count: usize, systems: usize, bias_m: f64) -> Epoch<CAPACITY> {
         let mut epoch = Epoch::new(f64::from(second));
         for (index, &direction) in self.directions.iter().take(count).enumerate() {

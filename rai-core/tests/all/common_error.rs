@@ -28,12 +28,12 @@ fn receiver() -> Ecef {
     Geodetic { latitude_rad: 0.5, longitude_rad: 1.0, height_m: 100.0 }.to_ecef()
 }
 
-/// A delay that grows towards the horizon, m.
+/// Returns a delay that grows towards the horizon, m.
 fn delay_m(elevation_deg: f64) -> f64 {
     5.0 / (elevation_deg.to_radians().sin() + 0.3)
 }
 
-/// The sky, delayed by a multiple of the common error, with or without its declaration.
+/// Returns the sky, delayed by a multiple of the common error, with or without its declaration.
 fn epoch(multiple: f64, is_told: bool) -> Epoch<N> {
     let (receiver, mut epoch) = (receiver(), Epoch::new(0.0));
     let frame = LocalFrame::at(receiver);

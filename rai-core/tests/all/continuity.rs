@@ -64,7 +64,7 @@ fn report(said: Said) -> Report<4> {
     }
 }
 
-/// Final verdicts of epochs at these times.
+/// Returns the final verdicts of epochs at these times.
 fn series(epochs: &[(f64, Said)]) -> std::vec::Vec<Verdict> {
     let mut continuity = Continuity::new();
     let settings = ContinuitySettings::anywhere();

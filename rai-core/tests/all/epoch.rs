@@ -14,7 +14,7 @@ fn observation(number: u8) -> Observation {
     }
 }
 
-/// Equality that NaN has with itself.
+/// Returns true if two numbers have the same bits, NaN included.
 fn same(have: f64, want: f64) -> bool {
     have.to_bits() == want.to_bits()
 }

@@ -11,7 +11,7 @@ use crate::sky::{observe, receiver, satellite};
 
 const CAPACITY: usize = 24;
 
-/// Sixteen satellites, numbered from one on; `turned_deg` turns the sky about the zenith.
+/// Returns sixteen satellites, numbered from one on; `turned_deg` turns the sky about the zenith.
 fn epoch(first: usize, turned_deg: f64) -> Epoch<CAPACITY> {
     let mut epoch = Epoch::new(0.0);
     for index in 0..16_u8 {
@@ -22,14 +22,14 @@ fn epoch(first: usize, turned_deg: f64) -> Epoch<CAPACITY> {
     epoch
 }
 
-/// Content of `subsets` after an epoch.
+/// Returns the content of `subsets` after an epoch.
 fn asked(subsets: &mut Subsets, epoch: &Epoch<CAPACITY>) -> Selection {
     let mut workspace = Workspace::<f32, CAPACITY>::new();
     let fix = workspace.fix(epoch, receiver()).unwrap();
     subsets.of(&epoch.view(), fix.snapshot().equations()).clone()
 }
 
-/// The subsets that an epoch by itself is dealt into.
+/// Returns the subsets for an epoch by itself.
 fn dealt(epoch: &Epoch<CAPACITY>) -> Selection {
     let mut workspace = Workspace::<f32, CAPACITY>::new();
     let fix = workspace.fix(epoch, receiver()).unwrap();
@@ -62,7 +62,7 @@ fn a_known_height_beside_the_satellites_changes_nothing() {
     let mut aided = epoch(1, 0.0);
     aided.aid(Aiding::Height { value_m: 150.0, sigma_m: 5.0 }).unwrap();
     assert_eq!(asked(&mut subsets, &aided), have);
-    // Nor does it where it was there from the start.
+    // The same holds if it was there from the start.
     let mut subsets = Subsets::new();
     assert_eq!(asked(&mut subsets, &aided), have);
     assert_eq!(asked(&mut subsets, &epoch(1, 0.0)), have);

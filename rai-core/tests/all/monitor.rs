@@ -12,12 +12,12 @@ use raim_core::satellite::{Constellation, SatelliteId};
 const CAPACITY: usize = 24;
 const CLOCKS_M: [f64; 4] = [1234.5, -271_828.0, 31.4, 0.0];
 
-/// A satellite in a direction, with its constellation's clock.
+/// Returns a satellite in a direction, with its constellation's clock.
 fn observe(id: SatelliteId, azimuth_deg: f64, elevation_deg: f64) -> Observation {
     sky::observe(id, (azimuth_deg, elevation_deg), CLOCKS_M[id.constellation() as usize])
 }
 
-/// The first `count` directions, all of one constellation.
+/// Returns the first `count` directions, all of one constellation.
 fn single_system(count: usize) -> Vec<Observation> {
     let directions = DIRECTIONS.iter().take(count).enumerate();
     directions

@@ -73,12 +73,13 @@ fn a_position_under_alert_is_no_start() {
     assert_eq!((monitor.start(), report.sigma_check), (receiver(), None));
 }
 
-/// A clock with a wobble for the prediction to follow.
+/// Returns a clock with a wobble for the prediction to follow.
 fn clock_m(second: u32) -> f64 {
     1e5 + 30.0 * f64::from(second) + 0.5 * (f64::from(second) * 0.7).sin()
 }
 
-/// A monitor with clock aiding that has seen a minute and a half of the first `count` satellites.
+/// Returns a monitor with clock aiding that has seen a minute and a half of the first `count`
+/// satellites.
 fn coasting<const N: usize>(count: usize) -> Monitor<f64, N> {
     let mut monitor = Monitor::new(npa()).unwrap();
     monitor.set_strategy(Strategy { clock_aid: true, ..Strategy::CLASSIC });
@@ -203,7 +204,7 @@ fn the_suspect_of_an_epoch_that_passes_has_its_bias() {
     }
 }
 
-/// An epoch with a fault of 150 m in its second satellite.
+/// Returns an epoch with a fault of 150 m in its second satellite.
 fn with_fault(directions: &[(f64, f64)], height: bool) -> Epoch<CAPACITY> {
     let mut observations = seen(directions, 0.0);
     observations[1].range_m += 150.0;

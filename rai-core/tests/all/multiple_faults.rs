@@ -1,5 +1,5 @@
-//! Two faults at once, in random skies of few satellites: how often is a position protected
-//! although it is beyond its level?
+//! Two faults at once, in random skies of few satellites: the rate at which a position is protected
+//! although its error exceeds its level.
 //!
 //! Directions, satellites, biases and noise are random. A protection level covers a single fault;
 //! two among few satellites can look like another one or two. The requirement: an exclusion implies
@@ -19,8 +19,8 @@ const CAPACITY: usize = 16;
 const SKIES: u64 = 400;
 const CLOCKS_M: [f64; 2] = [1234.5, -271.8];
 
-/// A sky of `count` satellites, every other one of a second constellation where there are two, two
-/// of them faulty.
+/// Returns a sky of `count` satellites, two of them faulty. With two systems, every other satellite
+/// is of the second.
 fn sky(count: usize, systems: usize, seed: u64) -> Epoch<CAPACITY> {
     let mut noise = Noise(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (count as u64) << 32);
     let first = (noise.uniform() * count as f64) as usize;

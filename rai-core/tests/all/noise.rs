@@ -1,16 +1,16 @@
 //! Reproducible normal noise, the sum of twelve uniforms.
 
-/// A generator with its state.
+/// Generator with its state.
 pub(crate) struct Noise(pub(crate) u64);
 
 impl Noise {
-    /// From 0 to 1.
+    /// Returns a uniform number from 0 to 1.
     pub(crate) fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Mean 0, standard deviation 1.
+    /// Returns a normal number with mean 0 and standard deviation 1.
     pub(crate) fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }

@@ -8,7 +8,7 @@ use raim_core::numeric::real::Real;
 /// The file describes the computation of its values.
 const GOLD: &str = include_str!("../../../tests-host/vectors/normal.csv");
 
-/// Argument and value of one function.
+/// Returns the argument and value of one function.
 fn gold(function: &str) -> Vec<(f64, f64)> {
     let rows = GOLD.lines().filter_map(|line| line.strip_prefix(function)?.strip_prefix(','));
     let numbers = |row: &str| {

@@ -44,7 +44,7 @@ fn direction(azimuth_deg: f64, elevation_deg: f64) -> Vector3<f64> {
     Vector3::new(elevation.cos() * azimuth.sin(), elevation.cos() * azimuth.cos(), elevation.sin())
 }
 
-/// The first `count` directions with their noise, sigma 3 m, and biases on some.
+/// Returns the first `count` directions with their noise, sigma 3 m, and biases on some.
 fn sky<T: Real>(count: usize, biases_m: &[(usize, f64)]) -> Sky<T> {
     let mut epoch = LinearEpoch::new();
     for (index, ((azimuth, elevation), noise_m)) in

@@ -169,7 +169,7 @@ fn a_threshold_that_is_not_a_number_protects_nothing() {
     assert!(have >= LARGEST, "{have}");
 }
 
-/// `G(t; 1, δ)` of the squared normal, by its tails.
+/// Returns `G(t; 1, δ)` of the squared normal, by its tails.
 fn lower_tail_of_one(statistic: f64, delta: f64) -> f64 {
     let (root, mean) = (statistic.sqrt(), delta.sqrt());
     let below = |x: f64| 0.5 * libm::erfc(-x / core::f64::consts::SQRT_2);

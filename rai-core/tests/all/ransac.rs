@@ -30,7 +30,8 @@ fn direction(index: usize, count: usize) -> Vector3<f64> {
     Vector3::new(level * sin, level * cos, up)
 }
 
-/// `count` satellites of `constellations` in turn, noise below 2 m, sigma 3 m, and biases on some.
+/// Returns `count` satellites of `constellations` in turn, noise below 2 m, sigma 3 m, and biases
+/// on some.
 fn sky<T: Real>(count: usize, constellations: usize, biases_m: &[(usize, f64)]) -> Epoch<T> {
     let mut epoch = LinearEpoch::new();
     for index in 0..count {
@@ -46,7 +47,7 @@ fn members(selection: &Selection, subset: usize) -> Vec<usize> {
     (0..selection.rows()).filter(|&row| selection.contains(subset, row)).collect()
 }
 
-/// Six volumes of the tetrahedron, written out as a determinant.
+/// Returns six volumes of the tetrahedron, written out as a determinant.
 fn volume(corners: [Vector3<f64>; 4]) -> f64 {
     let [a, b, c, d] = corners;
     nalgebra::Matrix3::from_columns(&[b - a, c - a, d - a]).determinant().abs()

@@ -40,8 +40,8 @@ struct Sky {
 }
 
 impl Sky {
-    /// Seven to twelve satellites of one or two constellations; one to three are faulty, by 10 m to
-    /// 10 km.
+    /// Returns seven to twelve satellites of one or two constellations; one to three are faulty, by
+    /// 10 m to 10 km.
     fn drawn(seed: u64) -> Self {
         let mut noise = Noise(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let mut below = |count: usize| (noise.uniform() * count as f64) as usize;
@@ -61,7 +61,7 @@ impl Sky {
         Self { rows: rows.collect(), faulty }
     }
 
-    /// The core's result for leaving the faulty ones out.
+    /// Returns true if the core finds the faulty satellites separable.
     fn is_separable<T: Real>(&self) -> bool {
         let mut epoch = LinearEpoch::<T, MAX_ROWS>::new();
         for &(towards, clock, residual_m) in &self.rows {
@@ -73,7 +73,7 @@ impl Sky {
         separable(&mut snapshot, &exclusion, &thresholds())
     }
 
-    /// Design matrix in sigmas, of all rows but some.
+    /// Returns the design matrix in sigmas, of all rows but some.
     fn design(&self, without: &[usize]) -> DMatrix<f64> {
         let kept: Vec<_> = self.kept(without).collect();
         let clocks = 1 + self.rows.iter().map(|&(_, clock, _)| clock).max().unwrap();
@@ -89,7 +89,7 @@ impl Sky {
         kept.map(|(_, row)| *row)
     }
 
-    /// Sum of squares and degrees of freedom without a set.
+    /// Returns the sum of squares and degrees of freedom without a set.
     fn left(&self, without: &[usize]) -> (f64, usize) {
         let design = self.design(without);
         let residuals = DVector::from_iterator(design.nrows(), self.kept(without).map(|(.., m)| m / SIGMA_M));
@@ -98,8 +98,8 @@ impl Sky {
         ((&residuals - &design * solved).norm_squared(), design.nrows() - 3 - clocks)
     }
 
-    /// Sum of squares of all rows with a position for each of two constellations. Four satellites
-    /// or fewer always agree on one; `None` if only those are to blame.
+    /// Returns the sum of squares of all rows with a position for each of two constellations. Four
+    /// satellites or fewer always agree on one; `None` if only those are to blame.
     fn left_by_places(&self) -> Option<(f64, usize)> {
         let of = |clock: usize| {
             let others = self.rows.iter().enumerate().filter(|(_, row)| row.1 != clock);
@@ -117,8 +117,8 @@ impl Sky {
         parts.iter().any(|&(_, has_blamed)| has_blamed).then_some(total)
     }
 
-    /// Smallest eigenvalue of the block of `I − A(AᵀA)⁻¹Aᵀ` that belongs to a set: 0 where its rows
-    /// are needed.
+    /// Returns the smallest eigenvalue of the block of `I − A(AᵀA)⁻¹Aᵀ` that belongs to a set: 0
+    /// where its rows are needed.
     fn redundancy(&self, set: &[usize]) -> f64 {
         let design = self.design(&[]);
         let normal = (design.transpose() * &design).try_inverse().unwrap();
@@ -166,7 +166,7 @@ impl Sky {
     }
 }
 
-/// All sets of up to `largest` of so many rows.
+/// Returns all sets of 1 to `largest` of the rows.
 fn sets(rows: usize, largest: usize) -> Vec<Vec<usize>> {
     let masks = (1_u32..1 << rows).filter(|mask| mask.count_ones() as usize <= largest);
     masks.map(|mask| (0..rows).filter(|row| mask >> row & 1 == 1).collect()).collect()

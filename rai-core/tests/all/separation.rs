@@ -14,7 +14,7 @@ use raim_core::weighting::Ism;
 
 const CAPACITY: usize = 48;
 
-/// Azimuth and elevation in degrees of some satellites, spread over the sky.
+/// Returns azimuth and elevation in degrees of some satellites, spread over the sky.
 fn direction(index: usize) -> (f64, f64) {
     (137.5 * index as f64 % 360.0, 12.0 + 41.0 * index as f64 % 75.0)
 }

@@ -32,7 +32,7 @@ struct Sighted {
     fault: f64,
 }
 
-/// Two constellations of five to seven satellites.
+/// Returns two constellations of five to seven satellites.
 fn sky() -> impl Strategy<Value = Vec<Sighted>> {
     let one = (0.0..std::f64::consts::TAU, 0.08..1.0f64, -3.0..3.0f64, 0.5..3.0f64, 0.0..1.0f64, 0.2..1.0f64);
     let of =
@@ -106,7 +106,7 @@ fn assert_same(have: &Finding<f64>, want: &Finding<f64>, within: f64) -> Result<
     Ok(())
 }
 
-/// Probability of two events and more, by elementary symmetric sums of the odds.
+/// Returns the probability of two events and more, by elementary symmetric sums of the odds.
 fn two_and_more(sky: &[Sighted]) -> f64 {
     let mut events: Vec<f64> = sky.iter().map(|one| one.fault).collect();
     for constellation in 0..Constellation::COUNT {

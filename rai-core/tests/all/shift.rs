@@ -25,19 +25,19 @@ const METHODS: [Method; 7] = [
     Method::Parity(Isolation::Grouping),
 ];
 
-/// Azimuth and elevation in degrees.
+/// Returns azimuth and elevation, °.
 fn direction(index: usize) -> (f64, f64) {
     (137.5 * index as f64 % 360.0, 12.0 + 41.0 * index as f64 % 75.0)
 }
 
-/// Seven satellites of GPS and as many of Galileo without noise, which agree on a place so far to
-/// the east, m.
+/// Returns seven satellites each of GPS and Galileo without noise; the position of Galileo's is
+/// `shift_m` farther east.
 fn sky(shift_m: f64) -> Vec<Observation> {
     sky_of(&[Gps, Galileo], shift_m)
 }
 
-/// Seven satellites of each constellation without noise, of which Galileo's agree on a place so far
-/// to the east, m.
+/// Returns seven satellites of each constellation without noise; the position of Galileo's is
+/// `shift_m` farther east.
 fn sky_of(constellations: &[Constellation], shift_m: f64) -> Vec<Observation> {
     let seen = (0..constellations.len() * EACH).map(|index| {
         let constellation = constellations[index / EACH];

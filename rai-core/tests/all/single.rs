@@ -30,7 +30,7 @@ const DIRECTIONS: [(f64, f64); 10] = [
 const FAULTY: usize = 3;
 const BIAS_M: f64 = 200.0;
 
-/// Ten satellites, the fourth with a bias.
+/// Returns ten satellites, the fourth with a bias.
 fn epoch(bias_m: f64) -> Epoch<CAPACITY> {
     let mut epoch = Epoch::new(0.0);
     for (index, direction) in DIRECTIONS.into_iter().enumerate() {

@@ -22,17 +22,17 @@ pub(crate) const DIRECTIONS: [(f64, f64); 8] = [
     (340.0, 12.0),
 ];
 
-/// Position of the receiver.
+/// Returns the position of the receiver.
 pub(crate) fn receiver() -> Ecef {
     Geodetic { latitude_rad: 0.6, longitude_rad: 1.9, height_m: 150.0 }.to_ecef()
 }
 
-/// A satellite of a constellation.
+/// Returns a satellite of a constellation.
 pub(crate) fn satellite(constellation: Constellation, number: usize) -> SatelliteId {
     SatelliteId::new(constellation, number as u8).unwrap()
 }
 
-/// A satellite in a direction, 22,000 km away, and its range with a receiver clock.
+/// Returns a satellite in a direction, 22,000 km away, and its range with a receiver clock.
 pub(crate) fn observe(
     id: SatelliteId,
     (azimuth_deg, elevation_deg): (f64, f64),

@@ -19,7 +19,7 @@ const CAPACITY: usize = 16;
 const DIRECTIONS: [(f64, f64); 7] =
     [(0.0, 80.0), (30.0, 25.0), (150.0, 30.0), (270.0, 20.0), (100.0, 50.0), (210.0, 45.0), (330.0, 40.0)];
 
-/// The first `count` satellites, with a clock.
+/// Returns the first `count` satellites, with a clock.
 fn visible(count: usize, clock_m: f64) -> Vec<Observation> {
     let directions = DIRECTIONS.into_iter().take(count).enumerate();
     directions
@@ -39,12 +39,12 @@ fn judge(
     monitor.process(&epoch)
 }
 
-/// A clock that drifts by 30 m a second and has a wobble for the prediction to follow.
+/// Returns a clock that drifts by 30 m a second and has a wobble for the prediction to follow.
 fn clock_m(second: u32) -> f64 {
     1e5 + 30.0 * f64::from(second) + 0.5 * (f64::from(second) * 0.7).sin()
 }
 
-/// A monitor with clock aiding that has seen a minute and a half of seven satellites.
+/// Returns a monitor with clock aiding that has seen a minute and a half of seven satellites.
 fn coasting() -> (Monitor<f32, CAPACITY>, u32) {
     let mut monitor = Monitor::new(Requirements::non_precision_approach()).unwrap();
     monitor.set_strategy(Strategy { clock_aid: true, ..Strategy::CLASSIC });

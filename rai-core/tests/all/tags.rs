@@ -43,7 +43,8 @@ fn rate_m_s(id: SatelliteId) -> Option<f32> {
     SATELLITES.get(usize::from(id.number()).checked_sub(1)?).map(|(_, rate_m_s)| *rate_m_s)
 }
 
-/// All of them, tagged late by `late_s`: the satellites have moved since the signals left.
+/// Returns all observations, tagged late by `late_s`, so that the satellites have moved since the
+/// signals left.
 fn tagged(late_s: f64) -> Vec<Observation> {
     let numbered = (1..).zip(SATELLITES);
     numbered

@@ -270,7 +270,7 @@
 #define RAI_REASON_TIME 37
 
 /**
- * Alert: no epoch of the receiver in use came, and epochs of another station or in another format did.
+ * Alert: epochs of another station or format came, and none of the receiver in use.
  */
 #define RAI_REASON_SOURCE 38
 

@@ -1,4 +1,4 @@
-//! From a caller's pointer to a reference, for the time of one call.
+//! References to a caller's objects, made from its pointers for the time of one call.
 //!
 //! All checks of pointers are here: null, alignment, length, and whether the memory holds an
 //! object. An [`Object`] begins with a mark, which only its construction writes, last.

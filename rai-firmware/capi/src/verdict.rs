@@ -34,7 +34,7 @@ pub const RAI_REASON_JUMP: u8 = 35;
 pub const RAI_REASON_SPOOFED: u8 = 36;
 /// Alert: a wrong time tag of all ranges explains the data.
 pub const RAI_REASON_TIME: u8 = 37;
-/// Alert: no epoch of the receiver in use came, and epochs of another station or in another format did.
+/// Alert: epochs of another station or format came, and none of the receiver in use.
 pub const RAI_REASON_SOURCE: u8 = 38;
 /// Unavailable: too few satellites for a position, or the fix did not converge.
 pub const RAI_REASON_NOFIX: u8 = 64;

@@ -1,6 +1,7 @@
-//! The exported functions, called as a C program calls them: what they give, what they refuse, what they leave alone.
+//! The exported functions, called as a C program calls them: their results, their refusals, and the
+//! memory that they leave unchanged.
 //!
-//! Under an interpreter (`cargo xtask miri`) this is also the proof that no call does what the language does not define.
+//! Under Miri (`cargo xtask miri`) this also proves that no call has undefined behaviour.
 #![allow(unsafe_code)]
 
 use std::mem::MaybeUninit;
@@ -15,7 +16,7 @@ fn settings() -> rai_settings_t {
     // SAFETY: zeros are a value of integers and doubles.
     let settings = unsafe { settings.assume_init_mut() };
     settings.size = size_of::<rai_settings_t>() as u32;
-    // SAFETY: a struct as long as it says.
+    // SAFETY: the struct has the size that it states.
     assert_eq!(unsafe { rai_settings_preset(settings, RAI_PHASE_NPA) }, RAI_STATUS_OK);
     *settings
 }
@@ -27,17 +28,17 @@ fn verdict() -> rai_verdict_t {
     verdict
 }
 
-/// A monitor in memory that nobody has written to before.
+/// Returns a monitor in uninitialised memory.
 fn monitor() -> Monitor {
     let mut memory: Monitor = Box::new_uninit();
     let settings = settings();
-    // SAFETY: memory as long as said, settings as long as they say.
+    // SAFETY: the memory has the stated size, the settings the size that they state.
     let status = unsafe { rai_monitor_init(memory.as_mut_ptr(), RAI_MONITOR_SIZE, &raw const settings) };
     assert_eq!(status, RAI_STATUS_OK);
     memory
 }
 
-/// The seven satellites of the README, of which G05 is wrong by 80 m.
+/// Returns the seven satellites of the README, of which G05 is wrong by 80 m.
 fn ranges() -> [rai_range_t; 7] {
     const POSITIONS: [[f64; 3]; 7] = [
         [15909567.8, 2365446.2, 23362131.7],
@@ -58,7 +59,8 @@ fn ranges() -> [rai_range_t; 7] {
 
 fn judge(monitor: &mut Monitor, ranges: &[rai_range_t]) -> rai_verdict_t {
     let mut verdict = verdict();
-    // SAFETY: an object, as many ranges as said, a verdict as long as it says.
+    // SAFETY: the object is valid, there are as many ranges as stated, and the verdict has the size
+    // that it states.
     let status = unsafe {
         rai_monitor_judge(monitor.as_mut_ptr(), 0.0, ranges.as_ptr(), ranges.len(), &raw mut verdict)
     };
@@ -84,7 +86,7 @@ fn the_satellite_that_is_wrong_is_named() {
 fn a_monitor_may_be_moved_between_calls() {
     let before = monitor();
     let mut after: Monitor = Box::new_uninit();
-    // SAFETY: both are as long, and do not overlap; what is not initialised stays so.
+    // SAFETY: both have this size and do not overlap; uninitialised bytes stay uninitialised.
     unsafe { ptr::copy_nonoverlapping(before.as_ptr(), after.as_mut_ptr(), 1) };
     drop(before);
     assert_is_the_example(&judge(&mut after, &ranges()));
@@ -109,7 +111,7 @@ fn pointers_and_lengths_are_refused_by_name() {
     let mut memory: Monitor = Box::new_uninit();
     let (at, settings) = (memory.as_mut_ptr(), settings());
     let beside = at.wrapping_byte_add(4);
-    // SAFETY: what is refused is not looked at.
+    // SAFETY: a refused argument is not read.
     unsafe {
         let init = |memory, length, settings| rai_monitor_init(memory, length, settings);
         assert_eq!(init(ptr::null_mut(), RAI_MONITOR_SIZE, &raw const settings), RAI_STATUS_NULL);
@@ -141,7 +143,7 @@ fn memory_without_an_object_is_refused() {
     let receiver: *mut rai_receiver_t = words.as_mut_ptr().cast();
     let mut verdict = verdict();
     let not_initialised = RAI_STATUS_NOT_INITIALISED;
-    // SAFETY: initialised memory, a verdict as long as it says.
+    // SAFETY: the memory is initialised, and the verdict has the size that it states.
     unsafe {
         assert_eq!(rai_monitor_forget(monitor), not_initialised);
         assert_eq!(rai_receiver_report(receiver, &raw mut verdict), not_initialised);
@@ -196,14 +198,15 @@ fn a_caller_that_knows_more_keeps_what_the_library_does_not_know() {
     let mut later = Later { verdict: verdict(), more: [7; 8] };
     later.verdict.size = size_of::<Later>() as u32;
     let (mut monitor, ranges) = (monitor(), ranges());
-    // SAFETY: an object, as many ranges as said, a verdict as long as it says.
+    // SAFETY: the object is valid, there are as many ranges as stated, and the verdict has the size
+    // that it states.
     let status =
         unsafe { rai_monitor_judge(monitor.as_mut_ptr(), 0.0, ranges.as_ptr(), 7, (&raw mut later).cast()) };
     assert_eq!((status, later.more, later.verdict.size), (RAI_STATUS_OK, [7; 8], size_of::<Later>() as u32));
     assert_is_the_example(&later.verdict);
 }
 
-/// Room for sentences that nobody has written to.
+/// Uninitialised room for sentences.
 struct Room {
     bytes: Box<[MaybeUninit<u8>]>,
 }
@@ -226,7 +229,7 @@ impl Room {
 
 fn receiver(text: &mut rai_text_t) -> Box<MaybeUninit<rai_receiver_t>> {
     let mut memory = Box::new_uninit();
-    // SAFETY: memory as long as said, a text as long as it says.
+    // SAFETY: the memory and the text have the stated sizes.
     let status = unsafe { rai_receiver_init(memory.as_mut_ptr(), RAI_RECEIVER_SIZE, text) };
     assert_eq!(status, RAI_STATUS_OK);
     memory
@@ -239,7 +242,8 @@ fn a_receiver_speaks_obeys_and_notices_silence() {
     let mut memory = receiver(&mut text);
     assert!(room.said(&text).starts_with("$PRAIV,"), "{}", room.said(&text));
     let (at, mut judged, mut verdict) = (memory.as_mut_ptr(), 7, verdict());
-    // SAFETY: an object, as many bytes as said, a text as long as it says.
+    // SAFETY: the object is valid, there are as many bytes as stated, and the text has the stated
+    // size.
     unsafe {
         assert_eq!(rai_receiver_report(at, &raw mut verdict), RAI_STATUS_OK);
         assert_eq!(verdict.state, RAI_STATE_NONE);
@@ -279,7 +283,7 @@ fn sentences_without_room_are_counted_and_none_is_cut() {
     let broken = |change: fn(&mut rai_text_t), text: &rai_text_t| {
         let mut text = rai_text_t { ..*text };
         change(&mut text);
-        // SAFETY: what is refused is not looked at.
+        // SAFETY: a refused argument is not read.
         unsafe { rai_receiver_tick(at, 0, &raw mut text) }
     };
     assert_eq!(broken(|text| text.bytes = ptr::null_mut(), &text), RAI_STATUS_NULL);

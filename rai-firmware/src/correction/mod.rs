@@ -1,4 +1,4 @@
-//! From raw ranges to an epoch: choice of ranges, orbits, delays and sigmas.
+//! Corrections that turn raw ranges into an epoch: choice of ranges, orbits, delays and sigmas.
 //!
 //! ```text
 //! ρ = P − τ_b c + c Δt_sat − T(el) − I(el)

@@ -15,11 +15,13 @@
 //! | GLONASS strings, 1020: first bit of `B_n` or `l_n` is 1 | closes all signals of the satellite | always there; `C_n` of the almanac is not read |
 //! | GLONASS strings, 1020: `F_T` is 15 | no accuracy is promised: closes the set | always there |
 //!
-//! Galileo's I/NAV mentions E1 and E5b, its F/NAV E5a. A statement about a signal stays until a message mentions that signal again
-//! ([`Health::over`]). When the set is out of date, only the bad statements stay ([`Health::bad_alone`]).
+//! Galileo's I/NAV mentions E1 and E5b, its F/NAV E5a. A statement about a signal stays until a
+//! message mentions that signal again ([`Health::over`]). When the set is out of date, only the bad
+//! statements stay ([`Health::bad_alone`]).
 //!
-//! References: [IS-GPS-200] 20.3.3.2 and 20.3.3.3.1.4; [OS-SIS-ICD] 5.1.9.3; [OS-SDD] 2.3.1, signal-in-space status: a signal
-//! is healthy when DVS is 0, HS is 0 and SISA is not NAPA; [BDS-SIS-B1I] 5.2.4.6; [GLO-ICD] 4.4.
+//! References: [IS-GPS-200] 20.3.3.2 and 20.3.3.3.1.4; [OS-SIS-ICD] 5.1.9.3; [OS-SDD] 2.3.1,
+//! signal-in-space status: a signal is healthy when DVS is 0, HS is 0 and SISA is not NAPA;
+//! [BDS-SIS-B1I] 5.2.4.6; [GLO-ICD] 4.4.
 //!
 //! [IS-GPS-200]: crate#references
 //! [OS-SIS-ICD]: crate#references
@@ -29,7 +31,8 @@
 
 use crate::raw::Band;
 
-/// The carriers that a message mentions, and those of them that are out of service or whose data have no guarantee.
+/// The carriers that a message mentions, and those of them that are out of service or whose data
+/// have no guarantee.
 ///
 /// Both sets have one bit for each [`Band`], and above them one for the data of each Galileo band.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,13 +56,15 @@ impl Health {
     /// No carrier is mentioned, and thus none may be used.
     pub const UNKNOWN: Self = Self { out: 0, mentioned: 0 };
 
-    /// Returns good or bad health of the satellite as a whole, for messages that distinguish no signals.
+    /// Returns good or bad health of the satellite as a whole, for messages that distinguish no
+    /// signals.
     pub const fn of_satellite(is_good: bool) -> Self {
         if is_good { Self::GOOD } else { Self::BAD }
     }
 
-    /// Returns the health in the six bits of QZSS's LNAV. Each bit stands for one signal or for the message. The last is of the
-    /// L1 code that a satellite does not send beside C/A, and stays set.
+    /// Returns the health in the six bits of QZSS's LNAV. Each bit stands for one signal or for the
+    /// message. The last is of the L1 code that a satellite does not send beside C/A, and stays
+    /// set.
     ///
     /// [IS-QZSS-PNT] table 4.1.2-4.
     ///
@@ -74,8 +79,8 @@ impl Health {
         self.stating(bit(band), is_good)
     }
 
-    /// Returns the same with two flags of Galileo for this carrier: the signal's health status, of which 0 alone is good, and
-    /// the data validity status, 1 for data without guarantee.
+    /// Returns the same with two flags of Galileo for this carrier: the signal's health status, of
+    /// which 0 alone is good, and the data validity status, 1 for data without guarantee.
     #[must_use]
     pub const fn with_galileo(self, band: Band, signal_status: u32, is_without_guarantee: bool) -> Self {
         self.with(band, signal_status == 0).stating(data_bit(band), !is_without_guarantee)
@@ -86,7 +91,8 @@ impl Health {
         Self { out, mentioned: self.mentioned | bits }
     }
 
-    /// Returns the statements of this message, and those made before about what it does not mention.
+    /// Returns the statements of this message, and those made before about what it does not
+    /// mention.
     #[must_use]
     pub const fn over(self, before: Self) -> Self {
         Self { out: self.out | before.out & !self.mentioned, mentioned: self.mentioned | before.mentioned }
@@ -98,7 +104,8 @@ impl Health {
         Self { mentioned: self.mentioned & self.out, ..self }
     }
 
-    /// Returns true when this carrier may be used. A carrier that no message has mentioned is as bad as the worst that one has.
+    /// Returns true when this carrier may be used. A carrier that no message has mentioned is as
+    /// bad as the worst that one has.
     pub const fn serves(self, band: Band) -> bool {
         let asked = if self.mentions(band) { bit(band) } else { u16::MAX };
         self.mentioned != 0 && self.out & (asked | DATA) == 0

@@ -11,17 +11,21 @@
 //! | [`Orbit::Kepler`] | GPS, QZSS, Galileo, `BeiDou`: the same elements; gravity, earth rate, time scale of `toe` and the rotation of the geostationary `BeiDou` satellites differ | [`kepler`] |
 //! | [`Orbit::StateVector`] | GLONASS: integrated over the time since ([`forces`]) | [`state_vector`] |
 //!
-//! What differs by message (age, satellite numbers, what the clock refers to) is [`Source`]'s and [`clock`]'s.
+//! [`Source`] and [`clock`] hold what differs by message: age, satellite numbers, reference of the
+//! clock.
 //!
-//! - [`Ephemeris::new`] and [`Ephemeris::of_state`] check every field once: who holds one can compute with it.
-//! - [`Store`] keeps what was received last of every satellite and refuses those that are unhealthy, too old or
-//!   contradicted, with a reason.
-//! - Every element stays the integer that was broadcast, and orbits and clocks are worked out in integers ([`fixed`]).
+//! - [`Ephemeris::new`] and [`Ephemeris::of_state`] check every field once, so that an
+//!   [`Ephemeris`] is always usable for computations.
+//! - [`Store`] stores the last set of every satellite, and refuses unhealthy, old or contradicted
+//!   ones with a reason.
+//! - Every element stays the broadcast integer, and orbits and clocks are computed in integers
+//!   ([`fixed`]).
 //!
-//! Accuracy: position and clock follow the interface documents to better than 0.1 mm; how good the broadcast is
-//! itself (0.5 m to 2 m) is said by [`Ephemeris::accuracy_m`].
+//! Accuracy: position and clock follow the interface documents to better than 0.1 mm. The broadcast
+//! itself is accurate to 0.5 m to 2 m; [`Ephemeris::accuracy_m`] returns its sigma.
 //!
-//! References: [IS-GPS-200] 20.3.3, table 20-IV; [OS-SIS-ICD] 5.1.1 to 5.1.5; [BDS-SIS-B1I] 5.2.4, table 5-11.
+//! References: [IS-GPS-200] 20.3.3, table 20-IV; [OS-SIS-ICD] 5.1.1 to 5.1.5; [BDS-SIS-B1I] 5.2.4,
+//! table 5-11.
 //!
 //! [IS-GPS-200]: crate#references
 //! [OS-SIS-ICD]: crate#references
@@ -73,18 +77,18 @@ pub use source::Source;
 pub use state_vector::{StateBroadcast, StateVector};
 pub use store::{CAPACITY, Insertion, Store};
 
-/// Why a satellite has no position now.
+/// Reason for which a satellite has no position now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EphemerisError {
-    /// None has been received.
+    /// No ephemeris has been received.
     Missing,
-    /// The satellite says of itself, or of the signals that came, that they are not to be used, or promises no accuracy.
+    /// The satellite reports itself or all received signals as unusable, or promises no accuracy.
     Unhealthy,
-    /// The newest one is too old, or its reference time too far ahead.
+    /// The last ephemeris is too old, or its reference time is too far ahead.
     Stale,
-    /// The signal's travel time is no travel time.
+    /// The travel time of the signal is impossible.
     TravelTime,
-    /// Its last two sets contradict each other, and no third has decided.
+    /// The last two sets contradict each other, and no third has decided.
     Disputed,
 }
 
@@ -119,7 +123,7 @@ counters! {
 }
 
 impl Refusals {
-    /// Satellites whose orbit was not known, or no longer.
+    /// Returns the number of satellites without a known orbit, or whose orbit is stale.
     pub fn without_orbit(&self) -> u32 {
         self.ephemeris_missing.saturating_add(self.ephemeris_stale)
     }
@@ -136,7 +140,7 @@ impl Refusals {
     }
 }
 
-/// Where a satellite was, and what its clock showed, when it sent the signal.
+/// Position and clock of a satellite at the transmission of the signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SatelliteState {
     /// Position in the earth-fixed frame at the instant of transmission.
@@ -150,7 +154,8 @@ pub struct SatelliteState {
 pub struct Ephemeris {
     orbit: Orbit,
     clock: Clock,
-    /// Of ranges without E5a, and of those with it; what is not finite is no promise.
+    /// Sigmas of ranges without E5a, and of those with it, m; not finite if the satellite promises
+    /// none.
     accuracies_m: [f32; 2],
     toe: GpsTime,
     health: Health,
@@ -205,30 +210,31 @@ impl Ephemeris {
         })
     }
 
-    /// Whose it is.
+    /// Returns the satellite.
     pub fn satellite(&self) -> SatelliteId {
         self.satellite
     }
 
-    /// Which message it came from.
+    /// Returns the message that the ephemeris came from.
     pub fn source(&self) -> Source {
         self.source
     }
 
-    /// Reference time of the elements.
+    /// Returns the reference time of the elements.
     pub fn toe(&self) -> GpsTime {
         self.toe
     }
 
-    /// Moves the reference time to the same second of another week: orbit and clock depend on the second alone.
+    /// Moves the reference time to the same second of another week, because orbit and clock depend
+    /// on the second alone.
     pub(crate) fn date(&mut self, toe: GpsTime) {
         if toe.tow_ms == self.toe.tow_ms {
             self.toe = toe;
         }
     }
 
-    /// One sigma of the error that the satellite promises for a range made of these carriers, m; `None` when it promises
-    /// nothing.
+    /// Returns the sigma that the satellite promises for a range made of these carriers, m; `None`
+    /// if it promises none.
     pub fn accuracy_m(&self, bands: (Band, Option<Band>)) -> Option<f32> {
         let [plain_m, with_e5a_m] = self.accuracies_m;
         let has_e5a = bands.0 == Band::E5a || bands.1 == Some(Band::E5a);
@@ -236,20 +242,21 @@ impl Ephemeris {
         accuracy_m.is_finite().then_some(accuracy_m)
     }
 
-    /// Works out ahead what epochs soon after this one have in common; no position changes.
+    /// Precomputes what epochs soon after this instant share; no position changes.
     fn advance(&mut self, received: GpsTime) {
         self.orbit.advance(received.since_ms(self.toe) as f64 * 1e-3);
     }
 
-    /// Takes the statements of Galileo's F/NAV about its own signals: their health, and the accuracy of ranges with them.
+    /// Takes the statements of Galileo's F/NAV about its own signals: their health, and the
+    /// accuracy of ranges with them.
     fn merge_health(&mut self, fnav: &Self) {
         self.health = fnav.health.over(self.health);
         let [_, with_e5a_m] = &mut self.accuracies_m;
         [_, *with_e5a_m] = fnav.accuracies_m;
     }
 
-    /// Keeps the earlier statements about signals that this message does not mention. Of a set that is out of date only the
-    /// bad ones stay: nobody repeats that the signals are good.
+    /// Copies earlier statements about signals that this message does not mention. From a stale set
+    /// only bad statements are copied, because no message repeats that these signals are good.
     fn inherit_health(&mut self, before: &Self, is_before_stale: bool) {
         if self.source == Source::GalileoInav && before.health.mentions(Band::E5a) {
             let [_, with_e5a_m] = &mut self.accuracies_m;
@@ -259,14 +266,14 @@ impl Ephemeris {
         self.health = self.health.over(kept);
     }
 
-    /// True when both say the same of orbit and clock, whatever they say of health.
+    /// Returns true if both have the same orbit and clock, whatever their health.
     fn describes_as(&self, other: &Self) -> bool {
         (self.source, self.toe) == (other.source, other.toe)
             && self.orbit == other.orbit
             && self.clock == other.clock
     }
 
-    /// Whether it may be used at that time.
+    /// Checks that the ephemeris may be used at that time.
     ///
     /// # Errors
     /// [`EphemerisError::Unhealthy`] or [`EphemerisError::Stale`].
@@ -277,25 +284,28 @@ impl Ephemeris {
         if self.is_stale(time) { Err(EphemerisError::Stale) } else { Ok(()) }
     }
 
-    /// True when the satellite promises something for this carrier, and does not say that it is out of service.
+    /// Returns true if the satellite promises an accuracy for this carrier and reports it in
+    /// service.
     pub fn serves(&self, band: Band) -> bool {
         self.health.serves(band) && self.accuracy_m((band, None)).is_some()
     }
 
-    /// True when the elements are too far from their reference time.
+    /// Returns true if the elements are too far from their reference time.
     fn is_stale(&self, time: GpsTime) -> bool {
         time.since_ms(self.toe).unsigned_abs() > self.source.age_limit_ms()
     }
 
-    /// Position and clock when a signal left that was received at `received` with this pseudorange.
+    /// Returns position and clock at the departure of a signal that was received at `received` with
+    /// this pseudorange.
     ///
-    /// `received` is the receiver's own time tag and the range is measured against the same clock, so the clock's
-    /// offset cancels: `received − range/c` is what the satellite's clock showed.
+    /// `received` is the receiver's own time tag, and the range is measured against the same clock,
+    /// so that the clock's offset cancels: `received − range/c` is the reading of the satellite's
+    /// clock.
     ///
     /// # Errors
-    /// [`EphemerisError::TravelTime`] when the range is not finite, negative or longer than a second of light, or
-    /// when `received` is more than a day from the reference time; [`EphemerisError::Stale`] for a state vector that is
-    /// more than half an hour old.
+    /// [`EphemerisError::TravelTime`] if the range is not finite, negative or longer than a second
+    /// of light, or if `received` is more than a day from the reference time;
+    /// [`EphemerisError::Stale`] for a state vector that is more than half an hour old.
     pub fn at(&self, received: GpsTime, range_m: f64) -> Result<SatelliteState, EphemerisError> {
         const PER_METRE_2_46: f64 = (1_u64 << 46) as f64 / SPEED_OF_LIGHT_M_S;
         let since_toe_ms = received.since_ms(self.toe);

@@ -12,10 +12,12 @@
 //! | | geostationary | 6478–6508 | to 0.02 | to 4 to the equator | the same; table 4-1 for the numbers |
 //! | GLONASS | MEO, 25,508 km | 5040–5061 | to 0.03 | 60–70 | [GLO-ICD] 3.1: 64.8° |
 //!
-//! The bounds leave room for drift: the widest orbits of 10,000 broadcast sets of 2008 to 2025 lie well within it. An
-//! inclination in semicircles read as radians, or the reverse, is far outside, but not always for a geostationary orbit. The elements of geostationary `BeiDou`
-//! satellites are written in a plane tilted by 5°, in which the inclination swings by twice that to the equator. What
-//! stays is the angle between orbit and equator, 0.7° to 3.3° in those sets, and it grows by up to 0.9° a year.
+//! The bounds leave room for drift: the widest orbits of 10,000 broadcast sets of 2008 to 2025 lie
+//! well within it. An inclination in semicircles read as radians, or the reverse, is far outside,
+//! but not always for a geostationary orbit. The elements of geostationary `BeiDou` satellites are
+//! written in a plane tilted by 5°, in which the inclination swings by twice that to the equator.
+//! What stays is the angle between orbit and equator, 0.7° to 3.3° in those sets, and it grows by
+//! up to 0.9° a year.
 //!
 //! [IS-GPS-200]: crate#references
 //! [GPS-SPS-PS]: crate#references
@@ -81,7 +83,8 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// Returns true when satellites of this message's system have such an orbit. NaN is in no range.
+    /// Returns true when satellites of this message's system have such an orbit. NaN is in no
+    /// range.
     pub(super) fn is_of(&self, source: Source, is_geostationary_beidou: bool) -> bool {
         let types: &[OrbitType] = match source {
             Source::GpsLnav => const { &GPS },

@@ -1,10 +1,12 @@
-//! The satellites in sight: those of the last epochs, and those above the horizon of the last position.
+//! The satellites in sight: those of the last epochs, and those above the horizon of the last
+//! position.
 //!
 //! ```text
 //! sin el = (|s|² − |p|² − d²) / (2 |p| d)          s satellite, p receiver, d their distance; el above a spherical earth
 //! ```
 //!
-//! A satellite is remembered by one bit, with or without an ephemeris. Sines of elevations are kept in hundredths.
+//! A satellite takes one bit, with or without an ephemeris. Sines of elevations are stored in
+//! hundredths.
 
 use raim_core::frame::Ecef;
 use raim_core::satellite::SatelliteId;
@@ -12,17 +14,18 @@ use raim_core::satellite::SatelliteId;
 use super::Ephemeris;
 use crate::time::GpsTime;
 
-/// Epochs that one set of bits covers. One epoch may have lost satellites, so two sets are kept: a satellite is in sight for
-/// three epochs at least and six at most.
+/// Epochs that one set of bits covers. One epoch may have lost satellites, so two sets are kept: a
+/// satellite is in sight for three epochs at least and six at most.
 const EPOCHS_OF_A_SET: u8 = 3;
 
-/// Range with which a satellite is located, m. The position moves by some metres where it is wrong by 10,000 km.
+/// Range with which a satellite is located, m. An error of 10,000 km moves the position by some
+/// metres.
 const RANGE_M: f64 = 2.3e7;
 
 /// Hundredths of the sine of an elevation.
 pub(super) type Elevation = i8;
 
-/// Elevation where it is not known.
+/// Elevation if it is unknown.
 pub(super) const HORIZON: Elevation = 0;
 
 /// One bit for each satellite.
@@ -66,7 +69,8 @@ impl Sight {
     }
 }
 
-/// Returns word and bit of a satellite. Each system has 64; satellites of QZSS come behind the 32 of GPS.
+/// Returns word and bit of a satellite. Each system has 64; satellites of QZSS come behind the 32
+/// of GPS.
 fn place_of(satellite: SatelliteId) -> (usize, u32) {
     let (_, number) = satellite.name();
     let behind = if satellite.is_qzss() { 40 } else { 0 };
@@ -82,9 +86,10 @@ pub(super) struct Skyline {
 }
 
 impl Skyline {
-    /// The sky above a position and a mask.
+    /// Returns the sky above a position and a mask.
     pub(super) fn new(receiver: Ecef, mask_rad: f64) -> Self {
-        // Three terms of the series are right to half a hundredth up to 90°. A sine of the library takes 5 KiB of flash.
+        // Three terms of the series are accurate to half a hundredth up to 90°. A sine of the
+        // library takes 5 KiB of flash.
         let square = mask_rad * mask_rad;
         let sine = mask_rad * (1.0 - square / 6.0 * (1.0 - square / 20.0));
         Self { receiver, mask: hundredths(sine) }

@@ -149,7 +149,8 @@ impl StateVector {
 }
 
 /// Returns true when the ellipse that touches the orbit at the reference time is one of GLONASS, as
-/// [`orbit_types`](super::orbit_types) has it. NaN and an orbit that leaves the earth are in no range.
+/// [`orbit_types`](super::orbit_types) has it. NaN and an orbit that leaves the earth are in no
+/// range.
 fn is_of_glonass(broadcast: &StateBroadcast) -> bool {
     /// [GLO-ICD] appendix J.1: gravity, m³/s², and rotation of the earth, rad/s.
     ///

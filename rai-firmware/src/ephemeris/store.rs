@@ -1,4 +1,4 @@
-//! The ephemerides in use: what was received last, of the satellites in sight.
+//! Ephemerides in use: the last set of each satellite in sight.
 //!
 //! ```text
 //! offered, stale now                         nothing changes, unless all that is known is as useless
@@ -7,34 +7,39 @@
 //! else                                       neither is used until a third agrees with one of them
 //! ```
 //!
-//! **Which is better.** What was received last, whatever its reference time: a set that is ahead of its time is worse than
-//! the one for now, though it is newer. Whatever is out of date, in the past or in the future, gives way to what is not,
-//! and takes the place of nothing else.
+//! **Choice.** The set received last wins, whatever its reference time: a set for a later period is
+//! worse now, although newer. A set that is out of date, past or future, gives way to one that is
+//! not, and never replaces one.
 //!
-//! **Contradiction.** Two sets of one satellite that are both in date describe one orbit, and differ by a few metres. Where
-//! they differ by more, one is wrong, and nothing says which. The third that decides is a set of its own: one more copy
-//! of what contradicts has nothing new to say. A copy of what was known takes back a contradiction that came once, as by a
-//! message spoilt on its way; where the contradiction is repeated as well, copies decide nothing. A satellite that has been
-//! moved is out of use until its second new set.
+//! **Contradiction.** Two current sets of one satellite describe one orbit and differ by a few
+//! metres. If they differ by more, one of them is wrong, and it is unknown which. The third set
+//! that decides must be a new one, because another copy of a contradicting set is no new evidence.
+//! A copy of the known set cancels a contradiction that came once, as from a damaged message. If
+//! the contradiction was repeated as well, copies decide nothing. A satellite that was moved is out
+//! of use until its second new set.
 //!
-//! **Galileo** sends two messages. I/NAV carries both group delays and so serves every pair of signals; the orbit of
-//! F/NAV takes its place only when it has become stale. What each says of the health of its own signals counts from then on
-//! ([`Ephemeris::merge_health`]).
+//! **Galileo** sends two messages. I/NAV carries both group delays and thus serves every pair of
+//! signals; the orbit of F/NAV replaces it only if it is stale. The statements of each message
+//! about the health of its own signals count at once ([`Ephemeris::merge_health`]).
 //!
-//! **Room** for [`CAPACITY`] satellites, 9 KiB: as many as an epoch has, and more than four systems show at once. A stream
-//! may carry twice as many. If the store is full, the least useful set gives way, in this order:
+//! **Room** for [`CAPACITY`] satellites, 9 KiB: as many as an epoch has, and more than four systems
+//! show at once. A stream may carry twice as many. If the store is full, the least useful set gives
+//! way, in this order:
 //!
 //! 1. a stale set;
 //! 2. a satellite that was not in the last epochs ([`Sight`]), with or without a set;
-//! 3. the one farthest below the horizon of the last position, where one is known;
-//! 4. the one that was observed longest ago; a satellite that is new counts as one that has just set;
-//! 5. one of the system with the most sets, so that systems that come first are not lost at start;
-//! 6. the one that was received first.
+//! 3. the satellite farthest below the horizon of the last position, if one is known;
+//! 4. the satellite that was observed longest ago; a new satellite counts as one that has just set;
+//! 5. a satellite of the system with the most sets, so that systems that come first are not lost at
+//!    start;
+//! 6. the set that was received first.
 //!
-//! A set that is worth less by the first three than all others is not taken. [`Store::displaced`] counts sets of satellites
-//! in sight that gave way. Half a dozen contradictions are kept; where there are more, the set that is known stays, disputed.
+//! A new set that the first three criteria rank below all others is not taken. [`Store::displaced`]
+//! counts the sets of satellites in sight that gave way. [`RIVALS`] contradicting sets are stored;
+//! if there are more, the known set stays, disputed.
 //!
-//! **State vectors** are integrated, and what the next epochs have in common with this one is kept ([`Store::advance`]).
+//! **State vectors** are integrated, and the part that the next epochs share is stored
+//! ([`Store::advance`]).
 
 use core::cmp::Reverse;
 
@@ -47,53 +52,54 @@ use super::{Ephemeris, EphemerisError, Source};
 use crate::counters::count;
 use crate::time::GpsTime;
 
-/// How many satellites the store holds.
+/// Number of satellites that the store holds.
 pub const CAPACITY: usize = 64;
 
-/// How many contradictions are kept.
+/// Number of contradicting sets that the store holds.
 const RIVALS: usize = 6;
 
-/// Two sets that are farther apart than this, in position or clock, contradict each other, m: ten sigma of the poorest.
+/// Largest distance of two sets that agree, in position or clock, m: ten sigma of the poorest.
 const AGREEMENT_M: f64 = 30.0;
 
 const _: () = assert!(size_of::<Entry>() <= 144);
 
-/// What became of an ephemeris that was offered.
+/// Outcome of offering an ephemeris.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Insertion {
-    /// It is the one in use now.
+    /// The offered set is in use now.
     Taken,
-    /// The one in use, or those of other satellites in a full store, are more useful. At most the health of its own signals
-    /// is taken over.
+    /// The set in use, or those of other satellites in a full store, are more useful. At most the
+    /// health of the set's own signals was copied.
     Kept,
-    /// It contradicts the one in use: neither is used.
+    /// The offered set contradicts the one in use, and neither is used.
     Disputed,
 }
 
-/// What is known of one satellite.
+/// The set of one satellite, and its history.
 #[derive(Clone, Debug)]
 struct Entry {
     ephemeris: Ephemeris,
-    /// Of which epoch the satellite was last a part; of one that has been in none, the last but one when it was received.
+    /// Number of the last epoch with the satellite; for a satellite in none, that of the last but
+    /// one when the set was received.
     observed: u32,
-    /// The how-manieth ephemeris it was.
+    /// Number of the ephemeris among all that were offered.
     received: u32,
-    /// The how-manieth was the first that said the same of orbit and clock.
+    /// Number of the first ephemeris with the same orbit and clock.
     edition: u32,
     is_disputed: bool,
-    /// Elevation of the satellite when it was last worked out.
+    /// Elevation of the satellite when it was last computed.
     elevation: Elevation,
 }
 
-/// What contradicts the set that is known of a satellite.
+/// A set that contradicts the known set of a satellite.
 #[derive(Clone, Debug)]
 struct Rival {
     ephemeris: Ephemeris,
-    /// It was received more than once.
+    /// True if the set was received more than once.
     is_repeated: bool,
 }
 
-/// The ephemerides in use.
+/// Ephemerides in use.
 #[derive(Clone, Debug, Default)]
 pub struct Store {
     entries: Vec<Entry, CAPACITY>,
@@ -107,7 +113,7 @@ pub struct Store {
 }
 
 impl Store {
-    /// A store without ephemerides.
+    /// Returns a store without ephemerides.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub const fn new() -> Self {
@@ -128,7 +134,8 @@ impl Store {
         let received = self.received;
         let known = self.entries.iter_mut().find(|entry| entry.ephemeris.satellite == offered.satellite);
         let Some(entry) = known else {
-            // It may be of a satellite that is about to rise: not so sure to be of use as those in sight, more than any other.
+            // The satellite may be about to rise: it is less likely to be of use than those in
+            // sight, and more than any other.
             let observed = self.epochs.saturating_sub(1);
             let entry = Entry {
                 ephemeris: offered,
@@ -147,13 +154,14 @@ impl Store {
         insertion
     }
 
-    /// Forgets all sets of a system.
+    /// Discards all sets of a system.
     pub fn forget(&mut self, constellation: Constellation) {
         self.entries.retain(|entry| entry.ephemeris.satellite.constellation() != constellation);
         self.rivals.retain(|rival| rival.ephemeris.satellite.constellation() != constellation);
     }
 
-    /// Moves sets that are dated a week from the present into its week: the week was named or moved after they came.
+    /// Moves sets that are dated a week from the present into its week, because the week was
+    /// determined or corrected after they came.
     pub fn redate(&mut self, present: GpsTime) {
         let entries = self.entries.iter_mut().map(|entry| &mut entry.ephemeris);
         for ephemeris in entries.chain(self.rivals.iter_mut().map(|rival| &mut rival.ephemeris)) {
@@ -164,7 +172,7 @@ impl Store {
         }
     }
 
-    /// Takes note of which satellites an epoch holds.
+    /// Notes the satellites of an epoch.
     pub fn observe(&mut self, satellites: impl Iterator<Item = SatelliteId>) {
         self.epochs = self.epochs.saturating_add(1);
         self.sight.begin();
@@ -177,8 +185,9 @@ impl Store {
         }
     }
 
-    /// Takes the position of the receiver at the last epoch, and the elevation from which on satellites are used. A full
-    /// store works out the elevation of one satellite each time: all of them are known before any has moved by a degree.
+    /// Takes the position of the receiver at the last epoch, and the elevation mask. If the store
+    /// is full, each call computes the elevation of one satellite, so that all are known before any
+    /// has moved by a degree.
     #[inline(never)]
     pub fn look_from(&mut self, receiver: Ecef, mask_rad: f64, now: GpsTime) {
         if !self.entries.is_full() {
@@ -192,33 +201,34 @@ impl Store {
         }
     }
 
-    /// Forgets where the receiver was.
+    /// Discards the position of the receiver.
     pub fn forget_position(&mut self) {
         self.skyline = None;
         self.entries.iter_mut().for_each(|entry| entry.elevation = HORIZON);
     }
 
-    /// Returns how many sets of satellites that were in the last epochs, or above the mask, gave way to others.
+    /// Returns the number of sets that gave way to others although their satellites were in the
+    /// last epochs or above the mask.
     pub fn displaced(&self) -> u32 {
         self.displaced
     }
 
-    /// Integrates the state vectors of the satellites that were observed last up to an instant, so that where they are
-    /// then and soon after is a matter of one step. It changes no position.
+    /// Integrates the state vectors of the satellites in the last epoch up to an instant, so that
+    /// positions at and soon after it take one step. No position changes.
     pub fn advance(&mut self, time: GpsTime) {
         let observed = self.entries.iter_mut().filter(|entry| entry.observed == self.epochs);
         observed.for_each(|entry| entry.ephemeris.advance(time));
     }
 
-    /// The ephemeris of a satellite, if it may be used at that time.
+    /// Returns the ephemeris of a satellite, if it may be used at that time.
     ///
     /// # Errors
-    /// [`EphemerisError`] says why there is none.
+    /// [`EphemerisError`] states why none may be used.
     pub fn get(&self, satellite: SatelliteId, time: GpsTime) -> Result<&Ephemeris, EphemerisError> {
         self.get_edition(satellite, time).map(|(ephemeris, _)| ephemeris)
     }
 
-    /// The same, with a number that is another where orbit or clock are others.
+    /// Returns the ephemeris, and a number that changes if orbit or clock change.
     ///
     /// # Errors
     /// As [`Self::get`].
@@ -233,17 +243,17 @@ impl Store {
         if entry.is_disputed { Err(EphemerisError::Disputed) } else { Ok((&entry.ephemeris, entry.edition)) }
     }
 
-    /// How many satellites have an ephemeris, usable or not.
+    /// Returns the number of satellites with an ephemeris, usable or not.
     pub fn len(&self) -> usize {
         self.entries.len()
     }
 
-    /// True when no satellite has one.
+    /// Returns true if no satellite has an ephemeris.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// Takes in a satellite of which nothing is known.
+    /// Admits a satellite without a set so far.
     fn admit(&mut self, entry: Entry, now: Option<GpsTime>) -> Insertion {
         let Err(mut entry) = self.entries.push(entry) else {
             return Insertion::Taken;
@@ -290,7 +300,7 @@ impl Store {
 }
 
 impl Entry {
-    /// Takes a set in the place of this one, as its rival, or not.
+    /// Considers another set: replaces this one, stores it as its rival, or discards it.
     fn consider(
         &mut self,
         mut offered: Ephemeris,
@@ -310,7 +320,7 @@ impl Entry {
         offered.inherit_health(known, is_needed);
         let rival = rivals.iter_mut().find(|rival| rival.ephemeris.satellite == offered.satellite);
         if !is_needed && known.describes_as(&offered) {
-            // The contradiction is kept in mind: it may be repeated.
+            // The rival stays, because it may be repeated.
             self.is_disputed &= rival.is_some_and(|rival| rival.is_repeated);
             *known = offered;
             return if self.is_disputed { Insertion::Disputed } else { Insertion::Taken };
@@ -331,7 +341,7 @@ impl Entry {
         Insertion::Disputed
     }
 
-    /// Takes a set that nothing contradicts any longer.
+    /// Takes a set without contradiction.
     fn settle(&mut self, agreed: Ephemeris, received: u32, rivals: &mut Vec<Rival, RIVALS>) -> Insertion {
         forget(rivals, agreed.satellite);
         (self.ephemeris, self.edition, self.is_disputed) = (agreed, received, false);
@@ -339,13 +349,14 @@ impl Entry {
     }
 }
 
-/// True when a set is of no use now; without a time none is.
+/// Returns true if a set is stale now; false without a time.
 fn is_stale(ephemeris: &Ephemeris, now: Option<GpsTime>) -> bool {
     now.is_some_and(|now| ephemeris.is_stale(now))
 }
 
-/// True when two sets of a satellite put it at the same place with the same clock; without a time, half-way between
-/// their reference times. What cannot be computed contradicts nothing.
+/// Returns true if two sets of a satellite agree on position and clock at the present time; without
+/// a time, half-way between their reference times. A set that cannot be computed contradicts
+/// nothing.
 fn agree(one: &Ephemeris, other: &Ephemeris, now: Option<GpsTime>) -> bool {
     if one.describes_as(other) {
         return true;

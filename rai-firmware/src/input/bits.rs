@@ -1,18 +1,18 @@
 //! Fields of navigation messages: bits in the order of transmission, most significant first.
 //!
-//! Offsets and widths are constants of the decoders' tables and lie inside the pages, whose lengths are those of their
-//! types; what a wrong table would read beyond the end is zeros.
+//! Offsets and widths are constants of the decoders' tables and lie inside the pages, whose lengths
+//! are those of their types. Bits beyond the end read as zero.
 
 use crate::ephemeris::times_power_of_two;
 
-/// The bits of a page.
+/// Bits of a page.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bits<'a>(pub(super) &'a [u8]);
 
 impl Bits<'_> {
-    /// An unsigned field of 1 to 32 bits.
+    /// Returns an unsigned field of 1 to 32 bits.
     pub(super) fn unsigned(self, start: usize, width: usize) -> u32 {
-        // Nearly all lie within four bytes, which the processor loads at once.
+        // Most fields lie within four bytes, which the processor loads at once.
         let four = self.0.get(start / 8..).and_then(|from| from.first_chunk());
         match four {
             Some(four) if start % 8 + width <= 32 => {
@@ -22,7 +22,7 @@ impl Bits<'_> {
         }
     }
 
-    /// As [`Self::unsigned`], byte by byte.
+    /// Returns the same as [`Self::unsigned`], byte by byte.
     fn gathered(self, start: usize, width: usize) -> u32 {
         let end = start + width;
         let bytes = self.0.get(start / 8..end.div_ceil(8)).unwrap_or(&[]);
@@ -31,38 +31,39 @@ impl Bits<'_> {
         ((window >> behind) & ((1 << width) - 1)) as u32
     }
 
-    /// A field in two's complement.
+    /// Returns a field in two's complement.
     pub(super) fn signed(self, start: usize, width: usize) -> i32 {
         extend(self.unsigned(start, width), width)
     }
 
-    /// A field whose first bit is the sign and whose others are the magnitude, as GLONASS has them.
+    /// Returns a field whose first bit is the sign and whose others are the magnitude, as in
+    /// GLONASS.
     pub(super) fn sign_magnitude(self, start: usize, width: usize) -> i32 {
         let magnitude = self.unsigned(start + 1, width - 1).cast_signed();
         if self.is_set(start) { -magnitude } else { magnitude }
     }
 
-    /// `sign_magnitude` in units of `2^exponent`.
+    /// Returns `sign_magnitude` in units of `2^exponent`.
     pub(super) fn magnitude(self, start: usize, width: usize, exponent: i32) -> f64 {
         times_power_of_two(f64::from(self.sign_magnitude(start, width)), exponent)
     }
 
-    /// A single bit.
+    /// Returns a single bit.
     pub(super) fn is_set(self, position: usize) -> bool {
         self.unsigned(position, 1) == 1
     }
 
-    /// A small unsigned field.
+    /// Returns an unsigned field of at most 8 bits.
     pub(super) fn small(self, start: usize, width: usize) -> u8 {
         self.unsigned(start, width) as u8
     }
 
-    /// `signed` in units of `2^exponent`.
+    /// Returns `signed` in units of `2^exponent`.
     pub(super) fn scaled(self, start: usize, width: usize, exponent: i32) -> f64 {
         times_power_of_two(f64::from(self.signed(start, width)), exponent)
     }
 
-    /// Eight coefficients of eight bits in a row, in Klobuchar's units: `α0…α3, β0…β3`.
+    /// Returns eight consecutive coefficients of eight bits, in Klobuchar's units: `α0…α3, β0…β3`.
     pub(super) fn klobuchar(self, start: usize) -> [f64; 8] {
         const EXPONENTS: [i32; 8] = [-30, -27, -24, -24, 11, 14, 16, 16];
         let mut offset = start;
@@ -74,18 +75,18 @@ impl Bits<'_> {
     }
 }
 
-/// A field in two's complement whose upper part stands on another page.
+/// Joins a field in two's complement whose upper part is on another page.
 pub(super) const fn joined(upper: i32, lower: u32, lower_width: usize) -> i32 {
     upper << lower_width | lower.cast_signed()
 }
 
-/// The value of `width` bits in two's complement.
+/// Returns the value of `width` bits in two's complement.
 const fn extend(field: u32, width: usize) -> i32 {
     let unused = 32 - width;
     (field << unused).cast_signed() >> unused
 }
 
-/// Appends fields to a page, most significant bit first; what does not fit is dropped.
+/// Page that fields are appended to, most significant bit first; bits that do not fit are dropped.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Packed<const BYTES: usize> {
     pub(super) bytes: [u8; BYTES],
@@ -103,7 +104,7 @@ impl<const BYTES: usize> Packed<BYTES> {
     }
 }
 
-/// Writes the low `width` bits of `field` behind the first `bits`; says how many there are then.
+/// Writes the low `width` bits of `field` behind the first `bits`; returns the new number of bits.
 #[inline(never)]
 fn append(bytes: &mut [u8], mut bits: usize, field: u32, width: usize) -> usize {
     for position in (0..width).rev() {

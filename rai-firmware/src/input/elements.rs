@@ -1,7 +1,9 @@
-//! Orbital elements in navigation messages: a table of places for each message, and one reader for all.
+//! Orbital elements in navigation messages: a table of places for each message, and one reader for
+//! all.
 //!
-//! Every system sends the same elements, in numbers of its own widths and units ([`Form`]); every message has them in
-//! another order ([`Layout`]). References: [IS-GPS-200] 20.3.3.3 and 20.3.3.4; [OS-SIS-ICD] 5.1; [BDS-SIS-B1I] 5.2.4.
+//! Every system sends the same elements, with its own widths and units ([`Form`]); every message
+//! has them in another order ([`Layout`]). References: [IS-GPS-200] 20.3.3.3 and 20.3.3.4;
+//! [OS-SIS-ICD] 5.1; [BDS-SIS-B1I] 5.2.4.
 //!
 //! [IS-GPS-200]: crate#references
 //! [OS-SIS-ICD]: crate#references
@@ -13,21 +15,21 @@ use super::bits::{Bits, joined};
 use crate::ephemeris::{Broadcast, Health, Source, times_power_of_two};
 use crate::time::GpsTime;
 
-/// Where an element stands.
+/// Place of an element.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
-    /// Which page, from 0.
+    /// Page, from 0.
     page: u8,
-    /// How many of its last bits stand on the next page, from [`Self::BEHIND`] on.
+    /// Number of its last bits that are on the next page, from [`Self::BEHIND`] on.
     behind: u8,
-    /// The first bit.
+    /// First bit.
     start: u16,
 }
 
-/// How many bits a number has, and the power of two of its unit.
+/// Width of a number, bits, and the power of two of its unit.
 type Number = (usize, i32);
 
-/// The numbers that differ by system.
+/// Numbers that differ by system.
 pub(super) struct Form {
     /// `Cuc`, `Cus`, `Cic`, `Cis`, rad.
     angle_correction: Number,
@@ -35,11 +37,11 @@ pub(super) struct Form {
     length_correction: Number,
     /// `af0` to `af2`.
     clock: [Number; 3],
-    /// Bits of a group delay, and its unit, s.
+    /// Width of a group delay, bits, and its unit, s.
     group_delay: (usize, f32),
 }
 
-/// `√A`, m^½; `e`; angles, semicircles; `Δn`, `Ω̇` and `i̇`, semicircles/s: of all systems.
+/// Numbers of all systems: `√A`, m^½; `e`; angles, semicircles; `Δn`, `Ω̇` and `i̇`, semicircles/s.
 const SQRT_A: Number = (32, -19);
 const ECCENTRICITY: Number = (32, -33);
 const ANGLE: Number = (32, -31);
@@ -71,7 +73,7 @@ pub(super) const BEIDOU: Form = Form {
     group_delay: (10, 1e-10),
 };
 
-/// Where a message has its elements.
+/// Places of the elements in a message.
 pub(super) struct Layout {
     pub(super) form: &'static Form,
     /// `√A` and `e`.
@@ -89,7 +91,7 @@ pub(super) struct Layout {
     pub(super) group_delays: [Option<Place>; 2],
 }
 
-/// What a message says beside its elements, in a way of its own.
+/// Values of a message beside its elements, which each message codes in its own way.
 pub(super) struct Head {
     pub(super) satellite: SatelliteId,
     pub(super) source: Source,
@@ -99,12 +101,12 @@ pub(super) struct Head {
     pub(super) toc: GpsTime,
 }
 
-/// A place on a page.
+/// Returns a place on a page.
 pub(super) const fn on(page: u8, start: u16) -> Place {
     Place { page, behind: 0, start }
 }
 
-/// Places on the only page of a message.
+/// Returns places on the only page of a message.
 pub(super) const fn at<const N: usize>(starts: [u16; N]) -> [Place; N] {
     let (mut places, mut index) = ([on(0, 0); N], 0);
     while index < N {
@@ -115,10 +117,10 @@ pub(super) const fn at<const N: usize>(starts: [u16; N]) -> [Place; N] {
 }
 
 impl Place {
-    /// Where the last bits stand of what goes on on the next page: D2 of `BeiDou` alone has such.
+    /// First bit of a continuation on the next page. Only D2 of `BeiDou` has such elements.
     const BEHIND: usize = 42;
 
-    /// With so many of its last bits on the next page.
+    /// Returns the place with this number of its last bits on the next page.
     pub(super) const fn behind(self, behind: u8) -> Self {
         Self { behind, ..self }
     }
@@ -139,14 +141,14 @@ impl Place {
         times_power_of_two(f64::from(self.signed(pages, width)), exponent)
     }
 
-    /// Of a number of 32 bits without a sign.
+    /// Reads an unsigned number of 32 bits.
     fn positive(self, pages: &[Bits<'_>], (width, exponent): Number) -> f64 {
         times_power_of_two(f64::from(self.signed(pages, width).cast_unsigned()), exponent)
     }
 }
 
 impl Layout {
-    /// The message that has these pages.
+    /// Reads the message with these pages.
     #[inline(never)]
     pub(super) fn read(&self, head: &Head, pages: &[Bits<'_>]) -> Broadcast {
         let form = self.form;
@@ -170,7 +172,8 @@ impl Layout {
             health: head.health,
             accuracy_m: head.accuracy_m,
             toe: head.toe,
-            // A set has one week number for both, which near the end of a week fits one of them.
+            // A set has one week number for both times, which near the end of a week fits only one
+            // of them.
             toc: GpsTime::nearest(head.toc.tow_ms, head.toe),
             sqrt_a_sqrt_m: sqrt_a.positive(pages, SQRT_A),
             eccentricity: eccentricity.positive(pages, ECCENTRICITY),

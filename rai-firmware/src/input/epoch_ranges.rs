@@ -1,4 +1,4 @@
-//! The ranges of one epoch: which are kept, and how two sets of them compare.
+//! Ranges of one epoch: which are stored, and how two sets of them compare.
 
 use heapless::Vec;
 use raim_core::numeric::bounds::is_within;
@@ -8,20 +8,21 @@ use super::Counters;
 use crate::counters::count;
 use crate::raw::{RawEpoch, RawSatellite, RawSignal};
 
-/// Pseudoranges that satellites can have, m.
+/// Possible pseudoranges, m.
 ///
-/// No satellite is nearer than 19,000 km or farther than 43,000 km; a receiver clock may add or take 30 ms.
+/// No satellite is nearer than 19,000 km or farther than 43,000 km; a receiver clock may add or
+/// subtract 30 ms.
 const RANGE_M: core::ops::RangeInclusive<f64> = 1.0e7..=5.2e7;
 
-/// Ranges of one band at one instant that differ by more are of two antennas, or two clocks, m: a receiver says the same however
-/// often, to the steps of its messages. Its codes of one band may differ by as much, by reflections; then one of them is the one that
-/// is kept.
+/// Difference of two ranges of one band at one instant beyond which they are of two antennas or two
+/// clocks, m. A receiver repeats its ranges to the steps of its messages. Reflections can make its
+/// codes of one band differ by as much, but then one of the codes agrees with the stored range.
 const APART_M: f64 = 5.0;
 
-/// Returns a hash of all ranges and whose they are; `None` without satellites.
+/// Returns a hash of all satellites and ranges; `None` without satellites.
 ///
-/// Two different epochs that follow each other have the same hash once in 2³²: the second is then dropped, which costs one epoch in
-/// thirteen years at 10 Hz.
+/// Two different consecutive epochs have the same hash once in 2³². The second is then dropped,
+/// which costs one epoch in thirteen years at 10 Hz.
 pub(super) fn hash_of_ranges(epoch: &RawEpoch) -> Option<u32> {
     let mix = |hash: u32, word: u32| (hash.rotate_left(5) ^ word).wrapping_mul(0x9E37_79B1);
     let hash = epoch.satellites.iter().fold(0, |hash, satellite| {
@@ -37,18 +38,19 @@ pub(super) fn hash_of_ranges(epoch: &RawEpoch) -> Option<u32> {
     (!epoch.satellites.is_empty()).then_some(hash)
 }
 
-/// The signals of one satellite, held against those that an epoch keeps of it: a set of bands each.
+/// Comparison of one satellite's signals with those stored in an epoch, as sets of bands.
 #[derive(Default)]
 pub(super) struct Comparison {
     satellite: Option<SatelliteId>,
-    /// A range is the one that is kept.
+    /// Bands with a range that equals the stored one.
     agree: u16,
-    /// A range is another.
+    /// Bands with another range.
     differ: u16,
 }
 
 impl Comparison {
-    /// Takes the next signal; whether the satellite before, whose signals have all come, has other ranges on some band.
+    /// Takes the next signal. Returns true if the satellite before, whose signals are complete, has
+    /// only other ranges on some band.
     pub(super) fn differs(&mut self, epoch: &RawEpoch, satellite: SatelliteId, signal: &RawSignal) -> bool {
         let is_next = self.satellite.is_some_and(|before| before != satellite);
         let is_rival = is_next && self.end();
@@ -62,16 +64,16 @@ impl Comparison {
         is_rival
     }
 
-    /// No more signals of the satellite come: whether none of a band is the one that is kept.
+    /// Ends a satellite; returns true if on some band no range equals the stored one.
     pub(super) fn end(&mut self) -> bool {
         let Self { agree, differ, .. } = core::mem::take(self);
         differ & !agree != 0
     }
 }
 
-/// Adds a signal of a message that began when the epoch held `earlier` satellites.
+/// Adds a signal of a message that began when the epoch had `earlier` satellites.
 ///
-/// A satellite that an earlier message of the epoch has brought is a duplicate and keeps its first ranges.
+/// A satellite of an earlier message of the epoch is a duplicate and keeps its first ranges.
 pub(super) fn add(
     epoch: &mut RawEpoch,
     satellite: SatelliteId,
@@ -83,7 +85,7 @@ pub(super) fn add(
     if !is_within(signal.range_m, &RANGE_M) {
         return count(&mut counters.ranges_out_of_bounds);
     }
-    // Signals of a satellite come one after the other.
+    // The signals of a satellite are consecutive.
     let known = epoch.satellites.iter_mut().enumerate().rev().find(|(_, known)| known.satellite == satellite);
     match known {
         Some((index, _)) if index < earlier => count(&mut counters.satellites_duplicate),
@@ -100,8 +102,9 @@ fn open(epoch: &mut RawEpoch, satellite: SatelliteId, signal: RawSignal, counter
     }
 }
 
-/// Keeps one code of each band: the one that the broadcast clock is of, else the first on the wire. Of a code whose
-/// strength says nothing the strength is that of the other. Of more bands than there is room for, spare ones go.
+/// Stores one code of each band: the one that the broadcast clock refers to, else the first on the
+/// wire. A code without a usable strength takes that of the other code. If there are more bands
+/// than capacity, spare ones give way.
 fn add_signal(raw: &mut RawSatellite, signal: RawSignal, is_reference: bool, counters: &mut Counters) {
     if let Some(known) = raw.signals.iter_mut().find(|known| known.carrier.band == signal.carrier.band) {
         if is_reference {

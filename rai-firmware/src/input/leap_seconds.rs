@@ -1,41 +1,42 @@
-//! How many seconds GPS time is ahead of UTC: who says it, and when it is believed.
+//! GPS time minus UTC: its sources, and when each is believed.
 //!
-//! | who | what changes a known number |
+//! | source | change of a known number |
 //! |---|---|
-//! | the receiver, or satellites in their navigation bits | the next number, said twice in a row; any other, said [`RUN`] times in a row |
+//! | the receiver, or satellites in their navigation bits | the next number, stated twice in a row; any other, [`RUN`] times in a row |
 //! | messages of one instant, one tagged with GPS time and one with UTC | any other, the same [`RUN`] times in a row |
 //!
-//! Where nothing is known, the first word counts. One word may be spoilt; leap seconds come one at a time.
+//! If no number is known, the first statement counts. Later ones must repeat, because a single one
+//! may be damaged, and leap seconds come one at a time.
 //!
-//! A leap second is inserted at the end of June or December, at midnight of UTC ([ITU-R TF.460-6]). For a minute from then on tags need to
-//! agree in [`STEP_RUN`] epochs only on the next number. Until they do, a tag of UTC is unsure by a second
-//! ([`LeapSeconds::is_unsure`]).
+//! A leap second is inserted at the end of June or December, at midnight of UTC ([ITU-R TF.460-6]).
+//! For a minute from then on, tags in [`STEP_RUN`] epochs suffice for the next number. Until they
+//! agree, a tag of UTC is uncertain by a second ([`LeapSeconds::is_unsure`]).
 //!
 //! [ITU-R TF.460-6]: crate#references
 
 use crate::division::divided;
 use crate::time::{DAY_MS, GpsTime, WEEK_MS};
 
-/// How often in a row something has to be said that contradicts what is known.
+/// Number of consecutive statements that overrule a known number.
 const RUN: u8 = 10;
 
-/// The same for the next number, while a leap second may come.
+/// Number of consecutive tags that overrule it with the next number while a leap second may come.
 const STEP_RUN: u8 = 2;
 
-/// How long before and after the midnight of a leap second the step may show, ms.
+/// Time before and after the midnight of a leap second in which the step may appear, ms.
 const BEFORE_STEP_MS: u32 = 60_000;
 const AFTER_STEP_MS: u32 = 60_000;
 
-/// The inserted second, ms: by the number before the step it is the first of the new day.
+/// The inserted second, ms. By the number before the step it is the first of the new day.
 const LEAP_SECOND_MS: u32 = 1000;
 
-/// More leap seconds than there will be.
+/// Upper bound of leap seconds, s.
 const MOST_S: u32 = 63;
 
 /// Tags of one instant differ by less, ms.
 const TAG_MS: u32 = 10;
 
-/// Who said how many leap seconds there are.
+/// Source of the number of leap seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeapSource {
     /// The receiver.
@@ -46,28 +47,28 @@ pub enum LeapSource {
     Tags,
 }
 
-/// How far GPS time is ahead of UTC.
+/// Lead of GPS time over UTC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LeapSecond {
     /// GPS time minus UTC, s.
     pub seconds: u8,
-    /// Who said so last.
+    /// Source of the last statement.
     pub source: LeapSource,
-    /// When, by the last epoch.
+    /// Time of that statement, as the time of the last epoch.
     pub said: Option<GpsTime>,
 }
 
-/// What is known, and what was said last.
+/// Known number, and the last statements.
 #[derive(Debug)]
 pub(super) struct LeapSeconds {
     known: Option<LeapSecond>,
     claimed: Repeated,
     inferred: Repeated,
-    /// The last epoch when tags were compared last.
+    /// Last epoch at the last comparison of tags.
     compared: Option<GpsTime>,
 }
 
-/// A number, and how often in a row it has come.
+/// A number, and how often it came in a row.
 #[derive(Debug)]
 struct Repeated {
     seconds: u8,
@@ -77,7 +78,7 @@ struct Repeated {
 impl Repeated {
     const NONE: Self = Self { seconds: 0, run: 0 };
 
-    /// Counts a number; gives how often in a row it has come.
+    /// Counts a number; returns how often it came in a row.
     fn count(&mut self, seconds: u8) -> u8 {
         let run = if seconds == self.seconds { self.run.saturating_add(1) } else { 1 };
         *self = Self { seconds, run };
@@ -92,12 +93,12 @@ impl LeapSeconds {
         Self { known: None, claimed: Repeated::NONE, inferred: Repeated::NONE, compared: None }
     }
 
-    /// GPS time minus UTC, who said so and when.
+    /// Returns GPS time minus UTC, with its source and time.
     pub(super) fn known(&self) -> Option<LeapSecond> {
         self.known
     }
 
-    /// Somebody says how many there are; `now` is the last epoch.
+    /// Takes a stated number; `now` is the last epoch.
     pub(super) fn hear(&mut self, seconds: u8, source: LeapSource, now: Option<GpsTime>) {
         let needed = match self.known.map_or(0, |known| known.seconds.abs_diff(seconds)) {
             0 => 1,
@@ -109,8 +110,9 @@ impl LeapSeconds {
         }
     }
 
-    /// Two messages of one instant are tagged so. A message of a neighbouring epoch, where bytes were lost, is wrong by whole
-    /// seconds, and so is not believed at once.
+    /// Takes the tags of two messages of one instant. After lost bytes a message may be of a
+    /// neighbouring epoch, and its tag wrong by whole seconds. One comparison is therefore not
+    /// enough.
     pub(super) fn infer(&mut self, gps_ms: u32, utc_ms: u32, now: Option<GpsTime>) {
         let difference_ms = (gps_ms + WEEK_MS - utc_ms) % WEEK_MS;
         let seconds = (difference_ms + 500) / 1000;
@@ -138,8 +140,8 @@ impl LeapSeconds {
         }
     }
 
-    /// Returns true if a tag of UTC that is the first of its instant may be wrong by a second: tags were not compared since the step
-    /// can show, or did not fit the known number.
+    /// Returns true if a tag of UTC that is the first of its instant may be wrong by a second: tags
+    /// were not compared since the step can appear, or did not fit the known number.
     pub(super) fn is_unsure(&self, utc_ms: u32, now: Option<GpsTime>) -> bool {
         if self.inferred.run == 0 || !self.is_step_due(now) {
             return false;
@@ -152,7 +154,7 @@ impl LeapSeconds {
         has_misfit || is_after && !was_compared
     }
 
-    /// Days since 1980-01-06 in UTC, and milliseconds of the day.
+    /// Returns the days since 1980-01-06 in UTC, and the milliseconds of the day.
     fn utc(&self, now: Option<GpsTime>) -> Option<(u32, u32)> {
         let leap_ms = 1000 * u64::from(self.known?.seconds);
         let (day, of_day_ms) = divided(now?.to_ms().saturating_sub(leap_ms), DAY_MS);
@@ -162,7 +164,7 @@ impl LeapSeconds {
 
 /// Returns true for the first of January and of July, until 2099.
 const fn begins_half_year(days_since_1980_01_06: u32) -> bool {
-    // Of four years, the first of which is a leap year, as 1980 was.
+    // Days of four years, of which the first is a leap year, as 1980 was.
     matches!((days_since_1980_01_06 + 5) % 1461, 0 | 182 | 366 | 547 | 731 | 912 | 1096 | 1277)
 }
 
@@ -203,7 +205,8 @@ mod tests {
 
     #[test]
     fn half_years_begin_when_leap_seconds_were_inserted() {
-        // IERS Bulletin C: the first instant after a leap second, s of Unix time, and GPS time minus UTC from then on.
+        // IERS Bulletin C: the first instant after a leap second, s of Unix time, and GPS time
+        // minus UTC from then on.
         const UNIX_1980_01_06: u64 = 315_964_800;
         let inserted = [
             (362_793_600, 1),    // 1981-07-01
@@ -222,7 +225,7 @@ mod tests {
                 let ms = 1000 * (unix_s - UNIX_1980_01_06 + u64::from(after) - 100 + offset_s);
                 leap.is_step_due(Some(GpsTime::from_ms(ms)))
             };
-            // 99 s are midnight by the number before the step.
+            // Second 99 is midnight by the number before the step.
             assert_eq!([38, 39, 100, 159, 160].map(at), [false, true, true, true, false], "{unix_s}");
         }
     }

@@ -1,4 +1,4 @@
-//! The instant that a message names by a week number, which comes round again, and a second of that week.
+//! The instant that a message states by a week number, which rolls over, and a second of that week.
 //!
 //! | system | bits | week 0 is | comes round |
 //! |---|---|---|---|
@@ -6,8 +6,9 @@
 //! | Galileo | 12 | GPS week 1,024 | in 2078 |
 //! | `BeiDou` | 13 | GPS week 1,356, 14 s later | in 2163 |
 //!
-//! The week number is that of transmission ([IS-GPS-200] 20.3.3.3.1.1), while many programs send the week of `toe`. Near the end
-//! of a week the two differ. [`super::roll_over`] decides; here the two numbers are put together as they stand.
+//! The week number is that of transmission ([IS-GPS-200] 20.3.3.3.1.1), but many programs send the
+//! week of `toe`. Near the end of a week the two differ. [`super::roll_over`] decides; this module
+//! combines the two numbers as stated.
 //!
 //! [IS-GPS-200]: crate#references
 
@@ -15,12 +16,12 @@ use raim_core::satellite::Constellation;
 
 use crate::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime, WEEK_MS};
 
-/// The first week that a GPS ephemeris can mean when nothing else tells the time: 2019-04-07, the third cycle.
+/// First week that a GPS ephemeris can mean if no time is known: 2019-04-07, the third cycle.
 ///
-/// Right until 2038-11-20; with a Galileo or `BeiDou` ephemeris it is not needed.
+/// It is right until 2038-11-20, and not needed with a Galileo or `BeiDou` ephemeris.
 pub const NOT_BEFORE_WEEK: u16 = 2048;
 
-/// A message's week number.
+/// Week number of a message.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MessageWeek {
     pub(super) constellation: Constellation,
@@ -28,14 +29,15 @@ pub(super) struct MessageWeek {
 }
 
 impl MessageWeek {
-    /// Returns the instant at `tow_s` of the stated week of the system's own time; `known` chooses the cycle of a GPS week.
+    /// Returns the instant at `tow_s` of the stated week of the system's own time; `known` chooses
+    /// the cycle of a GPS week.
     pub(super) fn stated(self, tow_s: u32, known: Option<GpsTime>) -> Option<GpsTime> {
         let tow_ms = tow_s.checked_mul(1000).filter(|tow_ms| *tow_ms < WEEK_MS)?;
         let own = GpsTime { week: self.full_week(known)?, tow_ms };
         Some(own.later_by_ms(behind_gps_ms(self.constellation)))
     }
 
-    /// The week without roll-overs; GLONASS counts days, and has none.
+    /// Returns the week without roll-over; `None` for GLONASS, which counts days.
     fn full_week(self, known: Option<GpsTime>) -> Option<u16> {
         match self.constellation {
             Constellation::Beidou => Some(self.week.saturating_add(BEIDOU_WEEK_OFFSET)),
@@ -46,7 +48,7 @@ impl MessageWeek {
     }
 }
 
-/// Returns by how much a system's time is behind that of GPS, ms.
+/// Returns the lag of a system's time behind GPS time, ms.
 pub(super) const fn behind_gps_ms(system: Constellation) -> u32 {
     match system {
         Constellation::Beidou => BEIDOU_OFFSET_MS,
@@ -54,7 +56,7 @@ pub(super) const fn behind_gps_ms(system: Constellation) -> u32 {
     }
 }
 
-/// The week ≡ `week` modulo 1,024 nearest to the known one.
+/// Returns the week that is `week` modulo 1,024 and nearest to the known one.
 fn gps_week(week: u16, known: Option<GpsTime>) -> u16 {
     let first = known.map_or(NOT_BEFORE_WEEK, |known| known.week.saturating_sub(512));
     first.saturating_add(week.wrapping_sub(first) % 1024)

@@ -5,25 +5,26 @@
 //!           checked once      read once              └─────────► Event::Ephemeris, Event::Position
 //! ```
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | `protocol` | interface to a wire format, and the table of them |
+//! | `protocol` | interface to a wire format, and the table of formats |
 //! | `framer` | finds frames of all formats in the stream, and checks each once |
 //! | `rtcm` | reads the messages of RTCM 3 |
-//! | [`ubx`] | reads those of u-blox receivers, and the navigation bits in them |
+//! | [`ubx`] | reads the messages of u-blox receivers, and the navigation bits in them |
 //! | `bits` | fields of navigation messages |
-//! | `elements` | where each message has its orbital elements |
-//! | `preference` | whose ranges are used where several send some |
-//! | `assembly` | messages of one instant become one epoch |
-//! | `epoch_ranges` | the ranges of one epoch |
-//! | `suspicion` | what a receiver says of jamming and spoofing |
-//! | `system` | how each system numbers its satellites |
-//! | `calendar`, `message_week`, `present_week`, `roll_over`, `week_votes` | the week of the present; time goes forward |
-//! | `leap_seconds` | how far UTC is behind |
-//! | [`Counters`] | what came in and what was not used |
+//! | `elements` | places of the orbital elements in each message |
+//! | `preference` | choice of the source of ranges |
+//! | `assembly` | joins the messages of one instant to one epoch |
+//! | `epoch_ranges` | ranges of one epoch |
+//! | `suspicion` | jamming and spoofing that a receiver reports |
+//! | `system` | satellite numbers of each system |
+//! | `calendar`, `message_week`, `present_week`, `roll_over`, `week_votes` | the present week, and time that only goes forward |
+//! | `leap_seconds` | GPS time minus UTC |
+//! | [`Counters`] | counters of received and unused input |
 //!
-//! Behind [`Message`] no wire format is known. A new one is a module beside `rtcm` with a type that implements
-//! `protocol::Protocol`, and a row for it in the table of formats in this file.
+//! Code behind [`Message`] is independent of the wire format. A new format is a module beside
+//! `rtcm` with a type that implements `protocol::Protocol`, and a row in the table of formats in
+//! this file.
 //!
 //! ```
 //! # use raim_firmware::input::{Event, Input};
@@ -39,7 +40,8 @@
 //! });
 //! ```
 //!
-//! All input is hostile. Whatever is not used increments one of the [`Counters`]; the state survives.
+//! All input is hostile. Unused input increments one of the [`Counters`], and the state stays
+//! valid.
 
 mod assembly;
 mod bits;
@@ -84,64 +86,65 @@ pub use leap_seconds::{LeapSecond, LeapSource};
 pub use message_week::NOT_BEFORE_WEEK;
 pub use suspicion::{Jamming, Suspicion, Suspicions};
 
-/// What the bytes said.
+/// Event in the stream of bytes.
 #[derive(Debug)]
 pub enum Event<'a> {
-    /// All observations of one instant, and when its first byte came, in ms.
+    /// All observations of one instant, and the arrival of its first byte, ms.
     Epoch(&'a RawEpoch, u64),
     /// A checked ephemeris.
     Ephemeris(Ephemeris),
-    /// The present, whose week was named or moved only now: sets told before are dated a week off where the instant nearest to
-    /// it says so ([`crate::ephemeris::Store::redate`]).
+    /// The present, after its week was determined or corrected. Earlier sets may be dated a week
+    /// off and are moved ([`crate::ephemeris::Store::redate`]).
     Redated(GpsTime),
-    /// Where a station says it is: a first guess.
+    /// Position that a station reports, as a first guess.
     Position(Ecef),
-    /// Coefficients of the ionosphere as the satellites of GPS or `BeiDou` broadcast them, each for its own model,
-    /// `α0…α3, β0…β3`.
+    /// Coefficients of the ionosphere that the satellites of GPS or `BeiDou` broadcast, each for
+    /// its own model, `α0…α3, β0…β3`.
     Ionosphere(Constellation, [f64; 8]),
-    /// What the receiver says of jamming and spoofing.
+    /// Jamming and spoofing that the receiver reports.
     Jamming(Jamming),
 }
 
-/// What one message says, whatever format it came in.
+/// Content of one message, independent of its format.
 #[derive(Debug)]
 enum Message<'a> {
     /// Ranges of one instant, or of a part of it.
     Ranges(Ranges<'a>),
-    /// An orbit and a clock, not yet judged.
+    /// An orbit and a clock, not yet checked.
     Broadcast(Broadcast),
-    /// A position, a velocity and a clock, not yet judged.
+    /// A position, a velocity and a clock, not yet checked.
     #[cfg(feature = "glonass")]
     State(StateBroadcast),
-    /// Where a station says it is.
+    /// Position that a station reports.
     Position(Ecef),
-    /// Coefficients of the ionosphere and whose they are, and GPS time minus UTC in seconds.
+    /// Coefficients of the ionosphere with their system, and GPS time minus UTC, s.
     #[cfg(feature = "ubx")]
     Corrections(Option<(Constellation, [f64; 8])>, Option<u8>),
-    /// What the receiver says of jamming and spoofing.
+    /// Jamming and spoofing that the receiver reports.
     #[cfg(feature = "ubx")]
     Jamming(Jamming),
 }
 
-/// A message of ranges.
+/// Message with ranges.
 #[derive(Debug)]
 struct Ranges<'a> {
-    /// Number of the station that they are of, 0 where the format has none.
+    /// Number of the station; 0 if the format has none.
     station: u16,
-    /// The system that the message is of; `None` where it speaks for all.
+    /// System of the message; `None` if the message covers all.
     series: Option<Series>,
-    /// Milliseconds into the week of GPS time; `None` where the format's own time cannot be told as such.
+    /// Milliseconds into the week of GPS time; `None` if they cannot be derived from the format's
+    /// own time.
     tow_ms: Option<u32>,
-    /// Milliseconds into the week of UTC, where the format counts so.
+    /// Milliseconds into the week of UTC, if the format counts UTC.
     of_utc_ms: Option<u32>,
-    /// The same with its week, and GPS time minus UTC, where the format says them.
+    /// Time with its week, and GPS time minus UTC, if the format states them.
     stated: Option<(GpsTime, Option<u8>)>,
-    /// Whether it says that more of the same instant follows.
+    /// True if the message states that more of the same instant follow.
     more_follow: bool,
     measured: Measured<'a>,
 }
 
-/// A series of messages that says for itself whether more follow: a number that stays the same, below 16.
+/// Series of messages that states itself whether more follow: a constant number below 16.
 type Series = u8;
 
 // One row for each wire format.
@@ -153,7 +156,7 @@ formats! {
     toy::Toy,
 }
 
-/// The GNSS port's way in.
+/// Input of the GNSS port.
 #[derive(Debug)]
 pub struct Input {
     framer: Framer,
@@ -171,7 +174,7 @@ impl Default for Input {
 }
 
 impl Input {
-    /// A way in through which nothing has come.
+    /// Returns an input before the first byte.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
@@ -185,7 +188,8 @@ impl Input {
         }
     }
 
-    /// Takes bytes that came at an instant, and tells what they complete, in order.
+    /// Takes bytes that came at an instant, and passes the events that they complete to `tell`, in
+    /// order.
     pub fn feed(&mut self, bytes: &[u8], came_ms: u64, mut tell: impl FnMut(Event<'_>)) {
         let mut rest = bytes;
         while !rest.is_empty() {
@@ -196,72 +200,76 @@ impl Input {
         }
     }
 
-    /// The line has been silent for longer than a gap inside a frame can be: what is incomplete stays incomplete.
+    /// Ends incomplete frames, because the line has been silent for longer than any gap inside a
+    /// frame.
     ///
-    /// A cut frame may announce more bytes than are left of the burst it came in, and would hold back the good frames
+    /// A cut frame may announce more bytes than its burst has left. It would delay the good frames
     /// behind it until the next burst.
     pub fn silence(&mut self, mut tell: impl FnMut(Event<'_>)) {
         self.drain(true, &mut tell);
     }
 
-    /// The line pauses, for longer than between two messages of one burst: an epoch is complete whose end was said by a
-    /// system that has said so wrongly before.
+    /// Completes an epoch whose end was stated by a system that has stated it wrongly before,
+    /// because the line pauses for longer than between two messages of one burst.
     pub fn pause(&mut self, mut tell: impl FnMut(Event<'_>)) {
         self.assembly.pause(&mut self.counters, &mut tell);
     }
 
-    /// Bytes were lost: what is under way is dropped, and so is what is left of the next epoch.
+    /// Discards incomplete frames and the rest of the next epoch, because bytes were lost.
     pub fn interrupt(&mut self) {
         self.framer.forget(&mut self.counters);
         self.assembly.interrupt(&mut self.counters);
     }
 
-    /// The ranges of an epoch that came at `came_ms` agreed with orbits: its time is right, in its week, and its source is the
-    /// receiver.
+    /// Confirms an epoch that came at `came_ms`: its ranges agreed with orbits, so that its time
+    /// and week are right and its source is the receiver.
     pub fn confirm(&mut self, time: GpsTime, came_ms: u64) {
         self.calendar.confirm(time, came_ms);
         self.preference.settle();
     }
 
-    /// Takes the GPS week of the next epoch, not rolled over, from a source that is to be believed: the date of a recording. It
-    /// also chooses the cycle of GPS weeks.
+    /// Takes the full GPS week of the next epoch from a trusted source, as the date of a recording.
+    /// It also selects the cycle of GPS weeks.
     pub fn assume(&mut self, week: u16) {
         self.calendar.assume(week);
     }
 
-    /// Nothing that was confirmed is so any more: what comes next may be of another receiver, and another time.
+    /// Discards every confirmation, because the next bytes may be of another receiver and another
+    /// time.
     pub fn forget(&mut self) {
         self.calendar.forget();
         self.preference = Preference::new();
     }
 
-    /// Whether, since this was asked last, an epoch has come over again with other ranges: two receivers share the line.
+    /// Returns true if, since the last call, an epoch came again with other ranges, so that two
+    /// receivers share the line.
     pub fn take_rivalry(&mut self) -> bool {
         self.assembly.take_rivalry()
     }
 
-    /// Returns true if epochs of other sources come since the settled one is missing: a receiver that returned with another station
-    /// number or format, or somebody else on its line.
+    /// Returns true if epochs of other sources come while the settled one is missing: the receiver
+    /// with another station number or format, or another receiver on its line.
     pub fn hears_others(&self) -> bool {
         self.preference.hears_others()
     }
 
-    /// What came in and what was not used.
+    /// Returns the counters of received and unused input.
     pub fn counters(&self) -> &Counters {
         &self.counters
     }
 
-    /// The time of the last epoch that was accepted.
+    /// Returns the time of the last accepted epoch.
     pub fn time(&self) -> Option<GpsTime> {
         self.calendar.time()
     }
 
-    /// GPS time minus UTC, who said so and when; none until somebody has.
+    /// Returns GPS time minus UTC, with its source and time; `None` until it is known.
     pub fn leap_second(&self) -> Option<LeapSecond> {
         self.calendar.leap_second()
     }
 
-    // What reads a message and what learns from one are not inlined: an epoch is told of, and judged, below this frame.
+    // Reading a message and learning from one are not inlined, because an epoch is judged below
+    // this stack frame.
     fn drain(&mut self, is_silent: bool, tell: &mut dyn FnMut(Event<'_>)) {
         let Self { framer, calendar, assembly, memory, preference, counters } = self;
         while let Some((format, frame)) = framer.next(is_silent, counters) {
@@ -299,8 +307,8 @@ impl Input {
     }
 }
 
-/// Returns the position of the station that a single RTCM frame contains: checked and read as in a stream, without the
-/// memory of one.
+/// Returns the position of the station in a single RTCM frame, which is checked and read as in a
+/// stream, but without a stream's memory.
 pub(crate) fn station(frame: &[u8]) -> Option<Ecef> {
     let frame = protocol::whole::<rtcm::Rtcm>(frame)?;
     match rtcm::Rtcm::read(&frame, &mut (), &Calendar::new(), &mut Counters::NONE.clone()) {
@@ -309,7 +317,7 @@ pub(crate) fn station(frame: &[u8]) -> Option<Ecef> {
     }
 }
 
-/// Reads a frame; one that leads to nothing is counted.
+/// Reads a frame; counts one without a message.
 #[inline(never)]
 fn read<'a>(
     format: Format,
@@ -327,34 +335,34 @@ fn read<'a>(
     }
 }
 
-/// Why a frame leads to no message.
+/// Reason for which a frame leads to no message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Unread {
-    /// Its type is not read.
+    /// The type is not read.
     Other,
-    /// It is too short for its type, or contradicts itself.
+    /// The frame is too short for its type, or contradicts itself.
     Malformed,
-    /// A time of week that is none.
+    /// The time of week is out of range.
     Time,
-    /// An ephemeris with a number or a time that no satellite has.
+    /// The ephemeris has a number or a time that no satellite has.
     Ephemeris,
-    /// A position that is none of a receiver.
+    /// The position is impossible for a receiver.
     Position,
     /// The receiver does not know the week yet.
     WithoutWeek,
-    /// A satellite number that the system does not have.
+    /// The system has no satellite of this number.
     Satellite,
-    /// GLONASS, before anything has said how many leap seconds there are.
+    /// The leap seconds are unknown, which GLONASS needs.
     LeapUnknown,
-    /// Navigation bits of a signal that is not read.
+    /// The navigation bits are of a signal that is not read.
     BitsOther,
-    /// Navigation bits that are none: wrong number of words, preamble or flags.
+    /// The navigation bits have a wrong number of words, preamble or flags.
     BitsMalformed,
-    /// Navigation bits with a wrong parity or CRC.
+    /// The navigation bits have a wrong parity or CRC.
     BitsParity,
-    /// A set of navigation bits whose pages are of different issues.
+    /// The pages of a set of navigation bits are of different issues.
     BitsMixed,
-    /// Navigation bits for which no set is free.
+    /// No set is free for the navigation bits.
     BitsSurplus,
 }
 
@@ -378,8 +386,8 @@ impl Unread {
     }
 }
 
-/// Judges what a satellite says of itself, and takes it.
-// Not inlined: the ephemeris is on this frame, and not on the one below which an epoch is judged.
+/// Checks the message of a satellite, and reports its ephemeris.
+// Not inlined, so that the ephemeris is not on the stack frame below which an epoch is judged.
 #[inline(never)]
 fn learn(
     ephemeris: impl FnOnce() -> Result<Ephemeris, BroadcastError>,

@@ -1,11 +1,13 @@
 //! The week of the present, from the weeks that sets of ephemerides state.
 //!
-//! Before the first epoch the second of the week is unknown, and near the end of a week a stated week names none
-//! ([`super::roll_over`]). Distinct statements are kept until the first epoch, which the one that says the most then dates.
+//! Before the first epoch the second of the week is unknown, and near the end of a week a stated
+//! week is ambiguous ([`super::roll_over`]). Distinct statements are stored until the first epoch.
+//! The most informative one then dates it.
 //!
-//! If every set so far fits two weeks, the likelier one is taken and the other is kept as doubt. The first set of any system
-//! that fits one of the two only decides. While there is doubt no epoch confirms the week: ranges agree as well with orbits
-//! that are all dated a week early. Sets that fit both say nothing, and sets that fit neither vote ([`super::week_votes`]).
+//! If every set so far fits two weeks, the likelier one is taken and the other is stored as doubt.
+//! The first set of any system that fits only one of the two decides. While there is doubt no epoch
+//! confirms the week, because ranges agree as well with orbits that are all dated a week early.
+//! Sets that fit both are no evidence, and sets that fit neither vote ([`super::week_votes`]).
 
 use heapless::Vec;
 use raim_core::satellite::Constellation;
@@ -14,31 +16,32 @@ use super::roll_over::PresentWeeks;
 use super::week_votes::{Vote, WeekVotes};
 use crate::time::GpsTime;
 
-/// Statements that are kept until the first epoch: at one time a system has one to four reference times.
+/// Number of statements stored until the first epoch; at one time a system has one to four
+/// reference times.
 const KEPT: usize = 8;
 
 /// Half of the cycle in which GPS counts weeks.
 const HALF_CYCLE_WEEKS: u32 = 512;
 
-/// The system of a set, and the instant that it states.
+/// System of a set, and the instant that it states.
 type Statement = (Constellation, GpsTime);
 
-/// The effect of a set on the week of the present.
+/// Effect of a set on the week of the present.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ruling {
-    /// The week stands.
+    /// The week is unchanged.
     Stands,
-    /// The week was in doubt, and is that many weeks later.
+    /// The week was in doubt, and is this many weeks later.
     Moved(i32),
-    /// The systems agree on another week, and this is the present.
+    /// The systems agree on another week; this is the present.
     Replaced(GpsTime),
 }
 
-/// The evidence for the week of the present.
+/// Evidence for the week of the present.
 #[derive(Debug)]
 pub(super) struct PresentWeek {
     kept: Vec<Statement, KEPT>,
-    /// The other week that every set so far fits, counted from that of the present.
+    /// Other week that every set so far fits, counted from that of the present.
     doubt: Option<i32>,
     votes: WeekVotes,
 }
@@ -50,7 +53,7 @@ impl PresentWeek {
         Self { kept: Vec::new(), doubt: None, votes: WeekVotes::none() }
     }
 
-    /// Returns true while the present may as well be in the week beside.
+    /// Returns true while the present may also be in the other week.
     pub(super) const fn is_in_doubt(&self) -> bool {
         self.doubt.is_some()
     }
@@ -69,12 +72,13 @@ impl PresentWeek {
 
     fn keep(&mut self, statement: Statement) {
         if !self.kept.contains(&statement) {
-            // Further ones vote only.
+            // Further statements only vote.
             let _ = self.kept.push(statement);
         }
     }
 
-    /// Takes a set after the first; `now` is the last epoch or, before there was one, the instant that the first set states.
+    /// Takes a set after the first; `now` is the last epoch or, before the first epoch, the instant
+    /// that the first set states.
     pub(super) fn hear(&mut self, (system, stated): Statement, now: GpsTime) -> Ruling {
         let weeks = PresentWeeks::of(system, stated, now);
         match self.kept.first() {
@@ -119,15 +123,15 @@ impl PresentWeek {
         Ruling::Replaced(now.later_by_weeks(weeks.preferred()))
     }
 
-    /// Returns the first epoch, at `tow_ms`, in the week that the kept statements name, and true if one of them states another
-    /// week than its set is of.
+    /// Returns the first epoch, at `tow_ms`, in the week of the stored statements, and true if one
+    /// of them states another week than that of its set.
     pub(super) fn first_epoch(&mut self, tow_ms: u32) -> Option<(GpsTime, bool)> {
         let kept = core::mem::take(&mut self.kept);
         let weeks_of = |&(system, stated): &Statement| {
             let origin = GpsTime { week: stated.week, tow_ms };
             (PresentWeeks::of(system, stated, origin), origin)
         };
-        // Of those that say as much, the first.
+        // The first of those with the same weight.
         let weeks_of = |(index, statement)| (index, weeks_of(statement));
         let (base, (weeks, origin)) =
             kept.iter().enumerate().rev().map(weeks_of).max_by_key(|(_, (weeks, _))| weeks.weight())?;
@@ -136,7 +140,7 @@ impl PresentWeek {
         if self.is_in_doubt() {
             self.votes = WeekVotes::none();
         }
-        // The first has no vote besides, and of the others each has voted already.
+        // The first set has no second vote, and each of the others has voted already.
         let votes = self.votes.clone();
         for (_, &statement) in kept.iter().enumerate().filter(|(index, _)| *index != base) {
             match self.hear(statement, present) {
@@ -150,7 +154,7 @@ impl PresentWeek {
         Some((present, is_off))
     }
 
-    /// Takes the time that a receiver states with an epoch. It decides between two weeks, and nothing else.
+    /// Takes the time that a receiver states with an epoch. It only decides between two weeks.
     pub(super) fn hear_time(&mut self, stated: GpsTime, now: GpsTime) -> Ruling {
         let weeks = i32::from(GpsTime::nearest(now.tow_ms, stated).week) - i32::from(now.week);
         match self.doubt {

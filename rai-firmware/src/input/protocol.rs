@@ -1,17 +1,17 @@
-//! The interface between the stream of bytes and a wire format.
+//! Interface between the stream of bytes and a wire format.
 //!
-//! A wire format is one type that implements [`Protocol`], in a folder of its own, and one row of the table of formats in
-//! `input/mod.rs`. `formats!` makes of that table everything that has a case for each format, so that no other module
-//! names one:
+//! A wire format is one type that implements [`Protocol`], in a folder of its own, and one row of
+//! the table of formats in `input/mod.rs`. `formats!` generates everything that has a case for each
+//! format from that table, so that no other module names one:
 //!
-//! | made | use |
+//! | generated | use |
 //! |---|---|
 //! | `Format` | names the format of a frame; its functions call those of the implementation |
 //! | `Memory` | holds what each format remembers between frames |
 //! | `Measured` | holds the ranges of a message, still encoded |
 //!
-//! No function of [`Protocol`] has a default, so that a format that lacks one does not compile. Calls are resolved when
-//! the module is compiled: the cost and the proof that nothing panics are those of a `match`.
+//! No function of [`Protocol`] has a default, so that an incomplete format does not compile. Calls
+//! are resolved at compile time, so that cost and panic proof are those of a `match`.
 
 use core::fmt::Debug;
 
@@ -21,7 +21,7 @@ use super::calendar::Calendar;
 use super::{Counters, Message, Unread};
 use crate::raw::RawSignal;
 
-/// A wire format.
+/// Wire format.
 pub(super) trait Protocol {
     /// First bytes of every frame, at least one.
     const SYNC: &'static [u8];
@@ -32,24 +32,25 @@ pub(super) trait Protocol {
     /// State that the format keeps between frames.
     type Memory: Debug;
 
-    /// Returns the state before the first frame. It is a function and no constant, because a constant
-    /// lies in flash and is copied by way of the stack.
+    /// Returns the state before the first frame. It is a function and no constant, because a
+    /// constant lies in flash and is copied by way of the stack.
     fn at_start() -> Self::Memory;
 
     /// Ranges of one message, still encoded.
     type Ranges<'a>: Measurements;
 
-    /// Returns the length of the frame that begins with these bytes. They begin with [`Self::SYNC`] and may end before
-    /// the frame does. A length beyond [`Self::LONGEST`] is refused here.
+    /// Returns the length of the frame that begins with these bytes. They begin with [`Self::SYNC`]
+    /// and may end before the frame does. A length beyond [`Self::LONGEST`] is refused here.
     fn length(bytes: &[u8]) -> Extent;
 
     /// Returns true if the check of a complete frame holds.
     fn check(frame: &[u8]) -> bool;
 
-    /// Reads a frame whose check holds. The result is `None` if the frame only adds to what others have said.
+    /// Reads a frame whose check holds. The result is `None` if the frame only adds to what others
+    /// have said.
     ///
     /// # Errors
-    /// [`Unread`] names why the frame leads to no message.
+    /// [`Unread`] states why the frame leads to no message.
     fn read<'a>(
         frame: &Frame<'a>,
         memory: &mut Self::Memory,
@@ -63,7 +64,7 @@ pub(super) trait Measurements: Debug {
     /// Returns true if the message has no satellite.
     fn is_empty(&self) -> bool;
 
-    /// Hands each range to `add`, and says if its code is the one of its band that the broadcast clock refers to.
+    /// Passes each range to `add`, with true if the broadcast clock refers to its code.
     fn each(
         &self,
         counters: &mut Counters,
@@ -71,10 +72,10 @@ pub(super) trait Measurements: Debug {
     );
 }
 
-/// How far a frame reaches, as its first bytes tell.
+/// Length of a frame, from its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Extent {
-    /// More bytes are needed to tell.
+    /// More bytes are needed.
     Unknown,
     /// Length of the whole frame, bytes.
     Bytes(usize),
@@ -82,7 +83,7 @@ pub(super) enum Extent {
     NoFrame,
 }
 
-/// A frame that has passed its check.
+/// Frame whose check holds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame<'a> {
     /// The whole frame.
@@ -105,7 +106,7 @@ pub(super) fn whole<P: Protocol>(bytes: &[u8]) -> Option<Frame<'_>> {
     (is_one && P::check(bytes)).then_some(Frame { bytes, came_ms: 0 })
 }
 
-/// Returns how far the frame of a format reaches that begins with these bytes, however few they are.
+/// Returns the extent of the frame of a format that begins with these bytes, however few they are.
 pub(super) fn extent<P: Protocol>(bytes: &[u8]) -> Extent {
     if bytes.starts_with(P::SYNC) {
         P::length(bytes)
@@ -116,10 +117,10 @@ pub(super) fn extent<P: Protocol>(bytes: &[u8]) -> Extent {
     }
 }
 
-/// Makes everything that has a case for each wire format of rows `module::Implementation`.
+/// Makes everything that has a case for each wire format from rows `module::Implementation`.
 macro_rules! formats {
     ($($(#[$condition:meta])* $module:ident::$Name:ident,)+) => {
-        /// The wire format of a frame.
+        /// Wire format of a frame.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         enum Format {
             $($(#[$condition])* $Name,)+
@@ -199,7 +200,7 @@ macro_rules! formats {
         }
 
         impl Memory {
-            /// State before the first frame.
+            /// Returns the state before the first frame.
             #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
             #[inline(always)]
             fn new() -> Self {
@@ -216,7 +217,7 @@ macro_rules! formats {
         }
 
         impl Measured<'_> {
-            /// Returns true if there is no satellite in it.
+            /// Returns true if the message has no satellite.
             fn is_empty(&self) -> bool {
                 match self {
                     Self::Nothing => true,
@@ -224,7 +225,7 @@ macro_rules! formats {
                 }
             }
 
-            /// Hands each range to `add`, and says if its code is the one of its band that the broadcast clock refers to.
+            /// Passes each range to `add`, with true if the broadcast clock refers to its code.
             fn each(
                 &self,
                 counters: &mut Counters,

@@ -1,8 +1,10 @@
-//! Weeks that the present can be in, by one set that states a week and a reference time near the end of a week.
+//! Weeks that the present can be in, by one set that states a week and a reference time near the
+//! end of a week.
 //!
-//! The stated week is that of transmission ([IS-GPS-200] 20.3.3.3.1.1) or that of `toe`: both are in use. The second of the week
-//! of the present is known from the ranges, so each meaning names a present week. `w` is the stated week, `t` the second of `toe`,
-//! `c` that of the present; `toe`, transmission and the present are within half a week of each other.
+//! The stated week is that of transmission ([IS-GPS-200] 20.3.3.3.1.1) or that of `toe`; both are
+//! in use. The second of the present week is known from the ranges, so that each meaning determines
+//! a present week. `w` is the stated week, `t` the second of `toe`, `c` that of the present; `toe`,
+//! transmission and the present are within half a week of each other.
 //!
 //! | `t` and `c` | week of `toe` | of transmission, just now | of transmission, before the week ended | preferred |
 //! |---|---|---|---|---|
@@ -11,10 +13,12 @@
 //! | both soon after it | `w` | `w` | `w + 1` | `w` |
 //! | elsewhere | `w` | `w` | – | `w` |
 //!
-//! Galileo sends `toe` of the past and renews its sets every ten minutes; the others renew theirs at full hours. A set whose
-//! reference time is two hours or more after the end was not transmitted before it: the fit interval of GPS is four hours.
+//! Galileo sends a past `toe` and renews its sets every ten minutes; the others renew theirs at
+//! full hours. A set whose reference time is two hours or more after the end was not transmitted
+//! before it, because the fit interval of GPS is four hours.
 //!
-//! The answer depends on the message and on the second of the week alone, and never on which week the calendar took before.
+//! The answer depends only on the message and on the second of the week, never on the week that the
+//! calendar took before.
 //!
 //! [IS-GPS-200]: crate#references
 
@@ -23,33 +27,35 @@ use raim_core::satellite::Constellation;
 use super::message_week::behind_gps_ms;
 use crate::time::{GpsTime, WEEK_MS};
 
-/// Half a week, ms: the farthest that `toe`, transmission and the present are apart.
+/// Half a week, ms: the largest distance of `toe`, transmission and the present.
 const HALF_WEEK_MS: i64 = WEEK_MS as i64 / 2;
 
-/// How long a receiver may pass on a set that it took before the week ended, ms.
+/// Longest time for which a receiver passes on a set from before the end of the week, ms.
 const PASSED_ON_MS: u32 = 4 * 3_600_000;
 
-/// The first reference time of sets that are transmitted only after the week has ended, ms: two hours, less the 16 s by which an
-/// upload moves it.
+/// First reference time of sets that are transmitted only after the end of the week, ms: two hours,
+/// less the 16 s by which an upload moves it.
 const FIRST_OF_WEEK_MS: u32 = 7_184_000;
 
-/// How far from the present the reference time of a set that states the neighbouring week may be, ms.
+/// Largest distance from the present at which the reference time of a set that states the
+/// neighbouring week is moved, ms.
 const PRESENT_MS: u64 = 4 * 3_600_000;
 
-/// Weeks that the present can be in: `first`, and the next one where `is_pair`.
+/// Weeks that the present can be in: `first`, and the next one if `is_pair`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PresentWeeks {
-    /// Counted from the week of the instant that the set was compared with.
+    /// First week, counted from that of the instant with which the set was compared.
     first: i32,
     is_pair: bool,
-    /// The likelier one of the pair.
+    /// Likelier week of the pair.
     preferred: i32,
-    /// Two of the three meanings name the preferred week.
+    /// True if two of the three meanings give the preferred week.
     is_likely: bool,
 }
 
 impl PresentWeeks {
-    /// Compares a set of a system with an instant of which only the second of the week counts; weeks are counted from its own.
+    /// Compares a set of a system with an instant, of which only the second of the week counts;
+    /// weeks are counted from that of the instant.
     pub(super) fn of(system: Constellation, stated: GpsTime, now: GpsTime) -> Self {
         let behind_ms = behind_gps_ms(system);
         let (stated, now) = (stated.earlier_by_ms(behind_ms), now.earlier_by_ms(behind_ms));
@@ -91,7 +97,7 @@ impl PresentWeeks {
         Some(other).filter(|_| self.is_pair)
     }
 
-    /// Returns how much the set says of the week, to choose between sets.
+    /// Returns the weight of the set's evidence for the week, to choose between sets.
     pub(super) const fn weight(self) -> u8 {
         match self {
             Self { is_pair: false, .. } => 2,
@@ -101,9 +107,11 @@ impl PresentWeeks {
     }
 }
 
-/// Returns the reference time of a set at the known present: that nearest to it where the stated week allows this, else the stated.
+/// Returns the reference time of a set at the known present: the nearest one if the stated week
+/// allows it, else the stated one.
 ///
-/// A set that states the neighbouring week is moved only near the present: a set that is a week old must not look fresh.
+/// A set that states the neighbouring week is moved only near the present, because a set that is a
+/// week old must not look fresh.
 pub(super) fn dated(system: Constellation, stated: GpsTime, now: GpsTime) -> GpsTime {
     let nearest = GpsTime::nearest(stated.tow_ms, now);
     let is_present = nearest.since_ms(now).unsigned_abs() <= PRESENT_MS;
@@ -137,7 +145,7 @@ mod tests {
     #[test]
     fn week_of_beidou_ends_14_s_later() {
         let after = |tow_ms| GpsTime { week: 2114, tow_ms };
-        // Second 0 of BeiDou week 758 is second 14 of GPS week 2114.
+        // Second 0 of `BeiDou` week 758 is second 14 of GPS week 2114.
         assert_eq!(weeks(Beidou, 2114, 14, after(13_999)), [2114, 2115]);
         assert_eq!(weeks(Beidou, 2114, 14, BEFORE), [2113, 2114]);
         assert_eq!(weeks(Beidou, 2113, 14 + 601_200, after(13_999)), [2114]);

@@ -1,48 +1,48 @@
-//! What a receiver says of the signals it gets, whatever format it says it in.
+//! Jamming and spoofing that a receiver reports, in any format.
 
-/// How sure the receiver is of an interference.
+/// Certainty of the receiver about an interference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Suspicion {
-    /// It does not say.
+    /// The receiver reports no state.
     #[default]
     Unknown,
-    /// There is none.
+    /// The receiver reports no interference.
     None,
-    /// It suspects it, or suppresses what it notices.
+    /// The receiver suspects interference, or suppresses it.
     Suspected,
-    /// It is sure.
+    /// The receiver is certain.
     Sure,
 }
 
-/// What a receiver says of the signals it gets; nothing of what it does not say.
+/// Interference in one message; `None` for a kind that the message does not cover.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Jamming {
-    /// Noise that hides the signals.
+    /// Jamming: noise that hides the signals.
     pub jamming: Option<Suspicion>,
-    /// Signals that are none of a satellite.
+    /// Spoofing: false signals.
     pub spoofing: Option<Suspicion>,
 }
 
-/// A statement of jamming or spoofing holds for so long, ms.
+/// Time for which a reported state holds, ms.
 const HOLDS_MS: u64 = 60_000;
 
-/// The statements of a receiver about its signals so far, from all its messages; each has an age of its own.
+/// States that a receiver has reported in all its messages, each with its own age.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Suspicions {
-    /// Noise that hides the signals.
+    /// Jamming: noise that hides the signals.
     pub jamming: Suspicion,
-    /// Signals that are none of a satellite.
+    /// Spoofing: false signals.
     pub spoofing: Suspicion,
-    /// A message has come that knows of both.
+    /// True after a message that covers both kinds.
     is_told_both: bool,
-    /// Time of the message that the state of jamming is of, ms.
+    /// Time of the message with the state of jamming, ms.
     jamming_ms: u64,
-    /// Time of the message that the state of spoofing is of, ms.
+    /// Time of the message with the state of spoofing, ms.
     spoofing_ms: u64,
 }
 
 impl Suspicions {
-    /// Of a receiver that has said nothing.
+    /// States before the first message.
     pub const NONE: Self = Self {
         jamming: Suspicion::Unknown,
         spoofing: Suspicion::Unknown,
@@ -51,9 +51,10 @@ impl Suspicions {
         spoofing_ms: 0,
     };
 
-    /// Takes what a message says. One that knows of spoofing only never lowers what one has said that knows of both; and who
-    /// was sure and now does not know, as a receiver that has begun anew, has taken nothing back. A message renews the age of a
-    /// state only if the state is the one that the message says.
+    /// Takes a message. A message that covers only spoofing never lowers the state of one that
+    /// covers both. If a certain state is followed by an unknown one, as after a restart of the
+    /// receiver, the certain state stays. A message renews the age of a state only if it reports
+    /// that state.
     pub fn hear(&mut self, said: &Jamming, now_ms: u64) {
         let knows_both = said.jamming.is_some();
         if let Some(spoofing) = said.spoofing {
@@ -70,7 +71,8 @@ impl Suspicions {
         self.is_told_both |= knows_both;
     }
 
-    /// Sets each state to unknown that no message has renewed for a minute, unless it is sure of spoofing.
+    /// Sets each state to unknown that no message has renewed for a minute, except a certain state
+    /// of spoofing.
     pub fn age(&mut self, now_ms: u64) {
         let is_old = |said_ms: u64| now_ms.abs_diff(said_ms) > HOLDS_MS;
         if is_old(self.jamming_ms) {
@@ -81,19 +83,19 @@ impl Suspicions {
         }
     }
 
-    /// Whether no signal is to be trusted.
+    /// Returns true if no signal may be trusted.
     pub fn is_sure(&self) -> bool {
         self.spoofing == Suspicion::Sure
     }
 }
 
 impl Suspicion {
-    /// The number that it is reported with.
+    /// Returns the number with which it is reported.
     pub const fn number(self) -> u8 {
         self as u8
     }
 
-    /// By the number that it is reported with: 0 unknown, 1 none, 2 suspected, 3 sure.
+    /// Returns the state with this number: 0 unknown, 1 none, 2 suspected, 3 certain.
     pub const fn from_number(number: u8) -> Self {
         match number {
             1 => Self::None,

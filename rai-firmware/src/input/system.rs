@@ -1,4 +1,4 @@
-//! Systems as wire formats tell them apart, and how each numbers its satellites.
+//! Systems that wire formats distinguish, and the satellite numbers of each.
 //!
 //! | system | numbers | the core's constellation |
 //! |---|---|---|
@@ -8,7 +8,7 @@
 
 use raim_core::satellite::{Constellation, SatelliteId};
 
-/// A system that is read.
+/// System that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum System {
     Gps,
@@ -19,7 +19,7 @@ pub(super) enum System {
 }
 
 impl System {
-    /// Whose clock its ranges touch.
+    /// Returns the constellation whose clock affects the ranges.
     pub(super) const fn constellation(self) -> Constellation {
         match self {
             Self::Gps | Self::Qzss => Constellation::Gps,
@@ -29,7 +29,7 @@ impl System {
         }
     }
 
-    /// The satellite of a number; `None` for one that the system does not have.
+    /// Returns the satellite with this number; `None` if the system has no such satellite.
     pub(super) const fn satellite(self, number: u8) -> Option<SatelliteId> {
         let highest = match self {
             Self::Gps => 32,

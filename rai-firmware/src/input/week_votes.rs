@@ -1,33 +1,34 @@
-//! Votes of the systems on the week, each by its ephemerides.
+//! Votes of the systems on the week, by their ephemerides.
 //!
-//! What one system says, however often, does not outvote two that agree. The week is wrong when more systems contradict it than
-//! confirm it, or as many and with [`DISSENT`] more ephemerides. Who has confirmed it is heard to contradict it when it has done
-//! so as often: some forged ephemerides do not turn a system's vote.
+//! One system, however many its votes, does not outvote two that agree. The week is wrong if more
+//! systems contradict it than confirm it, or as many and with [`DISSENT`] more ephemerides. A
+//! system that has confirmed the week contradicts it only after as many contrary votes, so that a
+//! few forged ephemerides do not turn its vote.
 //!
-//! Two confirm what they cannot know. GLONASS counts days, and is dated by the time that is known: it has no vote. GPS counts
-//! weeks in cycles of 1,024, and is dated in the one that is nearest: where others contradict the cycle, what it has confirmed counts
-//! for nothing.
+//! Two confirmations are void. GLONASS counts days and is dated by the known time, so that it has
+//! no vote. GPS counts weeks in cycles of 1,024 and is dated in the nearest one. If other systems
+//! contradict the cycle, the confirmations of GPS are discarded.
 
 use raim_core::satellite::Constellation;
 
-/// Ephemerides that it takes to correct the week.
+/// Number of ephemerides that correct the week.
 const DISSENT: u8 = 4;
 
-/// The votes of one system that count.
+/// Largest number of votes of one system that count.
 const MOST: i8 = 8;
 
-/// What an ephemeris says of the week.
+/// Vote of an ephemeris on the week.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Vote {
-    /// It is the right one.
+    /// The week is right.
     Right,
-    /// It is another one.
+    /// The week is another one.
     Other,
-    /// It is another one, and not of the cycle in which GPS weeks are taken.
+    /// The week is another one, outside the cycle in which GPS weeks are taken.
     OtherCycle,
 }
 
-/// What each system says of the week: that it is right where positive, that it is wrong where negative.
+/// Votes of each system: positive if the week is right, negative if it is wrong.
 #[derive(Clone, Debug)]
 pub(super) struct WeekVotes([i8; Constellation::ALL.len()]);
 
@@ -51,7 +52,7 @@ impl WeekVotes {
         }
     }
 
-    /// Whether the week is wrong.
+    /// Returns true if the week is wrong.
     pub(super) fn contradict(&self) -> bool {
         let sum = |is_of: fn(&i8) -> bool| {
             let votes = self.0.iter().copied().filter(is_of);
@@ -62,7 +63,7 @@ impl WeekVotes {
             && (against > confirming || against == confirming && dissent >= agreement.saturating_add(DISSENT))
     }
 
-    /// What they say of the week that those who contradict mean: a vote of each.
+    /// Returns the votes on the other week: one of each system, with the opposite sign.
     pub(super) fn of_the_other_week(&self) -> Self {
         Self(self.0.map(|vote| -vote.signum()))
     }
@@ -73,7 +74,7 @@ mod tests {
     use super::*;
     use Constellation::{Beidou, Galileo, Gps};
 
-    /// Votes in turn: so many for the week where positive, against it where negative.
+    /// Returns the votes after these, in turn: for the week if positive, against it if negative.
     fn after(votes: &[(Constellation, i32)]) -> WeekVotes {
         let mut week = WeekVotes::none();
         for (system, votes) in votes {

@@ -1,17 +1,18 @@
-//! Reports to bytes: what the host is told, in which form, how often.
+//! Output: the sentences and messages for the host, and their rates.
 //!
-//! | module | for |
+//! | module | readers |
 //! |---|---|
-//! | [`nmea`] | everything that reads sentences |
+//! | [`nmea`] | readers of sentences |
 //! | [`mavlink`] | autopilots |
 //! | [`nic`] | aviation: the integrity category of a level |
-//! | [`schedule`] | how often each of them is told |
+//! | [`schedule`] | rate of each sentence and message |
 //!
-//! Who tells, and remembers what was told, is [`crate::publisher`].
+//! [`crate::publisher`] sends them, and remembers the last state.
 //!
-//! One [`Statement`] describes one epoch. In an alert no sentence and no message carries a coordinate, a height, a speed or
-//! a protection level, and every mode says so. Outputs therefore take the place from `Statement::usable_solution` and the
-//! velocity from `Statement::usable_motion`.
+//! One [`Statement`] describes one epoch. In an alert no sentence and no message carries a
+//! coordinate, a height, a speed or a protection level, and every mode reports the alert. Outputs
+//! therefore take the position from `Statement::usable_solution` and the velocity from
+//! `Statement::usable_motion`.
 
 use raim_core::report::{Report, Solution, Verdict};
 use raim_core::requirements::Requirements;
@@ -25,21 +26,21 @@ pub mod nic;
 pub mod nmea;
 pub mod schedule;
 
-/// Velocity of the receiver's antenna, held to its own test.
+/// Velocity of the antenna that passed its own test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// To the east, m/s.
+    /// East component, m/s.
     pub east_m_s: f32,
-    /// To the north, m/s.
+    /// North component, m/s.
     pub north_m_s: f32,
-    /// Up, m/s.
+    /// Up component, m/s.
     pub up_m_s: f32,
     /// Standard deviation of the horizontal velocity along its worst direction, m/s.
     pub sigma_m_s: f32,
 }
 
 impl Motion {
-    /// What is told of a velocity.
+    /// Converts a velocity of the core to single precision.
     pub fn of(velocity: &Velocity) -> Self {
         let [east_m_s, north_m_s, up_m_s] = velocity.east_north_up_m_s.map(|component| component as f32);
         let [east, covariance, _, north, _, _] = velocity.covariance_m2_s2.map(|element| element as f32);
@@ -48,58 +49,58 @@ impl Motion {
         Self { east_m_s, north_m_s, up_m_s, sigma_m_s: libm::sqrtf((mean + spread).max(0.0)) }
     }
 
-    /// Speed over ground, m/s.
+    /// Returns the speed over ground, m/s.
     pub fn speed_m_s(&self) -> f32 {
         libm::sqrtf(self.east_m_s * self.east_m_s + self.north_m_s * self.north_m_s)
     }
 }
 
-/// How sure the receiver that measures is of an interference, as `PRAIN` says it: 0 unknown, 1 none, 2 suspected or
-/// mitigated, 3 sure.
+/// Interference that the receiver reports, with the values of `PRAIN`: 0 unknown, 1 none, 2
+/// suspected or mitigated, 3 certain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Interference {
-    /// Noise that hides the signals.
+    /// Jamming: noise that hides the signals.
     pub jamming: u8,
-    /// Signals that are none of a satellite.
+    /// Spoofing: false signals.
     pub spoofing: u8,
 }
 
-/// Everything that is told of one epoch.
+/// Everything that is reported of one epoch.
 #[derive(Clone, Copy, Debug)]
 pub struct Statement<'r, const N: usize> {
-    /// What was found.
+    /// Report of the core.
     pub report: &'r Report<N>,
     /// The receiver's time tag.
     pub time: GpsTime,
     /// GPS time minus UTC, s.
     pub gps_minus_utc_s: u8,
-    /// What is required.
+    /// Requirements in force.
     pub requirements: &'r Requirements,
-    /// Velocity, where there is one that passed its test.
+    /// Velocity, if it passed its test.
     pub motion: Option<Motion>,
-    /// What the receiver says of its signals.
+    /// Interference that the receiver reports.
     pub interference: Interference,
     /// Hash of the settings in force.
     pub settings_hash: u32,
 }
 
 impl<const N: usize> Statement<'_, N> {
-    /// True where the position must not be used.
+    /// Returns true if the position must not be used.
     fn is_alert(&self) -> bool {
         matches!(self.report.verdict, Verdict::Alert(_))
     }
 
-    /// Returns the solution, unless there is none or an alert says that it must not be used.
+    /// Returns the solution; `None` without one or in an alert.
     fn usable_solution(&self) -> Option<&Solution> {
         self.report.solution.as_ref().filter(|_| !self.is_alert())
     }
 
-    /// Returns the velocity, unless there is no solution that may be used.
+    /// Returns the velocity; `None` unless the solution may be used.
     fn usable_motion(&self) -> Option<Motion> {
         self.motion.filter(|_| self.usable_solution().is_some())
     }
 
-    /// The horizontal and the vertical protection level, m; none in an alert.
+    /// Returns the horizontal and vertical protection level, m; `None` in an alert.
     fn levels_m(&self) -> (Option<f64>, Option<f64>) {
         match self.report.protection.filter(|_| !self.is_alert()) {
             Some(levels) => (Some(levels.hpl_m), Some(levels.vpl_m)),

@@ -1,7 +1,8 @@
-//! NIC: the navigation integrity category of ADS-B that a horizontal protection level is good for.
+//! NIC: the navigation integrity category of ADS-B for a horizontal protection level.
 //!
-//! The category stands for a radius of containment that the level must stay below. The radius is one of 1e-7 an hour
-//! in a transponder; what it is here follows from the probabilities that are set, which `PRAIQ` says.
+//! Each category has a radius of containment, and the level must be below it. A transponder's
+//! radius holds for a risk of 1e-7 an hour; here the risk follows from the probabilities that
+//! `PRAIQ` reports.
 //!
 //! | NIC | 11 | 10 | 9 | 8 | 7 | 6 | 5 | 4 | 3 | 2 | 1 |
 //! |---|---|---|---|---|---|---|---|---|---|---|---|
@@ -27,9 +28,10 @@ const CATEGORIES: [(f32, u8); 11] = [
     (37_040.0, 1),
 ];
 
-/// The category of a level, m; 0 without a level, or beyond all of them.
+/// Returns the category of a level in m; 0 without a level, for NaN, and for a level beyond all
+/// radii.
 pub fn category(hpl_m: Option<f64>) -> u8 {
-    // Rounded up a little, so that single precision never finds a better one.
+    // Rounded up slightly, so that single precision never returns a better category.
     let Some(hpl_m) = hpl_m.map(|level| level as f32 * (1.0 + f32::EPSILON)) else { return 0 };
     CATEGORIES.iter().find(|(radius_m, _)| hpl_m < *radius_m).map_or(0, |(_, nic)| *nic)
 }

@@ -1,13 +1,14 @@
-//! How often each sentence and message is sent.
+//! Rate of each sentence and message.
 //!
-//! `OUTPUT,item,n` sends an item with every n-th epoch, or never with 0; and with an epoch whose state is worse than that of
-//! the one before. The sentences that say whether the position may be used (`PRAIS`, `PRAIX`, `PRAIM`, `PRAIN`) and those of
-//! the settings cannot be switched off.
+//! `OUTPUT,item,n` sends an item with every n-th epoch, or never if n is 0. Every item with a
+//! nonzero rate is also sent with an epoch whose state is worse than that of the epoch before. The
+//! sentences that report the use of the position (`PRAIS`, `PRAIX`, `PRAIM`, `PRAIN`) and the
+//! settings cannot be switched off.
 
-/// Makes the items out of their names, rates at start, and features.
+/// Makes the items from their names, rates at start, and features.
 macro_rules! items {
     ($($name:literal $item:ident = $at_start:literal $(if $feature:literal)?: $text:literal,)*) => {
-        /// Item that the module sends more or less often.
+        /// Sentence or message with an adjustable rate.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Item {
             $(#[doc = $text] $item,)*
@@ -17,12 +18,12 @@ macro_rules! items {
             /// Every item, in the order of [`Schedule::rates`].
             pub const ALL: &'static [Self] = &[$(Self::$item,)*];
 
-            /// Their names.
+            /// Names of the items.
             pub const NAMES: &'static [&'static str] = &[$($name,)*];
 
             const AT_START: [u8; Self::ALL.len()] = [$($at_start,)*];
 
-            /// Returns true for an item that is built in.
+            /// Returns true if the item is built in.
             pub const fn is_built(self) -> bool {
                 match self {
                     $(Self::$item => true $(&& cfg!(feature = $feature))?,)*
@@ -53,20 +54,20 @@ impl Item {
     }
 }
 
-/// Every how many epochs each item is sent; 0 for never.
+/// Rate of each item: sent with every n-th epoch; 0 for never.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Schedule {
     every: [u8; Self::ITEMS],
 }
 
 impl Schedule {
-    /// How many items there are.
+    /// Number of items.
     pub const ITEMS: usize = Item::ALL.len();
 
-    /// All sentences with every epoch, no message of `MAVLink`.
+    /// All sentences with every epoch, and no message of `MAVLink`.
     pub const AT_START: Self = Self { every: Item::AT_START };
 
-    /// With another rate of one item.
+    /// Returns the schedule with another rate of one item.
     #[must_use]
     pub fn with(mut self, item: Item, every: u8) -> Self {
         if let Some(slot) = self.every.get_mut(item as usize) {
@@ -75,12 +76,12 @@ impl Schedule {
         self
     }
 
-    /// Every how many epochs, item by item, with their names.
+    /// Returns the name and the rate of each item.
     pub fn rates(&self) -> impl Iterator<Item = (&'static str, u8)> {
         Item::NAMES.iter().copied().zip(self.every)
     }
 
-    /// What is due with the epoch of this number.
+    /// Returns the items that are due with the epoch of this number.
     pub fn due(&self, epoch: u32) -> Due {
         let is_due = |every: &u8| *every > 0 && epoch.is_multiple_of(u32::from(*every));
         Due(self
@@ -92,17 +93,17 @@ impl Schedule {
     }
 }
 
-/// A set of items.
+/// Set of items.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Due(u16);
 
 impl Due {
-    /// Is this item in the set?
+    /// Returns true if the item is in the set.
     pub const fn has(self, item: Item) -> bool {
         self.0 >> item as u16 & 1 == 1
     }
 
-    /// The set without this item.
+    /// Returns the set without this item.
     #[must_use]
     pub const fn without(self, item: Item) -> Self {
         Self(self.0 & !(1 << item as u16))

@@ -1,4 +1,5 @@
-//! What happens to each thing that comes in: an epoch is judged, the pin set, the report said; all else is remembered.
+//! Handles each event of the input: judges an epoch, sets the pin, writes the report, and stores
+//! everything else.
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
@@ -19,25 +20,26 @@ use crate::selftest::{self, Failure};
 use crate::settings::Configuration;
 use crate::time::GpsTime;
 
-/// For how many epochs nothing is promised after one that came over again with other ranges.
+/// Number of epochs without protection after an epoch came again with other ranges.
 const RIVALLED_EPOCHS: u8 = 10;
 
 counters! {
-    /// What the epochs came to.
+    /// Verdicts of the epochs, and events that prevented one.
     Verdicts {
-        /// Position usable.
+        /// Epochs whose position is usable.
         epochs_protected,
-        /// Position not to be used.
+        /// Epochs whose position must not be used.
         epochs_alert,
-        /// Nothing to be promised.
+        /// Epochs without protection.
         epochs_unavailable,
-        /// Epochs that were complete only after the time to alert, or were so much longer on their way than others before.
+        /// Epochs that were complete only after the time to alert, or that took that much longer
+        /// than earlier ones from the antenna to the module.
         epochs_late,
-        /// Epochs that were not judged because their end had waited too long behind others.
+        /// Epochs that were not judged, because their end had waited too long behind others.
         epochs_skipped,
-        /// Times that the line was silent for the time to alert.
+        /// Alerts because the line was silent for the time to alert.
         line_stale,
-        /// Ephemerides that are out of date, or of F/NAV where I/NAV serves.
+        /// Ephemerides that are out of date, or of F/NAV while I/NAV is in use.
         ephemerides_kept,
         /// Ephemerides that contradict the one in use.
         ephemerides_disputed,
@@ -48,42 +50,44 @@ counters! {
     }
 }
 
-/// What happens to each thing that comes in, and what is remembered of it.
+/// State of the module behind the input, and the reaction to each event.
 #[derive(Debug)]
 pub(super) struct EpochLoop<P> {
     pub(super) pin: P,
     pub(super) navigator: Navigator,
     pub(super) configuration: Configuration,
     publisher: Publisher,
-    /// Hash of the settings that the next promise rests on.
+    /// Hash of the settings on which the next verdict of protected depends.
     promise_hash: u32,
     pub(super) verdicts: Verdicts,
     pub(super) last_verdict: Option<Verdict>,
-    /// Whether the last verdict is that of a report, and not of a silence.
+    /// True if the last verdict is that of a report, not that of a silence.
     pub(super) has_report: bool,
     last_time: Option<GpsTime>,
-    /// When it came or, where it was late, should have come; or when its silence was last complained of.
+    /// Arrival of the last epoch, ms; if the epoch was late, the time at which it should have come;
+    /// after an alert for silence, the time of that alert.
     last_epoch_ms: u64,
     lateness: Lateness,
-    /// The last epoch whose ranges agreed with orbits that say the week, and when it came.
+    /// Last epoch whose ranges agreed with orbits that determine the week, and its arrival, ms.
     pub(super) agreed: Option<(GpsTime, u64)>,
     pub(super) sigma_check: Option<f64>,
     is_sound: bool,
-    /// Whether the settings in force are meant: not after an unexpected restart that has lost them.
+    /// True unless an unexpected restart has lost the settings and the host has not confirmed those
+    /// in force.
     pub(super) is_confirmed: bool,
     pub(super) interference: Suspicions,
-    /// For how many epochs one that came over again with other ranges is remembered.
+    /// Number of epochs for which an epoch that came again with other ranges still counts.
     rivalled: u8,
-    /// GPS time minus UTC, s: that of the image until somebody has said it.
+    /// GPS time minus UTC, s; the value of the image until the input states another.
     pub(super) gps_minus_utc_s: u8,
 }
 
 impl<P: OutputPin> EpochLoop<P> {
-    /// One that has heard nothing; the pin goes low.
+    /// Returns the state before the first event, and sets the pin low.
     #[allow(clippy::inline_always, reason = "what is large is written where it is to stay")]
     #[inline(always)]
     pub(super) fn new(mut pin: P, clock_error_ppm: u32) -> Result<Self, MonitorError> {
-        // Read where the program lies: a copy of its own would be on the stack.
+        // Read where the program stores it, because a copy would be on the stack.
         static AT_START: Configuration = Configuration::at_start();
         let mut verdicts = Verdicts::NONE;
         if pin.set_low().is_err() {
@@ -113,26 +117,27 @@ impl<P: OutputPin> EpochLoop<P> {
         })
     }
 
-    /// The last position counts for nothing, nor do how long epochs were on their way, and what was said of jamming and spoofing.
+    /// Discards the last position, the delays of epochs, and the reports of jamming and spoofing.
     pub(super) fn forget(&mut self) {
         self.navigator.forget_position();
         self.lateness.forget();
         self.interference = Suspicions::NONE;
     }
 
-    /// Forgets how long epochs were on their way: those of another week say nothing of it.
+    /// Discards the delays of epochs, because those of another week are not comparable.
     pub(super) const fn forget_lateness(&mut self) {
         self.lateness.forget();
     }
 
-    /// Two receivers of one name share the line: whose ranges came first says nothing.
+    /// Withdraws protection: two receivers of one name share the line, so that the first ranges may
+    /// be those of either.
     #[inline(never)]
     pub(super) fn hear_rival(&mut self) {
         self.rivalled = RIVALLED_EPOCHS;
         self.drive_pin(false);
     }
 
-    /// Why no position is to be used, however well ranges agree.
+    /// Returns the reason for which no position may be used, however well ranges agree.
     fn distrust(&self) -> Option<Alert> {
         if self.interference.is_sure() {
             return Some(Alert::Spoofed);
@@ -140,7 +145,7 @@ impl<P: OutputPin> EpochLoop<P> {
         Some(Alert::Ambiguous).filter(|_| self.rivalled > 0)
     }
 
-    /// Acts on what came in; says whether an epoch was judged.
+    /// Handles an event; returns true if an epoch was judged.
     pub(super) fn handle<W: Write>(
         &mut self,
         event: &Event<'_>,
@@ -165,7 +170,7 @@ impl<P: OutputPin> EpochLoop<P> {
                 self.rivalled = self.rivalled.saturating_sub(1);
                 let report = self.navigator.judge(raw, *came_ms, &self.configuration);
                 report.verdict = match report.verdict {
-                    // It says more: that the position is wrong.
+                    // An alert stays, because it reports that the position is wrong.
                     Verdict::Alert(_) => report.verdict,
                     _ if !self.is_sound => Verdict::Unavailable(Unavailable::SelfTest),
                     _ if !self.is_confirmed => Verdict::Unavailable(Unavailable::Settings),
@@ -197,7 +202,7 @@ impl<P: OutputPin> EpochLoop<P> {
         false
     }
 
-    // Not inlined: the copy that is kept is not on the stack while an epoch is judged.
+    // Not inlined, so that its copy of the ephemeris is not on the stack while an epoch is judged.
     #[inline(never)]
     fn learn(&mut self, ephemeris: &Ephemeris) {
         match self.navigator.learn(*ephemeris, self.last_time) {
@@ -207,9 +212,9 @@ impl<P: OutputPin> EpochLoop<P> {
         }
     }
 
-    /// Acts on the navigator's report: the pin first, then the sentences.
+    /// Publishes the navigator's report: the pin first, then the sentences.
     ///
-    /// Not inlined: what the sentences take of the stack is not needed beside the judging.
+    /// Not inlined, so that the stack of the sentences is not needed while an epoch is judged.
     #[inline(never)]
     fn conclude<W: Write>(&mut self, time: GpsTime, due_ms: u64, host: &mut W) {
         let verdict = self.navigator.report().verdict;
@@ -243,11 +248,11 @@ impl<P: OutputPin> EpochLoop<P> {
 
     #[inline(never)]
     pub(super) fn tick<W: Write>(&mut self, now_ms: u64, hears_others: bool, host: &mut W) -> bool {
-        // A clock that went back, as one of 32 bits does after 50 days, says no age at all.
+        // The difference is absolute, because a clock of 32 bits goes back after 50 days.
         if now_ms.abs_diff(self.last_epoch_ms) < self.time_to_alert_ms() {
             return false;
         }
-        // Said again after each further time to alert: whoever listens later must hear it too.
+        // The alert is repeated after each further time to alert, for a host that connects later.
         self.last_epoch_ms = now_ms;
         let reason = if hears_others { Alert::Source } else { Alert::Stale };
         self.last_verdict = Some(Verdict::Alert(reason));
@@ -260,7 +265,7 @@ impl<P: OutputPin> EpochLoop<P> {
         true
     }
 
-    /// Says again what is said from time to time.
+    /// Sends what is due again after some time.
     #[inline(never)]
     pub(super) fn repeat<W: Write>(&mut self, now_ms: u64, losses: &Losses, host: &mut W) {
         let written = self.publisher.tick(now_ms, &self.configuration, losses, host);
@@ -268,12 +273,14 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 
     fn time_to_alert_ms(&self) -> u64 {
-        // At most an hour, and asked for at every look at the clock: to the nearest without software doubles.
+        // At most an hour, and computed at every tick; rounded to the nearest without software
+        // doubles.
         u64::from((self.configuration.time_to_alert_s as f32 * 1e3 + 0.5) as u32)
     }
 
-    /// Takes over the settings that a command has changed. Where a promise rests on them, the pin goes low, because the promise was
-    /// made under others. Returns true where such a promise stood.
+    /// Applies the settings that a command has changed. If protection depends on them, the pin goes
+    /// low, because the last verdict was reached under other settings. Returns true if that verdict
+    /// was protected.
     #[must_use]
     pub(super) fn reconfigure(&mut self) -> bool {
         let hash = self.configuration.promise_hash();
@@ -281,13 +288,13 @@ impl<P: OutputPin> EpochLoop<P> {
         if bears_on_promise {
             self.drive_pin(false);
         }
-        // Validated against the same tables by the command: it is met.
+        // It cannot fail, because the command was validated against the same tables.
         let _ = self.navigator.configure(&self.configuration);
         self.publisher.reconfigured(self.configuration.hash());
         bears_on_promise && matches!(self.last_verdict, Some(Verdict::Protected(_)))
     }
 
-    /// Reports that the standing promise rested on settings which are no longer in force.
+    /// Reports that the last verdict depended on settings that are no longer in force.
     #[inline(never)]
     pub(super) fn take_back<W: Write>(&mut self, host: &mut W) -> Result<(), W::Error> {
         let verdict = Verdict::Unavailable(Unavailable::Settings);
@@ -301,13 +308,13 @@ impl<P: OutputPin> EpochLoop<P> {
         publisher.tell_without_epoch(verdict, self.last_time, self.gps_minus_utc_s, configuration, host)
     }
 
-    /// Makes the known-answer tests.
+    /// Runs the known-answer tests.
     pub(super) fn test_self(&mut self) -> Result<(), Failure> {
         let outcome = selftest::run(self.navigator.workspace());
         self.record_self_test(outcome)
     }
 
-    /// Notes how the known-answer tests ended: whoever fails one promises nothing any more.
+    /// Stores the outcome of the known-answer tests. After a failure no position is protected.
     pub(super) fn record_self_test(&mut self, outcome: Result<(), Failure>) -> Result<(), Failure> {
         if outcome.is_err() {
             self.is_sound = false;
@@ -331,8 +338,8 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 }
 
-/// Whether ranges agree with orbits that tell the week, though perhaps not well enough for a promise: the epoch is of the instant that
-/// it is tagged with. GLONASS alone fits every week.
+/// Returns true if ranges agree with orbits that determine the week, even if not well enough for
+/// protection. The epoch is then of the instant of its tag. GLONASS alone fits every week.
 fn agree<const N: usize>(report: &Report<N>) -> bool {
     use Unavailable::{Accuracy, Emt, Hpl, Risk, Vpl};
     let is_contradicted = !matches!(

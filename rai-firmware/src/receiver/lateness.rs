@@ -1,4 +1,5 @@
-//! How long an epoch was on its way: what a line, a relay or a logger holds back is old, and its tag does not say so.
+//! Lateness of epochs: a line, a relay or a logger can delay data, and their time tags do not show
+//! it.
 //!
 //! ```text
 //! late = min (t − tₚ − (τ − τₚ) − d (t − tₚ))
@@ -6,50 +7,54 @@
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
-//! | `t`, `τ` | when the epoch came, by the module's own clock; its tag | ms |
-//! | `tₚ`, `τₚ` | the same of an epoch whose ranges agreed with orbits | ms |
-//! | `d` | how much the own clock may gain on the tags: [`Boot::clock_error_ppm`](super::Boot::clock_error_ppm) | – |
+//! | `t`, `τ` | arrival of the epoch by the module's own clock; its tag | ms |
+//! | `tₚ`, `τₚ` | the same for an epoch whose ranges agreed with orbits | ms |
+//! | `d` | largest gain of the own clock on the tags: [`Boot::clock_error_ppm`](super::Boot::clock_error_ppm) | – |
 //!
-//! The way from the antenna to the module always takes its time; the shortest that was seen counts as none. Tags are held
-//! against those of epochs that agreed alone: satellites move by kilometres in a second, so ranges that agree with their orbits
-//! are of the instant that they are tagged with. A signal that was recorded and is sent again is late for the same reason.
+//! The path from the antenna to the module always takes some time; the shortest seen counts as
+//! zero. Tags are compared only with those of epochs that agreed. Satellites move by kilometres in
+//! a second, so that ranges which agree with their orbits are of the instant of their tag. A
+//! recorded and repeated signal is late for the same reason.
 //!
-//! What one epoch says is not yet known. An epoch far ahead of the others is not believed, and what fewer than [`FIRM_EPOCHS`] have
-//! led to gives way to as many that contradict it and agree with each other.
+//! One epoch alone may be wrong. An epoch far ahead of the others is ignored. A reference that
+//! fewer than [`FIRM_EPOCHS`] support gives way to as many epochs that contradict it and agree with
+//! each other.
 //!
-//! **Limits.** A delay that grows more slowly than `d` is not told from a fast clock, nor is one seen that was there from the
-//! start. A clock faster than `d` makes everything late in the end.
+//! **Limits.** A delay that grows more slowly than `d` looks like a fast clock. A delay that exists
+//! from the start is not seen. A clock faster than `d` makes every epoch late in the end.
 
 use crate::division::divided;
 use crate::time::{GpsTime, WEEK_MS};
 
-/// Epochs, and the time between the first and the last of them, ms, that make known how long the way is.
+/// Number of epochs, and the time from the first to the last of them, ms, that make a reference
+/// firm.
 const FIRM_EPOCHS: u8 = 10;
 const FIRM_MS: u64 = 10_000;
 
-/// Ways that differ by less are the same, ms.
+/// Largest difference of equal delays, ms.
 const SAME_MS: i64 = 1000;
 
-/// What is farther from what is known is of another cycle of GPS weeks, and no delay, ms.
+/// Difference from the reference beyond which an epoch belongs to another cycle of GPS weeks, and
+/// is not late, ms.
 const HALF_CYCLE_MS: i64 = 512 * WEEK_MS as i64;
 
-/// How long epochs are on their way.
+/// Delays of epochs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lateness {
     clock_error_ppm: u32,
     known: Option<Line>,
-    /// What contradicts it.
+    /// Epochs that contradict `known`.
     other: Option<Line>,
 }
 
-/// An epoch, and when it came by the own clock.
+/// An epoch, and its arrival by the own clock.
 #[derive(Clone, Copy, Debug)]
 struct Arrival {
     time: GpsTime,
     came_ms: u64,
 }
 
-/// Epochs that were as long on their way as each other.
+/// Epochs with the same delay.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     first: Arrival,
@@ -59,17 +64,18 @@ struct Line {
 }
 
 impl Lateness {
-    /// Of a module whose own clock may gain so much on the right time, parts per million.
+    /// Returns the state before the first epoch. The own clock may gain this much on the right
+    /// time, parts per million.
     pub(super) const fn by_clock_within(clock_error_ppm: u32) -> Self {
         Self { clock_error_ppm, known: None, other: None }
     }
 
-    /// What epochs have said counts for nothing.
+    /// Discards all epochs.
     pub(super) const fn forget(&mut self) {
         *self = Self::by_clock_within(self.clock_error_ppm);
     }
 
-    /// How late an epoch is, ms.
+    /// Returns the lateness of an epoch, ms.
     pub(super) fn of(&self, time: GpsTime, came_ms: u64) -> u64 {
         let here = Arrival { time, came_ms };
         self.known.map_or(0, |known| {
@@ -81,7 +87,7 @@ impl Lateness {
         })
     }
 
-    /// The ranges of an epoch agreed with orbits: its tag is right.
+    /// Takes an epoch whose ranges agreed with orbits, so that its tag is right.
     pub(super) fn learn(&mut self, time: GpsTime, came_ms: u64) {
         let here = Arrival { time, came_ms };
         let clock_error_ppm = self.clock_error_ppm;
@@ -102,14 +108,14 @@ impl Lateness {
         }
     }
 
-    /// An epoch was too late to be judged.
+    /// Takes an epoch that was too late to be judged.
     pub(super) fn doubt(&mut self, time: GpsTime, came_ms: u64) {
         if self.known.is_some_and(|known| !known.is_firm()) {
             self.dispute(Arrival { time, came_ms });
         }
     }
 
-    /// Counts an epoch that contradicts what is known.
+    /// Counts an epoch that contradicts the reference.
     fn dispute(&mut self, here: Arrival) {
         let same = self.other.filter(|other| other.holds(here, self.clock_error_ppm));
         let mut other = same.unwrap_or(Line::begun(here));
@@ -124,12 +130,12 @@ impl Lateness {
 }
 
 impl Arrival {
-    /// By how much its way is longer than that of an earlier one, ms; negative where it is shorter.
+    /// Returns the delay minus that of an earlier epoch, ms.
     fn longer_ms(self, earlier: Self) -> i64 {
         self.came_ms.saturating_sub(earlier.came_ms).cast_signed() - self.time.since_ms(earlier.time)
     }
 
-    /// How much the own clock may have gained on the tags since an earlier one, ms.
+    /// Returns the largest gain of the own clock on the tags since an earlier epoch, ms.
     fn gained_ms(self, earlier: Self, clock_error_ppm: u32) -> u64 {
         let passed_ms = self.came_ms.saturating_sub(earlier.came_ms);
         divided(passed_ms.saturating_mul(u64::from(clock_error_ppm)), 1_000_000).0
@@ -145,7 +151,7 @@ impl Line {
         self.epochs >= FIRM_EPOCHS && self.last_ms.saturating_sub(self.first.came_ms) >= FIRM_MS
     }
 
-    /// Whether an epoch was as long on its way as the first.
+    /// Returns true if an epoch has the same delay as the first.
     fn holds(&self, here: Arrival, clock_error_ppm: u32) -> bool {
         here.longer_ms(self.first).abs() < SAME_MS + here.gained_ms(self.first, clock_error_ppm).cast_signed()
     }
@@ -163,7 +169,8 @@ mod tests {
 
     const START: GpsTime = GpsTime { week: 2200, tow_ms: 0 };
 
-    /// How late epochs are that say these times and come then, s, where what is not late by ten seconds agrees with orbits.
+    /// Returns the lateness of epochs, s, from their tags and arrivals, s. Epochs that are less
+    /// than ten seconds late agree with orbits.
     fn late_s_by(clock_error_ppm: u32, epochs: &[(f64, f64)]) -> std::vec::Vec<f64> {
         let mut lateness = Lateness::by_clock_within(clock_error_ppm);
         let late = |&(tag_s, came_s): &(f64, f64)| {
@@ -191,7 +198,7 @@ mod tests {
 
     #[test]
     fn what_the_line_holds_back_is_late() {
-        // The way takes 0.3 s; then 5 s are held back, caught up with, and held back for good.
+        // The path takes 0.3 s. Then the line delays by 5 s, catches up, and delays for good.
         let epochs = [(100.0, 0.3), (101.0, 1.3), (102.0, 7.3), (108.0, 8.3), (109.0, 14.3), (110.0, 15.3)];
         assert_late(&epochs, &[0.0, 0.0, 5.0, 0.0, 5.0, 5.0]);
     }
@@ -206,7 +213,7 @@ mod tests {
 
     #[test]
     fn after_ten_minutes_of_silence_only_a_poor_clock_leaves_them_in_doubt() {
-        // Ten minutes that nothing comes in, and then 15 s behind.
+        // Ten minutes without data, and then a delay of 15 s.
         let epochs = [(0.0, 0.3), (1.0, 1.3), (601.0, 616.3)];
         let late_s = |clock_error_ppm| late_s_by(clock_error_ppm, &epochs)[2];
         assert!((14.8..15.0).contains(&late_s(Boot::CRYSTAL_PPM)));
@@ -227,7 +234,7 @@ mod tests {
         before.push((319.0, 19.5));
         before.extend(healthy(20..40));
         assert_late(&before, &[0.0; 41]);
-        // The first of all.
+        // The first epoch of all is ahead.
         let mut first = std::vec![(300.0, 0.0)];
         first.extend(healthy(1..30));
         let late_s = late_s(&first);

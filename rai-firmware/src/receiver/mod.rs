@@ -5,22 +5,26 @@
 //!                                       └────► integrity pin
 //! ```
 //!
-//! The pin is high while the position of the last epoch may be used, and low in every other case: from reset on,
-//! on every verdict but `Protected`, and when the time to alert has passed since the last epoch came. A change of a setting that a
-//! promise rests on takes it back until the next epoch, a missed known answer until the next start. An epoch that is complete
-//! only after the time to alert is not judged at all: it would promise what was. Nor is one that was so much longer on its way
-//! than others before it, by its tag and the module's own clock ([`lateness`]): something holds back what it passes on.
+//! The pin is high while the position of the last epoch may be used, and low in every other case:
+//! from reset on, on every verdict but `Protected`, and when the time to alert has passed since the
+//! last epoch came. A change of a setting that affects protection sets it low until the next epoch,
+//! and a wrong known answer until the next start. An epoch that is complete only after the time to
+//! alert is discarded, because its verdict would describe the past. So is an epoch that was that
+//! much longer on its way than earlier ones, by its tag and the module's own clock ([`lateness`]),
+//! because something delays the data.
 //!
-//! What is said of an epoch is said at once; the time to alert bounds the silence after it. Epochs that come and are
-//! unavailable are therefore never stale, however long it lasts: the pin went low with the first of them.
+//! An epoch is reported at once; the time to alert bounds the silence after it. Unavailable epochs
+//! are therefore never stale, however long they last, because the pin went low with the first of
+//! them.
 //!
-//! An epoch whose end has waited for more than [`LAG_MS`] is skipped, and counted: where epochs come faster than they can
-//! be judged, the newest is judged and not the oldest.
+//! An epoch whose end has waited for more than [`LAG_MS`] is skipped and counted. If epochs come
+//! faster than they can be judged, the newest is therefore judged and not the oldest.
 //!
-//! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte; the pin is set before
-//! a sentence is written. The worst-case epoch of a stream that a search over all settings has found (40 satellites,
-//! twenty faulty) takes 2.4 million instructions: 14 ms at 168 MHz and one instruction a cycle (`cargo xtask bench`).
-//! A silent line is noticed by [`Receiver::tick`], to be called at least ten times a second.
+//! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte;
+//! the pin is set before a sentence is written. The worst-case epoch of a stream, found by a search
+//! over all settings (40 satellites, twenty faulty), takes 2.4 million instructions: 14 ms at 168
+//! MHz and one instruction a cycle (`cargo xtask bench`). [`Receiver::tick`], which must be called
+//! at least ten times a second, detects a silent line.
 
 mod epochs;
 mod lateness;
@@ -40,41 +44,44 @@ use crate::input::{Input, LeapSecond, Suspicion};
 use crate::output::nmea::{Losses, write_answer, write_counters, write_refusal, write_version};
 use crate::settings::{Action, CommandPort, Configuration, Order, Unsealed};
 
-/// What the board knows when it starts.
+/// Facts that the board knows at start.
 #[derive(Clone, Debug)]
 pub struct Boot {
     /// Commit that the image was built from.
     pub git: &'static str,
-    /// Why it started, in the words of `PRAIV`.
+    /// Cause of the start, in the words of `PRAIV`.
     pub reset_cause: heapless::String<16>,
-    /// By how much the module's own clock may gain on the right time, parts per million: how old an epoch may be without being
-    /// found late.
+    /// Largest gain of the module's own clock on the right time, parts per million. An epoch
+    /// delayed by less than this gain goes unnoticed.
     pub clock_error_ppm: u32,
 }
 
 impl Boot {
-    /// Of a clock with a crystal: some 50 ppm when new and through its temperatures, and as much again for its years.
+    /// Error of a clock with a crystal, parts per million: some 50 when new and over its
+    /// temperatures, and a margin for ageing.
     pub const CRYSTAL_PPM: u32 = 250;
-    /// Of one without: within 1 % at room temperature. Whose clock is farther off than this reads no byte of a receiver.
+    /// Error of a clock without a crystal, parts per million: 1 % at room temperature. A larger
+    /// error would break UART reception anyway.
     pub const WITHOUT_CRYSTAL_PPM: u32 = 40_000;
 
-    /// As a program on a computer starts: for no reason of its own, and with a crystal.
+    /// Returns the facts for a program on a computer: no cause, and a crystal.
     pub const fn on_host(git: &'static str) -> Self {
         Self { git, reset_cause: heapless::String::new(), clock_error_ppm: Self::CRYSTAL_PPM }
     }
 }
 
-/// A pause of the line that no frame has inside, ms; shorter than the second between two epochs.
+/// Pause of the line that never occurs inside a frame, ms; shorter than the second between two
+/// epochs.
 const SILENCE_MS: u64 = 500;
 
-/// A pause of the line that no burst has inside, ms.
+/// Pause of the line that never occurs inside a burst, ms.
 const PAUSE_MS: u64 = 100;
 
-/// How long the end of an epoch may have waited to be read, ms. Reading costs a tenth of what judging costs, so whoever is
+/// Longest wait of an epoch's end, ms. Reading costs a tenth of judging, so that a module that is
 /// behind catches up by reading alone.
 pub const LAG_MS: u64 = 40;
 
-/// The module: everything but the hardware.
+/// The module: everything except the hardware.
 #[derive(Debug)]
 pub struct Receiver<P> {
     boot: Boot,
@@ -83,21 +90,21 @@ pub struct Receiver<P> {
     epochs: EpochLoop<P>,
     last_byte_ms: Option<u64>,
     has_paused: bool,
-    /// The counter that a long answer goes on with.
+    /// Number of the counter with which a long answer continues.
     next_counter: Option<usize>,
     losses: PortLosses,
-    /// Whether the settings have changed since they were sealed.
+    /// True if the settings have changed since they were sealed.
     is_unsealed: bool,
     reset_requested: bool,
 }
 
 impl<P: OutputPin> Receiver<P> {
-    /// A module that has heard nothing; the pin goes low.
+    /// Returns a module before the first byte, and sets the pin low.
     ///
     /// # Errors
     /// [`MonitorError`] if the thresholds of the requirements at start are not in the tables.
     pub fn new(pin: P, boot: Boot) -> Result<Self, MonitorError> {
-        // In one piece: what is large is written where it is to stay.
+        // Built in one expression, so that large parts are written directly to their final place.
         Ok(Self {
             input: Input::new(),
             commands: CommandPort::new(),
@@ -112,9 +119,9 @@ impl<P: OutputPin> Receiver<P> {
         })
     }
 
-    // Not inlined, nor are the other ways in: what one needs of the stack the others need not have beside theirs.
+    // Not inlined, nor are the other entry points, so that their stacks do not add up.
 
-    /// Says what runs here, why it started, and whether its arithmetic is right.
+    /// Sends version, reset cause and the result of the self-test.
     #[inline(never)]
     pub fn greet<W: Write>(&mut self, host: &mut W) {
         let selftest = match self.epochs.test_self() {
@@ -126,34 +133,35 @@ impl<P: OutputPin> Receiver<P> {
         self.epochs.sent(write_version(version, self.boot.git, cause, selftest, host).is_ok());
     }
 
-    /// Takes over the settings that the program before has sealed. Where a restart has damaged them, nothing is promised
-    /// until the host confirms those at start; after power-on they are what is meant.
+    /// Applies the settings that the previous run has sealed. If they are damaged or missing, no
+    /// position is protected until the host confirms the settings at start. After power-on the
+    /// settings at start are in force without confirmation.
     pub fn restore(&mut self, memory: &[u8; SEALED_BYTES], after_power_on: bool) {
         match Configuration::unseal(memory) {
             _ if after_power_on => {}
             Unsealed::Settings(settings) => {
                 self.epochs.configuration = settings;
-                // At start there is no promise to take back.
+                // At start there is no verdict to withdraw.
                 let _ = self.epochs.reconfigure();
             }
             Unsealed::Damaged | Unsealed::Nothing => self.epochs.is_confirmed = false,
         }
     }
 
-    /// Seals the settings for the next start, if they have changed since the last call. Not those that nobody has confirmed: a
-    /// second restart would find them, and take them for what is meant.
+    /// Seals the settings for the next start, if they have changed since the last call. Unconfirmed
+    /// settings are not sealed, because a second restart would take them for confirmed ones.
     pub fn seal(&mut self, memory: &mut [u8; SEALED_BYTES]) {
         if self.epochs.is_confirmed && core::mem::take(&mut self.is_unsealed) {
             self.epochs.configuration.seal(memory);
         }
     }
 
-    /// Takes bytes of the GNSS port that have come just now. Says whether an epoch was judged.
+    /// Takes bytes of the GNSS port that have just come. Returns true if an epoch was judged.
     pub fn gnss<W: Write>(&mut self, bytes: &[u8], now_ms: u64, host: &mut W) -> bool {
         self.gnss_since(bytes, now_ms, now_ms, host)
     }
 
-    /// Takes bytes of the GNSS port that came at `came_ms`. Says whether an epoch was judged.
+    /// Takes bytes of the GNSS port that came at `came_ms`. Returns true if an epoch was judged.
     #[inline(never)]
     pub fn gnss_since<W: Write>(&mut self, bytes: &[u8], came_ms: u64, now_ms: u64, host: &mut W) -> bool {
         self.last_byte_ms = Some(came_ms);
@@ -175,17 +183,17 @@ impl<P: OutputPin> Receiver<P> {
         judged
     }
 
-    /// Bytes of the GNSS port were lost: what is under way is a part of something.
+    /// Discards incomplete input, because bytes of the GNSS port were lost.
     pub fn interrupt(&mut self) {
         self.input.interrupt();
     }
 
-    /// Frames of the GNSS port with a right check, since start.
+    /// Returns the number of valid frames of the GNSS port since start.
     pub fn frames(&self) -> u32 {
         self.input.counters().frames
     }
 
-    /// Takes over what was lost at the ports.
+    /// Takes the losses at the ports.
     pub fn note_losses(&mut self, losses: &PortLosses) {
         let before = core::mem::replace(&mut self.losses, *losses).sentences_lost;
         count_many(
@@ -194,13 +202,14 @@ impl<P: OutputPin> Receiver<P> {
         );
     }
 
-    /// What was lost at the ports.
+    /// Returns the losses at the ports.
     pub fn losses(&self) -> &PortLosses {
         &self.losses
     }
 
-    /// Looks at the clock: a cut frame holds nothing back any more after a pause, and a line that is silent for the
-    /// time to alert is an alert. Says whether something was said.
+    /// Checks the clock: after a pause a cut frame delays nothing any more, and a line that is
+    /// silent for the time to alert raises an alert. Returns true if an epoch was judged or an
+    /// alert raised.
     #[inline(never)]
     pub fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
         let Self { input, epochs, .. } = self;
@@ -231,7 +240,8 @@ impl<P: OutputPin> Receiver<P> {
         }
     }
 
-    /// Takes bytes of the host port, and says all there is to say to them: for a host that waits for nothing else.
+    /// Takes bytes of the host port and writes complete answers, for a host that has nothing else
+    /// to wait for.
     #[inline(never)]
     pub fn command<W: Write>(&mut self, bytes: &[u8], host: &mut W) {
         for &byte in bytes {
@@ -242,8 +252,8 @@ impl<P: OutputPin> Receiver<P> {
         }
     }
 
-    /// Takes one byte of the host port; says whether it ended a command that was obeyed. None is to be taken while there is
-    /// more to say to the last one.
+    /// Takes one byte of the host port; returns true if it ended a command that was obeyed. Call it
+    /// only while [`Self::has_more_to_say`] is false.
     pub fn command_byte<W: Write>(&mut self, byte: u8, host: &mut W) -> bool {
         let heard = self.commands.push(byte, &mut self.epochs.configuration, host);
         self.epochs.sent(heard.answered.is_ok());
@@ -253,12 +263,12 @@ impl<P: OutputPin> Receiver<P> {
         heard.action.is_some()
     }
 
-    /// Whether the answer to the last command is not complete.
+    /// Returns true if the answer to the last command is incomplete.
     pub fn has_more_to_say(&self) -> bool {
         self.next_counter.is_some()
     }
 
-    /// Says the next sentence of a long answer.
+    /// Writes the next sentence of a long answer.
     #[inline(never)]
     pub fn go_on<W: Write>(&mut self, host: &mut W) {
         let Some(next) = self.next_counter else { return };
@@ -304,48 +314,48 @@ impl<P: OutputPin> Receiver<P> {
         self.epochs.sent(written.is_ok());
     }
 
-    /// True once the host has asked for a restart.
+    /// Returns true after the host has ordered a restart.
     pub fn reset_requested(&self) -> bool {
         self.reset_requested
     }
 
-    /// What was said of the last epoch, or that there was none for too long.
+    /// Returns the last verdict, either of an epoch or of a silence.
     pub fn last_verdict(&self) -> Option<Verdict> {
         self.epochs.last_verdict
     }
 
-    /// The report of the last epoch, unless a silence has been said since.
+    /// Returns the report of the last epoch; `None` after a verdict without an epoch.
     pub fn last_report(&self) -> Option<&Report<CAPACITY>> {
         self.epochs.has_report.then(|| self.epochs.navigator.report())
     }
 
-    /// The velocity of the last epoch, where there is one that passed its test.
+    /// Returns the velocity of the last epoch, if it passed its test.
     pub fn velocity(&self) -> Option<&Velocity> {
         self.epochs.navigator.velocity()
     }
 
-    /// What the receiver said last of jamming and of spoofing.
+    /// Returns the last reports of jamming and of spoofing.
     pub fn interference(&self) -> (Suspicion, Suspicion) {
         (self.epochs.interference.jamming, self.epochs.interference.spoofing)
     }
 
-    /// GPS time minus UTC as it came in, who said so and when.
+    /// Returns GPS time minus UTC as received, with its source and time.
     pub fn leap_second(&self) -> Option<LeapSecond> {
         self.input.leap_second()
     }
 
-    /// The configuration in force.
+    /// Returns the settings in force.
     pub fn configuration(&self) -> &Configuration {
         &self.epochs.configuration
     }
 
-    /// The pin, for whoever watches it.
+    /// Returns the pin.
     pub fn pin(&self) -> &P {
         &self.epochs.pin
     }
 
-    /// Every counter by name: verdicts, ports, wire, satellites, range rates, commands; and the mean of SSE/dof in percent, which is
-    /// about 100 where the sigmas are right.
+    /// Returns every counter by name: verdicts, ports, wire, satellites, range rates, commands; and
+    /// the mean of SSE/dof in percent, which is about 100 if the sigmas are right.
     pub fn statistics(&self) -> impl Iterator<Item = (&'static str, u32)> {
         self.statistics_from(0)
     }
@@ -354,7 +364,7 @@ impl<P: OutputPin> Receiver<P> {
         (first..).map_while(|number| self.statistic(number))
     }
 
-    /// The counter of a number.
+    /// Returns the counter with this number.
     #[inline(never)]
     fn statistic(&self, mut number: usize) -> Option<(&'static str, u32)> {
         let number = &mut number;

@@ -33,7 +33,7 @@ impl OutputPin for Level {
     }
 }
 
-/// A host that takes nothing.
+/// A host that accepts no byte.
 struct Deaf;
 
 impl embedded_io::ErrorType for Deaf {
@@ -75,13 +75,14 @@ fn a_reset_whose_answer_is_lost_is_made_nevertheless() {
     assert_eq!(receiver.epochs.verdicts.host_lost, 1);
 }
 
-/// A command with its checksum.
+/// Returns a command with its checksum.
 fn command(body: &str) -> String {
     let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
     format!("${body}*{checksum:02X}\r\n")
 }
 
-/// What a module that promises says to a command, and whether it still does.
+/// Returns the answer of a module that protects its position to a command, and true if the pin
+/// stays high.
 fn told(body: &str) -> (String, bool) {
     let mut receiver = promising();
     receiver.epochs.last_verdict = Some(Verdict::Protected(Protected::Ok));
@@ -140,7 +141,8 @@ fn settings_that_a_restart_has_lost_have_to_be_confirmed() {
     }
 }
 
-/// The settings at start are nobody's until they are confirmed: sealed before, a second restart would take them for meant.
+/// Sealed before the host confirms them, the settings at start would count as confirmed after a
+/// second restart.
 #[test]
 fn settings_that_nobody_has_confirmed_are_not_sealed() {
     let mut sealed = [0; SEALED_BYTES];
@@ -164,7 +166,7 @@ fn settings_that_nobody_has_confirmed_are_not_sealed() {
 #[test]
 fn a_clock_that_goes_back_keeps_no_promise_alive() {
     let mut receiver = promising();
-    // The silence so far is said; then there is an epoch, and the clock of 32 bits begins anew.
+    // The silence so far is reported; then an epoch comes, and the clock of 32 bits restarts.
     receiver.tick(u64::from(u32::MAX), &mut Deaf);
     receiver.epochs.drive_pin(true);
     receiver.tick(u64::from(u32::MAX) + 1, &mut Deaf);

@@ -1,14 +1,16 @@
-//! Text cut at a character, once for all that is read: what the standard library makes of it is written anew wherever it is used.
+//! Splits text at a character, once for all readers, because each use of the standard library's
+//! version is compiled again.
 
-/// What stands before the first of these characters and behind it.
+/// Returns the text before the first of these characters and the text behind it.
 ///
-/// A single one is written twice: the search for one alone keeps bounds checks that no compiler sees through.
+/// A single character is written twice, because the search for one alone keeps bounds checks that
+/// no compiler removes.
 #[inline(never)]
 pub(super) fn cut(text: &str, at: [char; 2]) -> Option<(&str, &str)> {
     text.split_once(at)
 }
 
-/// What stands between commas; of no text one that is empty.
+/// Fields between commas. An empty text has one empty field.
 #[derive(Clone, Debug)]
 pub(super) struct Fields<'t>(Option<&'t str>);
 

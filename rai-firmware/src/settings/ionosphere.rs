@@ -1,4 +1,5 @@
-//! Coefficients of the ionosphere as a value: eight numbers, or those that the satellites broadcast.
+//! Coefficients of the ionosphere as a value: eight numbers, or those that the satellites
+//! broadcast.
 
 use super::Refusal;
 use super::number::signed_scientific;
@@ -8,8 +9,8 @@ use super::value::{Commands, Ranges, Spelled, Take, Value, range};
 /// Word for the coefficients that the satellites broadcast.
 const AUTO: &str = "AUTO";
 
-/// Ranges of the coefficients: 128 units of the scale of each ([IS-GPS-200] table 20-X). The hash reports ten digits, so the limit
-/// itself may lie a little beyond itself.
+/// Ranges of the coefficients: 128 units of the scale of each ([IS-GPS-200] table 20-X). The hash
+/// reports ten digits, so the limit itself may lie a little beyond itself.
 ///
 /// [IS-GPS-200]: crate#references
 pub(super) const RANGES: [(f64, f64); 8] = {

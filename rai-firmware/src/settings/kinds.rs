@@ -1,4 +1,4 @@
-//! Types that only a setting has; those of the core are its own.
+//! Types that only settings have; the other types are the core's.
 
 use heapless::String;
 
@@ -40,7 +40,8 @@ impl Systems {
     /// GPS, Galileo and `BeiDou`.
     pub const AT_START: Self = Self(0b01101);
 
-    /// Returns the systems with these letters, each once; `None` for none, twice the same, or another letter.
+    /// Returns the systems with these letters; `None` for an empty text, a repeated letter or an
+    /// unknown one.
     pub fn of(letters: &str) -> Option<Self> {
         let mut set = 0;
         for letter in letters.chars() {
@@ -53,34 +54,34 @@ impl Systems {
         (set != 0).then_some(Self(set))
     }
 
-    /// Returns true for a system that takes part, by its letter.
+    /// Returns true if the system with this letter takes part.
     pub fn contains(self, letter: char) -> bool {
         Self::LETTERS.iter().position(|known| *known == letter).is_some_and(|bit| self.0 >> bit & 1 == 1)
     }
 }
 
-/// Time for which satellites must agree before a promise returns.
+/// Time for which satellites must agree before the position is protected again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recovery {
-    /// Epochs in a row.
+    /// Number of consecutive epochs.
     pub epochs: u8,
-    /// Seconds that these span.
+    /// Time that these epochs span, s.
     pub seconds: f64,
 }
 
 /// Heights at which a receiver can be, above the ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heights {
-    /// Least, m.
+    /// Lowest height, m.
     pub least_m: f64,
-    /// Greatest, m.
+    /// Highest height, m.
     pub greatest_m: f64,
 }
 
 /// Bit rate of the GNSS port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Baud {
-    /// The module finds it out.
+    /// Rate that the module detects itself.
     Auto,
     /// 9600 bit/s.
     B9600,
@@ -97,7 +98,7 @@ pub enum Baud {
 }
 
 impl Baud {
-    /// Returns the rate in bit/s; `None` where the module finds it out.
+    /// Returns the rate in bit/s; `None` if the module detects it.
     pub const fn rate(self) -> Option<u32> {
         match self {
             Self::Auto => None,
@@ -113,7 +114,7 @@ impl Baud {
 
 impl Spelled for Systems {
     const RANGES: usize = 0;
-    // A set of letters, and no word: its text lists them.
+    // The value is a set of letters, so it has no words; the text of its row lists the letters.
     const WORDS: &'static [&'static str] = &[];
 }
 

@@ -1,38 +1,39 @@
-//! Bytes to lines: `$PRAIC,key,value…*CS`, ended by CR or LF, out of whatever else is on the wire.
+//! Assembles bytes to lines: `$PRAIC,key,value…*CS`, ended by CR or LF, among anything else on the
+//! wire.
 //!
-//! A `$` begins a line wherever it stands, so that garbage costs at most the line it is in. A character that no
-//! sentence contains (NUL, other controls, anything beyond ASCII) breaks the line off. Nothing grows beyond
-//! [`MAX_LINE`].
+//! A `$` begins a line wherever it stands, so that garbage costs at most the line that contains it.
+//! A character that no sentence contains (NUL, other controls, non-ASCII) ends the line early. No
+//! line grows beyond [`MAX_LINE`].
 
 use heapless::String;
 
 use super::fields::{Fields, cut};
 
-/// Longest line accepted, `$` and line end not counted. Longer than a sentence may be: eight ionospheric coefficients of
-/// twelve digits do not fit into 82 characters.
+/// Longest line accepted, without `$` and line end. It exceeds the 82 characters of a sentence
+/// because eight ionospheric coefficients of twelve digits do not fit into these.
 pub const MAX_LINE: usize = 192;
 
 /// Longest part of an unknown key that an answer repeats.
 const KEY_WIDTH: usize = 16;
 
-/// The address of a command.
+/// Address of a command.
 const ADDRESS: &str = "PRAIC";
 
-/// Why there is no command in what came.
+/// Defect of a line that contains no command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LineError {
-    /// A line that is addressed to somebody else.
+    /// A line with another address.
     Foreign,
-    /// A line was broken off, by a character that belongs to no sentence or by the next `$`.
+    /// A line cut by a character that belongs to no sentence, or by the next `$`.
     Noise,
-    /// A command that outgrew [`MAX_LINE`].
+    /// A command longer than [`MAX_LINE`].
     TooLong,
 }
 
-/// A line in the making.
+/// Line that is not yet complete.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LineAssembler {
-    /// What stands after `$`.
+    /// Text after `$`.
     text: String<MAX_LINE>,
     inside: bool,
 }
@@ -42,7 +43,7 @@ impl LineAssembler {
         Self { text: String::new(), inside: false }
     }
 
-    /// Takes a byte; a line or what was wrong with it, where the byte ends one.
+    /// Takes a byte; returns the line that it ends, or the defect of that line.
     pub(super) fn push(&mut self, byte: u8) -> Option<Result<Line<'_>, LineError>> {
         match (byte, self.inside) {
             (b'$', broken_off) => {
@@ -74,9 +75,9 @@ impl LineAssembler {
 /// A line addressed to the module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Line<'l> {
-    /// What the checksum covers.
+    /// Text that the checksum covers.
     body: &'l str,
-    /// What stands after the star; empty without one.
+    /// Text after the star; empty without one.
     checksum: &'l str,
     /// Key and values.
     fields: &'l str,
@@ -100,7 +101,7 @@ impl<'l> Line<'l> {
         Fields::of(self.fields).next().unwrap_or_default()
     }
 
-    /// The key, cut so that any answer has room for it.
+    /// Returns the key, cut so that it fits into any answer.
     pub(super) fn short_key(&self) -> &'l str {
         self.key().get(..KEY_WIDTH).unwrap_or(self.key())
     }

@@ -1,16 +1,20 @@
 //! Settings of the module, and the commands that change them.
 //!
-//! `$PRAIC,key,value…*CS` is answered with `$PRAIA,key,value…,OK*CS` or with `$PRAIA,key,ERR,why*CS`. A command
-//! makes a whole new [`Configuration`] or none: a refused one changes nothing.
+//! The module answers `$PRAIC,key,value…*CS` with `$PRAIA,key,value…,OK*CS` or with
+//! `$PRAIA,key,ERR,why*CS`. A command produces a complete new [`Configuration`] or none, so that a
+//! refused command changes nothing.
 //!
-//! The table in `table.rs` has one row a setting. Key, field, start value, reading, reporting, hash, seal and the table of
-//! INTERFACES.md follow from it. A new setting takes one row; a type of values that no other setting has takes one file besides.
+//! The table in `table.rs` has one row for each setting. Key, field, start value, parsing,
+//! reporting, hash, seal and the table of INTERFACES.md follow from the row. A new setting takes
+//! one row; a type of value that no other setting has takes one more file.
 //!
-//! A key without a value answers what is in force, in the words that set it. `HAL`, `VAL`, `PFA` and `PMD` make the
-//! phase `CUSTOM`; `TTA` does not. A word that is known but not built in is refused with `not in this build`. The answer repeats
-//! the values as they came; where that would make it longer than 82 characters (eight long coefficients), it has the key and `OK`
-//! alone. A command that is obeyed but hardly wise is answered with `OK,WARN,why`: the thresholds `T2` and `TOP` hold missed
-//! detections down and nothing else, so that at a limit of 556 m and more no error that occurs raises an alarm.
+//! A key without a value returns the value in force, in the words that set it. `HAL`, `VAL`, `PFA`
+//! and `PMD` make the phase `CUSTOM`; `TTA` does not. A known word that this build lacks is refused
+//! with `not in this build`. The answer repeats the values as they came. If that would exceed 82
+//! characters (eight long coefficients), the answer has only the key and `OK`. A command that is
+//! obeyed but unwise is answered with `OK,WARN,why`: the thresholds `T2` and `TOP` limit missed
+//! detections and nothing else, so that at a limit of 556 m or more no error that occurs raises an
+//! alarm.
 
 use raim_core::allocation::Allocation;
 use raim_core::continuity::{self, ContinuitySettings};
@@ -53,20 +57,21 @@ pub use table::{Configuration, Documentation, PhaseEffect, Row, Setting};
 
 use read::{Values, none};
 
-/// From this horizontal limit on, the thresholds that only hold missed detections down lie above any error that
-/// occurs: at 556 m, `T2` and `TOP` alarmed in none of 986 real epochs with errors up to 158 m.
+/// Horizontal limit, m, from which the thresholds that limit missed detections alone exceed any
+/// error that occurs. At 556 m, `T2` and `TOP` alarmed in none of 986 real epochs with errors up to
+/// 158 m.
 const WIDE_LIMIT_M: f64 = 556.0;
 
 /// Factor from degrees to radians.
 const RAD: f64 = core::f64::consts::PI / 180.0;
 
 impl Configuration {
-    /// Returns the settings with one changed: a refused command leaves nothing half changed.
+    /// Returns the settings with one of them changed, or the reason for refusing the change.
     fn changed(mut self, setting: Setting, values: Values<'_, '_>) -> Result<Self, Refusal> {
         self.change(setting, values).map(|()| self)
     }
 
-    /// As [`Self::changed`], in place: a refused command leaves settings that nobody may use.
+    /// Changes one setting in place. After a refusal the contents must not be used.
     #[inline(never)]
     fn change(&mut self, setting: Setting, values: Values<'_, '_>) -> Result<(), Refusal> {
         let row = setting.row();
@@ -88,7 +93,7 @@ impl Configuration {
         Ok(())
     }
 
-    /// Takes the numbers of a named phase. `CUSTOM` keeps the present ones.
+    /// Sets the requirements to those of a named phase. `CUSTOM` leaves them unchanged.
     fn take_numbers_of_phase(&mut self) {
         if let Some(required) = self.phase.requirements() {
             self.hal_m = required.hal_m;
@@ -106,8 +111,8 @@ impl Configuration {
         Ok(())
     }
 
-    /// Returns what the core requires. In no named phase, ARAIM's allocation of the risk follows from the numbers: of the phase
-    /// before, nothing is reported.
+    /// Returns the requirements for the core. Under `CUSTOM`, ARAIM's allocation of the risk
+    /// follows from the present values, never from an earlier phase.
     pub const fn requirements(&self) -> Requirements {
         let mut required = match self.phase.requirements() {
             Some(required) => required,
@@ -130,7 +135,7 @@ impl Configuration {
         self.mask_deg * RAD
     }
 
-    /// Returns a warning of a threshold that hardly ever alarms.
+    /// Returns a warning if the threshold hardly ever raises an alarm.
     pub fn warning(&self) -> Option<&'static str> {
         let warning = match self.policy {
             Policy::T1 => return None,
@@ -140,12 +145,12 @@ impl Configuration {
         (self.hal_m >= WIDE_LIMIT_M).then_some(warning)
     }
 
-    /// Returns a warning of faults that ARAIM does not watch for.
+    /// Returns a warning if ARAIM does not monitor satellite faults.
     fn warning_of_promises(&self) -> Option<&'static str> {
         self.promises.leaves_faults_unwatched().then_some("faults so unlikely are not watched for")
     }
 
-    /// Returns how the core monitors.
+    /// Returns the strategy of the core's monitor.
     pub const fn strategy(&self) -> Strategy {
         Strategy {
             policy: self.policy,
@@ -156,7 +161,8 @@ impl Configuration {
         }
     }
 
-    /// Returns the limits of the antenna's motion, and the time for which satellites must agree after an alert.
+    /// Returns the limits of the antenna's motion, and the time for which satellites must agree
+    /// after an alert.
     pub const fn continuity(&self) -> ContinuitySettings {
         ContinuitySettings {
             max_speed_m_s: self.greatest_speed_m_s,

@@ -1,8 +1,8 @@
-//! Decimal numbers in and out, without heap and without surprises.
+//! Decimal numbers, read and written without heap.
 //!
-//! [`decimal`] reads `[+-]digits[.digits][(e|E)[+-]digits]` and nothing else: no `nan`, no `inf`, no blanks, no hexadecimal.
-//! Numbers of up to 15 digits with a decimal exponent within ±22 are read to the nearest `f64`; others to a few units in the
-//! last place.
+//! [`decimal`] reads `[+-]digits[.digits][(e|E)[+-]digits]` and refuses everything else: `nan`,
+//! `inf`, blanks, hexadecimal. Numbers of up to 15 digits with a decimal exponent within ±22 are
+//! read to the nearest `f64`; others to a few units in the last place.
 
 use heapless::String;
 use heapless::string::StringView;
@@ -16,10 +16,10 @@ const EXACT_POWER: u32 = 22;
 /// Significant digits that a `u64` collects without overflow.
 const MAX_DIGITS: u32 = 18;
 
-/// Beyond this, every number is zero or infinite.
+/// Exponent beyond which every number is zero or infinite.
 const MAX_EXPONENT: i32 = 400;
 
-/// Digits read so far, and what they have to be multiplied with.
+/// Digits read so far, and the power of ten that scales them.
 #[derive(Clone, Copy, Default)]
 struct Mantissa {
     digits: u64,
@@ -39,7 +39,8 @@ impl Mantissa {
     }
 }
 
-/// A decimal number; `None` for anything else, and for one too large for a `f64`.
+/// Returns the value of a decimal number; `None` for any other text, and for a value too large for
+/// `f64`.
 pub fn decimal(text: &str) -> Option<f64> {
     let (negative, text) = sign(text);
     let (mantissa, exponent) = match cut(text, ['e', 'E']) {
@@ -71,7 +72,7 @@ fn digit(byte: u8) -> Option<u8> {
     byte.is_ascii_digit().then(|| byte - b'0')
 }
 
-/// A signed whole number, limited to ±[`MAX_EXPONENT`]; `None` without digits.
+/// Returns the value of a signed whole number, limited to ±[`MAX_EXPONENT`]; `None` without digits.
 fn integer(text: &str) -> Option<i32> {
     let (negative, digits) = sign(text);
     if digits.is_empty() {
@@ -83,7 +84,8 @@ fn integer(text: &str) -> Option<i32> {
     Some(if negative { -magnitude } else { magnitude })
 }
 
-/// `value · 10^exponent`. Dividing by an exact power rounds once; multiplying by a negative one would round twice.
+/// Returns `value · 10^exponent`. Dividing by an exact power rounds once; multiplying by its
+/// reciprocal would round twice.
 fn scale(mut value: f64, exponent: i32) -> f64 {
     let mut left = exponent.unsigned_abs().min(2 * MAX_EXPONENT as u32);
     while left > 0 {
@@ -95,8 +97,8 @@ fn scale(mut value: f64, exponent: i32) -> f64 {
     value
 }
 
-/// A positive number below 1 with up to ten significant digits, as `3.33e-7`: how a probability of the tables is
-/// named so that it is understood when it is sent back.
+/// Formats a positive number below 1 with up to ten significant digits, as `3.33e-7`. The tables'
+/// probabilities are reported in this form, and [`decimal`] reads it back.
 pub fn scientific(value: f64) -> String<20> {
     const DECIMALS: u8 = 9;
     const UNIT: u32 = 10_u32.pow(DECIMALS as u32);
@@ -114,7 +116,8 @@ pub fn scientific(value: f64) -> String<20> {
     text
 }
 
-/// A number of either sign, or zero, as [`scientific`] where it is below 1 and as [`plain`] else.
+/// Formats a number of either sign, or zero: as [`scientific`] if its magnitude is below 1, else as
+/// [`plain`].
 pub(super) fn signed_scientific(value: f64) -> String<24> {
     let mut text = String::new();
     let magnitude = libm::fabs(value);
@@ -128,7 +131,7 @@ pub(super) fn signed_scientific(value: f64) -> String<24> {
     text
 }
 
-/// A number in plain decimals, six at most and no zeros at the end; for what is below 10⁹.
+/// Formats a number below 10⁹ in plain decimals, at most six, without trailing zeros.
 pub(super) fn plain(value: f64) -> String<24> {
     const DECIMALS: u32 = 6;
     const UNIT: u32 = 10_u32.pow(DECIMALS);
@@ -142,7 +145,7 @@ pub(super) fn plain(value: f64) -> String<24> {
     text
 }
 
-/// Eight hexadecimal digits.
+/// Formats eight hexadecimal digits.
 pub(crate) fn hexadecimal(value: u32) -> String<8> {
     let mut text = String::new();
     for shift in (0..8).rev() {
@@ -153,7 +156,8 @@ pub(crate) fn hexadecimal(value: u32) -> String<8> {
     text
 }
 
-/// A number of so many parts of a unit, without zeros at the end. What does not fit is left out, here and below.
+/// Appends `parts / unit` without trailing zeros. Digits that do not fit are dropped, here and in
+/// `push_whole`.
 #[inline(never)]
 fn push_decimals(text: &mut StringView, parts: u64, unit: u32) {
     let (mut whole, mut rest) = divided(parts, unit);

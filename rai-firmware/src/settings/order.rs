@@ -1,9 +1,10 @@
-//! Orders: commands that change no setting, which the receiver carries out.
+//! Orders: commands that change no setting and that the receiver carries out.
 
 use super::read::{Values, next_number, none};
 use super::refusal::Refusal;
 
-/// Makes the orders out of their keys; behind the name of one with a number stand its type and range.
+/// Makes the orders from their keys. An order with a number states the number's type and range
+/// behind its name.
 macro_rules! orders {
     ($($key:literal $order:ident $(($of:ident in $range:expr))?: $text:literal,)*) => {
         /// Order of the host.
@@ -13,7 +14,8 @@ macro_rules! orders {
         }
 
         impl Order {
-            /// Key of every order, its values, and one line for INTERFACES.md, which a test compares.
+            /// Key of every order, its values, and one line for INTERFACES.md, which a test
+            /// compares.
             pub const ALL: &'static [[&'static str; 3]] =
                 &[$([$key, orders!(@values $($of)?), $text],)*];
 
@@ -39,7 +41,7 @@ macro_rules! orders {
     };
 }
 
-/// GPS weeks, not rolled over: to the end of the eighth cycle, in 2137.
+/// Range of full GPS weeks, up to the end of the eighth cycle in 2137.
 const WEEKS: (f64, f64) = (0.0, 8191.0);
 
 orders! {
@@ -51,7 +53,7 @@ orders! {
     "RESET" Reset: "The module starts again, with the pin low",
 }
 
-/// Reads one number and nothing behind it.
+/// Reads one number, and refuses further values.
 fn number(values: Values<'_, '_>, range: (f64, f64)) -> Result<f64, Refusal> {
     let number = next_number(values, range)?;
     none(values).map(|()| number)

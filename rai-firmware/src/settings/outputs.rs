@@ -1,4 +1,4 @@
-//! Rates of what is sent as a value: a command sets one of them, by its name.
+//! Output rates as a value. A command sets one of them by its name.
 
 use super::Refusal;
 use super::number::plain;

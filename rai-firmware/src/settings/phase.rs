@@ -1,4 +1,4 @@
-//! Phases: requirements with a name, and the longest silence each allows.
+//! Phases: named requirements, and the longest time to alert of each.
 //!
 //! | phase | HAL, m | VAL, m | time to alert at start, s | at most, s |
 //! |---|---|---|---|---|
@@ -8,14 +8,14 @@
 //! | `LPV200` | 40 | 35 | 6 | 6 |
 //! | `CUSTOM` | the present one | the present one | the present one | 3600 |
 //!
-//! [ICAO-A10] allows an oceanic flight 300 s. A pin that stays high through five minutes of silence helps nobody who
-//! can be told earlier: whoever wants it says `CUSTOM`.
+//! [ICAO-A10] allows an oceanic flight 300 s. The module allows less in a named phase, because an
+//! earlier alert is possible; a host that wants more sets `CUSTOM`.
 //!
 //! [ICAO-A10]: crate#references
 
 use raim_core::requirements::Requirements;
 
-/// What the module is used for: a set of requirements with a name.
+/// Phase of flight, which names a set of requirements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// En route.
@@ -31,8 +31,8 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// The requirements of a named phase; `None` for numbers set one by one.
-    // Not inlined: flash is dearer than the calls.
+    /// Returns the requirements of a named phase; `None` for `CUSTOM`.
+    // Not inlined, because flash is scarcer than time here.
     #[inline(never)]
     pub const fn requirements(self) -> Option<Requirements> {
         let mut required = match self {
@@ -48,7 +48,7 @@ impl Phase {
         Some(required)
     }
 
-    /// The longest time to alert that a command may set in this phase, s.
+    /// Returns the longest time to alert that a command may set in this phase, s.
     pub const fn longest_time_to_alert_s(self) -> f64 {
         match self {
             Self::EnRoute => 60.0,

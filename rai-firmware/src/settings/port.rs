@@ -1,4 +1,4 @@
-//! The host port's incoming side: bytes to commands, and their answers.
+//! Command side of the host port: bytes to commands, and their answers.
 
 use embedded_io::Write;
 
@@ -11,25 +11,26 @@ use crate::output::nmea::write_answer;
 /// Work that a command leaves to the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// The settings have changed, and the change was answered.
+    /// The settings have changed, and the change has been answered.
     Reconfigured,
-    /// Order to carry out. `STATS` and `SELFTEST` have not been answered yet, the others have.
+    /// Order to carry out. `STATS` and `SELFTEST` are still unanswered; the others are answered.
     Order(Order),
 }
 
-/// What a byte of the host port has led to.
+/// Outcome of one byte of the host port.
 ///
-/// Two things, since neither waits for the other: a host that does not read its answers is obeyed nevertheless.
+/// Action and answer are separate, because a command is obeyed even if the host does not read its
+/// answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[must_use]
 pub struct Heard<E> {
-    /// What is to be done.
+    /// Action left to the receiver.
     pub action: Option<Action>,
-    /// Whether the answer got out, where there was one to give.
+    /// Result of writing the answer; `Ok` if no answer was due.
     pub answered: Result<(), E>,
 }
 
-/// What came in on the host port.
+/// Counters of the lines received on the host port.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Counters {
     obeyed: u32,
@@ -41,7 +42,7 @@ struct Counters {
     noise: u32,
 }
 
-/// The host port's incoming side: bytes to commands.
+/// Command side of the host port.
 #[derive(Clone, Debug, Default)]
 pub struct CommandPort {
     lines: LineAssembler,
@@ -49,7 +50,7 @@ pub struct CommandPort {
 }
 
 impl CommandPort {
-    /// A port that has heard nothing.
+    /// Returns a port without received bytes.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub const fn new() -> Self {
@@ -65,7 +66,7 @@ impl CommandPort {
         Self { lines: LineAssembler::new(), counters }
     }
 
-    /// Takes one byte. Where it completes a command, that is obeyed or refused, and answered.
+    /// Takes one byte. If it completes a command, obeys or refuses the command, and answers it.
     pub fn push<W: Write>(
         &mut self,
         byte: u8,
@@ -92,29 +93,29 @@ impl CommandPort {
         Heard { action: None, answered }
     }
 
-    /// What came in, by name: commands obeyed and refused (wrong checksums and unknown keys among them), sentences that are no
-    /// command, and breaks by characters that belong to none.
+    /// Returns the counters by name: commands obeyed and refused (wrong checksums and unknown keys
+    /// included), lines with another address, and lines cut by noise.
     pub fn counters(&self) -> impl Iterator<Item = (&'static str, u32)> + use<> {
         COUNTERS.into_iter().zip(self.counts())
     }
 
-    /// The counter of a number.
+    /// Returns the counter with this number.
     pub(crate) fn counter(&self, mut number: usize) -> Option<(&'static str, u32)> {
         counters::at(&COUNTERS, &self.counts(), &mut number)
     }
 
-    /// In the order of [`COUNTERS`].
+    /// Returns the counts in the order of [`COUNTERS`].
     const fn counts(&self) -> [u32; COUNTERS.len()] {
         let Counters { obeyed, refused, checksum, too_long, unknown_key, foreign, noise } = self.counters;
         [obeyed, refused, checksum, unknown_key, too_long, foreign, noise]
     }
 }
 
-/// What the counters are called.
+/// Names of the counters.
 const COUNTERS: [&str; 7] =
     ["cmd_ok", "cmd_refused", "cmd_checksum", "cmd_unknown_key", "cmd_too_long", "cmd_foreign", "cmd_noise"];
 
-/// Obeys a complete line that is addressed to the module.
+/// Obeys a complete line addressed to the module.
 fn obey<W: Write>(
     line: Line<'_>,
     counters: &mut Counters,
@@ -155,14 +156,14 @@ fn obey<W: Write>(
     }
 }
 
-/// Command that has been obeyed, but for what is left to do or to answer.
+/// Line that was accepted, by the work that is left.
 enum Understood {
     Question(Setting),
     Change(Setting),
     Order(Order),
 }
 
-/// Checks, reads and applies a line.
+/// Checks, parses and applies a line.
 fn understand(line: Line<'_>, configuration: &mut Configuration) -> Result<Understood, Refusal> {
     if !line.checksum_matches() {
         return Err(Refusal::Checksum);

@@ -1,6 +1,7 @@
-//! Integrity support of the satellites as a value: a preset, and what a command gave for single systems.
+//! Integrity parameters of the satellites as a value: a preset, and overrides for single systems.
 //!
-//! The module receives no integrity support message. A host that does, or trusts a system less than the preset, gives five values:
+//! The module receives no integrity support message. A host that receives one, or that trusts a
+//! system less than the preset does, sends five values:
 //!
 //! | value | field | range | unit |
 //! |---|---|---|---|
@@ -19,24 +20,25 @@ use super::read::{Values, next, next_number, number};
 use super::value::{Commands, Ranges, Spelled, Take, Value, range};
 use super::word::Word;
 
-/// Values that a system has.
+/// Number of values for a system.
 const VALUES: usize = 5;
 
-/// Sigmas, m: less is no range's, and more says nothing.
+/// Range of sigmas, m.
 const SIGMA_M: (f64, f64) = (0.01, 100.0);
 
-/// Biases, m.
+/// Range of biases, m.
 const BIAS_M: (f64, f64) = (0.0, 100.0);
 
-/// Probabilities other than 0: below, single precision has no pairs; above, nothing is promised.
+/// Range of fault probabilities other than 0. Products of two of them stay within single precision.
 const FAULT: (f64, f64) = (1e-12, 0.1);
 
-/// Below this, four satellites together are below what ARAIM may leave out of its watch, 8e-8 ([Blanch2015]).
+/// Prior of a satellite fault below which four satellites together stay below 8e-8, the probability
+/// that ARAIM may leave unmonitored ([Blanch2015]).
 ///
 /// [Blanch2015]: crate#references
 const LEAST_WATCHED: f64 = 2e-8;
 
-/// Preset of the integrity support.
+/// Preset of the integrity parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
     /// [`Ism::ICAO`].
@@ -61,7 +63,7 @@ impl Preset {
     }
 }
 
-/// A preset, and what was given for single systems in its place.
+/// A preset, and the overrides for single systems.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Promises {
     preset: Preset,
@@ -72,12 +74,12 @@ impl Promises {
     /// Ranges of the five values of a system.
     pub(super) const RANGES: [(f64, f64); VALUES] = [SIGMA_M, SIGMA_M, BIAS_M, FAULT, FAULT];
 
-    /// Returns a preset and nothing else.
+    /// Returns a preset without overrides.
     pub const fn preset(preset: Preset) -> Self {
         Self { preset, own: [None; Constellation::COUNT] }
     }
 
-    /// Returns the values that the core judges by.
+    /// Returns the integrity parameters for the core.
     pub fn ism(&self) -> Ism {
         let mut ism = self.preset.ism();
         for (support, own) in ism.constellations.iter_mut().zip(self.own) {
@@ -86,7 +88,8 @@ impl Promises {
         ism
     }
 
-    /// Returns true if a satellite of a system fails so seldom that ARAIM does not watch it: levels then bound noise alone.
+    /// Returns true if the satellite fault prior of an overridden system is so small that ARAIM
+    /// does not monitor these faults. Its levels then cover noise alone.
     pub(super) fn leaves_faults_unwatched(&self) -> bool {
         self.own.iter().flatten().any(|own| own.satellite_fault < LEAST_WATCHED)
     }

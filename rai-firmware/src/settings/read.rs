@@ -1,4 +1,4 @@
-//! Reading of one value of a command after the other.
+//! Reads the values of a command one by one.
 
 use super::{Refusal, decimal};
 
@@ -19,13 +19,13 @@ pub(super) fn number(value: &str, (lowest, highest): (f64, f64)) -> Result<f64, 
     if (lowest..=highest).contains(&number) { Ok(number) } else { Err(Refusal::OutOfRange) }
 }
 
-/// The next value, as [`number`].
+/// Reads the next value as [`number`].
 #[inline(never)]
 pub(super) fn next_number(values: Values<'_, '_>, range: (f64, f64)) -> Result<f64, Refusal> {
     number(next(values)?, range)
 }
 
-/// The next value, a number without a fraction within a range that a byte holds.
+/// Reads the next value as a whole number within a range that a byte holds.
 pub(super) fn next_whole(values: Values<'_, '_>, range: (f64, f64)) -> Result<u8, Refusal> {
     let number = next_number(values, range)?;
     if libm::floor(number).to_bits() == number.to_bits() {

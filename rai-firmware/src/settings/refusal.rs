@@ -1,4 +1,4 @@
-//! Why a command changed nothing, in words that fit an answer.
+//! Reasons for which a command changes nothing, in words that fit an answer.
 
 use embedded_io::Write;
 use raim_core::integrity::raim::detection::threshold::ThresholdError;
@@ -6,14 +6,14 @@ use raim_core::integrity::raim::detection::threshold::ThresholdError;
 use super::scientific;
 use crate::output::nmea::write_refusal;
 
-/// Why a command changed nothing.
+/// Reason for which a command changed nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refusal {
     /// The checksum is missing or does not match.
     Checksum,
     /// The line is longer than [`super::MAX_LINE`].
     TooLong,
-    /// There is no such key.
+    /// No setting or order has this key.
     UnknownKey,
     /// A value is missing.
     MissingValue,
@@ -21,17 +21,18 @@ pub enum Refusal {
     ExtraValue,
     /// A value is not one of the key's words.
     UnknownValue,
-    /// Key or word is right, but what it asks for is not built in.
+    /// Key or word is known, but this build lacks it.
     NotInBuild,
     /// A value is not a decimal number.
     NotANumber,
     /// A number is outside the key's range.
     OutOfRange,
-    /// Eight zeros: a receiver's way of saying that it has no coefficients, and no model of an ionosphere.
+    /// All eight coefficients are zero. Receivers report this if they have no coefficients; it is
+    /// no model of an ionosphere.
     AllZero,
     /// The probability is not in the tables.
     NotInTables {
-        /// The one that is, with the closest ratio.
+        /// Probability in the tables with the closest ratio.
         nearest: raim_core::numeric::probability::Probability,
     },
 }

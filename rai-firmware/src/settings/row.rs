@@ -1,6 +1,6 @@
-//! The macro that makes settings out of rows, and what a row says of its setting.
+//! The macro that makes settings from rows, and their documentation.
 
-/// Makes the key, the field and the documentation of each setting out of its row.
+/// Makes the key, the field and the documentation of each setting from its row.
 ///
 /// A row names its columns, so that a row without one of them does not compile.
 macro_rules! settings {
@@ -36,8 +36,8 @@ macro_rules! settings {
             /// Every setting, in the order of the table.
             pub const ALL: &'static [Self] = &[$($(#[cfg($condition)])? Self::$setting,)*];
 
-            /// Returns what the module knows of the setting.
-            // Not inlined: the table of the rows would be there once for each place that asks.
+            /// Returns the row of the setting.
+            // Not inlined, because each caller would have its own copy of the table.
             #[inline(never)]
             pub const fn row(self) -> &'static Row {
                 match self {
@@ -57,7 +57,7 @@ macro_rules! settings {
                 }
             }
 
-            /// Returns what a reader wants to know of the setting; the image has none of it.
+            /// Returns the documentation of the setting. The image does not contain it.
             pub const fn documentation(self) -> &'static Documentation {
                 match self {
                     $($(#[cfg($condition)])? Self::$setting => &Documentation {
@@ -72,7 +72,7 @@ macro_rules! settings {
         }
 
         impl Configuration {
-            /// Returns the settings of a module that nobody has told anything.
+            /// Returns the settings at start.
             pub const fn at_start() -> Self {
                 Self { $($(#[cfg($condition)])? $field: $at_start,)* }
             }

@@ -1,11 +1,13 @@
-//! Reports of the settings in force: the answer to a key without a value, and all of them in `PRAIQ`.
+//! Reports of the settings in force: the answer to a key without a value, and all of them in
+//! `PRAIQ`.
 //!
-//! Each setting is reported in the words and numbers that set it, so that a host can send them back. Fields that do not apply are
-//! empty.
+//! Each setting is reported in the words and numbers that set it, so that a host can send them
+//! back. Fields that do not apply are empty.
 //!
-//! `$PRAIQ,hash,field…,n,m*CS`: the fields of all settings in the order of the table, in as many sentences as they need; the last
-//! two fields of each are its number and how many there are. `hash` is the CRC-32 (IEEE 802.3, as zlib has it) of all
-//! fields with commas between them, 8 hexadecimal digits.
+//! `$PRAIQ,hash,field…,n,m*CS`: the fields of all settings in the order of the table, in as many
+//! sentences as they need. The last two fields of a sentence are its number and the number of
+//! sentences. `hash` is the CRC-32 (IEEE 802.3, as in zlib) of all fields with commas between them,
+//! as 8 hexadecimal digits.
 
 use embedded_io::Write;
 
@@ -20,7 +22,7 @@ impl Configuration {
         self.hash_of(|_| true)
     }
 
-    /// Returns the CRC-32 of the settings that a promise rests on.
+    /// Returns the CRC-32 of the settings that affect a verdict of protected.
     pub fn promise_hash(&self) -> u32 {
         self.hash_of(|setting| setting.row().bears_on_promise)
     }
@@ -60,13 +62,14 @@ impl Configuration {
         }
     }
 
-    /// Returns the fields of one setting in `PRAIQ`.
+    /// Passes the fields of one setting in `PRAIQ` to `take`.
     pub fn fields(&self, setting: Setting, take: &mut dyn FnMut(&str)) {
         self.value(setting).say(take);
     }
 }
 
-/// CRC-32 of IEEE 802.3, bit by bit: settings change seldom, and a table would take a kilobyte.
+/// CRC-32 of IEEE 802.3, bit by bit, because settings rarely change and a table would take a
+/// kilobyte.
 pub(super) struct Crc32(u32);
 
 impl Crc32 {

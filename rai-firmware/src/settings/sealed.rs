@@ -1,8 +1,9 @@
 //! Settings in memory that survives a restart.
 //!
-//! They lie there as the commands that make them, one a line, and are obeyed again at the next start: what is read back has
-//! passed every check of a command. Memory after power-on holds anything, so they count only under three conditions: the
-//! mark, the CRC-32 of the text, and the hash that the settings read back must have ([`Configuration::hash`]).
+//! Settings are stored as commands, one per line, and obeyed again at the next start. They
+//! therefore pass every check of a command. Because memory has arbitrary contents after power-on,
+//! three conditions must hold: the mark, the CRC-32 of the text, and the hash of the settings read
+//! back ([`Configuration::hash`]).
 //!
 //! | bytes | what |
 //! |---|---|
@@ -21,27 +22,27 @@ use super::{Configuration, Phase, PhaseEffect, Setting};
 /// Bytes of settings that survive a restart.
 pub const SEALED_BYTES: usize = 1024;
 
-/// Improbable in memory after power-on.
+/// Mark that is improbable in memory after power-on.
 const MARK: [u8; 4] = *b"RAIs";
 /// Bytes before the text.
 const HEAD: usize = 12;
-/// Longest line: a key and eight coefficients of all their digits, 141 bytes.
+/// Longest line: a key and eight coefficients with all their digits, 141 bytes.
 const LINE: usize = 144;
 
-/// What sealed memory holds.
+/// Contents of the sealed memory.
 #[allow(clippy::large_enum_variant)] // There is no heap to put it on, and one lives for a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unsealed {
-    /// The settings of the program before.
+    /// Settings that the previous run sealed.
     Settings(Configuration),
     /// Settings that are damaged.
     Damaged,
-    /// No trace of any.
+    /// No mark of sealed settings.
     Nothing,
 }
 
 impl Configuration {
-    /// Seals the settings into memory. Where they do not fit, the memory holds damaged ones.
+    /// Seals the settings into memory. If they do not fit, the memory is marked as damaged.
     pub fn seal(&self, memory: &mut [u8; SEALED_BYTES]) {
         memory.fill(0);
         let mut length = HEAD;
@@ -49,7 +50,7 @@ impl Configuration {
         self.say_commands(|line| {
             let line = line.as_bytes();
             match memory.get_mut(length..length + line.len()) {
-                // A zero has to follow.
+                // A zero must follow the text.
                 Some(place) if length + line.len() < SEALED_BYTES => {
                     place.copy_from_slice(line);
                     length += line.len();
@@ -65,7 +66,7 @@ impl Configuration {
         }
     }
 
-    /// Reads what the program before has sealed.
+    /// Reads the settings that the previous run sealed.
     pub fn unseal(memory: &[u8; SEALED_BYTES]) -> Unsealed {
         let Some((&[m0, m1, m2, m3, h0, h1, h2, h3, s0, s1, s2, s3], text)) =
             memory.split_first_chunk::<HEAD>()
@@ -86,8 +87,8 @@ impl Configuration {
         }
     }
 
-    /// Hands over the commands that make these settings, line by line. Numbers of a named phase are not among them: set by
-    /// themselves, they would make it `CUSTOM`.
+    /// Passes the commands that make these settings to `take`, line by line. The numbers of a named
+    /// phase are left out, because setting them would make the phase `CUSTOM`.
     fn say_commands(&self, mut take: impl FnMut(&str)) {
         for setting in Setting::ALL {
             if setting.row().phase != PhaseEffect::Leaves || self.phase == Phase::Custom {
@@ -104,7 +105,7 @@ impl Configuration {
             Commands::Several(first, others) => (first, others),
         };
         let mut line = String::<LINE>::new();
-        // What does not fit makes a line that is none, and the hash tells.
+        // A line that does not fit is invalid, and the hash exposes it.
         let _ = line.push_str(setting.key());
         let mut fields = 0;
         tell(value, &mut |field| {
@@ -125,7 +126,7 @@ impl Configuration {
     }
 }
 
-/// Obeys lines of commands, each with its end.
+/// Obeys lines of commands, each with its line end.
 fn obey(text: &[u8]) -> Option<Configuration> {
     let mut settings = Configuration::at_start();
     let mut line = String::<LINE>::new();
@@ -161,7 +162,7 @@ mod tests {
 
     use super::*;
 
-    /// Settings that commands make.
+    /// Returns the settings that these commands make.
     fn settings(commands: &[&str]) -> Configuration {
         let text = commands.join("\n") + "\n";
         obey(text.as_bytes()).expect("commands that are obeyed")
@@ -171,20 +172,21 @@ mod tests {
         [
             Configuration::at_start(),
             settings(&["PHASE,LPV200", "TTA,3", "MASK,12.5", "METHOD,RANSAC", "CLOCKAID,ON"]),
-            // Numbers of their own that came by way of a phase.
+            // Requirements that were set one by one after a phase.
             settings(&["PHASE,LPV200", "METHOD,SEPARATION", "HAL,60", "VAL,100"]),
             settings(&["PHASE,LPV200", "PHASE,CUSTOM"]),
             settings(&["HAL,40", "VAL,35", "PFA,1e-5", "PMD,1e-4", "TTA,3600"]),
             settings(&["IONO,1.4e-8,2.2e-8,-6e-8,-1.2e-7,9.6e4,1.3e5,-6.5e4,-3.3e5", "POLICY,T2"]),
             settings(&["ISM,RESEARCH-AIR", "ISM,G,2.4,2.4,0,1e-5,1e-4", "ISM,E,6,4.5,0.75,0,2e-4"]),
-            // What a phase leaves to choose, and a coefficient at its limit, of more digits than are said.
+            // A requirement that a phase leaves free, and a coefficient at its limit with more
+            // digits than are reported.
             settings(&["PHASE,LPV200", "PFF,1e-9", "MASK,5"]),
             settings(&["IONO,-1.1920928955078125e-7,0,0,0,0,0,0,0"]),
             longest(),
         ]
     }
 
-    /// Settings that take the most room.
+    /// Returns the settings with the longest text.
     fn longest() -> Configuration {
         let numbers = [
             "HAL,99998.123456",
@@ -228,7 +230,7 @@ mod tests {
         }
     }
 
-    /// A program before this one has sealed the same text, and one after it reads it.
+    /// The text must not change between versions, because another version may read it.
     #[test]
     fn settings_at_start_are_sealed_as_ever() {
         let mut memory = [0; SEALED_BYTES];

@@ -1,19 +1,20 @@
-//! The table of the settings: one row each, from which all else follows.
+//! Table of the settings: one row for each, from which everything else follows.
 //!
-//! | column | says |
+//! | column | content |
 //! |---|---|
 //! | `"KEY" Setting` | the key on the wire, and its name here |
 //! | `field: type = value` | the field of [`Configuration`], its type, and its value at start |
 //! | `ranges` | lowest and highest value of each number, in the order in which a command has them |
 //! | `unit` | unit of the numbers |
 //! | `fields` | fields in `PRAIQ` |
-//! | `promise` | a change takes the standing promise back, because the promise rests on it |
+//! | `promise` | true if a change withdraws a verdict of protected, which depends on it |
 //! | `phase` | [`PhaseEffect`] |
-//! | `warning` | text behind `OK,WARN` where the command is obeyed but hardly wise |
-//! | `example` | values of a command that changes the setting from what it is at start |
+//! | `warning` | text behind `OK,WARN` if the command is obeyed but unwise |
+//! | `example` | values of a command that changes the setting from its start value |
 //! | `text` | one line for INTERFACES.md, which a test compares |
 //!
-//! The order of the rows is that of `PRAIQ`, and of the sealed commands: a phase comes before what a phase sets.
+//! The order of the rows is that of `PRAIQ` and of the sealed commands. A phase therefore stands
+//! before the settings that it changes.
 //!
 //! References: [IS-GPS-200] table 20-X for the range of the ionospheric coefficients.
 //!
@@ -38,7 +39,7 @@ pub struct Row {
     pub key: &'static str,
     /// Lowest and highest value of each number.
     pub ranges: &'static [(f64, f64)],
-    /// True where a change takes the standing promise back.
+    /// True if a change withdraws a verdict of protected.
     pub bears_on_promise: bool,
     /// Effect on the phase, and of the phase.
     pub phase: PhaseEffect,
@@ -54,7 +55,7 @@ pub struct Documentation {
     pub unit: &'static str,
     /// Fields in `PRAIQ`.
     pub fields: &'static str,
-    /// Values of a command that changes the setting from what it is at start.
+    /// Values of a command that changes the setting from its start value.
     pub example: &'static str,
     /// Words that a value may be.
     pub words: &'static [&'static str],
@@ -63,7 +64,7 @@ pub struct Documentation {
 /// Effect of a setting on the phase, and of the phase on a setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PhaseEffect {
-    /// None.
+    /// No effect.
     Apart,
     /// The setting is the phase: the numbers of a named one come with it.
     Enters,
@@ -144,7 +145,7 @@ settings! {
     }
     "PFF" FaultFree {
         fault_free_risk: Probability = NPA.fault_free_risk,
-        // Beyond, the levels would promise what no sigma is known for, or nothing.
+        // Beyond these limits, no sigma is known for the levels, or the levels bound nothing.
         ranges: &[(1e-12, 1e-2)],
         unit: "",
         fields: "the same",
@@ -375,7 +376,7 @@ impl Configuration {
     /// Returns the settings with one changed by a command of this key and these values.
     ///
     /// # Errors
-    /// [`Refusal`] says why there are no such settings.
+    /// [`Refusal`] states why there are no such settings.
     pub fn with<'v>(self, key: &str, values: impl Iterator<Item = &'v str>) -> Result<Self, Refusal> {
         let mut values = values;
         let setting = Setting::named(key).ok_or(Refusal::UnknownKey)?;

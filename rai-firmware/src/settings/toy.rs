@@ -58,7 +58,7 @@ fn a_toy_setting_is_reported() {
     with_seven().write(&mut said).expect("a vector takes all");
     let text = String::from_utf8(said).expect("ASCII");
     let fields: Vec<&str> = text.lines().flat_map(|line| line.split(',').skip(2)).collect();
-    // The number of the sentence and how many there are stand behind it.
+    // The number of the sentence and the number of sentences follow.
     assert_eq!(fields.get(fields.len() - 3), Some(&"7"), "{text}");
     let mut told = Vec::new();
     with_seven().answer(Setting::Toy, &mut told).expect("a vector takes all");

@@ -1,4 +1,4 @@
-//! Values: how a setting reads, reports and seals what it holds.
+//! Values: how the value of a setting is read, reported and sealed.
 
 use raim_core::numeric::probability::Probability;
 
@@ -10,55 +10,57 @@ use super::word::{Word, next_word};
 /// Takes one field.
 pub(super) type Take<'t> = &'t mut dyn FnMut(&str);
 
-/// Lowest and highest value of each number of a value.
+/// Lowest and highest value of each number.
 pub(super) type Ranges = [(f64, f64)];
 
-/// Value of a setting, whatever its type: settings are handled through this trait object, once for all of them.
+/// Value of a setting. Settings are handled through this trait object, so that the code exists once
+/// for all types.
 pub(super) trait Value {
-    /// Replaces the value, or a part of it, by what a command has behind its key.
+    /// Replaces the value, or a part of it, by the values of a command.
     fn change(&mut self, values: Values<'_, '_>, ranges: &Ranges) -> Result<(), Refusal>;
 
-    /// Reports the value in as many fields as any other value of its type.
+    /// Reports the value in a number of fields that depends on its type alone.
     fn say(&self, take: Take<'_>);
 
-    /// Reports the value as commands have it, where that is not as [`Self::say`] reports it; returns true where it has.
+    /// Reports the value as commands write it and returns true, if that form differs from
+    /// [`Self::say`]; else returns false.
     fn tell(&self, _: Take<'_>) -> bool {
         false
     }
 
-    /// Returns how the fields of [`tell`] make commands.
+    /// Returns how the fields of [`tell`] are divided into commands.
     fn commands(&self) -> Commands {
         Commands::One
     }
 }
 
-/// Cut of the fields of a value into commands.
+/// Division of the fields of a value into commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Commands {
-    /// The value is what it is without a command.
+    /// No command: the start value.
     None,
-    /// One command has all fields.
+    /// One command with all fields.
     One,
-    /// The first command has so many fields, and each after it so many.
+    /// Several commands: number of fields of the first, and of each after it.
     Several(usize, usize),
 }
 
-/// Spelling of a type of values.
+/// Spelling of a type of value.
 pub(super) trait Spelled {
-    /// How many ranges its numbers have.
+    /// Number of ranges that its numbers have.
     const RANGES: usize;
-    /// Words that it may be.
+    /// Words that the value may be.
     const WORDS: &'static [&'static str];
 }
 
-/// Reports a value as commands have it, without the fields that only keep places in `PRAIQ`.
+/// Reports a value as commands write it, without the fields that only keep places in `PRAIQ`.
 pub(super) fn tell(value: &dyn Value, take: Take<'_>) {
     if !value.tell(take) {
         value.say(take);
     }
 }
 
-/// Returns the range of one number. The table has one for each, which the compiler checks.
+/// Returns the range of one number. The compiler checks that the table has a range for each.
 pub(super) fn range(ranges: &Ranges, index: usize) -> (f64, f64) {
     ranges.get(index).copied().unwrap_or_default()
 }
@@ -79,7 +81,7 @@ impl Value for f64 {
     }
 }
 
-/// Word of a number that is not set.
+/// Word for a number that is not set.
 const OFF: &str = "OFF";
 
 impl Spelled for Option<f64> {

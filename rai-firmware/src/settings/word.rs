@@ -1,20 +1,20 @@
-//! Word of the wire that stands for a value; `words` has all of them.
+//! The interface to the words of a value; `words` has the words of all types.
 
 use super::Refusal;
 use super::read::{Values, next};
 
-/// Meaning that a word of the wire stands for.
+/// Meaning of a word of the commands.
 pub(super) trait Word: Copy + 'static {
-    /// Words in the order of [`Self::MEANINGS`].
+    /// Words, in the order of [`Self::MEANINGS`].
     const WORDS: &'static [&'static str];
-    /// Meanings, `None` where this build lacks the feature.
+    /// Meanings; `None` if this build lacks the feature.
     const MEANINGS: &'static [Option<Self>];
 
     /// Returns the word of this meaning.
     fn word(self) -> &'static str;
 }
 
-/// Reads a word and returns its place among others, once for all types.
+/// Reads a word and returns its index. Not inlined, so that the code exists once for all types.
 #[inline(never)]
 pub(super) fn next_word(values: Values<'_, '_>, words: &[&str]) -> Result<usize, Refusal> {
     let word = next(values)?;

@@ -1,7 +1,8 @@
-//! Words that values are made of, and the meaning of each.
+//! Words of the values, and the meaning of each word.
 //!
-//! Every meaning has its word, because the macro matches it: a variant without a word does not compile. A word that is known but not
-//! built in has no meaning, so that an answer can tell a wrong word from a missing feature.
+//! Every meaning has a word, because the macro matches all variants: a variant without a word does
+//! not compile. A known word that this build lacks has no meaning, so that the answer distinguishes
+//! a wrong word from a missing feature.
 
 use raim_core::integrity::raim::detection::threshold::policy::Policy;
 #[cfg(feature = "searches")]
@@ -13,7 +14,7 @@ use super::kinds::{Baud, Frequencies, Levels, Sigma};
 use super::promises::Preset;
 use super::word::Word;
 
-/// Returns what a word means where a feature is built in, and `None` where it is not.
+/// Returns `Some` meaning if the feature is built in, else `None`.
 macro_rules! with {
     ([$feature:literal] $meaning:expr) => {{
         #[cfg(feature = $feature)]
@@ -27,7 +28,8 @@ macro_rules! with {
     };
 }
 
-/// Gives the meanings of a type their words. A host may also write an alias; the module reports the word.
+/// Gives each meaning of a type its word. A host may also send an alias; the module reports the
+/// word.
 macro_rules! words {
     ($type:ty {
         $($word:literal = [$($meaning:tt)+] $(if $feature:literal)?,)+
@@ -44,9 +46,10 @@ macro_rules! words {
             fn word(self) -> &'static str {
                 match self {
                     $($(#[cfg(feature = $feature)])? $($meaning)+ => $word,)+
-                    // No command leads here.
+                    // No command sets this variant.
                     $(#[cfg(feature = $core_feature)] $($wordless)+ => "",)?
-                    // Another crate of the same program may have built the core with what this one lacks.
+                    // Another crate of the same program may have built the core with features that
+                    // this crate lacks.
                     $($(
                         #[cfg(not(feature = $feature))]
                         #[allow(unreachable_patterns, reason = "the core has it only with its own feature")]
@@ -82,7 +85,7 @@ words! { Method {
     "RANSAC" = [Method::Ransac] if "searches",
     "SEPARATION" = [Method::Araim] if "araim",
     alias "ARAIM" = [Method::Araim] if "araim",
-    // A step of the hybrid method that a paper compares with the whole.
+    // Step of the hybrid method, which a paper compares with the whole method.
     no word = [Method::Parity(Isolation::HybridWithoutGrouping)] if "searches",
 } }
 

@@ -330,7 +330,8 @@ proptest! {
     }
 }
 
-/// A writer of navigation files that takes semicircles for radians, or the reverse, and a set of another system.
+/// A writer of navigation files that takes semicircles for radians, or the reverse, and a set of
+/// another system.
 #[test]
 fn orbit_that_its_system_does_not_have_is_refused() {
     for case in &CASES {
@@ -340,7 +341,8 @@ fn orbit_that_its_system_does_not_have_is_refused() {
             assert_eq!(have.map(|_| ()), Err(BroadcastError::OrbitType), "{id}: {what}");
         };
         assert!(changed(case, |_| ()).is_ok(), "{id}: real");
-        // Geostationary orbits are so little inclined that this mistake moves theirs past the bound only by chance.
+        // Geostationary orbits are so little inclined that this mistake moves theirs past the bound
+        // only by chance.
         if !matches!(case.satellite, (Constellation::Beidou, 1..=5 | 59..=63)) {
             refuse("semicircles in place of radians", |b| {
                 for angle in [&mut b.i0_sc, &mut b.omega0_sc, &mut b.m0_sc, &mut b.omega_sc] {

@@ -1,4 +1,4 @@
-//! Which of a satellite's sets is in use, which satellites have one, and what becomes of contradictions.
+//! Choice among a satellite's sets, choice of the satellites with a set, and contradictions.
 
 use crate::orbits::{CASES, Case, later};
 use raim_core::satellite::{Constellation, SatelliteId};
@@ -13,7 +13,7 @@ const GPS: usize = 0;
 const GALILEO: usize = 2;
 const BEIDOU_GEO: usize = 4;
 
-/// A turn of the anomaly by so much moves a GPS satellite by 83 m.
+/// Turn of the anomaly that moves a GPS satellite by 83 m.
 const ASTRAY_SC: f64 = 1e-6;
 
 fn after(time: GpsTime, seconds: i64) -> GpsTime {
@@ -24,7 +24,7 @@ fn ephemeris(broadcast: &Broadcast) -> Ephemeris {
     Ephemeris::new(broadcast).unwrap()
 }
 
-/// The orbit of a case, written about a later time and spoilt.
+/// Returns the orbit of a case, written about a later time and changed.
 fn issue(case: &Case, seconds: i64, change: impl FnOnce(&mut Broadcast)) -> Ephemeris {
     let mut broadcast = later(&case.broadcast(), seconds);
     change(&mut broadcast);
@@ -41,7 +41,7 @@ fn astray(case: &Case, seconds: i64) -> Ephemeris {
 
 #[test]
 fn issues_of_one_orbit_about_different_times_put_the_satellite_at_one_place() {
-    // But for the geostationary ones, whose tilted plane turns with the reference time.
+    // Geostationary cases are left out, because their tilted plane turns with the reference time.
     for case in CASES.iter().filter(|case| !matches!(case.satellite, (Constellation::Beidou, 5 | 59))) {
         let when = after(case.toe(), 1800);
         let (one, other) = (ephemeris(&case.broadcast()), sound(case, 3600));
@@ -63,7 +63,8 @@ fn what_was_received_last_is_in_use_though_its_reference_time_is_earlier() {
 
 #[test]
 fn a_reference_time_hours_ahead_of_its_time_does_not_block_the_later_ones_for_hours() {
-    // A set sent four hours early, and 80 m off; then those for the next hours as they are sent.
+    // The first set was sent four hours early and is 80 m off; then come those for the next hours
+    // as they are sent.
     let (mut store, case) = (Store::new(), &CASES[GALILEO]);
     let start = case.toe();
     store.insert(sound(case, 0), Some(start));
@@ -104,7 +105,7 @@ fn two_sets_that_contradict_each_other_are_not_used_until_a_third_agrees_with_on
         assert_eq!(store.insert(sound(case, 0), Some(now)), Insertion::Taken);
         assert_eq!(store.insert(astray(case, 16), Some(now)), Insertion::Disputed);
         assert_eq!(store.get(case.id(), now), Err(EphemerisError::Disputed));
-        // A copy of what is disputed is no third.
+        // A copy of the disputed set is not a third set.
         assert_eq!(store.insert(astray(case, 16), Some(now)), Insertion::Disputed);
         assert_eq!(store.get(case.id(), now), Err(EphemerisError::Disputed));
         assert_eq!(store.insert(third, Some(now)), Insertion::Taken);
@@ -173,7 +174,8 @@ fn more_disputes_than_are_kept_still_end() {
     }
 }
 
-/// Satellites of all systems but those of a case, the geostationary ones left out: their elements mean another plane.
+/// Returns satellites of all systems but those of a case. The geostationary ones are left out,
+/// because their elements refer to another plane.
 fn names() -> Vec<(usize, SatelliteId)> {
     let of = |case, constellation, numbers: std::ops::RangeInclusive<u8>| {
         numbers.map(move |number| (case, SatelliteId::new(constellation, number).unwrap()))
@@ -205,7 +207,7 @@ fn satellites_two_days_ahead_lock_out_none_that_is_there() {
 fn a_stream_of_112_satellites_locks_out_none_of_the_33_in_view() {
     let (mut store, start) = (Store::new(), CASES[GPS].toe());
     let stream: Vec<_> = names().into_iter().take(112).collect();
-    // Every third is in view; all are sent again and again, one each second.
+    // Every third satellite is in view; all are sent again and again, one each second.
     let in_view: Vec<SatelliteId> = stream.iter().map(|(_, id)| *id).step_by(3).take(33).collect();
     for second in 0..1200 {
         let now = after(start, second);
@@ -230,7 +232,7 @@ fn galileo_fnav_serves_until_inav_comes_and_does_not_replace_it() {
     assert_eq!(store.insert(fnav(5 * 3600), Some(after(toe, 5 * 3600))), Insertion::Taken);
 }
 
-/// What is chosen of E1, E5b and E5a after these messages came in this order.
+/// Returns the choice from E1, E5b and E5a after these messages came in this order.
 fn chosen(messages: &[Ephemeris]) -> Result<Option<(Band, Option<Band>)>, EphemerisError> {
     let (mut store, case) = (Store::new(), &CASES[GALILEO]);
     for message in messages {
@@ -257,7 +259,8 @@ fn what_fnav_says_of_e5a_counts_though_the_orbit_is_that_of_inav() {
     let other_pair = Ok(Some((Band::E1, Some(Band::E5b))));
     assert_eq!(chosen(&[inav(0, true, true)]), both_pairs, "nothing is said of E5a");
     assert_eq!(chosen(&[inav(0, true, true), fnav(0, true, Some(3.12))]), both_pairs);
-    // Out of service, or without promise: in whichever order they come, and when I/NAV comes anew.
+    // The signals are out of service or without promise, in either order of the messages, and after
+    // a new I/NAV.
     for bad in [fnav(0, false, Some(3.12)), fnav(0, true, None), fnav(0, false, None)] {
         assert_eq!(chosen(&[inav(0, true, true), bad]), other_pair);
         assert_eq!(chosen(&[bad, inav(0, true, true)]), other_pair);
@@ -267,13 +270,14 @@ fn what_fnav_says_of_e5a_counts_though_the_orbit_is_that_of_inav() {
     }
     assert_eq!(chosen(&[fnav(0, false, None)]), Err(EphemerisError::Unhealthy));
     assert_eq!(chosen(&[inav(0, false, true), fnav(0, true, Some(3.12))]), both_pairs);
-    // The service definition calls no signal healthy of which nothing is said.
+    // By the service definition, a signal without a statement is not healthy.
     assert_eq!(chosen(&[fnav(0, false, Some(3.12))]), Err(EphemerisError::Unhealthy));
     assert_eq!(chosen(&[inav(0, false, true)]), Ok(Some((Band::E1, None))));
     assert_eq!(chosen(&[fnav(0, true, Some(3.12))]), both_pairs, "F/NAV alone, for E1 and E5a");
 }
 
-/// [OS-SDD] 2.3.1: data without guarantee makes no signal healthy. Both messages describe one orbit, so either speaks for it.
+/// [OS-SDD] 2.3.1: data without guarantee makes no signal healthy. Both messages describe one
+/// orbit, so either speaks for it.
 ///
 /// [OS-SDD]: raim_firmware#references
 #[test]
@@ -306,7 +310,8 @@ fn data_without_guarantee_closes_every_signal_whichever_band_says_it() {
     assert_eq!(chosen(&[inav(0, [false; 2]), fnav(0, true), fnav(600, false)]), open);
 }
 
-/// I/NAV called E1 healthy until its set was out of date; five hours later F/NAV says that E5a is in test.
+/// I/NAV reported E1 healthy until its set was out of date; five hours later F/NAV reports E5a in
+/// test.
 #[test]
 fn good_word_of_a_set_that_is_out_of_date_does_not_hold() {
     const LATER_S: i64 = 5 * 3600;
@@ -345,7 +350,7 @@ fn satellites_that_rise_together_displace_others_and_not_each_other() {
     for name in here {
         store.insert(named(*name, now), Some(now));
     }
-    // All were seen; a dozen of them no longer are.
+    // All satellites were seen; a dozen of them no longer are.
     store.observe(here.iter().map(|(_, id)| *id));
     for _ in 0..6 {
         store.observe(here.iter().map(|(_, id)| *id).skip(12));

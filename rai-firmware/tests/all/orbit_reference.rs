@@ -46,8 +46,9 @@ fn harmonic(unit: f64) -> impl Strategy<Value = f32> {
     field(1 << 17).prop_map(move |units| (units * unit) as f32)
 }
 
-/// An orbit that a system has, as the module's documentation bounds it: message, satellite, √A, eccentricity, inclination in
-/// degrees. Those of the geostationary satellites of `BeiDou` are about the plane of their elements.
+/// An orbit that a system has, as the module's documentation bounds it: message, satellite, √A,
+/// eccentricity, inclination in degrees. Those of the geostationary satellites of `BeiDou` are
+/// about the plane of their elements.
 type Kind = (Source, u8, (f64, f64), (f64, f64), (f64, f64));
 
 const KINDS: [Kind; 9] = [
@@ -81,7 +82,7 @@ fn between((least, most): (f64, f64), fraction: f64, exponent: i32) -> f64 {
     (least + fraction * (most - least)).round() * unit
 }
 
-/// A fraction that is as often 0 or 1 as between them.
+/// Returns fractions, of which half are 0 or 1.
 fn fraction() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0, 0.0..=1.0]
 }

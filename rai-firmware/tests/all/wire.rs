@@ -1,4 +1,5 @@
-//! RTCM 3 written bit by bit from the tables of the standard: an encoder that shares nothing with the decoder.
+//! RTCM 3 written bit by bit from the tables of the standard, by an encoder that shares no code
+//! with the decoder.
 #![allow(dead_code, reason = "each test program uses a part")]
 
 use raim_firmware::ephemeris::Source;
@@ -17,7 +18,7 @@ impl Bits {
         self
     }
 
-    /// A number in units of `2^exponent`.
+    /// Appends a number in units of `2^exponent`.
     pub(crate) fn scaled(self, length: u32, exponent: i32, value: f64) -> Self {
         self.put(length, (value / 2f64.powi(exponent)).round() as i64)
     }
@@ -28,7 +29,7 @@ impl Bits {
     }
 }
 
-/// CRC-24Q, bit by bit.
+/// Returns the CRC-24Q, computed bit by bit.
 pub(crate) fn crc24q(bytes: &[u8]) -> u32 {
     bytes.iter().fold(0, |crc, &byte| {
         (0..8).fold(crc ^ u32::from(byte) << 16, |crc, _| {
@@ -37,7 +38,7 @@ pub(crate) fn crc24q(bytes: &[u8]) -> u32 {
     })
 }
 
-/// A payload with preamble, length and parity.
+/// Returns a payload with preamble, length and parity.
 pub(crate) fn frame(payload: &[u8]) -> Vec<u8> {
     let mut bytes = vec![0xD3, (payload.len() >> 8) as u8, payload.len() as u8];
     bytes.extend_from_slice(payload);
@@ -58,7 +59,7 @@ pub(crate) const E5A_Q: u8 = 23;
 pub(crate) const B1I: u8 = 2;
 pub(crate) const B3I: u8 = 8;
 
-/// An MSM frame of level 4 to 7, the last digit of its number.
+/// Returns an MSM frame of level 4 to 7, the last digit of its number.
 pub(crate) fn msm(number: u16, time: u32, more: bool, cells: &[Cell]) -> Vec<u8> {
     let sorted = |pick: fn(&Cell) -> u8| {
         let mut ids: Vec<u8> = cells.iter().map(pick).collect();
@@ -81,20 +82,20 @@ pub(crate) fn msm(number: u16, time: u32, more: bool, cells: &[Cell]) -> Vec<u8>
     frame(&signal_fields(bits, level, &present, cells).bytes())
 }
 
-/// Rough range in 1/1024 ms: that of the satellite's first cell. The fine part says the rest.
+/// Returns the rough range of the satellite's first cell, 1/1024 ms. The fine part is the rest.
 fn rough(satellite: u8, cells: &[Cell]) -> i64 {
     let cell = cells.iter().find(|cell| cell.0 == satellite).unwrap();
     (cell.2 / 299_792.458 * 1024.0).round() as i64
 }
 
-/// Rate of a satellite in m/s, and what a signal's differs from it in 0.1 mm/s, in levels 5 and 7; satellite 9 has none,
-/// nor has the second signal of satellite 5.
+/// Returns the rate of a satellite, m/s, and the difference of a signal's rate from it, 0.1 mm/s,
+/// in levels 5 and 7. Satellite 9 has none, nor has the second signal of satellite 5.
 pub(crate) fn rates(satellite: u8, signal: u8) -> Option<(i64, i64)> {
     let is_said = satellite != 9 && (satellite, signal) != (5, L2W);
     is_said.then(|| (i64::from(satellite) * 37 - 500, i64::from(signal) * 1000 - 7001))
 }
 
-/// Levels 5 and 7 carry an extended field and a rate besides.
+/// Appends the fields of the satellites; levels 5 and 7 also carry an extended field and a rate.
 fn satellite_fields(bits: Bits, level: u16, satellites: &[u8], cells: &[Cell]) -> Bits {
     let has_rate = matches!(level, 5 | 7);
     let zeros = |bits: Bits, length| satellites.iter().fold(bits, |bits: Bits, _| bits.put(length, 0));
@@ -110,7 +111,7 @@ fn satellite_fields(bits: Bits, level: u16, satellites: &[u8], cells: &[Cell]) -
     satellites.iter().fold(bits, |bits, &id| bits.put(14, rate(id)))
 }
 
-/// Levels 6 and 7 have the wider fields, 5 and 7 a rate.
+/// Appends the fields of the cells; levels 6 and 7 have wider ones, 5 and 7 a rate.
 fn signal_fields(bits: Bits, level: u16, present: &[&Cell], cells: &[Cell]) -> Bits {
     let is_wide = level >= 6;
     let zeros = |bits: Bits, length| present.iter().fold(bits, |bits: Bits, _| bits.put(length, 0));
@@ -129,7 +130,7 @@ fn signal_fields(bits: Bits, level: u16, present: &[&Cell], cells: &[Cell]) -> B
     present.iter().fold(bits, |bits, cell| bits.put(15, rate(cell)))
 }
 
-/// The ephemeris message of a case: 1019, 1042, 1045 or 1046.
+/// Returns the ephemeris message of a case: 1019, 1042, 1045 or 1046.
 pub(crate) fn ephemeris(case: &Case) -> Vec<u8> {
     let bits = match case.source {
         Source::GpsLnav => message_1019(case),
@@ -247,7 +248,7 @@ fn galileo(case: &Case, number: i64) -> Bits {
         .scaled(24, -43, omegadot)
 }
 
-/// What came out, by value.
+/// Event of the input, by value.
 #[derive(Debug)]
 pub(crate) enum Seen {
     Epoch(Box<RawEpoch>),
@@ -263,7 +264,7 @@ pub(crate) fn feed(input: &mut Input, bytes: &[u8]) -> Vec<Seen> {
     seen
 }
 
-/// Lets the line be silent and collects all events.
+/// Reports silence of the line and collects all events.
 pub(crate) fn silence(input: &mut Input) -> Vec<Seen> {
     let mut seen = Vec::new();
     input.silence(|event| seen.push(Seen::from(event)));
@@ -282,7 +283,7 @@ impl From<Event<'_>> for Seen {
     }
 }
 
-/// The epochs among what came out.
+/// Returns the epochs among the events.
 pub(crate) fn epochs(seen: Vec<Seen>) -> Vec<RawEpoch> {
     seen.into_iter()
         .filter_map(|seen| if let Seen::Epoch(epoch) = seen { Some(*epoch) } else { None })

@@ -100,7 +100,8 @@ impl EmulatedBoard {
         self.send(crate::sentence::command(text).as_bytes())
     }
 
-    /// Returns the next line of the host port, with its line end. It discards `MAVLink` frames before it.
+    /// Returns the next line of the host port, with its line end. It discards `MAVLink` frames
+    /// before it.
     ///
     /// # Errors
     /// If none comes within `patience`.
@@ -245,7 +246,7 @@ fn read_lines(port: TcpStream, ear: Arc<Ear>) -> Receiver<Vec<u8>> {
     lines
 }
 
-/// Reads a `MAVLink` frame, or a line; returns how many bytes it has, 0 at the end.
+/// Reads a `MAVLink` frame, or a line; returns the number of its bytes, 0 at the end.
 fn read_item(reader: &mut impl BufRead, item: &mut Vec<u8>) -> std::io::Result<usize> {
     if reader.fill_buf()?.first() != Some(&FRAME_BEGIN) {
         return reader.read_until(b'\n', item);

@@ -11,8 +11,8 @@
 //! | `b` | [`CLOCK_M`], the same for all systems; each estimates its own |
 //!
 //! The sigma that accompanies a range is the model's as well, except for `SEPARATION`, which
-//! weights by the parameters of the integrity support message ([`raim_core::weighting`]). Ranges are
-//! ionosphere-free pairs.
+//! weights by the parameters of the integrity support message ([`raim_core::weighting`]). Ranges
+//! are ionosphere-free pairs.
 
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, SPEED_OF_LIGHT_M_S};

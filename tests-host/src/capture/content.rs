@@ -1,4 +1,4 @@
-//! What a capture holds, and what is missing in it.
+//! Content of a capture, and what is missing in it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -8,20 +8,20 @@ use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::replay::pieces::{Kind, Piece, pieces};
 
-/// What a receiver has to send, and the words for it.
+/// Messages that a receiver must send, in words.
 const NEEDED: &str = "the module needs ranges and orbits: RXM-RAWX and RXM-SFRBX of a u-blox receiver, or RTCM 3 with MSM4 to \
      MSM7 (1077, 1097, 1127) and ephemerides (1019, 1045 or 1046, 1042)";
 
-/// What a capture holds.
+/// Content of a capture.
 #[derive(Clone, Debug, Default)]
 pub struct Content {
-    /// How many of each kind of frame.
+    /// Number of frames of each kind.
     frames: BTreeMap<Kind, usize>,
-    /// Lines of text.
+    /// Number of lines of text.
     lines: usize,
-    /// Bytes of these.
+    /// Bytes in these lines.
     line_bytes: usize,
-    /// Bytes that are neither.
+    /// Bytes outside frames and lines.
     rest_bytes: usize,
     /// All bytes.
     bytes: u64,
@@ -29,7 +29,7 @@ pub struct Content {
     pub(super) ranged: BTreeSet<SatelliteId>,
     /// Satellites with an ephemeris.
     pub(super) known: BTreeSet<SatelliteId>,
-    /// Epochs of ranges that nobody has told the week of.
+    /// Epochs of ranges whose week is unknown.
     pub(super) without_week: u32,
 }
 
@@ -52,7 +52,7 @@ impl Content {
         self.bytes
     }
 
-    /// Satellites with ranges.
+    /// Returns the satellites with ranges.
     pub fn satellites(&self) -> Vec<SatelliteId> {
         self.ranged.iter().copied().collect()
     }
@@ -60,7 +60,7 @@ impl Content {
     /// Checks that the bytes are a capture of ranges. They begin with `head`.
     ///
     /// # Errors
-    /// What the bytes are instead, by name.
+    /// The bytes are something else; the message names it.
     pub(super) fn check(&self, head: &[u8]) -> Result<()> {
         if head.is_empty() {
             bail!("is empty");
@@ -92,7 +92,7 @@ impl Content {
         bail!("holds {self}, and no ranges: {NEEDED}")
     }
 
-    /// Why no epoch came out of ranges.
+    /// Returns the reason for which ranges gave no epoch.
     pub(super) fn no_epoch(&self) -> String {
         if self.frames.contains_key(&Kind::RAWX) && self.without_week > 0 {
             format!("holds {self}: in none of them the receiver knows the week; let it find the time first")
@@ -103,7 +103,7 @@ impl Content {
         }
     }
 
-    /// What to do where there are ranges and no orbits.
+    /// Returns the advice for ranges without orbits.
     fn without_orbits(&self, says_week: bool) -> String {
         let week = if says_week { ", and nothing else says the week" } else { "" };
         let switch = if self.frames.contains_key(&Kind::RAWX) {
@@ -118,7 +118,8 @@ impl Content {
         )
     }
 
-    /// What is missing, system by system; `others` are satellites whose ephemerides come from elsewhere.
+    /// Returns what is missing, system by system; `others` are satellites whose ephemerides come
+    /// from elsewhere.
     pub fn missing(&self, others: &BTreeSet<SatelliteId>) -> Option<String> {
         let has_orbit =
             |satellite: &SatelliteId| self.known.contains(satellite) || others.contains(satellite);
@@ -130,7 +131,7 @@ impl Content {
                 self.ranged.iter().filter(|satellite| satellite.constellation() == *system).peekable();
             of_system.peek().is_some() && !of_system.any(has_orbit)
         };
-        // GLONASS takes no part unless it is asked for.
+        // GLONASS takes no part unless it is selected.
         let used = [Constellation::Gps, Constellation::Galileo, Constellation::Beidou];
         let systems: Vec<&str> =
             used.iter().filter(|system| without(system)).map(|system| name(*system)).collect();
@@ -166,7 +167,7 @@ impl fmt::Display for Content {
     }
 }
 
-/// The name of a frame as its makers call it.
+/// Returns the name of a frame in its maker's documents.
 fn frame_name(kind: Kind) -> String {
     match kind {
         Kind::Rtcm(number) => format!("RTCM {number}"),
@@ -186,14 +187,14 @@ fn frame_name(kind: Kind) -> String {
     }
 }
 
-/// Whether there is a frame of UBX or RTCM 3 early in it.
+/// Returns true if the first bytes contain a frame of UBX or RTCM 3.
 pub fn has_frames(bytes: &[u8]) -> bool {
     const EARLY: usize = 65_536;
     let early = bytes.get(..bytes.len().min(EARLY)).unwrap_or_default();
     pieces(early).any(|piece| matches!(piece.kind, Kind::Ubx(_) | Kind::Rtcm(_)))
 }
 
-/// What a file is that is no capture, by how it begins.
+/// Returns the kind of a file that is not a capture, from its first bytes.
 fn foreign(bytes: &[u8]) -> String {
     let start = bytes.get(..bytes.len().min(4096)).unwrap_or_default();
     let text = String::from_utf8_lossy(start);

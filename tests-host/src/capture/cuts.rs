@@ -1,8 +1,9 @@
-//! Where a stream is cut: behind the frame that completes an epoch.
+//! Cuts of a stream, each behind the frame that completes an epoch.
 //!
-//! The module's own input says when an epoch is complete. Bytes that look like the beginning of a long frame may hold it
-//! back; on a line they do so until it falls silent, which it does between two epochs. Here the line counts as silent behind
-//! a frame of ranges that says that it is the last, and the module is left as long to notice when the lump is replayed.
+//! The module's own input decides when an epoch is complete. Bytes that look like the beginning of
+//! a long frame may delay it. On a line they do so until it falls silent between two epochs. Here
+//! the line counts as silent behind a frame of ranges that states that it is the last. When the
+//! lump is replayed, the module has as long a silence.
 
 use std::collections::BTreeSet;
 
@@ -16,17 +17,17 @@ use crate::replay::pieces::{Kind, Piece};
 
 /// An epoch that ends with a piece.
 pub(super) struct Cut {
-    /// Its time tag.
+    /// Time tag of the epoch.
     pub(super) time: GpsTime,
     /// Ephemerides that became known with it.
     pub(super) ephemerides: Vec<Ephemeris>,
     /// GPS coefficients of the ionosphere that became known with it.
     pub(super) ionosphere: Option<[f64; 8]>,
-    /// True where only the first message of the next epoch said that this one was complete.
+    /// True if only the first message of the next epoch showed that this one was complete.
     pub(super) ends_with_next: bool,
 }
 
-/// Finds the epochs of a stream, piece by piece.
+/// Finder of the epochs of a stream, piece by piece.
 #[derive(Default)]
 pub(super) struct Cutter {
     input: Input,
@@ -53,13 +54,13 @@ impl Cutter {
         cutter
     }
 
-    /// Returns how often ephemerides have corrected the week.
+    /// Returns the number of times that ephemerides have corrected the week.
     pub(super) fn week_corrections(&self) -> u32 {
         self.input.counters().week_corrections
     }
 
-    /// Takes the next piece; returns the epoch that ends with it. Of two that were held back together the module says the
-    /// last verdict only, so that they are one here.
+    /// Takes the next piece; returns the epoch that ends with it. If two epochs were delayed
+    /// together, they are one here, because the module reports only the last verdict.
     pub(super) fn take(&mut self, piece: &Piece<'_>) -> Option<Cut> {
         let Self { input, ranged, known, ephemerides, ionosphere } = self;
         let mut ended = None;
@@ -89,20 +90,21 @@ impl Cutter {
         })
     }
 
-    /// Returns the number of epochs that were refused because nothing had said the week.
+    /// Returns the number of epochs that were refused because the week was unknown.
     pub(super) fn without_week(&self) -> u32 {
         self.input.counters().epochs_without_week
     }
 }
 
-/// Returns true where a time of week is not that of an epoch, to the tenth of a second that systems may be apart.
+/// Returns true if a time of week is not that of an epoch, to the tenth of a second by which
+/// systems may differ.
 fn is_other(tow_ms: u32, epoch: GpsTime) -> bool {
     GpsTime::nearest(tow_ms, epoch).since_ms(epoch).abs() > 100
 }
 
-/// Returns true where a frame of ranges says that none of the same instant follows.
+/// Returns true if a frame of ranges states that none of the same instant follows.
 fn is_last_of_epoch(piece: &Piece<'_>) -> bool {
-    /// The multiple message bit stands in the tenth byte of the frame, second from its low end.
+    /// The multiple message bit is in the tenth byte of the frame, second from its low end.
     const MORE: (usize, u8) = (9, 0b10);
     match piece.kind {
         Kind::RAWX => true,

@@ -1,4 +1,5 @@
-//! Faults in a capture: the ranges of a frame are altered where they stand, and all else stays as it came.
+//! Faults in a capture: the ranges of a frame are altered in place, and all other bytes stay as
+//! they came.
 //!
 //! ```text
 //! RXM-RAWX    prMes, a double                            P' = P + Δ
@@ -11,9 +12,10 @@
 //! | MSM4, MSM5 | 2⁻²⁴ ms, 18 mm |
 //! | MSM6, MSM7 | 2⁻²⁹ ms, 0.6 mm |
 //!
-//! The fine range reaches 292 m to either side of the rough one, which all signals of a satellite share. It is kept where
-//! the faulty ranges fit, and moved where they do not. A lost satellite has no measurement in RXM-RAWX, and in MSM ranges that
-//! say that there are none. Carrier phases and rates are left alone: they are of no use to who checks a code range.
+//! The fine range reaches 292 m to either side of the rough one, which all signals of a satellite
+//! share. The rough range stays if the faulty ranges fit, and is moved if they do not. A lost
+//! satellite has no measurement in RXM-RAWX, and ranges marked as invalid in MSM. Carrier phases
+//! and rates are unchanged, because a check of code ranges does not use them.
 //!
 //! Reference: [RTCM-10403.3] 3.5.16, tables 3.5-73 to 3.5-101.
 //!
@@ -30,29 +32,29 @@ use crate::encode::ubx;
 use crate::fault::{Fault, Kind as What};
 use crate::replay::pieces::{Kind, Piece};
 
-/// Metres that light travels in a millisecond.
+/// Distance that light travels in a millisecond, m.
 const M_PER_MS: f64 = SPEED_OF_LIGHT_M_S * 1e-3;
 
-/// Bytes before the measurements of RXM-RAWX, and of each.
+/// Bytes before the measurements of RXM-RAWX, and of each measurement.
 const HEADER: usize = 16;
 const MEASUREMENT: usize = 32;
 
-/// Where the masks of an MSM begin, bits.
+/// First bits of the masks of an MSM.
 const SATELLITE_MASK: usize = 73;
 const SIGNAL_MASK: usize = SATELLITE_MASK + 64;
 const CELL_MASK: usize = SIGNAL_MASK + 32;
 
-/// A whole millisecond that is none.
+/// Value of the whole milliseconds that marks an invalid range.
 const NO_WHOLE: u64 = 255;
 
-/// What befalls a satellite.
+/// Change of a satellite's ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Change {
     Longer(f64),
     Lost,
 }
 
-/// What the faults do to a satellite at an instant.
+/// Returns the change by the faults for a satellite at an instant.
 fn change(faults: &[Fault], satellite: SatelliteId, elapsed_s: f64) -> Option<Change> {
     let active =
         || faults.iter().filter(|fault| fault.is_active(elapsed_s) && fault.target.covers(satellite));
@@ -63,7 +65,8 @@ fn change(faults: &[Fault], satellite: SatelliteId, elapsed_s: f64) -> Option<Ch
     (bias_m != 0.0).then_some(Change::Longer(bias_m))
 }
 
-/// The time of week of a frame's ranges, ms of GPS time; `None` where there is none or it cannot be told.
+/// Returns the time of week of a frame's ranges, ms of GPS time; `None` if it has no ranges or its
+/// time is unknown.
 pub(super) fn tow_ms(piece: &Piece<'_>) -> Option<u32> {
     let payload = payload(piece);
     if piece.kind == Kind::RAWX {
@@ -83,11 +86,11 @@ pub(super) fn tow_ms(piece: &Piece<'_>) -> Option<u32> {
     }
 }
 
-/// The frame with the faults in it, `None` where they do not touch it. `epoch` is the one that it came with, `elapsed_s`
-/// after the first.
+/// Returns the frame with the faults; `None` if they do not affect it. `epoch` is the one that it
+/// came with, `elapsed_s` after the first.
 ///
 /// # Errors
-/// A fault that a message has no room for.
+/// A fault does not fit the message.
 pub(super) fn falsify(
     piece: &Piece<'_>,
     (epoch, elapsed_s): (GpsTime, f64),
@@ -104,7 +107,7 @@ pub(super) fn falsify(
     }
 }
 
-/// What is between header and check.
+/// Returns the bytes between header and check.
 fn payload<'a>(piece: &Piece<'a>) -> &'a [u8] {
     let (header, check) = match piece.kind {
         Kind::Ubx(_) => (6, 2),
@@ -146,17 +149,17 @@ fn ubx_satellite(system: u8, number: u8) -> Option<SatelliteId> {
     SatelliteId::from_name(letter, number)
 }
 
-/// Where the ranges of an MSM stand.
+/// Positions of the ranges in an MSM.
 struct Layout {
     /// Numbers of the satellites.
     satellites: Vec<u8>,
-    /// The satellite of each cell, by its place in `satellites`.
+    /// Satellite of each cell, as an index in `satellites`.
     cells: Vec<usize>,
     /// First bits of the whole milliseconds, of the rough and of the fine ranges.
     whole_at: usize,
     rough_at: usize,
     fine_at: usize,
-    /// Bits of a fine range, and how many of its steps a step of the rough one is.
+    /// Width of a fine range, bits, and number of its steps in a step of the rough one.
     fine_bits: usize,
     fine_per_rough: i64,
 }
@@ -180,18 +183,18 @@ impl Layout {
         fits.then_some(Self { satellites, cells, whole_at, rough_at, fine_at, fine_bits, fine_per_rough })
     }
 
-    /// Metres of a step of the fine range.
+    /// Returns a step of the fine range, m.
     fn step_m(&self) -> f64 {
         M_PER_MS / (1024 * self.fine_per_rough) as f64
     }
 
-    /// Where the fine ranges of a satellite stand.
+    /// Returns the positions of a satellite's fine ranges.
     fn fine_of(&self, row: usize) -> impl Iterator<Item = usize> + '_ {
         let of_row = self.cells.iter().enumerate().filter(move |(_, of)| **of == row);
         of_row.map(|(cell, _)| self.fine_at + cell * self.fine_bits)
     }
 
-    /// The value of a fine range that says that there is none.
+    /// Returns the value of an invalid fine range.
     fn none(&self) -> i64 {
         -(1 << (self.fine_bits - 1))
     }
@@ -203,7 +206,7 @@ impl Layout {
         }
     }
 
-    /// Lengthens the ranges of a satellite; false where the message has no room for them.
+    /// Lengthens the ranges of a satellite; returns false if they do not fit the message.
     fn lengthen(&self, payload: &mut [u8], row: usize, by_m: f64) -> bool {
         let (whole_at, rough_at) = (self.whole_at + 8 * row, self.rough_at + 10 * row);
         let (Some(whole), Some(rough)) = (bits(payload, whole_at, 8), bits(payload, rough_at, 10)) else {
@@ -223,7 +226,7 @@ impl Layout {
         }
         let by = (by_m / self.step_m()).round() as i64;
         let fits = |fine: i64| fine.abs() < -self.none();
-        // The middle of the signals stays as near to the rough range as it can be.
+        // The middle of the signals stays as near to the rough range as possible.
         let middle = by + i64::midpoint(least, most);
         let moved = if fits(least + by) && fits(most + by) {
             0
@@ -280,7 +283,7 @@ fn msm(number: u16, frame: &[u8], change: impl Fn(SatelliteId) -> Option<Change>
     Ok(is_altered.then_some(altered))
 }
 
-/// An unsigned field, high bit first.
+/// Reads an unsigned field, high bit first.
 fn bits(bytes: &[u8], start: usize, length: usize) -> Option<u64> {
     (start..start + length).try_fold(0, |value, at| {
         let byte = bytes.get(at / 8)?;
@@ -297,7 +300,7 @@ fn set(bytes: &mut [u8], start: usize, length: usize, value: u64) {
     }
 }
 
-/// A field in two's complement.
+/// Converts a field in two's complement.
 fn signed(value: u64, length: usize) -> i64 {
     let shift = 64 - length;
     (value << shift).cast_signed() >> shift

@@ -1,6 +1,6 @@
-//! Where the bytes of a capture come from: a file, standard input, a TCP server, a serial port.
+//! Sources of a capture's bytes: a file, standard input, a TCP server, a serial port.
 //!
-//! A file has an end. A server and a port need not: they are listened to for a time, and until they have been silent for
+//! A file has an end. A server and a port are read for a time, and until they have been silent for
 //! [`SILENCE`].
 
 use std::fs::File;
@@ -17,32 +17,33 @@ use flate2::read::MultiGzDecoder;
 
 use crate::recording::packed_by;
 
-/// Longest silence of a line that goes on.
+/// Longest silence of a live line.
 const SILENCE: Duration = Duration::from_secs(10);
 
-/// How much longer a line is listened to than epochs are wanted: the first one comes within it.
+/// Extra time for which a line is read, so that the first epoch comes within it.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// Longest time that anything is listened to: a hundred days.
+/// Longest time for which a source is read, s: a hundred days.
 const LONGEST_S: f64 = 8.64e6;
 
-/// Bit rate where none is said: what the module's own port has.
+/// Bit rate without another choice: that of the module's own port.
 const BIT_RATE: &str = "115200";
 
-/// The bytes of a source, unpacked.
+/// Bytes of a source, unpacked.
 pub struct Bytes {
-    /// The first of them, which tell what the source is.
+    /// First bytes, which identify the kind of the source.
     head: Vec<u8>,
     read: usize,
     rest: Box<dyn Read + Send>,
 }
 
 impl Bytes {
-    /// Opens a source: a path, `-`, `tcp://host:port`, `serial:path` or `serial:path@rate`. A source without an end of its
-    /// own ends after `limit_s` seconds.
+    /// Opens a source: a path, `-`, `tcp://host:port`, `serial:path` or `serial:path@rate`. A
+    /// source without an end of its own ends after `limit_s` seconds.
     ///
     /// # Errors
-    /// The source cannot be opened or read, sends nothing, is packed by something other than gzip, or needs a limit.
+    /// The source cannot be opened or read, sends nothing, is packed by something other than gzip,
+    /// or needs a limit.
     pub fn open(name: &str, limit_s: f64) -> Result<Self> {
         let limit =
             limit_s.is_finite().then(|| Duration::from_secs_f64(limit_s.clamp(0.0, LONGEST_S)) + GRACE);
@@ -86,7 +87,7 @@ impl Bytes {
     }
 }
 
-/// Bytes by which a source is told.
+/// Number of bytes that identify a source.
 const HEAD: usize = 65_536;
 
 fn head(source: &mut impl Read) -> Result<Vec<u8>> {
@@ -107,7 +108,7 @@ impl Read for Bytes {
     }
 }
 
-/// Gzip that says that it is gzip where it cannot be unpacked.
+/// Gzip reader whose errors state that the source is gzip.
 struct Gzip<R>(MultiGzDecoder<R>);
 
 impl<R: BufRead> Read for Gzip<R> {
@@ -121,14 +122,14 @@ fn check_limit(limit: Option<Duration>) -> Result<()> {
     Ok(())
 }
 
-/// Whether a path is that of a device that sends characters.
+/// Returns true for the path of a character device.
 fn is_terminal(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt as _;
     let is_null = path == Path::new("/dev/null");
     !is_null && path.metadata().is_ok_and(|metadata| metadata.file_type().is_char_device())
 }
 
-/// A serial port, set to a bit rate.
+/// Opens a serial port, set to a bit rate.
 fn serial(path: &Path, rate: &str) -> Result<File> {
     let port = File::open(path).context("cannot be opened")?;
     if is_terminal(path) {
@@ -142,7 +143,7 @@ fn serial(path: &Path, rate: &str) -> Result<File> {
     Ok(port)
 }
 
-/// Reads in a thread of its own, since a read waits for as long as nothing comes.
+/// Reads in a separate thread, because a read waits as long as no byte comes.
 fn spawn(mut source: impl Read + Send + 'static) -> Receiver<std::io::Result<Vec<u8>>> {
     let (sender, receiver) = sync_channel(64);
     thread::spawn(move || {
@@ -158,14 +159,14 @@ fn spawn(mut source: impl Read + Send + 'static) -> Receiver<std::io::Result<Vec
     receiver
 }
 
-/// A line that is read until its end, until the limit after the first byte, or until a silence.
+/// Line that is read until its end, until the limit after the first byte, or until a silence.
 struct Line {
     chunks: Receiver<std::io::Result<Vec<u8>>>,
     limit: Option<Duration>,
     silence: Option<Duration>,
     end: Option<Instant>,
     has_ended: bool,
-    /// What came and was not asked for yet.
+    /// Bytes that came and were not requested yet.
     chunk: Cursor<Vec<u8>>,
 }
 
@@ -178,7 +179,7 @@ impl Line {
         Self { chunks, limit, silence, end: None, has_ended: false, chunk: Cursor::default() }
     }
 
-    /// Returns the next bytes; none at the end.
+    /// Returns the next bytes; empty at the end.
     fn next(&mut self) -> std::io::Result<Vec<u8>> {
         let left = self.end.map(|end| end.saturating_duration_since(Instant::now()));
         if self.has_ended || left == Some(Duration::ZERO) {

@@ -1,4 +1,4 @@
-//! The lumps of a capture, cut off its source one after the other.
+//! Lumps of a capture, cut from its source one by one.
 
 use std::io::Read;
 
@@ -15,18 +15,18 @@ use crate::recording::readable;
 use crate::replay::pieces::{Kind, Piece, Stream, pieces};
 use crate::replay::{Lump, Window};
 
-/// The longest gap between two epochs of one recording, ms: a day.
+/// Longest gap between two epochs of one recording, ms: a day.
 const LONGEST_GAP_MS: i64 = 86_400_000;
 
-/// Bytes that are kept at most for one lump: a thousand times what a receiver sends in an epoch, or what satellites
-/// broadcast in an hour. Where more come, the oldest are dropped.
+/// Most bytes of one lump: a thousand times those that a receiver sends in an epoch, or those that
+/// satellites broadcast in an hour. If more come, the oldest are dropped.
 const LUMP_BYTES: usize = 4 << 20;
 
-/// Bytes by which something that is no capture is named.
+/// Number of bytes that identify something that is not a capture.
 const HEAD: usize = 4096;
 
-/// The lumps of a capture. Nothing of the source is kept but the bytes of one epoch, so that its length does not matter;
-/// what is wrong with all of it comes as an error at its end.
+/// Lumps of a capture. Only the bytes of one epoch are in memory, so that the length of the source
+/// does not matter. Errors of the whole source come at its end.
 pub struct Lumps<R> {
     stream: Stream<R>,
     cutter: Cutter,
@@ -44,10 +44,10 @@ pub struct Lumps<R> {
     head: Vec<u8>,
     /// Bytes since the end of the last epoch.
     open: Vec<u8>,
-    /// What is left of epochs outside the window.
+    /// Remaining bytes of epochs outside the window.
     pending: Vec<u8>,
     span: Option<Span>,
-    /// Seconds from the first epoch to the last one of the window.
+    /// Time from the first epoch to the last one of the window, s.
     last_used_s: Option<f64>,
     /// First epoch of the window.
     first_used: Option<GpsTime>,
@@ -59,16 +59,17 @@ pub struct Lumps<R> {
 struct Span {
     first: GpsTime,
     last: GpsTime,
-    /// Bytes up to the end of the last.
+    /// Bytes up to the end of the last epoch.
     end: u64,
 }
 
 impl<R: Read> Lumps<R> {
-    /// Returns the lumps of a window of `source`, with faults and with the orbits of navigation files beside its own. Faults
-    /// are timed from the first epoch of the capture, whatever the window is.
+    /// Returns the lumps of a window of `source`, with faults, and with the orbits of navigation
+    /// files beside its own. Faults are timed from the first epoch of the capture, whatever the
+    /// window.
     ///
     /// # Errors
-    /// A fault that needs to know where satellites stand; an ephemeris that no message has room for.
+    /// A fault needs the directions of satellites, or an ephemeris does not fit its message.
     pub fn of(source: R, orbits: Option<Orbits>, faults: &[Fault], window: &Window) -> Result<Self> {
         ensure!(
             !faults.iter().any(Fault::needs_directions),
@@ -106,30 +107,31 @@ impl<R: Read> Lumps<R> {
         self
     }
 
-    /// Returns the GPS week of the window's first epoch if the module has to be told, once that epoch was read.
+    /// Returns the GPS week of the window's first epoch if the module needs it from a command,
+    /// after that epoch was read.
     pub fn week(&self) -> Option<u16> {
         self.given.and(self.first_used).map(|first| first.week)
     }
 
-    /// Returns the GPS week of the first epoch, as far as all that was read agrees on it; `None` if it is the week that
-    /// the module takes.
+    /// Returns the GPS week of the first epoch on which all ephemerides read so far agree; `None`
+    /// if the module takes that week by itself.
     pub(super) fn agreed_week(&self) -> Option<u16> {
         let span = self.span.as_ref()?;
         week::of(span.first, span.last, self.cutter.week_corrections(), self.stated)
     }
 
-    /// Returns what the capture holds, once all of it was read.
+    /// Returns the content of the capture, after all of it was read.
     pub fn content(&self) -> &Content {
         &self.content
     }
 
-    /// Returns in words what the capture lacks for a position, once all of it was read.
+    /// Returns in words what the capture lacks for a position, after all of it was read.
     pub fn missing(&self) -> Option<String> {
         self.content.missing(&self.orbits.as_ref().map(Orbits::satellites).unwrap_or_default())
     }
 
-    /// Returns the coefficients of the ionosphere that the module cannot hear itself: of a navigation file, or from before
-    /// the first lump that was returned.
+    /// Returns the ionospheric coefficients that the module does not receive: those of a navigation
+    /// file, or from before the first returned lump.
     pub fn klobuchar(&self) -> Option<[f64; 8]> {
         self.orbits.as_ref().and_then(|orbits| orbits.klobuchar).or(self.klobuchar)
     }
@@ -162,7 +164,7 @@ impl<R: Read> Lumps<R> {
             if cutter.without_week() > 0
                 && let Some(week) = week.take()
             {
-                // Ranges of RTCM have no week, and these came before an ephemeris that says it.
+                // RTCM ranges have no week, and these came before an ephemeris with the week.
                 *cutter = Cutter::after(&week);
                 cut = pieces(open).filter_map(|piece| cutter.take(&piece)).last();
             }
@@ -193,7 +195,7 @@ impl<R: Read> Lumps<R> {
             if self.last_used_s.is_none() {
                 self.klobuchar = cut.ionosphere.or(self.klobuchar);
             }
-            // Nothing after the window is replayed.
+            // Bytes after the window are not replayed.
             if elapsed_s < self.window.to_s {
                 self.pending.extend(without_ranges(bytes, cut.time));
                 drop_oldest(&mut self.pending);
@@ -208,7 +210,7 @@ impl<R: Read> Lumps<R> {
         Ok(Some(Lump { time: cut.time, elapsed_s, bytes: lump }))
     }
 
-    /// Checks what only the whole capture tells.
+    /// Checks that depend on the whole capture.
     fn check(&mut self) -> Result<()> {
         self.content.without_week = self.cutter.without_week();
         self.content.ranged = self.cutter.ranged.clone();
@@ -251,7 +253,7 @@ impl Span {
     /// Takes the next epoch.
     ///
     /// # Errors
-    /// Time does not go forward, or goes forward by more than a day.
+    /// Time does not advance, or advances by more than a day.
     fn extend(&mut self, time: GpsTime, end: u64) -> Result<()> {
         let gap_ms = time.since_ms(self.last);
         ensure!(
@@ -267,14 +269,14 @@ impl Span {
     }
 }
 
-/// Drops the older half of what is too much for one lump.
+/// Drops the older half if a lump is too large.
 fn drop_oldest(bytes: &mut Vec<u8>) {
     if bytes.len() > LUMP_BYTES {
         bytes.drain(..bytes.len() / 2);
     }
 }
 
-/// Returns the bytes with the faults in them.
+/// Returns the bytes with the faults.
 fn falsified(bytes: &[u8], epoch: (GpsTime, f64), faults: &[Fault]) -> Result<Vec<u8>> {
     if faults.is_empty() {
         return Ok(bytes.to_vec());
@@ -287,7 +289,8 @@ fn falsified(bytes: &[u8], epoch: (GpsTime, f64), faults: &[Fault]) -> Result<Ve
     Ok(altered)
 }
 
-/// Returns the frames of an epoch without its ranges. Those of the next one, which may have come with it, stay.
+/// Returns the frames of an epoch without its ranges. Frames of the next one, which may have come
+/// with it, stay.
 fn without_ranges(bytes: &[u8], epoch: GpsTime) -> Vec<u8> {
     let is_kept = |piece: &Piece<'_>| {
         let of_next = || {

@@ -1,6 +1,7 @@
-//! Ephemerides of RINEX navigation files, for where a capture has none.
+//! Ephemerides of RINEX navigation files, for a capture without its own.
 //!
-//! A capture's own ephemerides go before: a satellite of which it has said one lately gets none from the files.
+//! A capture's own ephemerides have priority: a satellite with a recent one in the capture gets
+//! none from the files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -14,13 +15,14 @@ use crate::encode::{Encoder, Selection};
 use crate::measurement::{MeasuredEpoch, TimedEphemeris};
 use crate::recording::{Recording, readable};
 
-/// How far from its reference time an ephemeris is of use, ms: 4 h.
+/// Longest time from its reference time at which an ephemeris is useful, ms: 4 h.
 const USEFUL_MS: i64 = 4 * 3_600_000;
 
-/// How far from its reference time a capture's own ephemeris leaves no room for another, ms: 2 h.
+/// Longest time from its reference time at which a capture's own ephemeris excludes another, ms: 2
+/// h.
 const LATELY_MS: u64 = 2 * 3_600_000;
 
-/// What navigation files say.
+/// Content of navigation files.
 #[derive(Clone)]
 pub struct Orbits {
     ephemerides: Vec<TimedEphemeris>,
@@ -30,33 +32,33 @@ pub struct Orbits {
 }
 
 impl Orbits {
-    /// Reads the files, of which the selected systems are taken.
+    /// Reads the selected systems of the files.
     ///
     /// # Errors
-    /// A file that cannot be read or holds no ephemeris, by name.
+    /// A file cannot be read or has no ephemeris; the message names it.
     pub fn load(files: &[PathBuf], selection: &Selection) -> Result<Self> {
         let recording = Recording::of_navigation(files)?;
         let Recording { ephemerides, klobuchar, .. } = recording;
         Ok(Self { ephemerides, klobuchar, selection: selection.clone() })
     }
 
-    /// What was read, in the order of the files.
+    /// Returns the ephemerides, in the order of the files.
     pub fn ephemerides(&self) -> &[TimedEphemeris] {
         &self.ephemerides
     }
 
-    /// The satellites that they are of.
+    /// Returns the satellites of the ephemerides.
     pub fn satellites(&self) -> BTreeSet<SatelliteId> {
         self.ephemerides.iter().map(|ephemeris| ephemeris.satellite).collect()
     }
 
-    /// One ephemeris, which says the week.
+    /// Returns one ephemeris, encoded, so that the week is known.
     pub(super) fn week(&self) -> Result<Vec<u8>> {
         let first = self.ephemerides.first().context("no ephemeris")?;
         Encoder::new(std::slice::from_ref(first), self.selection.clone()).epoch(&nothing(first.toe))
     }
 
-    /// That some of it is of the time of the capture.
+    /// Checks that some ephemeris is of the time of the capture.
     pub(super) fn check(&self, first: GpsTime, last: GpsTime) -> Result<()> {
         let toes = || self.ephemerides.iter().map(|ephemeris| ephemeris.toe);
         let is_useful = |toe: GpsTime| toe.since_ms(first) > -USEFUL_MS && toe.since_ms(last) < USEFUL_MS;
@@ -71,7 +73,7 @@ impl Orbits {
         Ok(())
     }
 
-    /// What of it is sent when.
+    /// Returns the feeder that sends the ephemerides in time.
     pub(super) fn feeder(&self) -> Feeder {
         let mut by_satellite: BTreeMap<SatelliteId, Vec<TimedEphemeris>> = BTreeMap::new();
         for ephemeris in &self.ephemerides {
@@ -85,26 +87,27 @@ impl Orbits {
     }
 }
 
-/// An instant at which nothing is measured.
+/// Returns an epoch without measurements.
 const fn nothing(time: GpsTime) -> MeasuredEpoch {
     MeasuredEpoch { time, satellites: Vec::new() }
 }
 
-/// Ephemerides in the order of time.
+/// Feeder of ephemerides in the order of time.
 pub(super) struct Feeder {
     encoders: Vec<(SatelliteId, Encoder)>,
-    /// Reference times of what the capture has said last.
+    /// Reference times of the capture's last own ephemerides.
     own: BTreeMap<SatelliteId, GpsTime>,
     has_begun: bool,
 }
 
 impl Feeder {
-    /// The capture says this one.
+    /// Notes an ephemeris of the capture.
     pub(super) fn hear(&mut self, ephemeris: &Ephemeris) {
         self.own.insert(ephemeris.satellite(), ephemeris.toe());
     }
 
-    /// What is to be sent before an epoch. The first one gets all, since they say the week.
+    /// Returns the ephemerides to send before an epoch. The first epoch gets all, because they
+    /// state the week.
     pub(super) fn before(&mut self, time: GpsTime) -> Result<Vec<u8>> {
         let Self { encoders, own, has_begun } = self;
         let mut bytes = Vec::new();

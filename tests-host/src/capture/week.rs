@@ -1,13 +1,13 @@
 //! The GPS week of a capture's first epoch, once for the whole file.
 //!
-//! | source | when |
+//! | source | condition |
 //! |---|---|
-//! | the week of the first RXM-RAWX that has one | always, where there is one |
-//! | the week that the sets in the file agree on in the end | the module corrected it on the way |
-//! | the cycle of 1,024 weeks | the module takes a cycle that has not come yet: the last one that has |
+//! | the week of the first RXM-RAWX that has one | always, if there is one |
+//! | the week on which the sets in the file agree in the end | the module corrected it on the way |
+//! | the cycle of 1,024 weeks | the module takes a cycle in the future: the last past one |
 //!
-//! The module on a live wire takes no week before April 2019, and decides as it reads. The beginning of
-//! a file is read twice.
+//! On a live line the module takes no week before April 2019, and decides as it reads. The
+//! beginning of a file is read twice.
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -29,7 +29,8 @@ pub(super) fn of(first: GpsTime, last: GpsTime, corrections: u32, stated: Option
     (!is_steady).then_some(week)
 }
 
-/// Returns the week that a RXM-RAWX states; `None` for another message, and for a receiver that does not know it.
+/// Returns the week that a RXM-RAWX states; `None` for another message, and for a receiver that
+/// does not know it.
 pub(super) fn stated(piece: &Piece<'_>) -> Option<u16> {
     /// Place of the week in the frame: behind six bytes of header and the time of week.
     const WEEK: std::ops::Range<usize> = 14..16;
@@ -40,7 +41,7 @@ pub(super) fn stated(piece: &Piece<'_>) -> Option<u16> {
     Some(u16::from_le_bytes(week)).filter(|&week| week > 0)
 }
 
-/// Returns the week or, where it has not come yet, the same of the last cycle that has.
+/// Returns the week or, if it is in the future, the same week of the last past cycle.
 fn not_after(week: u16, present: u16) -> u16 {
     let cycles = week.saturating_sub(present).div_ceil(CYCLE);
     week.saturating_sub(cycles.saturating_mul(CYCLE))
@@ -59,7 +60,7 @@ mod tests {
     use crate::checksum::fletcher;
     use crate::replay::pieces::pieces;
 
-    /// RXM-RAWX without measurements, of a receiver that states this week.
+    /// Returns an RXM-RAWX without measurements, of a receiver that states this week.
     fn rawx(week: u16) -> Vec<u8> {
         let mut checked = vec![0x02, 0x15, 16, 0];
         checked.extend(1000.0_f64.to_le_bytes());

@@ -11,14 +11,14 @@ use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
 use super::Dashboard;
 use super::heaven::Body;
 
-/// The decades that the levels are drawn in, m: below 1 m nobody looks.
+/// Decades in which the levels are drawn, m; levels below 1 m are drawn at 1 m.
 const DECADES: [&str; 5] = ["1 m", "10", "100", "1 km", "10"];
 
-/// A curve: name, colour, and what of a point it shows.
+/// Name and colour of each curve.
 const CURVES: [(&str, Color); 4] =
     [("HPL", Color::Cyan), ("VPL", Color::Green), ("HAL", Color::Red), ("VAL", Color::Magenta)];
 
-/// The colour of a state.
+/// Returns the colour of a state.
 pub(super) const fn colour(state: char) -> Color {
     match state {
         'P' => Color::Green,
@@ -27,7 +27,7 @@ pub(super) const fn colour(state: char) -> Color {
     }
 }
 
-/// Levels and limits over the last epochs, and a strip of the states below.
+/// Draws levels and limits over the last epochs, and a strip of the states below.
 pub(super) fn levels(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     let block = Block::bordered().title(title());
     let inner = block.inner(area);
@@ -57,7 +57,7 @@ fn title() -> Line<'static> {
     Line::from(spans)
 }
 
-/// Logarithms of one curve's metres, by number of epoch.
+/// Returns the logarithms of one curve's metres, by number of epoch.
 fn points(dashboard: &Dashboard, curve: usize) -> Vec<(f64, f64)> {
     let decade = |metres: f64| metres.max(1.0).log10();
     let value = |point: &super::Point| match curve {
@@ -68,7 +68,7 @@ fn points(dashboard: &Dashboard, curve: usize) -> Vec<(f64, f64)> {
     numbered.filter_map(|(index, point)| Some((index as f64, decade(value(point)?)))).collect()
 }
 
-/// The last states, one character each; letters beside colours, for whoever sees none.
+/// Returns the last states, one character each; letters make the difference without colours.
 fn states(dashboard: &Dashboard, width: usize) -> Line<'static> {
     let shown = dashboard.history.len().min(width);
     let skipped = dashboard.history.len() - shown;
@@ -79,7 +79,7 @@ fn states(dashboard: &Dashboard, width: usize) -> Line<'static> {
     Line::from(spans.collect::<Vec<_>>())
 }
 
-/// The sky: zenith in the middle, horizon at the rim, north up, east to the right.
+/// Draws the sky: zenith in the middle, horizon at the rim, north up, east to the right.
 pub(super) fn sky(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     let block = Block::bordered().title(" Sky ");
     if dashboard.heaven.is_empty() {
@@ -105,7 +105,7 @@ pub(super) fn sky(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     frame.render_widget(canvas, area);
 }
 
-/// A satellite by its name: red and with a mark where it is left out, dim where it is not used.
+/// Draws a satellite by its name: red and with a mark if it is excluded, dim if it is not used.
 fn place(context: &mut Context<'_>, body: &Body, dashboard: &Dashboard) {
     let radius = 1.0 - body.elevation_rad / std::f64::consts::FRAC_PI_2;
     let is_left_out = dashboard.left_out.get(&body.satellite).is_some_and(|left_out| left_out.is_now);

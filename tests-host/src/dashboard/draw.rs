@@ -1,4 +1,5 @@
-//! The picture: state, levels over time, sky, satellites left out, settings, counters, keys.
+//! Picture in the terminal: state, levels over time, sky, satellites left out, settings, counters,
+//! keys.
 
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
@@ -9,10 +10,10 @@ use ratatui::widgets::{Block, Paragraph};
 use super::charts::{colour, levels, sky};
 use super::{Dashboard, Pin};
 
-/// The keys, said in the footer.
+/// Keys in the footer.
 const KEYS: &str = " q quit   space pause   c ask for the counters ";
 
-/// The keys of a file, which takes no commands.
+/// Keys for a file, which takes no commands.
 const FILE_KEYS: &str = " q quit   space pause   + faster   - slower   a next alert ";
 
 /// Draws everything.
@@ -37,7 +38,7 @@ pub fn draw(frame: &mut Frame, dashboard: &Dashboard) {
     footer(frame, foot, dashboard);
 }
 
-/// State and reason in words, the pin, the time, the position, what the test found.
+/// Draws state and reason in words, the pin, the time, the position, the result of the test.
 fn header(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     let (first, second) = match &dashboard.state {
         None => (Line::from(" waiting for the first verdict"), Line::default()),
@@ -89,7 +90,7 @@ fn pin(pin: Pin) -> Span<'static> {
     Span::styled(text, if high { Color::Green } else { Color::Red })
 }
 
-/// Seconds of the day as `hh:mm:ss`.
+/// Returns seconds of the day as `hh:mm:ss`.
 fn clock(time_s: Option<f64>) -> String {
     let Some(time_s) = time_s else { return "--:--:--".to_owned() };
     let seconds = time_s as u32;
@@ -116,7 +117,7 @@ fn interference([jamming, spoofing]: [u8; 2]) -> String {
     format!("   jamming {}, spoofing {}", word(jamming), word(spoofing))
 }
 
-/// Who was left out how often, the present ones first.
+/// Draws the satellites that were left out and the number of epochs, the present ones first.
 fn left_out(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     let mut entries: Vec<_> = dashboard.left_out.iter().collect();
     entries.sort_by_key(|(_, left_out)| (!left_out.is_now, std::cmp::Reverse(left_out.epochs)));
@@ -139,7 +140,7 @@ fn settings(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     list(frame, area, &title, wrapped(&words, width), "not said yet");
 }
 
-/// Words in lines of a width, two blanks between them.
+/// Wraps words into lines of a width, two blanks between them.
 fn wrapped(words: &[String], width: usize) -> Vec<Line<'static>> {
     let mut lines = vec![String::new()];
     for word in words {
@@ -158,7 +159,7 @@ fn wrapped(words: &[String], width: usize) -> Vec<Line<'static>> {
     lines.into_iter().map(Line::from).collect()
 }
 
-/// Losses first, then what was counted and is not zero.
+/// Draws the losses first, then the nonzero counters.
 fn counters(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     let mut lines = Vec::new();
     if let Some([gnss, host, refused, late]) = dashboard.losses {

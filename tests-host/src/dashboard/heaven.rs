@@ -1,6 +1,7 @@
-//! Where satellites stand, from the bytes that a module hears: their orbits and the ranges, and the module's position.
+//! Directions of the satellites, from the bytes that a module receives (orbits and ranges) and from
+//! the module's position.
 //!
-//! The module's sentences have no directions; whoever sees only these sees no sky.
+//! The module's sentences have no directions, so that a source of sentences alone shows no sky.
 
 use std::collections::BTreeMap;
 
@@ -9,10 +10,10 @@ use raim_core::satellite::SatelliteId;
 use raim_firmware::ephemeris::Ephemeris;
 use raim_firmware::input::{Event, Input};
 
-/// One satellite in the sky.
+/// Satellite in the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// Which satellite.
+    /// Satellite of the point.
     pub satellite: SatelliteId,
     /// Angle above the horizon, rad.
     pub elevation_rad: f64,
@@ -20,7 +21,7 @@ pub struct Body {
     pub azimuth_rad: f64,
 }
 
-/// Listens to the GNSS port beside the module.
+/// Reader of the GNSS port beside the module.
 #[derive(Debug, Default)]
 pub struct Heaven {
     input: Input,
@@ -28,12 +29,13 @@ pub struct Heaven {
 }
 
 impl Heaven {
-    /// One that has heard nothing.
+    /// Returns a reader before the first byte.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Takes bytes; where the satellites of the last epoch in them stand, as seen from `place`.
+    /// Takes bytes; returns the directions of the satellites in their last epoch, as seen from
+    /// `place`.
     pub fn hear(&mut self, bytes: &[u8], now_ms: u64, place: Ecef) -> Option<Vec<Body>> {
         let Self { input, orbits } = self;
         let mut bodies = None;

@@ -1,21 +1,21 @@
-//! A live view of a module: its sentences as a picture in the terminal.
+//! Live view of a module: its sentences as a picture in the terminal.
 //!
 //! ```text
 //! source ──lines──► Dashboard ──► draw ──► terminal
 //!    └─────────────► recording
 //! ```
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | [`source`] | where sentences come from: a serial port, TCP, a recording of sentences, a capture, the emulated board |
-//! | [`speed`] | how fast a file is shown |
-//! | [`Dashboard`] | what has been heard, and what of it is shown |
+//! | [`source`] | sources of sentences: a serial port, TCP, a recording of sentences, a capture, the emulated board |
+//! | [`speed`] | speed at which a file is shown |
+//! | [`Dashboard`] | state of the module, as far as it is shown |
 //! | [`draw`] | the picture |
 //! | [`plain`] | the same as lines of text |
-//! | [`heaven`] | where satellites stand, as far as the source sends orbits |
+//! | [`heaven`] | directions of satellites, if the source sends orbits |
 //!
-//! The pin is shown as the source knows it: the emulated board tells its level; behind a wire it is what the verdict says it
-//! must be, and marked so.
+//! The pin is shown as the source knows it. The emulated board reports its level; behind a wire the
+//! verdict implies the level, and the picture marks it so.
 
 mod charts;
 pub mod draw;

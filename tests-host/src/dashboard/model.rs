@@ -1,4 +1,4 @@
-//! What has been heard, and what of it is shown.
+//! State of the dashboard: the sentences so far, as far as they are shown.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -10,7 +10,7 @@ use super::heaven::Body;
 use super::speed::Control;
 use crate::sentence::{self, Excluded, Sentence, State};
 
-/// Epochs that are remembered for the curves: ten minutes at one a second.
+/// Number of epochs stored for the curves: ten minutes at one a second.
 const MEMORY: usize = 600;
 
 /// One epoch of the curves.
@@ -27,72 +27,72 @@ pub struct Point {
 /// Level of the integrity pin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pin {
-    /// Nobody has said anything yet.
+    /// The level is unknown.
     #[default]
     Unknown,
-    /// As the source sees it.
+    /// Level that the source reports.
     Seen(bool),
-    /// As the verdict says it must be.
+    /// Level that the verdict implies.
     Implied(bool),
 }
 
 /// A satellite that was left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeftOut {
-    /// In how many epochs.
+    /// Number of epochs.
     pub epochs: u32,
-    /// Its bias the last time, m.
+    /// Last bias, m.
     pub bias_m: f64,
-    /// Whether it was left out of the last epoch.
+    /// True if the satellite was left out of the last epoch.
     pub is_now: bool,
 }
 
-/// Everything that the picture shows.
+/// Content of the picture.
 #[derive(Clone, Debug, Default)]
 pub struct Dashboard {
-    /// What is watched, in words.
+    /// Name of the source.
     pub source: String,
-    /// The epochs, the oldest first.
+    /// Epochs, the oldest first.
     pub history: VecDeque<Point>,
-    /// The last verdict.
+    /// Last verdict.
     pub state: Option<State>,
-    /// The last position.
+    /// Last position.
     pub position: Option<Geodetic>,
-    /// The pin.
+    /// State of the pin.
     pub pin: Pin,
     /// Satellites left out so far.
     pub left_out: BTreeMap<SatelliteId, LeftOut>,
-    /// Where satellites stand.
+    /// Directions of the satellites.
     pub heaven: Vec<Body>,
-    /// Settings by name, those that are not said left out.
+    /// Settings by name; empty ones are left out.
     pub settings: Vec<(&'static str, String)>,
     /// Hash of the settings.
     pub hash: String,
     /// Integrity category of the level.
     pub nic: Option<u8>,
-    /// Jamming and spoofing, as `PRAIN` counts them.
+    /// Jamming and spoofing, with the values of `PRAIN`.
     pub interference: [u8; 2],
     /// Bytes lost at the GNSS and the host port, frames refused, epochs late.
     pub losses: Option<[u64; 4]>,
-    /// Counters, as far as somebody asked for them.
+    /// Counters, after a request for them.
     pub counters: BTreeMap<String, u64>,
     /// Version, commit, cause of the last start, self-test.
     pub greeting: Option<[String; 4]>,
-    /// Lines that were no sentence.
+    /// Number of lines that are not a sentence.
     pub damaged: u64,
-    /// Epochs heard.
+    /// Number of epochs.
     pub epochs: u64,
-    /// Why there is nothing more to hear.
+    /// Reason for which the source has ended.
     pub ended: Option<String>,
-    /// The picture stands still.
+    /// True if the picture is paused.
     pub is_paused: bool,
-    /// How fast a file is shown.
+    /// Speed at which a file is shown.
     pub control: Option<Control>,
     incomplete_settings: Vec<String>,
 }
 
 impl Dashboard {
-    /// A view of something that has not said anything.
+    /// Returns the dashboard of a source before the first line.
     pub fn of(source: &str) -> Self {
         Self { source: source.to_owned(), ..Self::default() }
     }
@@ -108,7 +108,7 @@ impl Dashboard {
         }
     }
 
-    /// Takes the level of the pin from whoever sees it.
+    /// Takes the level of the pin from a source that knows it.
     pub fn see_pin(&mut self, is_high: bool) {
         self.pin = Pin::Seen(is_high);
     }
@@ -139,7 +139,7 @@ impl Dashboard {
         *entry = LeftOut { epochs: entry.epochs + 1, bias_m: excluded.bias_m, is_now: true };
     }
 
-    /// Sentences that only the module itself has.
+    /// Takes a sentence that only the module has.
     fn told(&mut self, line: &str) {
         let body = line.trim_end().trim_start_matches('$').split('*').next().unwrap_or_default();
         let fields: Vec<&str> = body.split(',').collect();
@@ -183,8 +183,8 @@ impl Dashboard {
     }
 }
 
-/// Returns the settings by their keys, as far as there is room: of a setting with many fields the first. `None` unless the fields are
-/// those of all settings.
+/// Returns the settings by their keys, as far as there is room: of a setting with many fields the
+/// first. `None` unless the fields are those of all settings.
 fn named(mut fields: &[String]) -> Option<Vec<(&'static str, String)>> {
     let mut settings = Vec::new();
     for setting in Setting::ALL {
@@ -193,7 +193,7 @@ fn named(mut fields: &[String]) -> Option<Vec<(&'static str, String)>> {
         let (of_setting, rest) = fields.split_at_checked(count)?;
         fields = rest;
         let shown = if count <= 2 { of_setting.join(",") } else { of_setting.first()?.clone() };
-        // The rates of what is sent say nothing by their first.
+        // The first of the output rates alone would be misleading.
         if *setting != Setting::Output && !shown.is_empty() {
             settings.push((setting.key(), shown));
         }

@@ -2,7 +2,7 @@
 
 use crate::sentence::{self, Sentence, State};
 
-/// What a line says, in words; `None` for what is of no interest here, and for what is no sentence.
+/// Returns a line in words; `None` for other sentences, and for lines that are not a sentence.
 pub fn words(line: &str) -> Option<String> {
     match sentence::parse(line) {
         Ok(Sentence::State(state)) => Some(state_words(&state)),
@@ -14,7 +14,7 @@ pub fn words(line: &str) -> Option<String> {
                 ["$PRAIV", "$PRAIA", "$PRAIQ", "$PRAIL"].iter().any(|start| line.starts_with(start));
             is_news.then(|| line.to_owned())
         }
-        // The first line after a port was opened is cut; noise is for the raw view to show.
+        // The first line after a port was opened is cut; the raw view shows noise.
         Err(_) => None,
     }
 }

@@ -1,7 +1,8 @@
-//! Where the sentences come from.
+//! Sources of sentences.
 //!
-//! Each source is a thread that sends what it sees, and ends with a word about why. What a module said is recorded as it
-//! came; a recording is a source again. Captures are read as `replay` reads them, and time runs by the tags.
+//! Each source is a thread that sends its news, and ends with the reason for its end. The sentences
+//! of a module are recorded as they come; a recording is a source again. Captures are read as
+//! `replay` reads them, and time passes by the tags.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
@@ -26,66 +27,67 @@ use crate::image;
 use crate::replay::{Pace, Playback, Window};
 use crate::sentence::{self, Sentence};
 
-/// How fast the emulated board is shown: ten epochs a second.
+/// Interval between two epochs of the emulated board: ten epochs a second.
 const PACE: Duration = Duration::from_millis(100);
 
-/// How long the emulated board may take for an epoch.
+/// Longest time that the emulated board may take for an epoch.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// The longest pause of a file of sentences that is waited for, s: in a longer one the module was off.
+/// Longest pause in a file of sentences that is waited for, s. In a longer one the module was off.
 const LONGEST_PAUSE_S: f64 = 60.0;
 
-/// Seconds of a day, at whose end the time of sentences begins anew.
+/// Seconds of a day, at whose end the time of sentences restarts.
 const DAY_S: f64 = 86_400.0;
 
-/// Something that was seen.
+/// News of a source.
 #[derive(Clone, Debug, PartialEq)]
 pub enum News {
     /// A line of the host port, with its line end.
     Line(String),
     /// The level of the pin.
     PinLevel(bool),
-    /// Where satellites stand.
+    /// Directions of the satellites.
     Heaven(Vec<Body>),
-    /// There is nothing more to come, and why.
+    /// The source has ended, with the reason.
     End(String),
-    /// There is nothing more to come because something is wrong.
+    /// The source has failed, with the reason.
     Failed(String),
 }
 
-/// What is to be watched.
+/// Choice of a source.
 #[derive(Clone, Debug)]
 pub enum Choice {
     /// A serial port.
     Port(PathBuf),
     /// A TCP server that passes on the host port.
     Tcp(String),
-    /// A recording of sentences, or a capture of what a receiver sent, told apart by content; and how fast it is shown.
+    /// A recording of sentences, or a capture of a receiver, identified by content; and the speed
+    /// at which it is shown.
     File(PathBuf, Control),
     /// A simulated sky on the emulated board.
     Demo(Plan),
 }
 
-/// A source that is running.
+/// Running source.
 pub struct Source {
-    /// What it has seen.
+    /// News of the source.
     pub news: Receiver<News>,
-    /// Where commands go, if anywhere.
+    /// Writer of commands, if the source takes any.
     pub commands: Option<Box<dyn Write + Send>>,
-    /// Its name, for the footer.
+    /// Name for the footer.
     pub name: String,
 }
 
 /// Opens a source.
 ///
 /// # Errors
-/// What cannot be opened, by name.
+/// The source cannot be opened; the message names it.
 pub fn open(choice: &Choice) -> Result<Source> {
     let (sender, news) = sync_channel(256);
     let (name, commands): (String, Option<Box<dyn Write + Send>>) = match choice {
         Choice::Port(path) => {
             let port = serial(path)?;
-            // Without leave to write it can still be watched.
+            // Without permission to write, the port can still be read.
             let commands = File::options().append(true).open(path).ok();
             spawn(sender, |sender| lines(BufReader::new(port), sender, None));
             (path.display().to_string(), commands.map(|file| Box::new(file) as Box<dyn Write + Send>))
@@ -119,7 +121,7 @@ pub fn open(choice: &Choice) -> Result<Source> {
     Ok(Source { news, commands, name })
 }
 
-/// Runs a source in a thread of its own; its result is the last that it sends.
+/// Runs a source in a separate thread; its result is the last news.
 fn spawn(
     sender: SyncSender<News>,
     source: impl FnOnce(&SyncSender<News>) -> Result<&'static str> + Send + 'static,
@@ -127,18 +129,19 @@ fn spawn(
     thread::spawn(move || {
         let end = source(&sender)
             .map_or_else(|error| News::Failed(format!("{error:#}")), |why| News::End(why.to_owned()));
-        // Where nobody listens any more there is nobody to tell.
+        // Sending fails only if the receiver has ended, so that the error has no reader.
         let _ = sender.send(end);
     });
 }
 
-/// Returns true where a file begins with what a module said, and not with what a receiver sent.
+/// Returns true if a file begins with sentences of a module, and not with the bytes of a receiver.
 fn holds_sentences(head: &[u8]) -> bool {
     let is_said = |line: &[u8]| line.starts_with(b"$PRAI") || line.starts_with(b"$GNGNS");
     !has_frames(head) && head.split(|byte| *byte == b'\n').any(is_said)
 }
 
-/// A terminal is set to the module's rate and left alone otherwise; a pipe or a file is read as it is.
+/// Opens a port. A terminal is set to the module's rate and otherwise left alone; a pipe or a file
+/// is read as it is.
 fn serial(path: &Path) -> Result<File> {
     use std::os::unix::fs::FileTypeExt as _;
     let port = File::open(path).with_context(|| format!("{} cannot be opened", path.display()))?;
@@ -153,7 +156,7 @@ fn serial(path: &Path) -> Result<File> {
     Ok(port)
 }
 
-/// Sends lines as they come; of a file, at the pace of the times of the verdicts.
+/// Sends lines as they come; lines of a file at the pace of the times of the verdicts.
 fn lines(
     mut reader: impl BufRead,
     sender: &SyncSender<News>,
@@ -176,7 +179,7 @@ fn lines(
     Ok("the end")
 }
 
-/// Sends what the module in process says of a capture.
+/// Sends the sentences of the module in process for a capture.
 fn capture(bytes: Bytes, sender: &SyncSender<News>, control: &Control) -> Result<&'static str> {
     let mut lumps = Lumps::of(bytes, None, &[], &Window::ALL)?;
     let mut playback = Playback::start(lumps.by_ref(), &[], Pace::Recorded)?;
@@ -207,7 +210,7 @@ fn capture(bytes: Bytes, sender: &SyncSender<News>, control: &Control) -> Result
     Ok("the end")
 }
 
-/// Sends sentences, and keeps the place that they tell.
+/// Sends sentences, and stores the position in them.
 fn tell(text: &str, place: &mut Ecef, sender: &SyncSender<News>) -> Result<()> {
     for line in text.split_inclusive('\n') {
         if let Ok(Sentence::Position(Some(position))) = sentence::parse(line) {
@@ -218,7 +221,7 @@ fn tell(text: &str, place: &mut Ecef, sender: &SyncSender<News>) -> Result<()> {
     Ok(())
 }
 
-/// The sky of the demonstration, on the emulated board.
+/// Plays the sky of the demonstration on the emulated board.
 fn demo(plan: &Plan, sender: &SyncSender<News>) -> Result<()> {
     let simulation = plan.simulation()?;
     let recording = simulation.record();

@@ -1,4 +1,4 @@
-//! How fast a file is shown.
+//! Speed at which a file is shown.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -6,18 +6,18 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, ensure};
 
-/// The longest that a change of speed waits to be noticed.
+/// Longest time before a change of speed takes effect.
 const SLICE: Duration = Duration::from_millis(50);
 
 /// Factor between two speeds that a key chooses.
 const STEP: f64 = 2.0;
 
-/// How fast time passes, as a multiple of how it was recorded.
+/// Speed as a multiple of the recorded one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
-    /// So many seconds of the file in a second; positive.
+    /// Seconds of the file in a second; positive.
     Times(f64),
-    /// As fast as it can be judged.
+    /// The highest speed at which the module can judge.
     Max,
 }
 
@@ -25,7 +25,7 @@ impl Speed {
     /// Reads a positive number, or `max`.
     ///
     /// # Errors
-    /// What the text must be.
+    /// The text is neither a positive number nor `max`.
     pub fn parse(text: &str) -> anyhow::Result<Self> {
         if text.eq_ignore_ascii_case("max") {
             return Ok(Self::Max);
@@ -45,7 +45,7 @@ impl std::fmt::Display for Speed {
     }
 }
 
-/// What keys change while a file is shown; shared by the keys and the file's thread.
+/// State that keys change while a file is shown; shared by the keys and the file's thread.
 #[derive(Clone, Debug)]
 pub struct Control(Arc<Mutex<State>>);
 
@@ -56,7 +56,7 @@ struct State {
 }
 
 impl Control {
-    /// Starts at a speed.
+    /// Returns the control with a start speed.
     pub fn new(speed: Speed) -> Self {
         Self(Arc::new(Mutex::new(State { speed, seeks_alert: false })))
     }
@@ -79,7 +79,7 @@ impl Control {
         });
     }
 
-    /// Halves the speed; from the highest it goes back to that of the recording.
+    /// Halves the speed; from the highest it returns to that of the recording.
     pub fn slower(&self) {
         self.with(|state| {
             state.speed = match state.speed {
@@ -99,14 +99,14 @@ impl Control {
         self.with(|state| state.seeks_alert)
     }
 
-    /// Takes the state of an epoch: an alert ends the search for one.
+    /// Takes the state of an epoch; an alert ends the search for one.
     pub fn judged(&self, state: char) {
         if state == 'A' {
             self.with(|known| known.seeks_alert = false);
         }
     }
 
-    /// Lets time of the recording pass. A change of speed counts at once.
+    /// Lets time of the recording pass. A change of speed takes effect at once.
     pub fn wait(&self, mut left_s: f64) {
         while left_s > 0.0 {
             let speed = self.with(|state| (!state.seeks_alert).then_some(state.speed));

@@ -1,4 +1,4 @@
-//! Frequency slots: GLONASS satellites send on carriers of their own, and ranges of them say on which.
+//! Frequency slots: GLONASS satellites send on their own carriers, and their ranges state the slot.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::measurement::{Ephemeris, TimedEphemeris};
 
-/// The slots that the ephemerides name.
+/// Slots in the ephemerides.
 pub(super) struct Channels {
     slots: BTreeMap<SatelliteId, i8>,
 }
@@ -22,7 +22,8 @@ impl Channels {
         Self { slots: ephemerides.iter().filter_map(slot).collect() }
     }
 
-    /// The slot of a satellite, −7 to 6; 0 where all of its system share their carriers, none where nobody has said it.
+    /// Returns the slot of a satellite, −7 to 6; 0 if its system shares carriers, `None` if the
+    /// slot is unknown.
     pub(super) fn slot(&self, satellite: SatelliteId) -> Option<i8> {
         match satellite.constellation() {
             Constellation::Glonass => self.slots.get(&satellite).copied(),

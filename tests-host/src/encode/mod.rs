@@ -1,7 +1,8 @@
-//! Measurements to RTCM 3, as a receiver would send them: one lump of bytes per epoch.
+//! Encoder of measurements to RTCM 3, as a receiver would send them: one lump of bytes per epoch.
 //!
-//! A lump is, in this order: the ephemerides that have become known ([`schedule`]), then the ranges of each system
-//! as MSM7 ([`msm`]). The last message of the lump says that it is the last (multiple-message bit 0).
+//! A lump is, in this order: the new ephemerides ([`schedule`]), then the ranges of each system as
+//! MSM7 ([`msm`]). The last message of the lump states that it is the last (multiple-message bit
+//! 0).
 //!
 //! | what | message |
 //! |---|---|
@@ -12,7 +13,8 @@
 //! | QZSS ephemeris | 1044 |
 //! | ranges of GPS, GLONASS, Galileo, QZSS, `BeiDou` | 1077, 1087, 1097, 1117, 1127 |
 //!
-//! References: [RTCM-10403.3] §3.5.16 for MSM, DF002 ff. for the fields, as implemented by the `rtcm-rs` crate.
+//! References: [RTCM-10403.3] §3.5.16 for MSM, DF002 ff. for the fields, as implemented by the
+//! `rtcm-rs` crate.
 //!
 //! [RTCM-10403.3]: crate#references
 
@@ -32,23 +34,23 @@ pub use self::msm::Frequency;
 use self::schedule::Schedule;
 use crate::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
 
-/// The measurements that are sent.
+/// Selection of the measurements that are sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection {
-    /// Letters of the systems, in the order in which they are sent; each comes once.
+    /// Letters of the systems, in the order in which they are sent, each once.
     letters: Vec<char>,
-    /// One signal per satellite or a pair.
+    /// Number of signals of a satellite: one, or a pair.
     pub frequency: Frequency,
 }
 
 impl Selection {
-    /// The letters that a selection may hold, with names.
+    /// Letters of a selection, with names.
     const NAMES: &str = "G (GPS), C (BeiDou), E (Galileo), R (GLONASS) or J (QZSS)";
 
-    /// The systems of RINEX letters such as `GCER`.
+    /// Returns the selection of RINEX letters such as `GCER`.
     ///
     /// # Errors
-    /// A letter that is not G, C, E, R or J, or none at all; the message names it.
+    /// A letter is not G, C, E, R or J, or there is none; the message names it.
     pub fn new(letters: &str, frequency: Frequency) -> Result<Self> {
         let mut distinct = Vec::new();
         for letter in letters.chars() {
@@ -75,11 +77,11 @@ pub enum StatedWeek {
     ///
     /// [IS-GPS-200]: crate#references
     Transmission,
-    /// The week of the reference time, as in RINEX and in what many programs make of it.
+    /// The week of the reference time, as in RINEX and in many programs.
     Toe,
 }
 
-/// Turns the epochs of one source into bytes, in the order of time.
+/// Encoder of the epochs of one source, in the order of time.
 pub struct Encoder {
     stated: StatedWeek,
     selection: Selection,
@@ -90,7 +92,7 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// An encoder that knows what will be broadcast.
+    /// Returns an encoder for these ephemerides.
     pub fn new(ephemerides: &[TimedEphemeris], selection: Selection) -> Self {
         let selected = |ephemeris: &&TimedEphemeris| selection.has(ephemeris.satellite);
         let schedule = Schedule::new(ephemerides.iter().filter(selected).cloned());
@@ -99,34 +101,35 @@ impl Encoder {
         Self { stated, selection, schedule, channels, builder, unsendable: 0 }
     }
 
-    /// Changes the meaning of week numbers, which is that of transmission.
+    /// Changes the meaning of week numbers, which is that of transmission by default.
     #[must_use]
     pub fn stating(self, stated: StatedWeek) -> Self {
         Self { stated, ..self }
     }
 
-    /// Sends ephemerides as a receiver does: of the satellites in view alone, and again and again.
+    /// Sends ephemerides as a receiver does: only those of the satellites in view, repeatedly.
     #[must_use]
     pub fn as_receiver(self) -> Self {
         Self { schedule: self.schedule.like_a_receiver(), ..self }
     }
 
-    /// How many signals could not be sent so far: their pseudorange is negative, 255 ms or more, or more than 200 m
-    /// away from the satellite's other one, or of a GLONASS satellite whose frequency slot is unknown, which the message
-    /// has no numbers for.
+    /// Returns the number of signals that could not be sent so far. Their pseudorange is negative,
+    /// 255 ms or more, or more than 200 m away from the satellite's other one; or they are of a
+    /// GLONASS satellite with an unknown frequency slot. The message cannot hold these.
     pub fn unsendable(&self) -> u64 {
         self.unsendable
     }
 
-    /// The bytes of an epoch; they hold no ranges, and so end no epoch for the receiver, where nothing is seen.
+    /// Returns the bytes of an epoch. If no satellite is in view, they have no ranges, and thus end
+    /// no epoch for the receiver.
     ///
     /// # Errors
-    /// A number that its message has no room for.
+    /// A number does not fit its message.
     pub fn epoch(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         for ephemeris in self.schedule.news(epoch) {
             let week_of = match self.stated {
-                // Ahead of its broadcast it is sent as if it were broadcast now.
+                // A set that is sent ahead of its broadcast is sent as if it were broadcast now.
                 StatedWeek::Transmission => ephemeris.sent.min(epoch.time),
                 StatedWeek::Toe => ephemeris.toe,
             };

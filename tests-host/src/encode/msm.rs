@@ -13,12 +13,12 @@
 //! | | rough phase range rate | m/s | 1 | ±8191, per satellite |
 //! | | fine phase range rate | m/s | 10⁻⁴ | ±1.6383, per signal |
 //!
-//! A message holds at most 64 cells, the product of the number of satellites and of different signals; what does not
-//! fit goes into further messages of the same kind. Carrier phases are left invalid: RAI does not use them.
+//! A message holds at most 64 cells, the product of the number of satellites and of different
+//! signals; further satellites go into further messages of the same kind. Carrier phases are marked
+//! invalid, because RAI does not use them.
 //!
-//! Of each satellite the signal of the first band is sent and, for two frequencies, the pair that the receiver
-//! combines; see [`pairs`].
-//! References: [RTCM-10403.3] tables 3.5-78 to 3.5-106.
+//! Each satellite's signal of the first band is sent and, for two frequencies, the pair that the
+//! receiver combines; see [`pairs`]. References: [RTCM-10403.3] tables 3.5-78 to 3.5-106.
 //!
 //! [RTCM-10403.3]: crate#references
 
@@ -37,41 +37,42 @@ use super::Selection;
 use super::channels::Channels;
 use crate::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
 
-/// How many frequencies of a satellite are sent.
+/// Number of frequencies of a satellite that are sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Frequency {
-    /// The first band only: L1, E1, B1I.
+    /// Only the first band: L1, E1, B1I.
     Single,
-    /// A pair where the satellite has one.
+    /// A pair, if the satellite has one.
     Dual,
 }
 
-/// Metres that light travels in a millisecond.
+/// Distance that light travels in a millisecond, m.
 const M_PER_MS: f64 = SPEED_OF_LIGHT_M_S * 1e-3;
 
 /// Steps of `mod1` in a millisecond.
 const ROUGH_STEPS: f64 = 1024.0;
 
-/// Largest difference of a signal from its satellite's rough range, ms: what `fine` holds, less one unit.
+/// Largest difference of a signal from its satellite's rough range, ms: the range of `fine`, less
+/// one unit.
 const FINE_LIMIT_MS: f64 = 1.0 / 1024.0 - 1.0 / 536_870_912.0;
 
 /// Highest whole millisecond of a rough range; 255 means invalid.
 const WHOLE_LIMIT_MS: f64 = 254.0;
 
-/// Largest rough rate, and largest difference of a signal's from it, m/s.
+/// Largest rough rate, and largest difference of a signal's rate from it, m/s.
 const ROUGH_RATE_LIMIT_M_S: f64 = 8191.0;
 const FINE_RATE_LIMIT_M_S: f64 = 1.6383;
 
-/// Most cells of a message.
+/// Largest number of cells in a message.
 const CELLS: usize = 64;
 
-/// A band, and the components of it in the order of preference.
+/// A band, and its components in the order of preference.
 type Choice = (u8, &'static str);
 
-/// The pairs to choose from, in the order of preference: first band, then second.
+/// Returns the pairs in the order of preference: first band, then second.
 ///
-/// Components come in the order in which the broadcast group delays fit them best: GPS clocks are of L1 P(Y) and L2
-/// P(Y), Galileo's of E1 and E5, `BeiDou`'s of B3I.
+/// Components are in the order in which the broadcast group delays fit them best: GPS clocks refer
+/// to L1 P(Y) and L2 P(Y), Galileo's to E1 and E5, `BeiDou`'s to B3I.
 const fn pairs(constellation: Constellation) -> &'static [(Choice, Choice)] {
     const L1: Choice = (1, "CWPXLS");
     const E1: Choice = (1, "CXBAZ");
@@ -85,18 +86,18 @@ const fn pairs(constellation: Constellation) -> &'static [(Choice, Choice)] {
     }
 }
 
-/// What GPS satellites are sent with where all of it is there: C/A, which every reader of RTCM looks for, and the two
-/// codes that the broadcast clock is of. Between C/A and P(Y) a satellite has a delay of its own, up to a metre, that
-/// the combination triples and no message tells.
+/// Signals of a GPS satellite that has all of them: C/A, which every reader of RTCM uses, and the
+/// two codes to which the broadcast clock refers. Between C/A and P(Y) a satellite has a delay of
+/// its own, up to a metre, which the combination triples and no message contains.
 const GPS_TRIPLE: [Choice; 3] = [(1, "C"), (1, "WP"), (2, "WP")];
 
-/// The signal of a satellite that is the best of a choice.
+/// Returns the best signal of a satellite for a choice.
 fn find(satellite: &MeasuredSatellite, (band, attributes): Choice) -> Option<&MeasuredSignal> {
     let signal = |attribute| satellite.signals.iter().find(|s| s.band == band && s.attribute == attribute);
     attributes.chars().find_map(signal)
 }
 
-/// The signals of a satellite that are sent.
+/// Returns the signals of a satellite that are sent.
 pub(super) fn chosen(satellite: &MeasuredSatellite, frequency: Frequency) -> Vec<&MeasuredSignal> {
     let system = satellite.satellite.constellation();
     let all = |choices: &[Choice]| {
@@ -112,11 +113,11 @@ pub(super) fn chosen(satellite: &MeasuredSatellite, frequency: Frequency) -> Vec
     signals.unwrap_or_default()
 }
 
-/// One satellite as the message splits it.
+/// One satellite in the form of the message.
 #[derive(Clone, Debug)]
 struct Row {
     number: u8,
-    /// The frequency slot, of GLONASS satellites.
+    /// Frequency slot, for GLONASS satellites.
     slot: i8,
     whole_ms: u8,
     mod1_ms: f64,
@@ -124,7 +125,7 @@ struct Row {
     cells: Vec<Cell>,
 }
 
-/// One signal as the message splits it.
+/// One signal in the form of the message.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
     band: u8,
@@ -135,7 +136,8 @@ struct Cell {
 }
 
 impl Row {
-    /// Splits the ranges of a satellite; none if no signal is left. Signals without a place are counted.
+    /// Splits the ranges of a satellite; `None` if no signal is left. Counts signals that do not
+    /// fit.
     fn new(
         satellite: SatelliteId,
         signals: &[&MeasuredSignal],
@@ -149,7 +151,8 @@ impl Row {
         };
         let sendable = |range_ms: f64| (0.0..=WHOLE_LIMIT_MS).contains(&range_ms);
         let first_ms = signals.iter().map(|signal| signal.pseudorange_m / M_PER_MS).find(|ms| sendable(*ms));
-        // The rough range is rounded from the first signal, which leaves the others at least half of the room.
+        // The rough range is rounded from the first signal, so that at least half of the fine range
+        // is left for the others.
         let rough = (first_ms.unwrap_or(0.0) * ROUGH_STEPS).round();
         let rough_ms = rough / ROUGH_STEPS;
         let rates = signals.iter().filter_map(|signal| rate_m_s(system, slot, signal));
@@ -173,7 +176,7 @@ impl Row {
     }
 }
 
-/// How fast the phase range of a signal grows, m/s.
+/// Returns the phase range rate of a signal, m/s.
 fn rate_m_s(system: Constellation, slot: i8, signal: &MeasuredSignal) -> Option<f64> {
     let frequency_hz = match (system, signal.band) {
         (Constellation::Gps | Constellation::Galileo | Constellation::Beidou, 1) => 1_575.42e6,
@@ -189,17 +192,17 @@ fn rate_m_s(system: Constellation, slot: i8, signal: &MeasuredSignal) -> Option<
     Some(-signal.doppler_hz? * SPEED_OF_LIGHT_M_S / frequency_hz)
 }
 
-/// What a signal's rate differs from its satellite's rough one, where the field holds it.
+/// Returns the difference of a signal's rate from its satellite's rough one, if it fits the field.
 fn fine_rate_m_s(rate_m_s: Option<f64>, rough_m_s: Option<f64>) -> Option<f64> {
     rate_m_s.zip(rough_m_s).map(|(rate, rough)| rate - rough).filter(|fine| fine.abs() <= FINE_RATE_LIMIT_M_S)
 }
 
-/// C/N0 within what the field holds; its 0 means invalid.
+/// Returns C/N0 within the range of the field, whose 0 means invalid.
 fn cn0(signal: &MeasuredSignal) -> Option<f64> {
     signal.cn0_dbhz.filter(|cn0_dbhz| *cn0_dbhz >= 0.0625).map(|cn0_dbhz| cn0_dbhz.min(63.9375))
 }
 
-/// Parts the rows so that each part fits into one message.
+/// Divides the rows so that each part fits into one message.
 fn parts(rows: Vec<Row>) -> Vec<Vec<Row>> {
     let mut parts = Vec::new();
     let mut part = Vec::new();
@@ -215,7 +218,7 @@ fn parts(rows: Vec<Row>) -> Vec<Vec<Row>> {
     parts
 }
 
-/// The size of the cell mask.
+/// Returns the size of the cell mask.
 fn cells(part: &[Row]) -> usize {
     let mut signals: Vec<(u8, char)> =
         part.iter().flat_map(|row| &row.cells).map(|cell| (cell.band, cell.attribute)).collect();
@@ -224,7 +227,8 @@ fn cells(part: &[Row]) -> usize {
     part.len() * signals.len()
 }
 
-/// The messages of an epoch; none for a system without satellites, since a message of nothing is not readable by all.
+/// Returns the messages of an epoch; none for a system without satellites, because some readers
+/// refuse an empty message.
 pub(super) fn messages(
     epoch: &MeasuredEpoch,
     selection: &Selection,
@@ -261,7 +265,8 @@ fn rows(
     rows
 }
 
-/// The messages differ in names only, and in what stands beside the time and beside a satellite's range.
+/// Makes a message; messages differ only in names, and in the fields beside the time and beside a
+/// satellite's range.
 macro_rules! msm7 {
     ($message:ident: $type:ident, $data:ident, $satellite:ident { $extended:ident: $of:expr }, $signal:ident, $id:ident,
      $($time:ident = $time_value:expr),+; $more:expr, $rows:expr) => {{
@@ -295,7 +300,8 @@ macro_rules! msm7 {
     }};
 }
 
-/// One message of a system by its letter; `more` of the same epoch follow.
+/// Returns one message of a system by its letter; `more` is true if others of the same epoch
+/// follow.
 fn message(letter: char, time: GpsTime, more: bool, rows: &[Row]) -> Message {
     let beidou_ms = (time.tow_ms + WEEK_MS - BEIDOU_OFFSET_MS) % WEEK_MS;
     match letter {
@@ -323,7 +329,7 @@ fn message(letter: char, time: GpsTime, more: bool, rows: &[Row]) -> Message {
     }
 }
 
-/// Day of the week and time of day as GLONASS counts them: three hours ahead of UTC.
+/// Returns the day of the week and the time of day of GLONASS, three hours ahead of UTC.
 fn glonass_time(time: GpsTime) -> (Option<u8>, u32) {
     const DAY_MS: u32 = 86_400_000;
     let utc_ms = time.tow_ms + WEEK_MS - 1000 * u32::from(GPS_MINUS_UTC_S);

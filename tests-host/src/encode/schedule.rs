@@ -1,18 +1,19 @@
-//! Which ephemerides a receiver knows when, from what was broadcast when.
+//! Schedule of the ephemerides that a receiver knows, from the times of their broadcasts.
 //!
-//! At an epoch a receiver knows, of each satellite, the newest ephemeris that was sent by then. A recording begins
-//! in the middle: what a satellite was sending just before may be missing from the navigation file. So a satellite
-//! of which nothing is known yet gets the first one that is to come, if its reference time is no farther than
-//! [`VALIDITY_MS`] away.
+//! At an epoch a receiver knows the newest ephemeris of each satellite that was sent by then. A
+//! recording begins between broadcasts, so that the set sent just before it may be missing from the
+//! navigation file. A satellite without a set therefore gets the first future one, if its reference
+//! time is no farther than [`VALIDITY_MS`] away.
 //!
-//! GLONASS ephemerides are dated in UTC, and a module that does not know the leap seconds yet has no use for them: receivers say
-//! them again and again, here every [`REPEATED_MS`].
+//! GLONASS ephemerides are dated in UTC, and a module that does not know the leap seconds yet
+//! cannot use them. Receivers repeat them, here every [`REPEATED_MS`].
 //!
-//! A receiver sends sets of the satellites that it sees, when they are new to it and again every [`RECEIVER_REPEATS_MS`]
-//! ([`Schedule::like_a_receiver`]). A navigation file holds those of the whole world.
+//! A receiver sends the sets of satellites in view, when they are new and then every
+//! [`RECEIVER_REPEATS_MS`] ([`Schedule::like_a_receiver`]). A navigation file has those of the
+//! whole world.
 //!
-//! Galileo satellites send the same orbit in two messages. I/NAV has the group delays of all signals; F/NAV is sent
-//! only for satellites without I/NAV.
+//! Galileo satellites send the same orbit in two messages. I/NAV has the group delays of all
+//! signals; F/NAV is sent only for satellites without I/NAV.
 
 use std::collections::BTreeMap;
 
@@ -21,29 +22,30 @@ use raim_firmware::time::GpsTime;
 
 use crate::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
 
-/// How far from its reference time an ephemeris is used ahead of its broadcast, ms: 2 h, half of a GPS fit interval.
+/// Longest time from its reference time at which an ephemeris is used ahead of its broadcast, ms: 2
+/// h, half of a GPS fit interval.
 const VALIDITY_MS: u64 = 2 * 3_600_000;
 
-/// How often a GLONASS ephemeris is said again, ms: as often as the satellite sends it.
+/// Interval of repetition of a GLONASS ephemeris, ms, which is that of the satellite.
 const REPEATED_MS: i64 = 30_000;
 
-/// How often a receiver sends the set of a satellite again, ms.
+/// Interval at which a receiver repeats the set of a satellite, ms.
 const RECEIVER_REPEATS_MS: i64 = 60_000;
 
-/// All broadcasts, and how far they have been passed on.
+/// All broadcasts, and the ones sent so far.
 pub(super) struct Schedule {
     satellites: BTreeMap<SatelliteId, Satellite>,
-    /// True if only sets of satellites in view are sent, again and again.
+    /// True if only sets of satellites in view are sent, repeatedly.
     is_as_received: bool,
 }
 
-/// One satellite's broadcasts in the order of time.
+/// Broadcasts of one satellite in the order of time.
 #[derive(Default)]
 struct Satellite {
     broadcasts: Vec<TimedEphemeris>,
-    /// Index of the one that was passed on last.
+    /// Index of the broadcast that was sent last.
     known: Option<usize>,
-    /// When that was.
+    /// Time of that.
     said: Option<GpsTime>,
 }
 
@@ -57,12 +59,13 @@ impl Schedule {
         Self { satellites, is_as_received: false }
     }
 
-    /// Sends sets of satellites in view alone, and repeats them.
+    /// Sends only sets of satellites in view, and repeats them.
     pub(super) fn like_a_receiver(self) -> Self {
         Self { is_as_received: true, ..self }
     }
 
-    /// What has become known since the last call, the epoch being no earlier than then, and what of its satellites is said again.
+    /// Returns the sets that became known since the last call, and those that are repeated. The
+    /// epoch must be no earlier than that call.
     pub(super) fn news(&mut self, epoch: &MeasuredEpoch) -> impl Iterator<Item = &TimedEphemeris> {
         let is_as_received = self.is_as_received;
         self.satellites.iter_mut().filter_map(move |(&id, satellite)| {
@@ -85,7 +88,8 @@ impl Satellite {
         self.broadcasts.sort_by_key(|ephemeris| (ephemeris.sent, ephemeris.toe));
     }
 
-    /// Returns the set that is sent now. Sets other than those of GLONASS are sent again only with `repeats_ms`.
+    /// Returns the set that is sent now. Only with `repeats_ms` are sets other than those of
+    /// GLONASS repeated.
     fn news(
         &mut self,
         now: GpsTime,
@@ -100,7 +104,7 @@ impl Satellite {
         };
         let known = self.known.replace(newest).and_then(|known| self.broadcasts.get(known));
         let newest = self.broadcasts.get(newest)?;
-        // The same message sent again is no news.
+        // A repeated message is not new.
         let is_news = known.is_none_or(|known| known.message != newest.message);
         let is_glonass = matches!(newest.message, Ephemeris::Glonass(_));
         let repeats_ms = if is_glonass { Some(REPEATED_MS) } else { repeats_ms };

@@ -46,7 +46,8 @@ pub(super) fn of_each() -> [TimedEphemeris; 6] {
         message!(Msg1042T, sqrt_a: sqrt_a, offset: a0_s,
             bds_satellite_id: number, bds_week_number: NOON.week - BEIDOU_WEEK_OFFSET)
     };
-    // Its plane lies in the equator: tilted by 5° about the axis that the node is opposite to at the reference time.
+    // Its plane lies in the equator: tilted by 5° about the axis that the node is opposite to at
+    // the reference time.
     let toe_s = f64::from(NOON.tow_ms) * 1e-3;
     let node_sc = 1.0 + EARTH_RATE_SC_S * toe_s;
     let geostationary = Msg1042T {

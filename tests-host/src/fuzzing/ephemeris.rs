@@ -40,7 +40,8 @@ pub fn run(input: &[u8]) {
     }
 }
 
-/// Roots of the axes of GPS, `BeiDou`, the geosynchronous satellites, Galileo, and its two eccentric satellites, √m.
+/// Roots of the axes of GPS, `BeiDou`, the geosynchronous satellites, Galileo, and its two
+/// eccentric satellites, √m.
 const AXES_SQRT_M: [f64; 5] = [5153.6, 5282.6, 6493.4, 5440.6, 5289.4];
 
 fn broadcast(tape: &mut Tape<'_>) -> Broadcast {

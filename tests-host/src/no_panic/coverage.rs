@@ -10,9 +10,9 @@
 //! | `pub fn slopes` in the module `levels` | `levels::slopes`, or by the module above |
 //! | `fn fmt` in `impl Display for RowError` | `<RowError as Display>::fmt` |
 //!
-//! Generic arguments do not count. A name that several types share must occur as often. Functions of
-//! a trait cannot be called from outside if the trait or the type is nowhere public, and need not be
-//! listed. Functions that a macro or a derive makes are not seen.
+//! Generic arguments do not count. A name that several types share must occur as often. Functions
+//! of a trait cannot be called from outside if the trait or the type is nowhere public, and need
+//! not be listed. Functions that a macro or a derive makes are not seen.
 
 use std::collections::BTreeSet;
 use std::fs;

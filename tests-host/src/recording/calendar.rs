@@ -1,4 +1,4 @@
-//! Calendar dates of RINEX to instants of GPS time, and back for messages.
+//! Conversion of RINEX calendar dates to instants of GPS time, and back for messages.
 //!
 //! | time system | minus GPS time |
 //! |---|---|
@@ -6,8 +6,8 @@
 //! | `BeiDou` | −14 s |
 //! | GLONASS, UTC | −leap seconds since 1980 |
 //!
-//! RINEX gives dates in the time system of the satellite (ephemerides) or of the header (observations).
-//! References: [RINEX-4.01] §4.1; days by the era method of [Hinnant2013].
+//! RINEX gives dates in the time system of the satellite (ephemerides) or of the header
+//! (observations). References: [RINEX-4.01] §4.1; days by the era method of [Hinnant2013].
 //!
 //! [RINEX-4.01]: crate#references
 //! [Hinnant2013]: crate#references
@@ -21,14 +21,14 @@ const GPS_EPOCH_DAYS: i64 = 3657;
 /// Milliseconds in a day.
 const DAY_MS: i64 = 86_400_000;
 
-/// Which clock a date was read from.
+/// Time system of a date.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TimeSystem {
     /// GPS, Galileo and QZSS agree to nanoseconds.
     Gps,
-    /// `BeiDou`.
+    /// `BeiDou` time.
     Beidou,
-    /// UTC, in which GLONASS dates are; so many leap seconds separate it from GPS time.
+    /// UTC, in which GLONASS dates are.
     Utc {
         /// Leap seconds since 1980.
         leap_s: u8,
@@ -36,7 +36,7 @@ pub(super) enum TimeSystem {
 }
 
 impl TimeSystem {
-    /// How far GPS time is ahead, ms.
+    /// Returns the lead of GPS time, ms.
     fn behind_gps_ms(self) -> i64 {
         match self {
             Self::Gps => 0,
@@ -46,7 +46,7 @@ impl TimeSystem {
     }
 }
 
-/// Days from 1970-01-01 to a date of the Gregorian calendar.
+/// Returns the days from 1970-01-01 to a date of the Gregorian calendar.
 fn days_from_civil(year: i64, month: i64, day: i64) -> i64 {
     // Years begin in March, so that the leap day is the last one.
     let year = if month <= 2 { year - 1 } else { year };
@@ -56,7 +56,7 @@ fn days_from_civil(year: i64, month: i64, day: i64) -> i64 {
     era * 146_097 + year_of_era * 365 + year_of_era / 4 - year_of_era / 100 + day_of_year - 719_468
 }
 
-/// The date of a day counted from 1970-01-01: year, month, day.
+/// Returns the date of a day counted from 1970-01-01: year, month, day.
 fn civil_from_days(days: i64) -> (i64, i64, i64) {
     let days = days + 719_468;
     let era = days.div_euclid(146_097);
@@ -70,10 +70,10 @@ fn civil_from_days(days: i64) -> (i64, i64, i64) {
     (year, month, day)
 }
 
-/// The instant of `year month day hour minute second`, read from the blank-separated `text`.
+/// Returns the instant of `year month day hour minute second` in the blank-separated `text`.
 ///
-/// Two-digit years are those of RINEX 2: 80 to 99 are 1980 to 1999, 00 to 79 are 2000 to 2079. Seconds are
-/// rounded to milliseconds, which is what an observation message on the wire can say.
+/// Two-digit years are those of RINEX 2: 80 to 99 are 1980 to 1999, 00 to 79 are 2000 to 2079.
+/// Seconds are rounded to milliseconds, which is the resolution of an observation message.
 pub(super) fn instant(text: &str, system: TimeSystem) -> Result<GpsTime> {
     parse(text, system).with_context(|| format!("`{}` is not a date after 1980", text.trim()))
 }
@@ -102,15 +102,15 @@ fn parse(text: &str, system: TimeSystem) -> Result<GpsTime> {
     from_ms(ms + system.behind_gps_ms()).context("before 1980 or after 2079")
 }
 
-/// An instant so many milliseconds after 1980-01-06, if 16 bits can count its week.
+/// Returns the instant this many milliseconds after 1980-01-06, if it is within a century.
 fn from_ms(ms: i64) -> Option<GpsTime> {
     // 5,200 weeks: a century.
     const CENTURY_MS: i64 = 5200 * 7 * DAY_MS;
     (0..CENTURY_MS).contains(&ms).then(|| GpsTime::from_ms(ms as u64))
 }
 
-/// The instant closest to `near` whose second of the week is `tow_s`, whatever the week of either; `None` for a second
-/// that is more than a week before or after the week's beginning.
+/// Returns the instant closest to `near` whose second of the week is `tow_s`, whatever the week of
+/// either; `None` for a second that is more than a week before or after the week's beginning.
 pub(super) fn nearest_week(tow_s: f64, near: GpsTime, system: TimeSystem) -> Option<GpsTime> {
     const WEEK_S: f64 = 604_800.0;
     const WEEK_MS: i64 = 7 * DAY_MS;
@@ -123,7 +123,7 @@ pub(super) fn nearest_week(tow_s: f64, near: GpsTime, system: TimeSystem) -> Opt
     from_ms(near_ms + ahead_ms)
 }
 
-/// `2020-06-25 00:00:30`, GPS time.
+/// Returns `2020-06-25 00:00:30`, GPS time.
 pub fn readable(time: GpsTime) -> String {
     let ms = time.to_ms().cast_signed();
     let (year, month, day) = civil_from_days(ms.div_euclid(DAY_MS) + GPS_EPOCH_DAYS);
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn dates_match_the_published_weeks() {
-        // Weeks and seconds as given beside the same dates in IGS navigation files.
+        // Weeks and seconds are those beside the same dates in IGS navigation files.
         for (text, system, week, tow_s) in [
             ("1980 1 6 0 0 0", TimeSystem::Gps, 0, 0.0),
             ("20 6 25 0 0 0.0", TimeSystem::Gps, 2111, 345_600.0),

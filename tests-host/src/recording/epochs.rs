@@ -10,10 +10,10 @@ use super::observations::Observations;
 use super::skipped::Skipped;
 use crate::measurement::MeasuredEpoch;
 
-/// The epochs of several observation files, merged in time and read one at a time; no time comes twice.
+/// Epochs of several observation files, merged in time and read one at a time; no time comes twice.
 ///
-/// Of epochs with the same time the first file's is kept. The last item is an error if a file cannot be read to its
-/// end, or if more than a tenth of its lines was lost.
+/// If epochs have the same time, the first file's is kept. The last item is an error if a file
+/// cannot be read to its end, or if more than a tenth of its lines was lost.
 pub struct Epochs {
     files: Vec<InOrder>,
     last: Option<GpsTime>,
@@ -24,18 +24,19 @@ impl Epochs {
     /// Opens the files and reads their headers.
     ///
     /// # Errors
-    /// As of [`Observations::open`], of the first file that has one.
+    /// As for [`Observations::open`], for the first file that fails.
     pub fn open(paths: &[PathBuf]) -> Result<Self> {
         let files = paths.iter().map(|path| Observations::open(path).map(InOrder::new));
         Ok(Self { files: files.collect::<Result<_>>()?, last: None, has_failed: false })
     }
 
-    /// The antenna's position by the first header that has one; wrong by hundreds of metres in some files.
+    /// Returns the antenna's position in the first header that has one; in some files it is wrong
+    /// by hundreds of metres.
     pub fn approximate_position(&self) -> Option<Ecef> {
         self.files.iter().find_map(|file| file.observations.approximate_position())
     }
 
-    /// Returns what was passed over so far.
+    /// Returns the records skipped so far.
     pub fn skipped(&self) -> Skipped {
         let mut skipped = Skipped::default();
         self.files.iter().for_each(|file| skipped.add(&file.observations.skipped()));
@@ -64,10 +65,11 @@ impl Iterator for Epochs {
     }
 }
 
-/// The epochs of one file in the order of time.
+/// Epochs of one file in the order of time.
 ///
-/// Of two neighbours of which the second has no later time, one has a wrong date. It is the first one if the second is
-/// later than the epoch before both, or if there is none before; otherwise it is the second.
+/// If the second of two neighbours is not later, one of them has a wrong date. It is the first one
+/// if the second is later than the epoch before both, or if there is none before; otherwise it is
+/// the second.
 struct InOrder {
     observations: Observations,
     last: Option<GpsTime>,

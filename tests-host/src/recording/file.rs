@@ -1,6 +1,7 @@
-//! A file's lines, whatever it is packed in.
+//! Lines of a file, plain or packed.
 //!
-//! Content tells the packing, not the name: gzip by its magic bytes, compact RINEX by the label of its first line.
+//! Content determines the packing, not the name: gzip by its magic bytes, compact RINEX by the
+//! label of its first line.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -12,7 +13,7 @@ use flate2::bufread::MultiGzDecoder;
 use super::hatanaka::{self, Compact};
 use super::text::{Lines, Plain, Source, label};
 
-/// Beginnings of packed files, what made them, and the command that unpacks them.
+/// First bytes of packed files, the program that made them, and the command that unpacks them.
 const PACKED: [(&[u8], &str, &str); 8] = [
     (b"BZh", "bzip2", "bunzip2 -k"),
     (b"PK\x03\x04", "zip", "unzip"),
@@ -24,10 +25,11 @@ const PACKED: [(&[u8], &str, &str); 8] = [
     (b"Rar!", "RAR", "unrar x"),
 ];
 
-/// The first bytes of gzip, which is read as it is.
+/// First bytes of gzip, which is read directly.
 const GZIP: &[u8] = &[0x1f, 0x8b];
 
-/// Returns the program that packed the bytes and the command that unpacks them; `None` for plain bytes and gzip.
+/// Returns the program that packed the bytes and the command that unpacks them; `None` for plain
+/// bytes and gzip.
 pub fn packed_by(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     PACKED
         .iter()

@@ -1,4 +1,5 @@
-//! GLONASS records: a state vector in three rows, and from RINEX 3.05 on a fourth that may say how good it is.
+//! GLONASS records: a state vector in three rows, and from RINEX 3.05 on a fourth that may have the
+//! accuracy.
 //!
 //! | row | |
 //! |---|---|
@@ -8,8 +9,8 @@
 //! | 3 | z, its rate, its acceleration, age |
 //! | 4 | status, L2 later than L1, `F_T`, health of the strings |
 //!
-//! RINEX 2 has the first four rows in a file of their own. Dates are UTC. References: [RINEX-2.11] table A11, [RINEX-3.05]
-//! table A10.
+//! RINEX 2 has the first four rows in a file of their own. Dates are UTC. References: [RINEX-2.11]
+//! table A11, [RINEX-3.05] table A10.
 //!
 //! [RINEX-2.11]: crate#references
 //! [RINEX-3.05]: crate#references
@@ -21,31 +22,31 @@ use rtcm_rs::msg::Msg1020T;
 
 use crate::measurement::{Ephemeris, TimedEphemeris};
 
-/// `F_T` where a file does not know it, and most write 15 then, which on the air promises nothing: 4 m, an assumption of
-/// the size of what such orbits err.
+/// Assumed `F_T` of a file without it: 4 m, about the error of such orbits. Most such files have
+/// 15, which on the air means no promise.
 const ASSUMED_FT: u8 = 3;
 
-/// How long before its reference time a set is sent first, ms: its first quarter of an hour.
+/// Time before its reference time at which a set is first sent, ms: a quarter of an hour.
 const LEAD_MS: u64 = 15 * 60_000;
 
-/// The first of the four years that GLONASS counts days in.
+/// Returns the first of the four years in which GLONASS counts days.
 fn first_year(time: GpsTime) -> u16 {
-    /// From 1980-01-06 to 1996-01-01, and of four years, days.
+    /// Days from 1980-01-06 to 1996-01-01, and days of four years.
     const TO_1996: u64 = 5839;
     const FOUR_YEARS: u64 = 1461;
     let day = time.to_ms() / 86_400_000;
     1996 + 4 * (day.saturating_sub(TO_1996) / FOUR_YEARS) as u16
 }
 
-/// Checks that the fields of the message have room for the numbers ([GLONASS-ICD] table 4.5): a larger one was not
-/// broadcast.
+/// Checks that the numbers fit the fields of the message ([GLONASS-ICD] table 4.5), because a
+/// larger one was not broadcast.
 ///
 /// [GLONASS-ICD]: crate#references
 pub(super) fn check(values: &[f64]) -> Result<()> {
     let clock = values.iter().take(2).zip([2e-3, 1e-9]);
     let state = values.iter().skip(3).take(12).enumerate();
     let state = state.filter(|(index, _)| index % 4 < 3).map(|(index, value)| {
-        // Position in km, velocity in km/s, acceleration in km/s².
+        // Limits of position in km, velocity in km/s, acceleration in km/s².
         (value, [32_768.0, 8.0, 1.5e-8][index % 4])
     });
     ensure!(clock.chain(state).all(|(value, limit)| value.abs() <= limit), "a number beyond its field");
@@ -54,7 +55,8 @@ pub(super) fn check(values: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// A record's numbers, three in the first row and four in each other, as a message. `toe` is GPS time.
+/// Returns a record's numbers, three in the first row and four in each other, as a message. `toe`
+/// is GPS time.
 pub(super) fn ephemeris(satellite: SatelliteId, toe: GpsTime, leap_s: u8, values: &[f64]) -> TimedEphemeris {
     let at = |row: usize, column: usize| values.get(4 * row - 1 + column).copied().unwrap_or(0.0);
     let known = |value: f64| if value.abs() < 0.999e9 { value } else { 0.0 };

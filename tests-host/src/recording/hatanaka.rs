@@ -1,23 +1,25 @@
-//! Compact RINEX back to RINEX: the inverse of the Hatanaka compression.
+//! Decoder of compact RINEX: the inverse of the Hatanaka compression.
 //!
 //! Every line is coded against the one before it in the same role:
 //!
-//! - epoch line and quality flags: character differences. A blank keeps the old character, `&` means a blank now,
-//!   anything else replaces.
-//! - observations: integers of 0.001, differenced in time up to order `m ≤ 9`. `m&v` begins an arc of order `m` at
-//!   the value `v`; a bare number is the newest difference; nothing means no observation and ends the arc.
+//! - epoch line and quality flags: character differences. A blank keeps the old character, `&`
+//!   means a blank now, anything else replaces.
+//! - observations: integers of 0.001, differenced in time up to order `m ≤ 9`. `m&v` begins an arc
+//!   of order `m` at the value `v`; a bare number is the newest difference; nothing means no
+//!   observation and ends the arc.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `m` | `Arc::order` | — |
 //! | `Δ⁰…Δᵐ` | `Arc::differences` | 0.001 of the observation's unit |
 //!
-//! Versions 1 (RINEX 2) and 3 (RINEX 3 and 4). Receiver clock offsets on the second line of an epoch are skipped.
+//! Versions 1 (RINEX 2) and 3 (RINEX 3 and 4). Receiver clock offsets on the second line of an
+//! epoch are skipped.
 //!
-//! Damage in a satellite's line costs that satellite until each of its arcs begins again. A line that is missing or one
-//! too many would give each following satellite the ranges of its neighbour. The decoder therefore checks every
-//! epoch line. If the line is no epoch after the one before, it discards the epoch before, too, and everything up to
-//! the next epoch line that is given in full.
+//! Damage in a satellite's line costs that satellite until each of its arcs begins again. A line
+//! that is missing or one too many would give each following satellite the ranges of its neighbour.
+//! The decoder therefore checks every epoch line. If the line is no epoch after the one before, it
+//! discards the epoch before, too, and everything up to the next epoch line that is given in full.
 //! References: [Hatanaka2008].
 //!
 //! [Hatanaka2008]: crate#references
@@ -33,10 +35,10 @@ use super::header::ObservationCodes;
 use super::skipped::{Flaw, Skipped};
 use super::text::{Source, columns, label};
 
-/// The label of the first line of a compact file.
+/// Label of the first line of a compact file.
 pub(super) const MARK: &str = "CRINEX VERS   / TYPE";
 
-/// Highest order of differences the format allows.
+/// Highest order of differences in the format.
 const ORDER_LIMIT: usize = 9;
 
 /// Columns of an epoch line.
@@ -51,7 +53,7 @@ struct Layout {
     flag: usize,
     /// Column of the first satellite's name; all of them are on this one line.
     satellites: usize,
-    /// Observations in a line of the output; none means all.
+    /// Observations in a line of the output; `None` for all.
     per_line: Option<usize>,
 }
 
@@ -62,23 +64,23 @@ impl Layout {
         Self { mark: '>', begins: '>', date: 1..29, flag: 31, satellites: 41, per_line: None };
 }
 
-/// A source of RINEX lines from compact ones.
+/// Source of RINEX lines from compact ones.
 pub(super) struct Compact {
     source: Box<dyn Source>,
-    /// The line that was read last, and its number.
+    /// Last line read, and its number.
     line: String,
     number: u64,
     state: State,
     is_header: bool,
-    /// True if lines are passed over up to the next epoch line in full.
+    /// True if lines are skipped up to the next epoch line in full.
     is_lost: bool,
-    /// The last epoch, held until the line after it proves to be an epoch line.
+    /// Last epoch, held until the line after it proves to be an epoch line.
     held: Held,
     ready: VecDeque<(u64, String)>,
     skipped: Skipped,
 }
 
-/// The RINEX lines of an epoch, and how many compact lines they come from.
+/// RINEX lines of an epoch, and the number of compact lines that they come from.
 #[derive(Default)]
 struct Held {
     begin: u64,
@@ -86,7 +88,7 @@ struct Held {
     output: Vec<(u64, String)>,
 }
 
-/// What the next line is coded against.
+/// State that the next line is coded against.
 struct State {
     layout: &'static Layout,
     codes: ObservationCodes,
@@ -95,16 +97,16 @@ struct State {
     satellites: HashMap<String, Satellite>,
 }
 
-/// An epoch line, checked.
+/// Checked epoch line.
 enum Opening {
     /// Ranges of these satellites follow.
     Ranges(Vec<String>),
-    /// So many header lines follow.
+    /// This number of header lines follows.
     Event(usize),
 }
 
 impl Compact {
-    /// A decoder behind the first line, which names the version.
+    /// Returns a decoder behind the first line, which names the version.
     pub(super) fn new(source: Box<dyn Source>, first: &str) -> Result<Self> {
         let version = columns(first, 0, 20);
         let layout = match version.chars().next() {
@@ -188,7 +190,8 @@ impl Compact {
         !self.ready.is_empty()
     }
 
-    /// Discards the last epoch and so many lines more, and begins to look for an epoch line in full.
+    /// Discards the last epoch and this number of lines more, and begins to search for an epoch
+    /// line in full.
     fn lose(&mut self, lines: u64) {
         let held = std::mem::take(&mut self.held);
         let begin = if held.compact_lines > 0 { held.begin } else { self.number };
@@ -211,7 +214,7 @@ impl Compact {
                 return Ok(());
             }
             self.held.compact_lines += 1;
-            // The reader of the RINEX lines reports what is wrong with them.
+            // The reader of the RINEX lines reports their errors.
             let _ = self.state.codes.read(&self.line);
             self.held.output.push((self.number, self.line.clone()));
         }
@@ -249,12 +252,12 @@ impl Compact {
         }
         self.held.output.extend(self.state.epoch_lines(self.held.begin, &known));
         self.held.output.append(&mut output);
-        // An arc ends where its satellite is missing for an epoch.
+        // An arc ends if its satellite is missing for an epoch.
         self.state.satellites = seen;
         Ok(())
     }
 
-    /// Reads a line of an epoch. At the end of the file, or where it may be cut, the epoch is discarded.
+    /// Reads a line of an epoch. If the file ends, or the line may be cut, the epoch is discarded.
     fn within(&mut self) -> Result<bool> {
         let is_whole = self.next()? && !self.source.is_open();
         if is_whole {
@@ -290,7 +293,7 @@ impl Source for Compact {
         }
     }
 
-    /// Epochs whose last line may be cut are discarded here.
+    /// Returns false, because an epoch whose last line may be cut is discarded here.
     fn is_open(&self) -> bool {
         false
     }
@@ -302,7 +305,7 @@ impl Source for Compact {
     }
 }
 
-/// Returns true for what may stand in the line of the receiver's clock offset: one coded number, or nothing.
+/// Returns true for a valid line of the receiver's clock offset: one coded number, or nothing.
 fn is_clock(line: &str) -> bool {
     let word = line.trim();
     let is_part = |part: &str| part.is_empty() || integer(part).is_some();
@@ -310,7 +313,7 @@ fn is_clock(line: &str) -> bool {
 }
 
 impl State {
-    /// Applies an epoch line; `None` if what comes out is no epoch that may follow the last one.
+    /// Applies an epoch line; `None` if the result is not an epoch that may follow the last one.
     fn open(&mut self, line: &str, is_full: bool) -> Option<Opening> {
         if is_full {
             self.epoch.clear();
@@ -339,7 +342,7 @@ impl State {
         Some(Opening::Ranges(names))
     }
 
-    /// The names of the satellites; `None` if there are more or fewer than announced.
+    /// Returns the names of the satellites; `None` if there are more or fewer than announced.
     fn names(&self, count: usize) -> Option<Vec<String>> {
         let name = |index: usize| {
             let from = self.layout.satellites + 3 * index;
@@ -350,7 +353,7 @@ impl State {
         (0..count).map(name).collect::<Option<_>>().filter(|_| rest.trim().is_empty())
     }
 
-    /// The epoch line in RINEX, of the satellites that are known.
+    /// Returns the epoch line in RINEX, with the known satellites.
     fn epoch_lines(&self, number: u64, names: &[&str]) -> Vec<(u64, String)> {
         let flag = self.layout.flag;
         let count = format!("{:3}", names.len());
@@ -374,7 +377,8 @@ impl State {
     }
 }
 
-/// Returns true for a letter and two digits, of which the first may be blank; RINEX 2 may leave out the letter.
+/// Returns true for a letter and two digits, of which the first may be blank; RINEX 2 may leave out
+/// the letter.
 fn is_name(name: &str) -> bool {
     let mut letters = name.chars();
     letters.next().is_some_and(|letter| letter.is_ascii_uppercase() || letter == ' ')
@@ -382,18 +386,18 @@ fn is_name(name: &str) -> bool {
         && letters.next().is_some_and(|ones| ones.is_ascii_digit())
 }
 
-/// The running arcs of one satellite.
+/// Running arcs of one satellite.
 #[derive(Clone, Default)]
 struct Satellite {
     arcs: Vec<Option<Arc>>,
     flags: String,
 }
 
-/// One observation's differences in time.
+/// Differences in time of one observation.
 #[derive(Clone, Debug)]
 struct Arc {
     order: usize,
-    /// How many differences are known by now.
+    /// Number of differences that are known.
     known: usize,
     differences: [i64; ORDER_LIMIT + 1],
 }
@@ -415,7 +419,7 @@ impl Arc {
     }
 }
 
-/// What a word does to an arc.
+/// Effect of a word on an arc.
 enum Step {
     End,
     Begin(Arc),
@@ -423,7 +427,7 @@ enum Step {
 }
 
 impl Step {
-    /// The step of a word; `None` for a word that is no step.
+    /// Returns the step of a word; `None` for an invalid word.
     fn of(word: &str) -> Option<Self> {
         if word.is_empty() {
             return Some(Self::End);
@@ -435,10 +439,12 @@ impl Step {
 }
 
 impl Satellite {
-    /// Takes one coded line: as many observations as there are kinds, then the differences of their flags.
+    /// Takes one coded line: as many observations as there are kinds, then the differences of their
+    /// flags.
     ///
-    /// Returns the number of flaws. A word that cannot be read ends all arcs, because the words after it may have moved;
-    /// a difference without an arc, which is what damage leaves behind, is no observation.
+    /// Returns the number of flaws. A word that cannot be read ends all arcs, because the words
+    /// after it may have moved. A difference without an arc, which damage leaves behind, is not an
+    /// observation.
     fn update(&mut self, line: &str, kinds: usize) -> usize {
         self.arcs.resize(kinds, None);
         let mut rest = line;
@@ -473,7 +479,7 @@ impl Satellite {
         self.arcs.iter().all(Option::is_none)
     }
 
-    /// The RINEX lines of the satellite.
+    /// Writes the RINEX lines of the satellite.
     fn write(&self, name: &str, layout: &Layout, number: u64, output: &mut Vec<(u64, String)>) {
         let per_line = layout.per_line.unwrap_or(self.arcs.len()).max(1);
         let mut line = String::with_capacity(3 + 16 * per_line.min(self.arcs.len()));

@@ -1,8 +1,8 @@
-//! The header of a RINEX file: what the records after it mean.
+//! Header of a RINEX file, which describes the records after it.
 //!
-//! A header line holds values in columns 0 to 59 and its label from column 60 on. Labels of RINEX 2, 3 and 4 are
-//! read alike; those that say nothing about ranges or orbits are passed over.
-//! References: [RINEX-2.11] tables A1 and A3, [RINEX-3.05] tables A2 and A5, [RINEX-4.01].
+//! A header line has values in columns 0 to 59 and its label from column 60 on. Labels of RINEX 2,
+//! 3 and 4 are read alike; those that do not concern ranges or orbits are skipped. References:
+//! [RINEX-2.11] tables A1 and A3, [RINEX-3.05] tables A2 and A5, [RINEX-4.01].
 //!
 //! [RINEX-2.11]: crate#references
 //! [RINEX-3.05]: crate#references
@@ -17,26 +17,27 @@ use super::calendar::TimeSystem;
 use super::skipped::{Flaw, Skipped};
 use super::text::{Lines, columns, label, number};
 
-/// The label of the first line.
+/// Label of the first line.
 const FIRST: &str = "RINEX VERSION / TYPE";
 
-/// The kind of the records that follow.
+/// Kind of the records that follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Observations,
     Navigation,
 }
 
-/// The lines before `END OF HEADER`.
+/// Content of the lines before `END OF HEADER`.
 #[derive(Clone, Debug)]
 pub(super) struct Header {
     /// Version times 100: 211, 302, 400.
     pub(super) version: u16,
     pub(super) kind: Kind,
-    /// Letter of the only system, or `M`. Some files claim one and hold many, so it only names the unnamed.
+    /// Letter of the only system, or `M`. Some files claim one and have many, so that it only
+    /// applies to unnamed satellites.
     pub(super) system: char,
     pub(super) time_system: TimeSystem,
-    /// GPS time minus UTC, s: that of since 2017 where the file does not say.
+    /// GPS time minus UTC, s; the value since 2017 if the file has none.
     pub(super) leap_s: u8,
     pub(super) codes: ObservationCodes,
     pub(super) approximate_position: Option<Ecef>,
@@ -44,7 +45,8 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Reads up to and including `END OF HEADER`. Fields that cannot be read and that RAI can do without are counted.
+    /// Reads up to and including `END OF HEADER`. Unreadable fields that RAI does not need are
+    /// counted.
     pub(super) fn read(lines: &mut Lines, skipped: &mut Skipped) -> Result<Self> {
         let mut header = Self::begin(lines.next().unwrap_or(""))?;
         let mut time_system = String::new();
@@ -77,7 +79,7 @@ impl Header {
         Ok(header)
     }
 
-    /// Takes a field that RAI can do without.
+    /// Takes a field that RAI does not need.
     fn optional(&mut self, line: &str) -> Result<()> {
         match label(line) {
             "APPROX POSITION XYZ" => self.approximate_position = position(line)?,
@@ -87,19 +89,19 @@ impl Header {
         Ok(())
     }
 
-    /// The version times 100 that a line states if it is the first line of a header.
+    /// Returns the version times 100 that a line states if it is the first line of a header.
     pub(super) fn version(line: &str) -> Option<u16> {
         let version = number(columns(line, 0, 9)).ok().flatten()?;
         (label(line) == FIRST && (2.0..5.0).contains(&version)).then_some((version * 100.0).round() as u16)
     }
 
-    /// The first line: version, kind and system.
+    /// Reads the first line: version, kind and system.
     fn begin(line: &str) -> Result<Self> {
         ensure!(label(line) == FIRST, "is not RINEX: line 1 does not say RINEX VERSION / TYPE");
         let version = number(columns(line, 0, 9))?.context("line 1: the version is missing")?;
         ensure!((2.0..5.0).contains(&version), "line 1: RINEX {version} is not supported, only 2, 3 and 4");
         let named = columns(line, 40, 41).chars().next().unwrap_or('G');
-        // RINEX 2 has a type of its own for the navigation of GLONASS.
+        // RINEX 2 has its own type for the navigation of GLONASS.
         let (kind, system) = match columns(line, 20, 21) {
             "O" => (Kind::Observations, named),
             "N" => (Kind::Navigation, named),
@@ -121,7 +123,7 @@ impl Header {
     }
 }
 
-/// Three coordinates; the centre of the earth means unknown.
+/// Reads three coordinates; the centre of the earth means unknown.
 fn position(line: &str) -> Result<Option<Ecef>> {
     let coordinate = |index: usize| number(columns(line, 14 * index, 14 * index + 14));
     let (x_m, y_m, z_m) = (coordinate(0)?, coordinate(1)?, coordinate(2)?);
@@ -129,16 +131,16 @@ fn position(line: &str) -> Result<Option<Ecef>> {
     Ok((position.radius_m() > 0.0).then_some(position))
 }
 
-/// Which observation stands in which field, by the letter of the system.
+/// Observation in each field, by the letter of the system.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ObservationCodes {
     by_system: HashMap<char, Vec<String>>,
-    /// The system whose list a continuation line goes on with.
+    /// System whose list a continuation line continues.
     open: char,
 }
 
 impl ObservationCodes {
-    /// The key of the one list that RINEX 2 has for all systems.
+    /// Key of the one list that RINEX 2 has for all systems.
     const ALL: char = '*';
 
     /// Takes a header line if it lists observations.
@@ -155,7 +157,7 @@ impl ObservationCodes {
         }
     }
 
-    /// A list begins where a system is named, and goes on where none is.
+    /// Begins a list if a system is named, and continues it if none is.
     fn extend(&mut self, system: Option<char>, count: &str, words: &str) -> Result<()> {
         if let Some(system) = system {
             count
@@ -172,7 +174,7 @@ impl ObservationCodes {
         Ok(())
     }
 
-    /// The codes of a system's observations in the order of the fields.
+    /// Returns the codes of a system's observations in the order of the fields.
     pub(super) fn of(&self, system: char) -> Result<&[String]> {
         let codes = self.by_system.get(&system).or_else(|| self.by_system.get(&Self::ALL));
         codes
@@ -181,7 +183,7 @@ impl ObservationCodes {
     }
 }
 
-/// GPS coefficients of the single-frequency ionosphere model, as header lines give them in two halves.
+/// GPS coefficients of the single-frequency ionosphere model, in header lines of one half each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Klobuchar {
     alpha: Option<[f64; 4]>,
@@ -189,7 +191,8 @@ pub(super) struct Klobuchar {
 }
 
 impl Klobuchar {
-    /// Takes a header line if it holds one half. Other systems' lines, repeated per satellite, are not those.
+    /// Takes a header line if it has one half. Lines of other systems, repeated for each satellite,
+    /// do not count.
     fn read(&mut self, line: &str) -> Result<()> {
         match (label(line), columns(line, 0, 4)) {
             ("ION ALPHA", _) => self.alpha = Some(quadruple(line, 2)?),
@@ -201,7 +204,7 @@ impl Klobuchar {
         Ok(())
     }
 
-    /// `α0…α3` (s, s/semicircle, …) and `β0…β3`.
+    /// Returns `α0…α3` (s, s/semicircle, …) and `β0…β3`.
     pub(super) fn coefficients(self) -> Option<[f64; 8]> {
         let (alpha, beta) = (self.alpha?, self.beta?);
         std::array::from_fn(|index| if index < 4 { alpha[index] } else { beta[index - 4] }).into()

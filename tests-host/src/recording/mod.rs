@@ -1,16 +1,18 @@
-//! Recordings: RINEX 2, 3 and 4 files of a receiver, plain or packed, as epochs of raw measurements.
+//! Recordings: RINEX 2, 3 and 4 files of a receiver, plain or packed, as epochs of raw
+//! measurements.
 //!
 //! ```text
 //! file (gzip, compact RINEX) ──► lines ──► header ──► observations ──► MeasuredEpoch ┐
 //!                                             └────► navigation ──► Ephemeris  ┴──► Recording ──► encode
 //! ```
 //!
-//! Nothing is corrected and nothing is judged: a recording is what the receiver saw. Observations are read one epoch at
-//! a time ([`Epochs`]); what cannot be read is passed over and counted ([`Skipped`]).
+//! Measurements are neither corrected nor judged: a recording is the input of the receiver.
+//! Observations are read one epoch at a time ([`Epochs`]); unreadable records are skipped and
+//! counted ([`Skipped`]).
 //!
-//! The files are read by this module and not by the `rinex` crate: that one builds more than two hundred packages
-//! (an ephemeris service with an HTTP client, tables for terminals) to parse text in fixed columns, which is most of
-//! the time that a first build of the project would take.
+//! This module reads the files and not the `rinex` crate, because that crate builds more than two
+//! hundred packages (an ephemeris service with an HTTP client, tables for terminals). That would be
+//! most of the time of the project's first build, for text in fixed columns.
 //!
 //! References: [RINEX-2.11], [RINEX-3.05], [RINEX-4.01], [Hatanaka2008].
 //!
@@ -45,32 +47,34 @@ pub use self::observations::Observations;
 pub use self::skipped::{Place, Skipped};
 use crate::measurement::{MeasuredEpoch, TimedEphemeris};
 
-/// How far from its reference time any broadcast ephemeris is of use, ms: 4 h.
+/// Longest time from its reference time at which a broadcast ephemeris is useful, ms: 4 h.
 const USEFUL_MS: i64 = 4 * 3_600_000;
 
-/// The measurements of a receiver, and the broadcasts of the satellites meanwhile.
+/// Measurements of a receiver, and the broadcasts of the satellites meanwhile.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
-    /// In the order of time, no time twice.
+    /// Epochs in the order of time, no time twice.
     pub epochs: Vec<MeasuredEpoch>,
-    /// In the order of the files.
+    /// Ephemerides in the order of the files.
     pub ephemerides: Vec<TimedEphemeris>,
-    /// GPS coefficients of the single-frequency ionosphere model, `α0…α3, β0…β3`, in the broadcast's units.
+    /// GPS coefficients of the single-frequency ionosphere model, `α0…α3, β0…β3`, in the
+    /// broadcast's units.
     pub klobuchar: Option<[f64; 8]>,
-    /// Records that were passed over.
+    /// Records that were skipped.
     pub skipped: Skipped,
-    /// The antenna's position by the header; wrong by hundreds of metres in some files.
+    /// Position of the antenna in the header; in some files it is wrong by hundreds of metres.
     pub approximate_position: Option<Ecef>,
 }
 
 impl Recording {
     /// Reads observation and navigation files; several are merged in time.
     ///
-    /// Records that cannot be read are passed over and counted.
+    /// Unreadable records are skipped and counted.
     ///
     /// # Errors
-    /// A file that is missing, empty or not RINEX of the expected kind, a file of which more than a tenth cannot be
-    /// read, or a navigation file of another day: the message says what, where, and what would help.
+    /// A file is missing, empty or not RINEX of the expected kind, more than a tenth of a file is
+    /// unreadable, or a navigation file is of another day. The message states the problem, its
+    /// place, and a remedy.
     pub fn load(observations: &[PathBuf], navigation: &[PathBuf]) -> Result<Self> {
         let mut epochs = Epochs::open(observations)?;
         let mut recording = Self { approximate_position: epochs.approximate_position(), ..Self::default() };
@@ -84,7 +88,7 @@ impl Recording {
     /// Reads navigation files alone: a recording without epochs.
     ///
     /// # Errors
-    /// As of [`Recording::load`], except that no day is the wrong one.
+    /// As for [`Recording::load`], except that no day is the wrong one.
     pub fn of_navigation(navigation: &[PathBuf]) -> Result<Self> {
         let mut recording = Self::default();
         recording.read_navigation(navigation)?;
@@ -114,7 +118,7 @@ impl Recording {
         Ok(())
     }
 
-    /// Checks that there is something to compute a position from.
+    /// Checks that the recording suffices for a position.
     fn check(&self, navigation: &[PathBuf]) -> Result<()> {
         let (Some(first), Some(last)) = (self.epochs.first(), self.epochs.last()) else {
             bail!("the observation files hold no epoch");
@@ -125,7 +129,7 @@ impl Recording {
     /// Checks that some ephemeris of the navigation files is of the time between two epochs.
     ///
     /// # Errors
-    /// No ephemeris, or all of another day.
+    /// There is no ephemeris, or all are of another day.
     pub fn check_time(&self, navigation: &[PathBuf], first: GpsTime, last: GpsTime) -> Result<()> {
         let names = names(navigation);
         self.check_ephemerides(&names)?;
@@ -155,7 +159,7 @@ impl Recording {
     }
 }
 
-/// The names of files in a message.
+/// Returns the names of files for a message.
 fn names(files: &[PathBuf]) -> String {
     files.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
 }

@@ -1,7 +1,8 @@
-//! Navigation records to broadcast ephemerides: RINEX 2, 3 and 4.
+//! Navigation records of RINEX 2, 3 and 4, converted to broadcast ephemerides.
 //!
-//! A record is a line that names satellite and time of clock, followed by indented lines. Read row by row it is
-//! `[af0 af1 af2 | row 1 | row 2 | …]` with four numbers in each row; which is which depends on the system:
+//! A record is a line with satellite and time of clock, followed by indented lines. Read row by row
+//! it is `[af0 af1 af2 | row 1 | row 2 | …]` with four numbers in each row, whose meaning depends
+//! on the system:
 //!
 //! | row | GPS LNAV | Galileo I/NAV, F/NAV | `BeiDou` D1, D2 |
 //! |---|---|---|---|
@@ -13,15 +14,18 @@
 //! | 6 | accuracy, health, TGD, IODC | accuracy, health, BGD E5a, BGD E5b | accuracy, health, TGD1, TGD2 |
 //! | 7 | sent at, fit interval | sent at | sent at, AODC |
 //!
-//! RINEX has radians where messages have semicircles, metres where they have accuracy indices. Weeks are taken from
-//! the date of the time of clock, which is unambiguous, and not from row 5, where files differ in what they count
-//! from. Times that a file does not know (0.9999e9 s) or that are half a week off are replaced by the time of clock.
+//! RINEX has radians where messages have semicircles, and metres where they have accuracy indices.
+//! Weeks are taken from the date of the time of clock, which is unambiguous, and not from row 5,
+//! because files differ in its origin. Unknown times (0.9999e9 s), and times that are half a week
+//! off, are replaced by the time of clock.
 //!
-//! QZSS has the rows of GPS, GLONASS rows of its own ([`glonass`]), in RINEX 2 in a file of its own.
+//! QZSS has the rows of GPS. GLONASS has rows of its own ([`glonass`]), in RINEX 2 in a separate
+//! file.
 //!
-//! A record that cannot be read is counted and passed over, and so is one with a number that no message has room for. Kinds that are not read are counted apart: the modernised messages of RINEX 4 (CNAV and its kin), and other
-//! systems.
-//! References: [RINEX-2.11] table A4, [RINEX-3.05] tables A6, A8, A10, A14, [RINEX-4.01] tables A8 to A18.
+//! An unreadable record is counted and skipped, and so is one with a number that does not fit its
+//! message. Unread kinds are counted separately: the modernised messages of RINEX 4 (CNAV and its
+//! kin), and other systems. References: [RINEX-2.11] table A4, [RINEX-3.05] tables A6, A8, A10,
+//! A14, [RINEX-4.01] tables A8 to A18.
 //!
 //! [RINEX-2.11]: crate#references
 //! [RINEX-3.05]: crate#references
@@ -41,20 +45,20 @@ use super::skipped::{Flaw, Skipped};
 use super::text::{Lines, columns, is_labelled, number};
 use crate::measurement::{Ephemeris, TimedEphemeris};
 
-/// Lines of a record of Kepler elements.
+/// Number of lines of a record of Kepler elements.
 const FULL: usize = 8;
 
-/// Orbits and the ionosphere by a navigation file.
+/// Orbits and the ionosphere in a navigation file.
 pub(super) struct Navigation {
     pub(super) ephemerides: Vec<TimedEphemeris>,
     pub(super) klobuchar: Option<[f64; 8]>,
     pub(super) skipped: Skipped,
 }
 
-/// Reads all records after the header; `skipped` holds what the header cost.
+/// Reads all records after the header; `skipped` has the flaws of the header.
 ///
 /// # Errors
-/// A file that cannot be read to its end, or of which more than a tenth is lost.
+/// The file cannot be read to its end, or more than a tenth of it is lost.
 pub(super) fn read(header: &Header, lines: &mut Lines, skipped: Skipped) -> Result<Navigation> {
     let klobuchar = header.klobuchar.coefficients();
     let mut navigation = Navigation { ephemerides: Vec::new(), klobuchar, skipped };
@@ -83,25 +87,25 @@ impl Navigation {
     }
 }
 
-/// The lines of a record.
+/// Lines of a record.
 struct Rows {
-    /// The number of the first line.
+    /// Number of the first line.
     begin: u64,
-    /// The announcement of RINEX 4, such as `> EPH G05 LNAV`.
+    /// Announcement of RINEX 4, such as `> EPH G05 LNAV`.
     announcement: Option<String>,
     lines: Vec<String>,
     /// True if the file ends inside a value of the last line.
     is_cut: bool,
 }
 
-/// What a record holds.
+/// Content of a record.
 enum Content {
     Ephemeris(Box<TimedEphemeris>),
-    /// The coefficients of the ionosphere for GPS.
+    /// GPS coefficients of the ionosphere.
     Ionosphere([f64; 8]),
-    /// A kind or system that is not read.
+    /// Kind or system that is not read.
     Other,
-    /// A satellite that its system does not have.
+    /// Satellite that its system does not have.
     Unknown,
 }
 
@@ -113,7 +117,7 @@ struct Layout {
 }
 
 impl Layout {
-    /// RINEX 2 gives the number alone and indents one column less.
+    /// Returns the layout of a version. RINEX 2 has the number alone and indents one column less.
     const fn of(header: &Header) -> Self {
         if header.version < 300 {
             Self { name: 2, date: 22, indent: 3 }
@@ -161,7 +165,7 @@ impl Rows {
         }
     }
 
-    /// How many lines the record has.
+    /// Returns the number of lines of the record.
     fn size(&self) -> u64 {
         self.lines.len() as u64 + u64::from(self.announcement.is_some())
     }
@@ -177,7 +181,7 @@ impl Rows {
         }
     }
 
-    /// The coefficients of a RINEX 4 record: a date and three numbers, then rows of four.
+    /// Reads the coefficients of a RINEX 4 record: a date and three numbers, then rows of four.
     fn ionosphere(&self) -> Result<Content> {
         let rows =
             self.lines.iter().enumerate().map(|(row, line)| (line.as_str(), if row == 0 { 23 } else { 4 }));
@@ -186,14 +190,14 @@ impl Rows {
         coefficients.map(Content::Ionosphere).context("fewer than eight coefficients")
     }
 
-    /// The ephemeris of the lines.
+    /// Reads the ephemeris in the lines.
     fn ephemeris(&self, header: &Header) -> Result<Content> {
         let Layout { name, date, indent } = Layout::of(header);
         let line = self.lines.first().map_or("", String::as_str);
         let label = columns(line, 0, name);
         let letter = match label.chars().next().context("no satellite")? {
             letter if letter.is_ascii_uppercase() => letter,
-            // RINEX 2 files hold GPS unless their header says otherwise.
+            // RINEX 2 files are of GPS unless their header names another system.
             '0'..='9' if header.version < 300 => {
                 if header.system == 'R' {
                     'R'
@@ -228,7 +232,7 @@ impl Rows {
     }
 }
 
-/// The numbers of all rows, each from its column on; blank is zero.
+/// Returns the numbers of all rows, each from its column on; blank is zero.
 fn values<'a>(rows: impl Iterator<Item = (&'a str, usize)>) -> Result<Vec<f64>> {
     let mut values = Vec::with_capacity(31);
     for (row, indent) in rows {
@@ -241,10 +245,10 @@ fn values<'a>(rows: impl Iterator<Item = (&'a str, usize)>) -> Result<Vec<f64>> 
     Ok(values)
 }
 
-/// Largest magnitudes by row and column that any of the messages has room for, in the file's units.
+/// Largest magnitudes by row and column that fit any of the messages, in the file's units.
 ///
-/// The bits and scale factors are those of [IS-GPS-200] tables 20-I and 20-III, [Galileo-OS-SIS-ICD] tables 60 and 63 and
-/// [BDS-SIS-ICD] tables 5-8 and 5-10; the widest counts.
+/// The bits and scale factors are those of [IS-GPS-200] tables 20-I and 20-III,
+/// [Galileo-OS-SIS-ICD] tables 60 and 63 and [BDS-SIS-ICD] tables 5-8 and 5-10; the widest counts.
 ///
 /// [IS-GPS-200]: crate#references
 /// [Galileo-OS-SIS-ICD]: crate#references
@@ -276,17 +280,18 @@ struct Record {
 }
 
 impl Record {
-    /// The number in a row from 1 and a column from 0.
+    /// Returns the number in a row from 1 and a column from 0.
     fn at(&self, row: usize, column: usize) -> f64 {
         self.values.get(4 * row - 1 + column).copied().unwrap_or(0.0)
     }
 
-    /// An angle in semicircles.
+    /// Returns an angle in semicircles.
     fn semicircles(&self, row: usize, column: usize) -> f64 {
         self.at(row, column) / PI
     }
 
-    /// Checks that the fields of the messages have room for the numbers: a larger one was not broadcast.
+    /// Checks that the numbers fit the fields of the messages, because a larger one was not
+    /// broadcast.
     fn check(&self) -> Result<()> {
         for (row, column, limit) in LIMITS {
             let value = self.at(row, column);
@@ -306,10 +311,11 @@ impl Record {
         Ok(TimedEphemeris { satellite: self.satellite, toe, sent: self.sent(), message: self.message(toe) })
     }
 
-    /// When the satellite sent it.
+    /// Returns the time at which the satellite sent the message.
     fn sent(&self) -> GpsTime {
         const WEEK_S: f64 = 604_800.0;
-        // Message times of the week before the week of the reference time are written negative by some.
+        // Some programs write message times in the week before that of the reference time as
+        // negative.
         let known = Some(self.at(7, 0)).filter(|tow_s| (-WEEK_S..=WEEK_S).contains(tow_s) && *tow_s != 0.0);
         known.and_then(|tow_s| calendar::nearest_week(tow_s, self.toc, self.system)).unwrap_or(self.toc)
     }
@@ -327,7 +333,7 @@ impl Record {
     }
 }
 
-/// A message from a record: the fields that all systems share, then the system's own.
+/// Makes a message from a record: the fields that all systems share, then the system's own.
 macro_rules! message {
     ($type:ident of $record:ident, $id:ident, clock: [$af0:ident, $af1:ident, $af2:ident], $($field:ident: $value:expr,)*) => {{
         let (record, system_tow) = ($record, |time: GpsTime| $record.system_tow_s(time));
@@ -359,12 +365,12 @@ macro_rules! message {
 }
 
 impl Record {
-    /// Seconds into the week of the satellite's own system.
+    /// Returns the seconds into the week of the satellite's own system.
     fn system_tow_s(&self, time: GpsTime) -> f32 {
         (self.system_time(time).tow_ms / 1000) as f32
     }
 
-    /// An instant as the satellite's own system counts, weeks still those of GPS.
+    /// Returns an instant in the count of the satellite's own system; weeks are still those of GPS.
     fn system_time(&self, time: GpsTime) -> GpsTime {
         match self.system {
             TimeSystem::Beidou => GpsTime::from_ms(time.to_ms().saturating_sub(u64::from(BEIDOU_OFFSET_MS))),
@@ -386,7 +392,8 @@ impl Record {
         )
     }
 
-    /// As GPS, but that the fit interval is a flag: 1 beyond two hours.
+    /// Returns the message of QZSS. It is that of GPS, but its fit interval is a flag: 1 beyond two
+    /// hours.
     fn qzss(&self, toe: GpsTime) -> Msg1044T {
         message!(Msg1044T of self, qzss_satellite_id, clock: [af0_s, af1_s_s, af2_s_s2],
             qzss_week_number: toe.week % 1024,
@@ -442,7 +449,8 @@ impl Record {
     }
 }
 
-/// The index of a user range accuracy in metres: the first class whose upper bound holds it ([IS-GPS-200] 20.3.3.3.1.3).
+/// Returns the index of a user range accuracy in metres: the first class whose upper bound is not
+/// exceeded ([IS-GPS-200] 20.3.3.3.1.3).
 ///
 /// [IS-GPS-200]: crate#references
 fn ura_index(accuracy_m: f64) -> u8 {
@@ -452,7 +460,8 @@ fn ura_index(accuracy_m: f64) -> u8 {
     class.unwrap_or(UPPER_M.len()) as u8
 }
 
-/// The index of a signal-in-space accuracy in metres ([Galileo-OS-SIS-ICD] §5.1.12); 255 where there is no prediction.
+/// Returns the index of a signal-in-space accuracy in metres ([Galileo-OS-SIS-ICD] §5.1.12); 255 if
+/// there is no prediction.
 ///
 /// [Galileo-OS-SIS-ICD]: crate#references
 fn sisa_index(accuracy_m: f64) -> u8 {

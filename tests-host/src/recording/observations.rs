@@ -1,4 +1,5 @@
-//! Observation records to epochs, one at a time: RINEX 2 in one layout, RINEX 3 and 4 in another.
+//! Observation records, converted to epochs one at a time: RINEX 2 in one layout, RINEX 3 and 4 in
+//! another.
 //!
 //! | | RINEX 2 | RINEX 3, 4 |
 //! |---|---|---|
@@ -7,9 +8,9 @@
 //! | codes | `C1`, `P2`: band only | `C1C`, `C2W`: band and attribute |
 //! | a line is missing or one too many | costs the epoch, because lines carry no names | costs its satellite |
 //!
-//! The reader keeps the systems that RAI knows; of these, satellites with a pseudorange. Epochs of events (new site, header
-//! lines, cycle slips) carry no ranges; header lines inside and outside them are obeyed.
-//! References: [RINEX-2.11] table A2, [RINEX-3.05] table A3.
+//! The reader keeps the systems that RAI supports, and their satellites with a pseudorange. Epochs
+//! of events (new site, header lines, cycle slips) have no ranges; header lines inside and outside
+//! them are obeyed. References: [RINEX-2.11] table A2, [RINEX-3.05] table A3.
 //!
 //! [RINEX-2.11]: crate#references
 //! [RINEX-3.05]: crate#references
@@ -35,29 +36,30 @@ use crate::measurement::{MeasuredEpoch, MeasuredSatellite};
 const FIELD: usize = 16;
 const VALUE: usize = 14;
 
-/// The epochs of one observation file, read one at a time.
+/// Epochs of one observation file, read one at a time.
 ///
-/// What cannot be read is passed over and counted. The last item is an error if the file cannot be read to its end, or
-/// if more than a tenth of its lines was lost.
+/// Unreadable records are skipped and counted. The last item is an error if the file cannot be read
+/// to its end, or if more than a tenth of its lines was lost.
 pub struct Observations {
     name: String,
     header: Header,
     fields: Fields,
     lines: Lines,
     skipped: Skipped,
-    /// The number of the line that the last epoch begins with.
+    /// Number of the line with which the last epoch begins.
     begin: u64,
     has_ended: bool,
 }
 
-/// The beginning of an epoch.
+/// Beginning of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Opening {
-    /// The event flag: 0 and 1 are ranges, 6 are cycle slips in the form of ranges, others are header lines.
+    /// Event flag: 0 and 1 are ranges, 6 are cycle slips in the form of ranges, others are header
+    /// lines.
     flag: u8,
-    /// The time of the epoch; `None` for an event without one.
+    /// Time of the epoch; `None` for an event without one.
     time: Option<GpsTime>,
-    /// The number of satellites or header lines.
+    /// Number of satellites or header lines.
     count: usize,
 }
 
@@ -72,8 +74,8 @@ impl Opening {
 impl Observations {
     /// Opens a file: plain, gzip, compact, or compact in gzip.
     ///
-    /// # Errors
-    /// A file that is missing, packed otherwise, or not RINEX observations, or a header that cannot be read.
+    /// The file is missing, packed in another format, or not RINEX observations, or its header
+    /// cannot be read.
     pub fn open(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
         let place = || format!("observation file {name}");
@@ -81,10 +83,10 @@ impl Observations {
         opened.with_context(place)
     }
 
-    /// Opens the bytes of such a file, which errors call `name`.
+    /// Opens the bytes of such a file, whose name in errors is `name`.
     ///
     /// # Errors
-    /// As of [`Observations::open`].
+    /// As for [`Observations::open`].
     pub fn of(name: &str, input: impl BufRead + Send + 'static) -> Result<Self> {
         let opened = file::lines(input, name).and_then(|lines| Self::read(name, lines));
         opened.with_context(|| format!("observation file {name}"))
@@ -100,12 +102,13 @@ impl Observations {
         Ok(Self { name: name.to_owned(), header, fields, lines, skipped, begin: 0, has_ended: false })
     }
 
-    /// The antenna's position by the header; wrong by hundreds of metres in some files.
+    /// Returns the antenna's position in the header; in some files it is wrong by hundreds of
+    /// metres.
     pub fn approximate_position(&self) -> Option<Ecef> {
         self.header.approximate_position
     }
 
-    /// Returns what was passed over so far.
+    /// Returns the records skipped so far.
     pub fn skipped(&self) -> Skipped {
         let mut skipped = self.skipped.clone();
         skipped.add(&self.lines.skipped());
@@ -122,7 +125,7 @@ impl Observations {
         self.begin
     }
 
-    /// Checks at the end that the file was read to it, and how much was lost.
+    /// Checks at the end that the whole file was read, and that not too much was lost.
     fn end(&mut self) -> Option<Result<MeasuredEpoch>> {
         if std::mem::replace(&mut self.has_ended, true) {
             return None;
@@ -146,8 +149,8 @@ impl Observations {
         self.skipped.lose(Flaw::Damaged, begin, lost);
     }
 
-    /// Passes over comments and header lines, and obeys them. A header of another version ends the file, because the
-    /// lines after it have another layout.
+    /// Skips comments and header lines, and obeys them. A header of another version ends the file,
+    /// because the lines after it have another layout.
     fn skip_labelled(&mut self) {
         while let Some(line) = self.lines.next_if(is_labelled) {
             let version = Header::version(line);
@@ -178,7 +181,7 @@ impl Observations {
         self.fields = Fields::of(&self.header);
     }
 
-    /// The satellites of an epoch of RINEX 3 and 4; `None` if the file ends inside it.
+    /// Returns the satellites of an epoch of RINEX 3 and 4; `None` if the file ends inside it.
     fn satellites_3(&mut self, count: usize) -> Option<Vec<MeasuredSatellite>> {
         let begin = self.lines.number();
         let mut satellites = Vec::with_capacity(count.min(100));
@@ -203,14 +206,14 @@ impl Observations {
         Some(satellites)
     }
 
-    /// Counts an epoch that the end of the file cuts, and takes what is left of it.
+    /// Counts an epoch that the end of the file cuts, and takes the rest of it.
     fn cut<T>(&mut self, line: u64) -> Option<T> {
         while self.lines.next().is_some() {}
         self.skipped.note(Flaw::Cut, line);
         None
     }
 
-    /// Keeps a satellite, or counts why it is not kept.
+    /// Keeps a satellite, or counts the reason for which it is dropped.
     fn keep(&mut self, read: Read, lines: u64, satellites: &mut Vec<MeasuredSatellite>) {
         let number = self.lines.number();
         match read {
@@ -228,7 +231,8 @@ impl Observations {
         }
     }
 
-    /// The satellites of an epoch of RINEX 2; `None` if the file ends inside it or its lines do not fit.
+    /// Returns the satellites of an epoch of RINEX 2; `None` if the file ends inside it or its
+    /// lines do not fit.
     fn satellites_2(&mut self, count: usize) -> Option<Vec<MeasuredSatellite>> {
         let (begin, counted) = (self.lines.number(), self.lines.count());
         let names = self.names_2(count)?;
@@ -264,12 +268,13 @@ impl Observations {
             self.skipped.add(&flaws);
             return Some(satellites);
         }
-        // The names came first: with a line missing or one too many, satellites would get their neighbours' ranges.
+        // The names come first. If a line is missing or one too many, satellites would get their
+        // neighbours' ranges.
         self.skipped.lose(Flaw::Damaged, begin, 1 + self.lines.count() - counted);
         None
     }
 
-    /// The names that the epoch line and its continuations give.
+    /// Returns the names in the epoch line and its continuations.
     fn names_2(&mut self, count: usize) -> Option<Vec<String>> {
         let begin = self.lines.number();
         let mut line = self.lines.current().to_owned();
@@ -328,7 +333,8 @@ impl Iterator for Observations {
     }
 }
 
-/// Returns true for lines with letters where a header line has its label, known or not: data has none there.
+/// Returns true for lines with letters where a header line has its label, known or not; data lines
+/// have none there.
 fn has_label(line: &str) -> bool {
     columns(line, 60, 80).contains(|letter: char| letter.is_ascii_alphabetic())
 }
@@ -343,7 +349,7 @@ fn begins_epoch(line: &str, is_version_2: bool, time_system: TimeSystem) -> bool
     if is_version_2 { opening(line, true, time_system).is_some() } else { line.starts_with('>') }
 }
 
-/// What an epoch line says; `None` for a line that is none.
+/// Returns the content of an epoch line; `None` for another line.
 fn opening(line: &str, is_version_2: bool, time_system: TimeSystem) -> Option<Opening> {
     if line.starts_with('>') == is_version_2 {
         return None;
@@ -359,21 +365,21 @@ fn opening(line: &str, is_version_2: bool, time_system: TimeSystem) -> Option<Op
     is_dated.then_some(opening)
 }
 
-/// What came of a satellite's record.
+/// Result of reading a satellite's record.
 enum Read {
-    /// What was measured, and how many values beside the pseudoranges cannot be read.
+    /// Measurements, and the number of unreadable values beside the pseudoranges.
     Satellite(MeasuredSatellite, u64),
-    /// A system that RAI does not know.
+    /// System that RAI does not support.
     OtherSystem,
-    /// A system of which the header lists no observations.
+    /// System for which the header lists no observations.
     Unlisted,
-    /// A satellite that its system does not have.
+    /// Satellite that its system does not have.
     Unknown,
-    /// A record that cannot be read.
+    /// Unreadable record.
     Damaged,
 }
 
-/// One satellite from its fields, side by side.
+/// Reads one satellite from its fields, side by side.
 fn satellite(name: &str, values: &str, header: &Header, fields: &Fields) -> Read {
     let Some(letter) = system(name, header) else { return Read::Damaged };
     let digits = name.trim_start_matches(letter).trim();
@@ -389,7 +395,8 @@ fn satellite(name: &str, values: &str, header: &Header, fields: &Fields) -> Read
     }
 }
 
-/// The letter of a satellite's system; RINEX 2 may leave it blank where the header names the only one.
+/// Returns the letter of a satellite's system; RINEX 2 may leave it blank if the header names the
+/// only one.
 fn system(name: &str, header: &Header) -> Option<char> {
     match name.chars().next()? {
         letter if letter.is_ascii_alphabetic() => Some(letter),

@@ -1,4 +1,4 @@
-//! Fields of a satellite's record to signals.
+//! Conversion of the fields of a satellite's record to signals.
 //!
 //! Codes become those of RINEX 3.05, see [`Field::new`].
 //! References: [RINEX-2.11] table A1, [RINEX-3.05] tables 12 to 18.
@@ -13,11 +13,11 @@ use super::header::Header;
 use super::text::{columns, number};
 use crate::measurement::MeasuredSignal;
 
-/// The fields of the records of each system, by the system's letter.
+/// Fields of the records of each system, by the system's letter.
 pub(super) struct Fields(Vec<(char, Vec<Option<Field>>)>);
 
 impl Fields {
-    /// Letters of the systems that are read: a satellite of QZSS measures the signals of GPS.
+    /// Letters of the systems that are read; a QZSS satellite has the signals of GPS.
     const SYSTEMS: [(char, Constellation); 5] = [
         ('G', Constellation::Gps),
         ('C', Constellation::Beidou),
@@ -26,7 +26,7 @@ impl Fields {
         ('J', Constellation::Gps),
     ];
 
-    /// The fields that the header lists.
+    /// Returns the fields that the header lists.
     pub(super) fn of(header: &Header) -> Self {
         let fields = |(letter, constellation)| {
             let codes = header.codes.of(letter).ok()?;
@@ -41,13 +41,13 @@ impl Fields {
         Self::SYSTEMS.iter().any(|(system, _)| *system == letter)
     }
 
-    /// The fields of a system; `None` if the header lists none.
+    /// Returns the fields of a system; `None` if the header lists none.
     pub(super) fn of_system(&self, letter: char) -> Option<&[Option<Field>]> {
         self.0.iter().find(|(system, _)| *system == letter).map(|(_, fields)| fields.as_slice())
     }
 }
 
-/// The signals of one satellite, and how many of the values beside their pseudoranges cannot be read.
+/// Signals of one satellite, and the number of unreadable values beside their pseudoranges.
 pub(super) struct Signals {
     pub(super) signals: Vec<MeasuredSignal>,
     pub(super) damaged: u64,
@@ -56,7 +56,7 @@ pub(super) struct Signals {
 /// Returns the signals of one satellite that have a pseudorange; blank and zero mean none.
 ///
 /// # Errors
-/// A pseudorange that is no number with a decimal point, because what follows it may have moved.
+/// A pseudorange is not a number with a decimal point, so that the fields after it may have moved.
 pub(super) fn signals(fields: &[Option<Field>], values: &str) -> Result<Signals> {
     let mut found = Signals { signals: Vec::new(), damaged: 0 };
     let mut others: Vec<(Field, f64)> = Vec::new();
@@ -89,13 +89,13 @@ pub(super) fn signals(fields: &[Option<Field>], values: &str) -> Result<Signals>
     Ok(found)
 }
 
-/// A measured value, which always has a decimal point: a number without one was cut.
+/// Reads a measured value, which always has a decimal point, because a number without one was cut.
 fn measured(text: &str) -> Result<Option<f64>> {
     ensure!(text.is_empty() || text.contains('.'), "`{text}` has no decimal point");
     number(text)
 }
 
-/// The quantity that a field measures.
+/// Quantity that a field measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Quantity {
     Pseudorange,
@@ -109,15 +109,15 @@ enum Quantity {
 pub(super) struct Field {
     quantity: Quantity,
     band: u8,
-    /// None where RINEX 2 gives a quantity per band only.
+    /// Attribute; `None` if RINEX 2 has a quantity per band only.
     attribute: Option<char>,
 }
 
 impl Field {
-    /// The field of a code as RINEX 3.05 names signals, or none if RAI has no use for it.
+    /// Returns the field of a code as RINEX 3.05 names signals; `None` if RAI does not use it.
     ///
-    /// `BeiDou`'s B1I at 1561.098 MHz has been band 2 since RINEX 3.03 and was band 1 in 3.02; RINEX 2 names the band
-    /// alone, so the attribute is the one in common use there.
+    /// `BeiDou`'s B1I at 1561.098 MHz has been band 2 since RINEX 3.03 and was band 1 in 3.02.
+    /// RINEX 2 names the band alone, so that the attribute is the one in common use there.
     fn new(constellation: Constellation, code: &str, version: u16) -> Option<Self> {
         let mut letters = code.chars();
         let letter = letters.next()?;
@@ -147,8 +147,9 @@ impl Field {
         self.band == signal.band && self.attribute.is_none_or(|attribute| attribute == signal.attribute)
     }
 
-    /// A signal of this pseudorange. Until a field says more, C/N0 is the middle of the class that the digit beside the
-    /// value names: class `k` of 2 to 9 goes from `6 k` to `6 k + 6` dB-Hz.
+    /// Returns a signal with this pseudorange. Until a field has C/N0, it is the middle of the
+    /// class that the digit beside the value names: class `k` of 2 to 9 goes from `6 k` to
+    /// `6 k + 6` dB-Hz.
     fn signal(self, pseudorange_m: f64, strength: &str) -> Option<MeasuredSignal> {
         let class = strength.parse::<u8>().ok().filter(|class| *class > 0);
         let cn0_dbhz = class.map(|class| 6.0 * f64::from(class) + 3.0);
@@ -172,7 +173,7 @@ impl Field {
     }
 }
 
-/// The component of the signal that a pseudorange was taken from, which RINEX 2 leaves unsaid.
+/// Returns the component of the signal of a pseudorange, which RINEX 2 does not state.
 fn attribute_2(constellation: Constellation, letter: char, band: u8) -> char {
     match (constellation, letter, band) {
         (Constellation::Gps, 'P', _) => 'W',

@@ -1,4 +1,4 @@
-//! Counts of what the readers pass over: a flaw costs its record, not its file.
+//! Counts of skipped records: a flaw costs its record, not its file.
 //!
 //! | flaw | field | counts towards the refusal |
 //! |---|---|---|
@@ -14,17 +14,17 @@ use std::fmt;
 
 use anyhow::{Result, ensure};
 
-/// The place of a flaw.
+/// Place of a flaw.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "commands", derive(serde::Serialize))]
 pub struct Place {
-    /// The file as the caller names it.
+    /// File as the caller names it.
     pub file: String,
-    /// The number of the line, from 1; of a compact file that of its compact line.
+    /// Number of the line, from 1; in a compact file that of its compact line.
     pub line: u64,
 }
 
-/// Counts of records that the readers pass over, and the place of the first flaw.
+/// Counts of skipped records, and the place of the first flaw.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "commands", derive(serde::Serialize))]
 pub struct Skipped {
@@ -34,21 +34,21 @@ pub struct Skipped {
     pub unknown_satellites: u64,
     /// Comments and header lines between records.
     pub comments: u64,
-    /// Header fields that cannot be read and that RAI can do without.
+    /// Unreadable header fields that RAI does not need.
     pub header_fields: u64,
     /// Epochs and ephemerides that the end of the file cuts.
     pub cut: u64,
     /// Epochs that are not later than the one before.
     pub out_of_order: u64,
-    /// Records of kinds and systems that RAI does not read; no flaw.
+    /// Records of kinds and systems that RAI does not read; not a flaw.
     pub other_kinds: u64,
     /// Lines of the records that damage costs.
     pub lost_lines: u64,
-    /// The first flaw.
+    /// Place of the first flaw.
     pub first: Option<Place>,
 }
 
-/// The kinds of flaws that have a place.
+/// Kinds of flaws that have a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Flaw {
     Damaged,
@@ -60,7 +60,7 @@ pub(super) enum Flaw {
 }
 
 impl Skipped {
-    /// A file may lose one of so many lines; a file that loses more is refused.
+    /// Reciprocal of the share of lines that a file may lose; a file that loses more is refused.
     const TENTH: u64 = 10;
 
     /// Counts a flaw at a line.
@@ -94,7 +94,8 @@ impl Skipped {
         self
     }
 
-    /// Adds the counts of another part; the first place stays unless the other is earlier in the same file.
+    /// Adds the counts of another part; the first place stays unless the other is earlier in the
+    /// same file.
     pub fn add(&mut self, other: &Self) {
         self.damaged += other.damaged;
         self.unknown_satellites += other.unknown_satellites;
@@ -112,7 +113,7 @@ impl Skipped {
         }
     }
 
-    /// Returns true if nothing was passed over.
+    /// Returns true if no record was skipped.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }

@@ -1,4 +1,4 @@
-//! Lines of a file one at a time, with their numbers, and what stands in their columns.
+//! Lines of a file one at a time, with their numbers, and the text in their columns.
 
 use std::io::{BufRead, Read as _};
 
@@ -9,22 +9,23 @@ use super::skipped::{Flaw, Skipped};
 /// Longest line of a text file, bytes.
 const LINE_LIMIT: u64 = 1 << 16;
 
-/// A source of lines.
+/// Source of lines.
 pub(super) trait Source: Send {
-    /// Replaces `line` by the next line and returns its number in the file from 1; `None` at the end.
+    /// Replaces `line` by the next line and returns its number in the file from 1; `None` at the
+    /// end.
     fn read(&mut self, line: &mut String) -> Result<Option<u64>>;
 
     /// Returns true if the line that was read last has no line end, so that it may be cut.
     fn is_open(&self) -> bool;
 
-    /// Returns what the source itself passed over so far.
+    /// Returns the records that the source itself skipped so far.
     fn skipped(&self) -> Skipped;
 }
 
 /// Lines of a byte stream as they are.
 ///
-/// Bytes outside ASCII (names in comments) become `?`, so that every column stays where it was. A byte order mark
-/// before the first line is no part of it.
+/// Bytes outside ASCII (names in comments) become `?`, so that every column stays in place. A byte
+/// order mark before the first line is dropped.
 pub(super) struct Plain<R> {
     input: R,
     /// The error if the input cannot be read.
@@ -84,7 +85,7 @@ struct Line {
     number: u64,
 }
 
-/// Lines of a source with one line of foresight.
+/// Lines of a source, with one line of look-ahead.
 ///
 /// An error of the source ends the lines; [`Lines::failure`] returns it.
 pub(super) struct Lines {
@@ -98,7 +99,7 @@ pub(super) struct Lines {
 }
 
 impl Lines {
-    /// Lines that begin with one that was read before, and its number.
+    /// Returns lines that begin with one that was read before, and its number.
     pub(super) fn new(source: Box<dyn Source>, first: String, number: u64) -> Self {
         Self {
             source,
@@ -116,12 +117,12 @@ impl Lines {
         self.current.number
     }
 
-    /// Returns how many lines [`Lines::next`] returned.
+    /// Returns the number of lines that [`Lines::next`] returned.
     pub(super) fn count(&self) -> u64 {
         self.count
     }
 
-    /// Returns what the source passed over so far.
+    /// Returns the records that the source skipped so far.
     pub(super) fn skipped(&self) -> Skipped {
         self.source.skipped()
     }
@@ -155,8 +156,8 @@ impl Lines {
         &self.current.text
     }
 
-    /// Returns true if the file ends inside a value of the next line. The fields begin at column `from`; each is `width`
-    /// columns wide, of which the value takes the first `of_value`.
+    /// Returns true if the file ends inside a value of the next line. The fields begin at column
+    /// `from`; each is `width` columns wide, of which the value takes the first `of_value`.
     pub(super) fn is_cut(&mut self, from: usize, width: usize, of_value: usize) -> bool {
         self.look();
         let used = self.ahead.text.trim_end().len();
@@ -192,17 +193,17 @@ impl Lines {
     }
 }
 
-/// Columns `from..to` without the blanks around; what the line does not reach is empty.
+/// Returns columns `from..to` without the blanks around; empty beyond the end of the line.
 pub(super) fn columns(line: &str, from: usize, to: usize) -> &str {
     line.get(from.min(line.len())..to.min(line.len())).unwrap_or("").trim()
 }
 
-/// The label of a header line.
+/// Returns the label of a header line.
 pub(super) fn label(line: &str) -> &str {
     columns(line, 60, 80)
 }
 
-/// Labels of header lines that stand between records where files were spliced, besides those with a slash.
+/// Labels of header lines without a slash that stand between records where files were spliced.
 const LABELS: [&str; 24] = [
     "ANTENNA: B.SIGHT XYZ",
     "ANTENNA: DELTA H/E/N",
@@ -237,7 +238,7 @@ pub(super) fn is_labelled(line: &str) -> bool {
     LABELS.contains(&label) || label.contains(" / ") || OTHERS.iter().any(|other| label.starts_with(other))
 }
 
-/// A number of Fortran, `D` exponents included; nothing when the columns are blank.
+/// Reads a Fortran number, `D` exponents included; `None` for blank columns.
 pub(super) fn number(text: &str) -> Result<Option<f64>> {
     if text.is_empty() {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! Lumps with a look ahead, by which their usual interval is known before the first silence.
+//! Lumps with look-ahead, so that their usual interval is known before the first silence.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -6,13 +6,14 @@ use anyhow::Result;
 
 use super::lump::Lump;
 
-/// Lumps that are read ahead: four minutes at one a second.
+/// Number of lumps that are read ahead: four minutes at one a second.
 const AHEAD: usize = 256;
 
-/// Different intervals that are counted by themselves; a further one counts as the next longer of these.
+/// Number of different intervals that are counted separately; a further one counts as the next
+/// longer of these.
 const INTERVALS: usize = 4096;
 
-/// Lumps with a look ahead.
+/// Lumps with look-ahead.
 pub(super) struct Ahead<I> {
     source: I,
     waiting: VecDeque<Lump>,
@@ -25,10 +26,10 @@ impl<I: Iterator<Item = Result<Lump>>> Ahead<I> {
         Self { source, waiting: VecDeque::new(), intervals: Intervals::default(), newest_ms: None }
     }
 
-    /// Returns the next lump, and when the one behind it comes, ms.
+    /// Returns the next lump, and the time of the one behind it, ms.
     ///
     /// # Errors
-    /// What the source says, as soon as it is read.
+    /// Errors of the source, as soon as they occur.
     pub(super) fn next(&mut self) -> Result<Option<(Lump, Option<u64>)>> {
         while self.waiting.len() <= AHEAD
             && let Some(lump) = self.source.next().transpose()?
@@ -42,13 +43,14 @@ impl<I: Iterator<Item = Result<Lump>>> Ahead<I> {
         Ok(self.waiting.pop_front().map(|lump| (lump, self.waiting.front().map(Lump::elapsed_ms))))
     }
 
-    /// Returns the median interval of all lumps so far and of those that are read ahead, ms; 0 where there is none.
+    /// Returns the median interval of all lumps so far and of those that are read ahead, ms; 0
+    /// without intervals.
     pub(super) fn usual_ms(&self) -> u64 {
         self.intervals.median_ms()
     }
 }
 
-/// How often each interval occurred.
+/// Number of occurrences of each interval.
 #[derive(Default)]
 struct Intervals {
     counts: BTreeMap<u64, u64>,

@@ -1,5 +1,5 @@
-//! Lumps as the firmware corrects them at a known antenna: the ranges, sigmas and directions that the module works with,
-//! without the position that it finds.
+//! Lumps as the firmware corrects them at a known antenna: the ranges, sigmas and directions that
+//! the module works with, without the position that it computes.
 
 use raim_core::epoch::Epoch;
 use raim_core::frame::Ecef;
@@ -10,11 +10,11 @@ use raim_firmware::settings::Systems;
 
 use super::Lump;
 
-/// As the module starts, dB-Hz.
+/// Signal mask at start, dB-Hz.
 const SIGNAL_MASK_DBHZ: f32 = 28.0;
 
-/// Returns the epochs of the lumps, of the satellites above the mask; `klobuchar` are the coefficients of the ionosphere that
-/// ranges on one frequency are corrected with.
+/// Returns the epochs of the lumps, of the satellites above the mask; `klobuchar` are the
+/// ionospheric coefficients for ranges on one frequency.
 pub fn corrected(
     lumps: &[Lump],
     antenna: Ecef,
@@ -25,7 +25,7 @@ pub fn corrected(
     lumps.iter().flat_map(|lump| corrector.hear(&lump.bytes)).collect()
 }
 
-/// Corrects epoch after epoch.
+/// Corrector of successive epochs.
 pub(super) struct Corrector {
     input: Input,
     store: Store,

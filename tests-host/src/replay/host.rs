@@ -1,4 +1,4 @@
-//! The module in process.
+//! Replay with the module in process.
 
 use anyhow::{Context, Result, ensure};
 use raim_firmware::receiver::{Boot, Receiver};
@@ -9,16 +9,17 @@ use super::pieces;
 use crate::pin::Pin;
 use crate::sentence::{self, EpochOutput};
 
-/// Bodies of the commands that configure the module before the first epoch, without `$PRAIC,` and checksum.
+/// Bodies of the commands that configure the module before the first epoch, without `$PRAIC,` and
+/// checksum.
 pub type Setup = [String];
 
-/// A command as it goes over the wire.
+/// Returns a command with its checksum and line end.
 pub(super) fn command(body: &str) -> String {
     let body = format!("PRAIC,{body}");
     format!("${body}*{:02X}\r\n", body.bytes().fold(0u8, |sum, byte| sum ^ byte))
 }
 
-/// Fails unless every answer says OK.
+/// Checks that every answer is `OK`.
 pub(super) fn check_answers(setup: &Setup, answers: &str) -> Result<()> {
     for (body, answer) in setup.iter().zip(answers.lines()) {
         let answer = answer.split('*').next().unwrap_or("");
@@ -29,63 +30,64 @@ pub(super) fn check_answers(setup: &Setup, answers: &str) -> Result<()> {
     Ok(())
 }
 
-/// How time runs for the module.
+/// Time that passes for the module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// As recorded. An interval half as long again as the recording's usual one is a silence, which the module is left to
-    /// notice; a recording thinned to 30 s is not one long alarm.
+    /// Time passes as recorded. An interval of more than one and a half times the recording's usual
+    /// one is a silence, during which the module only receives ticks. A recording thinned to 30 s
+    /// is therefore not one long alarm.
     Recorded,
-    /// The next lump follows the verdict on the last: there is no silence.
+    /// The next lump follows the verdict on the last one, without silence.
     LockStep,
 }
 
-/// What the module said of one lump.
+/// Sentences of the module after one lump.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Said {
-    /// The sentences of the epoch.
+    /// Sentences of the epoch.
     pub of_epoch: String,
-    /// The sentences of the silence after it.
+    /// Sentences of the silence after it.
     pub of_silence: String,
-    /// When it complained of the silence, seconds after the first epoch of the recording.
+    /// Time of the first alert for silence, s after the first epoch of the recording.
     pub stale_s: Option<f64>,
 }
 
 impl Said {
-    /// Returns what was said of the epoch that was judged last, if one was.
+    /// Returns the output of the epoch that was judged last, if one was.
     ///
     /// # Errors
-    /// A sentence that cannot be read.
+    /// A sentence is unreadable.
     pub fn output(&self) -> Result<Option<EpochOutput>> {
         Ok(sentence::epochs(&self.of_epoch)?.pop())
     }
 }
 
-/// The result of a run in process.
+/// Result of a run in process.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HostRun {
-    /// Lump by lump.
+    /// Sentences, lump by lump.
     pub said: Vec<Said>,
-    /// The module's counters at the end, by name.
+    /// Counters of the module at the end, by name.
     pub counters: Vec<(String, u32)>,
 }
 
 impl HostRun {
-    /// Returns all sentences in one piece.
+    /// Returns all sentences in one text.
     pub fn sentences(&self) -> String {
         self.said.iter().flat_map(|said| [said.of_epoch.as_str(), said.of_silence.as_str()]).collect()
     }
 }
 
-/// Least time between two looks at a silent line, ms: what the module asks for.
+/// Time between two ticks on a silent line, ms, as the module requires.
 const TICK_MS: u64 = 100;
 
-/// A pause after which the module waits for the rest of a frame no more, ms.
+/// Pause after which the module no longer waits for the rest of a frame, ms.
 const QUIET_MS: u64 = 500;
 
 /// Runs the lumps in process.
 ///
 /// # Errors
-/// As of [`Playback`].
+/// As for [`Playback`].
 pub fn on_host(
     lumps: &[Lump],
     setup: &Setup,
@@ -102,7 +104,8 @@ pub fn on_host(
     Ok(run)
 }
 
-/// Lumps on their way through the module in process. No more of them are in memory than are read ahead.
+/// Playback of lumps through the module in process. It holds no more lumps in memory than it reads
+/// ahead.
 pub struct Playback<I> {
     lumps: Ahead<I>,
     module: Module,
@@ -111,10 +114,10 @@ pub struct Playback<I> {
 }
 
 impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
-    /// Starts a module and configures it.
+    /// Starts and configures a module.
     ///
     /// # Errors
-    /// A setup command that the module refuses.
+    /// The module refuses a setup command.
     pub fn start(lumps: I, setup: &Setup, pace: Pace) -> Result<Self> {
         Ok(Self { lumps: Ahead::of(lumps), module: Module::start(setup)?, pace, last_epoch_ms: 0 })
     }
@@ -122,7 +125,8 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
     /// Plays the next lump, and the silence behind it; returns `None` at the end.
     ///
     /// # Errors
-    /// What the source of the lumps says; a pin that is high when the verdict does not allow it, or the reverse.
+    /// The source of the lumps fails, or the pin is high although the verdict forbids it, or the
+    /// reverse.
     pub fn advance(&mut self) -> Result<Option<(Lump, Said)>> {
         let Some((lump, next_ms)) = self.lumps.next()? else { return Ok(None) };
         let now_ms = lump.elapsed_ms();
@@ -130,7 +134,7 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
         if said.of_epoch.contains("$PRAIS") {
             self.last_epoch_ms = now_ms;
         }
-        // Bytes without an epoch are a silence, too.
+        // A lump without an epoch is a silence, too.
         let usual_ms = self.lumps.usual_ms();
         let is_silence = |next_ms: &u64| 2 * next_ms.saturating_sub(self.last_epoch_ms) > 3 * usual_ms;
         if let Some(next_ms) = next_ms.filter(is_silence).filter(|_| self.pace == Pace::Recorded) {
@@ -142,7 +146,7 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
     /// Returns the module's counters, by name.
     ///
     /// # Errors
-    /// An answer that is no text.
+    /// An answer is not text.
     pub fn counters(&mut self) -> Result<Vec<(String, u32)>> {
         self.module.counters()
     }
@@ -152,10 +156,10 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
         self.module.0.pin().high
     }
 
-    /// Returns what the module says when it starts: its version and its settings.
+    /// Returns the sentences that the module sends at start: its version and its settings.
     ///
     /// # Errors
-    /// Sentences that are no text.
+    /// The sentences are not text.
     pub fn greeting(&mut self) -> Result<String> {
         let mut said = Vec::new();
         self.module.0.greet(&mut said);
@@ -164,7 +168,7 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
     }
 }
 
-/// The module in process.
+/// Module in process.
 pub(super) struct Module(Receiver<Pin>);
 
 impl Module {
@@ -179,13 +183,14 @@ impl Module {
         Ok(Self(receiver))
     }
 
-    /// Returns what the module says of an epoch that comes at `now_ms`. Where it says nothing, because no range came, the last
-    /// verdict stands until it is stale.
+    /// Returns the sentences for an epoch that comes at `now_ms`. If there are none, because no
+    /// range came, the last verdict stands until it is stale.
     pub(super) fn hear(&mut self, bytes: &[u8], now_ms: u64) -> Result<String> {
         let mut said = Vec::new();
         let is_judged = self.0.gnss(bytes, now_ms, &mut said);
         if !is_judged && pieces::have_ranges(bytes) {
-            // Noise that looks like the beginning of a frame holds the epoch back until the line falls silent.
+            // Noise that looks like the beginning of a frame delays the epoch until the line falls
+            // silent.
             self.0.tick(now_ms + QUIET_MS, &mut said);
         }
         let text = sentence::sentences(&said)?;
@@ -203,7 +208,7 @@ impl Module {
             self.0.tick(now_ms, &mut alarm);
             let text = sentence::sentences(&alarm)?;
             said.of_silence.push_str(&text);
-            // Settings and losses are said from time to time, whatever comes.
+            // Settings and losses are repeated at intervals, whatever the input.
             if last_state(&text).is_some() {
                 said.stale_s.get_or_insert(now_ms as f64 * 1e-3);
                 ensure!(!self.0.pin().high, "the pin is high on a silent line at {now_ms} ms");
@@ -219,7 +224,7 @@ impl Module {
     }
 }
 
-/// Names and values of one answer to `STATS`.
+/// Returns the names and values in one answer to `STATS`.
 pub(super) fn counters_of(answer: &str) -> Vec<(String, u32)> {
     let body = answer.split('*').next().unwrap_or("");
     let fields: Vec<&str> = body.split(',').skip(2).collect();

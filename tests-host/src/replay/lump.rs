@@ -1,15 +1,15 @@
-//! One lump: what a receiver would send of an epoch.
+//! One lump: the bytes that a receiver would send for an epoch.
 
 use raim_firmware::time::GpsTime;
 
-/// The bytes of one epoch.
+/// Bytes of one epoch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lump {
     /// Time tag of the epoch.
     pub time: GpsTime,
     /// Seconds after the first epoch of the recording.
     pub elapsed_s: f64,
-    /// Ephemerides that have become known, then ranges, in any format that the module reads.
+    /// New ephemerides, then ranges, in any format that the module reads.
     pub bytes: Vec<u8>,
 }
 

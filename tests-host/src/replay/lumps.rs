@@ -1,4 +1,4 @@
-//! From a recording to the bytes of each epoch: which epochs, with which faults.
+//! Encoding of a recording: the bytes of each epoch, within a window and with faults.
 
 use std::collections::BTreeSet;
 
@@ -14,35 +14,35 @@ use crate::fault::Fault;
 use crate::measurement::{MeasuredEpoch, TimedEphemeris};
 use crate::recording::Recording;
 
-/// Which part of a recording is used; seconds after its first epoch.
+/// Part of a recording that is used; seconds after its first epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// First second used.
     pub from_s: f64,
-    /// First second that is not used any more.
+    /// First second that is no longer used.
     pub to_s: f64,
-    /// Least time between two epochs, s.
+    /// Minimum time between two epochs, s.
     pub every_s: f64,
 }
 
 impl Window {
-    /// Everything.
+    /// The whole recording.
     pub const ALL: Self = Self { from_s: 0.0, to_s: f64::INFINITY, every_s: 0.0 };
 }
 
 impl Window {
-    /// Returns true where an epoch is one of the window, after the last that was.
+    /// Returns true if an epoch is in the window, after the last one that was.
     pub(crate) fn holds(&self, elapsed_s: f64, last_s: Option<f64>) -> bool {
-        // Half a millisecond of grace: time tags are rounded to milliseconds.
+        // Half a millisecond of tolerance, because time tags are rounded to milliseconds.
         let is_next = last_s.is_none_or(|last_s| elapsed_s - last_s >= self.every_s - 5e-4);
         elapsed_s >= self.from_s && elapsed_s < self.to_s && is_next
     }
 }
 
-/// Encodes a recording. Faults are timed from the recording's first epoch, whatever the window is.
+/// Encodes a recording. Faults are timed from the recording's first epoch, whatever the window.
 ///
 /// # Errors
-/// As of [`Encoding`].
+/// As for [`Encoding`].
 pub fn encode(
     recording: &Recording,
     selection: &Selection,
@@ -58,30 +58,30 @@ pub fn encode(
     Encoding::of(epochs, &broadcast, selection, faults, window)?.collect()
 }
 
-/// What is known of a recording beside its epochs.
+/// Content of a recording beside its epochs.
 #[derive(Clone, Copy, Debug)]
 pub struct Broadcast<'a> {
     /// All ephemerides, in the order of the files.
     pub ephemerides: &'a [TimedEphemeris],
     /// GPS coefficients of the ionosphere, `α0…α3, β0…β3`.
     pub klobuchar: Option<[f64; 8]>,
-    /// Where the header says that the antenna is.
+    /// Position of the antenna in the header.
     pub approximate_position: Option<Ecef>,
 }
 
-/// The lumps of a window of a recording, encoded epoch by epoch. None is kept, so that the length of the recording does not
-/// matter. An error comes at the end where a fault befalls no satellite of the recording, or where the window is empty;
-/// before it where a message has no room for a number.
+/// The lumps of a window of a recording, encoded epoch by epoch. None is stored, so that the length
+/// of the recording does not matter. An error comes at the end if a fault affects no satellite of
+/// the recording, or if the window is empty. It comes earlier if a number does not fit its message.
 pub struct Encoding<I> {
     epochs: I,
     encoder: Encoder,
     faults: Vec<Fault>,
-    /// Where a fault is a shift.
+    /// Directions of the satellites, which only a shift needs.
     heaven: Option<Heaven>,
     window: Window,
     satellites: BTreeSet<SatelliteId>,
     span: Option<(GpsTime, GpsTime)>,
-    /// Seconds from the first epoch to the last one of the window.
+    /// Time from the first epoch to the last one of the window, s.
     last_used_s: Option<f64>,
     has_ended: bool,
 }
@@ -90,7 +90,7 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
     /// Returns the lumps of `epochs`, which are in the order of time.
     ///
     /// # Errors
-    /// A shift of a recording whose header does not say where the antenna is.
+    /// A shift is asked for, and the header does not state the position of the antenna.
     pub fn of(
         epochs: I,
         broadcast: &Broadcast<'_>,
@@ -114,12 +114,12 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
         })
     }
 
-    /// Returns the first epoch and the last one so far.
+    /// Returns the first and the last epoch so far.
     pub fn span(&self) -> Option<(GpsTime, GpsTime)> {
         self.span
     }
 
-    /// Returns where the epochs come from.
+    /// Returns the source of the epochs.
     pub fn epochs(&self) -> &I {
         &self.epochs
     }
@@ -175,7 +175,8 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Iterator for Encoding<I> {
     }
 }
 
-/// Where satellites stand, as the module itself locates them, seen from where the recording says that the antenna is.
+/// Positions of the satellites as the module computes them, seen from the antenna position of the
+/// recording.
 struct Heaven {
     encoder: Encoder,
     corrector: Corrector,

@@ -1,16 +1,18 @@
-//! A recording through the module, and what came of it.
+//! Replay of a recording through the module, and its results.
 //!
 //! ```text
 //! recording, capture ─► lumps (window, faults) ─► on the host │ on the board ─► sentences ─► track ─► summary, CSV, report
 //! ```
 //!
-//! One lump is the bytes of one epoch: the RTCM that a recording becomes, or what a receiver sent ([`crate::capture`]).
-//! Lumps are made and played one after the other, so that the length of a recording does not matter.
+//! One lump is the bytes of one epoch: the RTCM encoding of a recording, or the bytes of a receiver
+//! ([`crate::capture`]). Lumps are encoded and played one by one, so that the length of a recording
+//! does not matter.
 //!
-//! Time runs as it was recorded: where epochs are missing the line is silent, and the module is left to notice. The host runs
-//! the firmware's library in process; the board is the emulated chip. Both get the same bytes and both are read only through
-//! their sentences, so that they can be compared byte for byte; the board is fed the next lump when it has spoken of the last
-//! one, and knows no silence.
+//! Time passes as it was recorded. If epochs are missing, the line is silent and the module must
+//! detect this. The host runs the firmware's library in process; the board is the emulated chip.
+//! Both receive the same bytes and are read only through their sentences, which are compared byte
+//! for byte. The board receives the next lump after its sentences for the last one, and thus has no
+//! silence.
 
 mod ahead;
 mod corrected;

@@ -11,7 +11,7 @@ use crate::report::page::Page;
 use crate::report::thinned::Thinned;
 use crate::report::{Moment, stanford, timeline};
 
-/// A report that is filled epoch by epoch, and has room for any number of them.
+/// Report that is filled epoch by epoch, with room for any number of them.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     epochs: Thinned,
@@ -31,7 +31,7 @@ impl Report {
     /// Writes `report.html` into a folder; returns its path.
     ///
     /// # Errors
-    /// What cannot be drawn or written.
+    /// The report cannot be drawn or written.
     pub fn write(&self, folder: &Path, faults: &[Fault], summary: &Summary) -> Result<PathBuf> {
         let incidents: Vec<timeline::Incident> =
             faults.iter().map(|fault| incident(fault, self.last_s)).collect();

@@ -1,4 +1,4 @@
-//! A stream in pieces: frames whose check is right, lines of text, and what is neither.
+//! Pieces of a stream: valid frames, lines of text, and other bytes.
 //!
 //! ```text
 //! UBX      B5 62 | class | id | length (16 bit) | payload | sums over all from class on (2 × 8 bit)
@@ -6,8 +6,9 @@
 //! text     $ or ! | printable | * | two digits, the exclusive or of all between | CR LF
 //! ```
 //!
-//! The module's own framer is not asked: it passes text over, and this is a second opinion on where frames are.
-//! References: [RTCM-10403.3] 4; u-blox F9 HPG 1.32 interface description 3.2 and 3.4.
+//! The module's own framer is not used, because it skips text, and because this is a second opinion
+//! on the positions of frames. References: [RTCM-10403.3] 4; u-blox F9 HPG 1.32 interface
+//! description 3.2 and 3.4.
 //!
 //! [RTCM-10403.3]: crate#references
 
@@ -15,22 +16,22 @@ use std::io::{ErrorKind, Read};
 
 use crate::checksum::{crc24q, fletcher};
 
-/// The longest line of text, bytes; longer ones are of no receiver.
+/// Longest line of text, bytes; no receiver sends longer ones.
 const LINE: usize = 400;
 
-/// The longest payload of a UBX frame: RXM-RAWX with 255 measurements.
+/// Longest payload of a UBX frame, bytes: RXM-RAWX with 255 measurements.
 const UBX_PAYLOAD: usize = 16 + 255 * 32;
 
-/// What a piece is.
+/// Kind of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// A UBX frame: class and id.
     Ubx([u8; 2]),
     /// An RTCM 3 frame: number of the message.
     Rtcm(u16),
-    /// A line of text with a right checksum, as NMEA 0183 has it.
+    /// A line of text with a valid checksum, as in NMEA 0183.
     Line,
-    /// Bytes that are none of these.
+    /// Other bytes.
     Rest,
 }
 
@@ -40,33 +41,33 @@ impl Kind {
     /// Navigation bits of u-blox receivers.
     pub const SFRBX: Self = Self::Ubx([0x02, 0x13]);
 
-    /// Whether it holds ranges of which the module uses some or takes the time.
+    /// Returns true for ranges from which the module uses ranges or time.
     pub fn has_ranges(self) -> bool {
         self == Self::RAWX || matches!(self, Self::Rtcm(1071..=1137))
     }
 
-    /// Whether its ranges are whole: those of MSM1 to MSM3 are not.
+    /// Returns true for whole ranges; those of MSM1 to MSM3 are not.
     pub fn has_whole_ranges(self) -> bool {
         self == Self::RAWX
             || matches!(self, Self::Rtcm(number @ 1071..=1137) if (4..=7).contains(&(number % 10)))
     }
 }
 
-/// Whether there are ranges in a stream.
+/// Returns true if a stream has ranges.
 pub fn have_ranges(bytes: &[u8]) -> bool {
     pieces(bytes).any(|piece| piece.kind.has_ranges())
 }
 
-/// A part of a stream.
+/// Part of a stream.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<'a> {
-    /// What it is.
+    /// Kind of the piece.
     pub kind: Kind,
-    /// All of it.
+    /// All bytes of the piece.
     pub bytes: &'a [u8],
 }
 
-/// The pieces of a stream, in order and without a gap.
+/// Returns the pieces of a stream, in order and without a gap.
 pub fn pieces(bytes: &[u8]) -> impl Iterator<Item = Piece<'_>> {
     let mut rest = bytes;
     std::iter::from_fn(move || {
@@ -77,20 +78,20 @@ pub fn pieces(bytes: &[u8]) -> impl Iterator<Item = Piece<'_>> {
     })
 }
 
-/// The pieces of a source that is read as it is needed, so that its length does not matter.
+/// Pieces of a source that is read on demand, so that its length does not matter.
 #[derive(Debug)]
 pub struct Stream<R> {
     source: R,
     buffer: Vec<u8>,
-    /// Where the next piece begins in the buffer.
+    /// Position of the next piece in the buffer.
     at: usize,
     has_ended: bool,
 }
 
-/// Bytes that the longest frame takes: header, payload and check.
+/// Length of the longest frame, bytes: header, payload and check.
 const LONGEST: usize = 6 + UBX_PAYLOAD + 2;
 
-/// Bytes that [`Stream`] asks its source for at once.
+/// Bytes that [`Stream`] requests from its source at once.
 const READ: usize = 65_536;
 
 impl<R: Read> Stream<R> {
@@ -99,14 +100,15 @@ impl<R: Read> Stream<R> {
         Self { source, buffer: Vec::new(), at: 0, has_ended: false }
     }
 
-    /// Returns the next piece, or `None` at the end. Bytes that are no frame may come in several pieces.
+    /// Returns the next piece, or `None` at the end. Bytes outside frames may come in several
+    /// pieces.
     ///
     /// # Errors
     /// The source cannot be read.
     pub fn advance(&mut self) -> std::io::Result<Option<Piece<'_>>> {
         self.fill()?;
         let ahead = self.buffer.get(self.at..).unwrap_or_default();
-        // Behind this a frame that begins may not be there as a whole.
+        // A frame that begins behind this position may be incomplete.
         let known = if self.has_ended { ahead.len() } else { ahead.len() - LONGEST };
         let Some((kind, length)) = first(ahead, known) else { return Ok(None) };
         let bytes = ahead.get(..length).unwrap_or_default();
@@ -133,7 +135,8 @@ impl<R: Read> Stream<R> {
     }
 }
 
-/// Returns the kind and the length of the piece at the front; one that is no frame ends after `known` bytes at the latest.
+/// Returns the kind and the length of the piece at the front. Bytes outside frames end after
+/// `known` bytes at the latest.
 fn first(bytes: &[u8], known: usize) -> Option<(Kind, usize)> {
     if bytes.is_empty() {
         return None;
@@ -145,7 +148,7 @@ fn first(bytes: &[u8], known: usize) -> Option<(Kind, usize)> {
     })
 }
 
-/// The frame or line at the front, if there is a whole one.
+/// Returns the frame or line at the front, if it is complete.
 fn frame(bytes: &[u8]) -> Option<(Kind, usize)> {
     match bytes {
         [0xB5, 0x62, class, id, low, high, ..] => {
@@ -171,7 +174,7 @@ fn frame(bytes: &[u8]) -> Option<(Kind, usize)> {
     }
 }
 
-/// Whether what stands between the first character and the line feed checks.
+/// Returns true if the checksum holds of the text between the first character and the line feed.
 fn is_sentence(text: &[u8]) -> bool {
     let text = text.strip_suffix(b"\r").unwrap_or(text);
     let star = text.iter().rposition(|byte| *byte == b'*').unwrap_or(0);
@@ -211,7 +214,7 @@ mod tests {
         assert_eq!(kinds(b""), []);
     }
 
-    /// A source that gives a few bytes at a time.
+    /// Source that returns a few bytes at a time.
     struct Slow<'a>(&'a [u8]);
 
     impl Read for Slow<'_> {

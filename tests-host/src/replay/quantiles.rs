@@ -1,21 +1,22 @@
 //! Quantiles of any number of values in bounded memory.
 //!
-//! Values are counted by themselves until [`EXACT`] different ones have come. Then all are rounded to multiples of 1 mm, and
-//! of twice as much whenever there are as many again. So a day at one epoch a second is exact, and a longer run is wrong by
-//! half a step: by 0.5 mm where all values are below 131 m.
+//! Values are counted exactly until [`EXACT`] different ones have come. Then all are rounded to
+//! multiples of 1 mm, and the step doubles whenever as many have come again. A day at one epoch a
+//! second is therefore exact, and a longer run has an error of half a step: 0.5 mm if all values
+//! are below 131 m.
 
 use std::collections::BTreeMap;
 
-/// Different values that are counted by themselves.
+/// Number of different values that are counted exactly.
 const EXACT: usize = 131_072;
 
-/// The first step that values are rounded to, m.
+/// First step of the rounding, m.
 const FIRST_STEP_M: f64 = 1e-3;
 
-/// How often each value occurred. Values are lengths: not negative.
+/// Number of occurrences of each value. Values are lengths: not negative.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Quantiles {
-    /// By bits, which order lengths as their values do.
+    /// Counts by the bits of the value, which order lengths as their values do.
     counts: BTreeMap<u64, u64>,
     all: u64,
     squares: f64,
@@ -47,17 +48,17 @@ impl Quantiles {
         self.all as usize
     }
 
-    /// Returns the root mean square, exactly.
+    /// Returns the root mean square, exact.
     pub(super) fn rms(&self) -> Option<f64> {
         (self.all > 0).then(|| (self.squares / self.all as f64).sqrt())
     }
 
-    /// Returns the largest value, exactly.
+    /// Returns the largest value, exact.
     pub(super) fn most(&self) -> Option<f64> {
         self.most
     }
 
-    /// Returns the value below which that share of all lies.
+    /// Returns the value below which this share of all lies.
     pub(super) fn quantile(&self, share: f64) -> Option<f64> {
         let index = (share * self.all.saturating_sub(1) as f64).round() as u64;
         let mut below = 0;

@@ -6,7 +6,7 @@ use raim_firmware::settings::{Order, Setting};
 /// Returns the words that a setting may be.
 ///
 /// # Panics
-/// Panics where the module has no setting with this key.
+/// Panics if the module has no setting with this key.
 pub fn words(key: &str) -> &'static [&'static str] {
     Setting::named(key).expect("a key of the module").documentation().words
 }

@@ -1,4 +1,4 @@
-//! A run in one object: what `replay` prints, in words or as JSON.
+//! Summary of a run, which `replay` prints in words or as JSON.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -11,8 +11,8 @@ use super::track::{Moment, Track};
 use crate::fault::{Fault, Kind};
 use crate::recording::Skipped;
 
-/// Counts and errors of a run. Errors, misleading and hazardous epochs are known only where there is a truth; errors
-/// are those of protected epochs, since nobody is asked to use the others.
+/// Counts and errors of a run. Errors, misleading and hazardous epochs are known only with a truth.
+/// Errors are those of protected epochs, because the others must not be used.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Summary {
     /// Epochs sent to the module.
@@ -43,11 +43,11 @@ pub struct Summary {
     pub misleading: Option<usize>,
     /// Protected epochs whose error exceeds an alert limit; `null` without a truth.
     pub hazardous: Option<usize>,
-    /// Epochs in which each satellite was left out.
+    /// Epochs in which each satellite was excluded.
     pub excluded: BTreeMap<String, usize>,
-    /// What became of each injected fault.
+    /// Outcome of each injected fault.
     pub injected: Vec<Injected>,
-    /// Whether the board said what the host said, byte for byte; `null` where it did not run.
+    /// True if the board's sentences equal the host's byte for byte; `null` if it did not run.
     pub host_target_identical: Option<bool>,
     /// Largest horizontal error of a protected epoch, m.
     pub horizontal_max_m: Option<f64>,
@@ -57,44 +57,44 @@ pub struct Summary {
     pub hpl_max_m: Option<f64>,
     /// Largest vertical protection level, m.
     pub vpl_max_m: Option<f64>,
-    /// Mean of SSE/dof over all protected epochs in percent: about 100 where the sigmas are right, less where they are
-    /// too large.
+    /// Mean of SSE/dof over all protected epochs in percent: about 100 if the sigmas are right,
+    /// less if they are too large.
     pub sigma_check_pct: Option<f64>,
-    /// Protected epochs with a truth beside them.
+    /// Protected epochs with a truth.
     pub with_truth: usize,
-    /// Times that the module complained of a silent line.
+    /// Number of alerts for a silent line.
     pub stale: usize,
-    /// Records of RINEX files that were passed over.
+    /// Records of RINEX files that were skipped.
     pub skipped: Skipped,
-    /// The module's counters at the end, without those that stand at zero.
+    /// Counters of the module at the end, without those that are zero.
     pub counters: BTreeMap<String, u32>,
 }
 
-/// What became of one injected fault.
+/// Outcome of one injected fault.
 #[derive(Clone, Debug, Serialize)]
 pub struct Injected {
-    /// Whom it befell, as written on the command line.
+    /// Target of the fault, as on the command line.
     pub sat: String,
-    /// When it began, seconds after the first epoch.
+    /// Start of the fault, seconds after the first epoch.
     pub start: f64,
-    /// When it ended; `null` where it did not.
+    /// End of the fault, seconds after the first epoch; `null` if it lasts.
     pub end: Option<f64>,
-    /// Its size, m; of a ramp the largest reached, `null` of an outage.
+    /// Size of the fault, m; of a ramp the largest that was reached, `null` for an outage.
     pub bias_m: Option<f64>,
-    /// Seconds from its start to the first alert or correct exclusion.
+    /// Seconds from the start to the first alert or correct exclusion.
     pub first_alert_or_exclusion_s: Option<f64>,
-    /// Epochs in which the faulty satellite was left out.
+    /// Epochs in which the faulty satellite was excluded.
     pub excluded_epochs: usize,
-    /// Epochs protected while another satellite was left out than a faulty one.
+    /// Protected epochs in which a satellite without a fault was excluded.
     pub wrong_exclusions: usize,
-    /// Epochs while it lasted.
+    /// Epochs during the fault.
     pub epochs: usize,
-    /// Of these, protected ones.
+    /// Protected epochs among these.
     pub protected_epochs: usize,
 }
 
 impl Summary {
-    /// Sums a run up; `has_truth` says whether anything is known of where the antenna was.
+    /// Summarises a run; `has_truth` is true if the position of the antenna is known.
     pub fn of(track: &Track, faults: &[Fault], has_truth: bool) -> Self {
         let mut tally = Tally::new(faults, has_truth);
         for moment in track {
@@ -104,7 +104,8 @@ impl Summary {
     }
 }
 
-/// A run that is summed up epoch by epoch. Its memory does not grow with the run, but for the quantiles up to their bound.
+/// Summary that grows epoch by epoch. Its memory does not grow with the run, except for the
+/// quantiles up to their bound.
 #[derive(Clone, Debug)]
 pub struct Tally {
     summary: Summary,
@@ -118,7 +119,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Returns the tally of no epoch; `has_truth` says whether anything is known of where the antenna was.
+    /// Returns the tally of no epoch; `has_truth` is true if the position of the antenna is known.
     pub fn new(faults: &[Fault], has_truth: bool) -> Self {
         let judged = has_truth.then_some(0);
         let injected = faults.iter().map(Injected::of).collect();
@@ -153,12 +154,12 @@ impl Tally {
         }
     }
 
-    /// Returns the epochs counted so far.
+    /// Returns the number of epochs counted so far.
     pub fn epochs(&self) -> usize {
         self.summary.epochs
     }
 
-    /// Returns what the epochs come to.
+    /// Returns the summary of the epochs.
     pub fn summary(&self) -> Summary {
         let Self { horizontal, vertical, hpl, vpl, .. } = self;
         Summary {
@@ -205,19 +206,19 @@ impl Summary {
     }
 }
 
-/// The error of a position that the module promised to bound.
+/// Returns the error of a protected position.
 fn protected_error(moment: &Moment) -> Option<Enu> {
     moment.error.filter(|_| moment.output.as_ref().is_some_and(|output| output.state.is_protected()))
 }
 
-/// True when an error is beyond one of two bounds that are given.
+/// Returns true if an error exceeds one of the given bounds.
 fn exceeds(error: Enu, horizontal_m: Option<f64>, vertical_m: Option<f64>) -> bool {
     horizontal_m.is_some_and(|bound_m| error.horizontal() > bound_m)
         || vertical_m.is_some_and(|bound_m| error.up.abs() > bound_m)
 }
 
 impl Injected {
-    /// Returns what became of a fault before the first epoch.
+    /// Returns the outcome of a fault before the first epoch.
     fn of(fault: &Fault) -> Self {
         Self {
             sat: fault.target.to_string(),
@@ -250,7 +251,7 @@ impl Injected {
     }
 }
 
-/// True when a protected epoch leaves out a satellite that no fault befalls.
+/// Returns true if a protected epoch excludes a satellite without a fault.
 fn excludes_healthy(moment: &Moment, faults: &[Fault]) -> bool {
     let faulty = |satellite| {
         faults.iter().any(|fault| fault.is_active(moment.elapsed_s) && fault.target.covers(satellite))

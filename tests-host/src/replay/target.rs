@@ -1,11 +1,13 @@
-//! The module on the emulated board, beside the one in process.
+//! Replay on the emulated board, beside the module in process.
 //!
-//! The board's time is its own: it judges an epoch as soon as it has come, whatever the tags say. The module in process
-//! therefore hears each lump at the time that the board's clock shows. What a verdict takes from that clock, the two then take
-//! alike: how far a receiver can have come, and how long satellites have agreed after an alert.
+//! The board has its own time: it judges an epoch as soon as it has come, whatever the tags. The
+//! module in process therefore receives each lump at the time of the board's clock. Both then use
+//! the same time for the distance that a receiver can have moved, and for the time that satellites
+//! have agreed after an alert.
 //!
-//! While they recover, the next lump waits as long as it would have by the tags, and [`RECOVERY_MS`] at most. Without the wait
-//! the clocks would decide on which epoch the recovery ends, and they differ by the milliseconds that bytes need.
+//! During a recovery, the next lump waits as long as it would by the tags, and [`RECOVERY_MS`] at
+//! most. Without the wait, the two clocks would decide on which epoch the recovery ends, and they
+//! differ by the milliseconds that bytes need.
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -18,43 +20,45 @@ use super::Lump;
 use super::host::{Module, Setup, check_answers, command, counters_of};
 use crate::board::{EmulatedBoard, Monitor, MonitorSocket, Settings};
 
-/// The longest that the emulated board may take for an epoch: hundreds of times what it needs.
+/// Longest time that the emulated board may take for an epoch: hundreds of times what it needs.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// The longest recovery that is waited for, ms: what the module asks for when it starts, and less than the time to alert.
+/// Longest recovery that is waited for, ms: the module's setting at start, and less than the time
+/// to alert.
 const RECOVERY_MS: u64 = 3000;
 
-/// Verdicts after which time decides on the next.
+/// Verdicts after which the next one depends on time.
 const RECOVERING: [&str; 2] = [",U,RECOVERING,", ",A,JUMP,"];
 
-/// What came of a run on the emulated board.
+/// Result of a run on the emulated board.
 #[derive(Clone, Debug, Default)]
 pub struct BoardRun {
-    /// Target instructions of each epoch, where the board logged them.
+    /// Target instructions of each epoch, if the board logged them.
     pub instructions: Vec<u64>,
-    /// The board's counters at the end, by name.
+    /// Counters of the board at the end, by name.
     pub counters: Vec<(String, u32)>,
-    /// Times that the board logged lost bytes or sentences.
+    /// Number of times that the board logged lost bytes or sentences.
     pub losses: usize,
-    /// The first sentence of the host that the board did not say, and what it said instead; either is empty where one said
-    /// less.
+    /// First sentence of the host that the board did not send, and the board's sentence instead;
+    /// the shorter side is empty.
     pub difference: Option<(String, String)>,
 }
 
-/// What both have said since the last lump, without what is said from time to time.
+/// Sentences of both since the last lump, without those that are repeated at intervals.
 #[derive(Clone, Debug)]
 pub struct Heard {
-    /// The sentences of the module in process.
+    /// Sentences of the module in process.
     pub host: String,
-    /// Those of the board.
+    /// Sentences of the board.
     pub board: String,
 }
 
-/// Runs the lumps on the emulated board and in process, in lock step: the next follows the verdict on the last. `each` gets
-/// what both say, lump by lump and at the end.
+/// Runs the lumps on the emulated board and in process, in lock step: the next one follows the
+/// verdict on the last. `each` receives the sentences of both, lump by lump and at the end.
 ///
 /// # Errors
-/// The board does not start, does not answer in time, or refuses a setup command; what the source of the lumps says.
+/// The board does not start, does not answer in time, or refuses a setup command; or the source of
+/// the lumps fails.
 pub fn on_board(
     image: &Path,
     lumps: impl Iterator<Item = Result<Lump>>,
@@ -71,21 +75,22 @@ pub fn on_board(
     Ok(run)
 }
 
-/// True for what is said from time to time, whatever epochs come: settings and losses.
+/// Returns true for sentences that are repeated at intervals, whatever the epochs: settings and
+/// losses.
 pub fn is_said_by_the_clock(line: &str) -> bool {
     line.starts_with("$PRAIQ") || line.starts_with("$PRAIL")
 }
 
-/// The counter that ends the answer to `STATS`.
+/// Counter that ends the answer to `STATS`.
 const LAST_COUNTER: &str = "cmd_noise";
 
-/// The module twice.
+/// The module on the board and in process.
 struct Both {
     board: EmulatedBoard,
     monitor: Monitor,
     host: Module,
     comparison: Comparison,
-    /// The last lump: when it came by the board's clock, and by the tags, ms.
+    /// Times of the last lump by the board's clock and by the tags, ms.
     last_ms: Option<(u64, u64)>,
     is_recovering: bool,
 }
@@ -107,7 +112,8 @@ impl Both {
         Ok(Self { board, monitor, host, comparison, last_ms: None, is_recovering: false })
     }
 
-    /// Lets both hear a lump; returns what they say. An epoch of which the host says nothing is not waited for.
+    /// Sends a lump to both; returns their sentences. An epoch without sentences of the host is not
+    /// waited for.
     fn hear(&mut self, lump: &Lump) -> Result<Heard> {
         let now_ms = self.wait(lump.elapsed_ms())?;
         let host = lasting(self.host.hear(&lump.bytes, now_ms)?.split_inclusive('\n'));
@@ -121,7 +127,7 @@ impl Both {
         Ok(Heard { host, board })
     }
 
-    /// Waits until both clocks agree that a recovery goes on; returns the board's time, ms.
+    /// Waits until both clocks agree that a recovery continues; returns the board's time, ms.
     fn wait(&mut self, tag_ms: u64) -> Result<u64> {
         let deadline = Instant::now() + PATIENCE;
         loop {
@@ -138,7 +144,7 @@ impl Both {
         }
     }
 
-    /// Asks for the counters, before which comes what follows the last verdict.
+    /// Requests the counters; the answer follows all sentences of the last verdict.
     fn end(mut self) -> Result<(BoardRun, String)> {
         self.board.send(command("STATS").as_bytes())?;
         let (mut counters, mut rest) = (Vec::new(), String::new());
@@ -155,12 +161,13 @@ impl Both {
     }
 }
 
-/// Returns the lines without those that are said from time to time.
+/// Returns the lines without those that are repeated at intervals.
 fn lasting<'a>(lines: impl Iterator<Item = &'a str>) -> String {
     lines.filter(|line| !is_said_by_the_clock(line)).collect()
 }
 
-/// Two streams of sentences that should be one. Only what one of them is ahead is kept.
+/// Comparison of two streams of sentences that should be equal. Only the lead of one over the other
+/// is stored.
 #[derive(Default)]
 struct Comparison {
     host: VecDeque<String>,
@@ -185,7 +192,7 @@ impl Comparison {
         }
     }
 
-    /// Returns the first difference. What only one has said is one.
+    /// Returns the first difference. Sentences of one side alone are a difference.
     fn difference(&self) -> Option<(String, String)> {
         let front = |lines: &VecDeque<String>| lines.front().cloned().unwrap_or_default();
         let left = (!self.host.is_empty() || !self.board.is_empty())

@@ -1,6 +1,6 @@
-//! Where the module said it was, and how wrong that was.
+//! Positions that the module reported, and their errors.
 //!
-//! What it says of a silent line stands beside the last epoch before the silence.
+//! The alert of a silent line is stored with the last epoch before the silence.
 
 use std::io::Write;
 
@@ -16,15 +16,15 @@ use crate::sentence::EpochOutput;
 /// One epoch of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moment {
-    /// Its time tag.
+    /// Time tag of the epoch.
     pub time: GpsTime,
     /// Seconds after the first epoch of the recording.
     pub elapsed_s: f64,
-    /// What the module said; `None` where it said nothing.
+    /// Output of the module; `None` if there was none.
     pub output: Option<EpochOutput>,
     /// Position minus truth, east, north, up, m; `None` without a fix or a truth.
     pub error: Option<Enu>,
-    /// When the module complained that the line was silent after this epoch, seconds after the first epoch.
+    /// Time of the alert for a silent line after this epoch, seconds after the first epoch.
     pub stale_s: Option<f64>,
 }
 
@@ -32,10 +32,10 @@ pub struct Moment {
 pub type Track = Vec<Moment>;
 
 impl Moment {
-    /// Puts what the module said of a lump beside the truth.
+    /// Compares the output for a lump with the truth.
     ///
     /// # Errors
-    /// A sentence that cannot be read.
+    /// A sentence is unreadable.
     pub fn of(lump: &Lump, said: &Said, truth: Option<&Truth>) -> Result<Self> {
         let output = said.output()?;
         let position = output.as_ref().and_then(|output| output.position);
@@ -46,15 +46,15 @@ impl Moment {
     }
 }
 
-/// Puts what the module said of each lump beside the truth.
+/// Compares the output for each lump with the truth.
 ///
 /// # Errors
-/// A sentence that cannot be read.
+/// A sentence is unreadable.
 pub fn track(lumps: &[Lump], run: &HostRun, truth: Option<&Truth>) -> Result<Track> {
     lumps.iter().zip(&run.said).map(|(lump, said)| Moment::of(lump, said, truth)).collect()
 }
 
-/// A table with one row per epoch, in the columns of the interface.
+/// Table with one row for each epoch, in the columns of the interface.
 pub struct Rows<W>(W);
 
 impl<W: Write> Rows<W> {
@@ -71,7 +71,7 @@ impl<W: Write> Rows<W> {
         Ok(Self(out))
     }
 
-    /// Writes the row of an epoch, and one of the silence after it.
+    /// Writes the row of an epoch, and one for the silence after it.
     ///
     /// # Errors
     /// The writer's own.
@@ -83,7 +83,7 @@ impl<W: Write> Rows<W> {
         Ok(())
     }
 
-    /// Flushes the writer: a buffer that is only dropped would not report a full disk.
+    /// Flushes the writer, because a buffer that is only dropped would not report a full disk.
     ///
     /// # Errors
     /// The writer's own.
@@ -92,7 +92,7 @@ impl<W: Write> Rows<W> {
     }
 }
 
-/// The alarm of a silent line: it has a time and a reason, and no position.
+/// Returns the row of a silent line: it has a time and a reason, and no position.
 fn stale_row(moment: &Moment, stale_s: f64) -> String {
     let time = GpsTime::from_ms(moment.time.to_ms() + ((stale_s - moment.elapsed_s) * 1e3).round() as u64);
     format!("{},{:.3},A,STALE,,,,,,,,,,,,", time.week, f64::from(time.tow_ms) * 1e-3)

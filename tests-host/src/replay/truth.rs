@@ -1,4 +1,4 @@
-//! Where the antenna really was.
+//! True position of the antenna.
 
 use std::path::Path;
 
@@ -6,14 +6,15 @@ use anyhow::{Context, Result, bail, ensure};
 use raim_core::frame::{Ecef, Geodetic, LocalFrame};
 use raim_firmware::time::GpsTime;
 
-/// How far the time tag of a point may be from the receiver's, ms: receivers' tags are some ms off the second, and a
-/// car moves a metre meanwhile.
+/// Largest difference between the time tag of a point and the receiver's, ms. Receivers' tags are
+/// some ms off the second, and a car moves a metre in this time.
 const NEAREST_MS: i64 = 50;
 
-/// Farthest from the ellipsoid that a truth may be, m: what is beyond was written in another form.
+/// Largest distance of a truth from the ellipsoid, m, because a position beyond it was written in
+/// another form.
 const GROUND_M: f64 = 1e5;
 
-/// Where the antenna really was.
+/// True position of the antenna.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Truth {
     /// A fixed point.
@@ -22,7 +23,7 @@ pub enum Truth {
     Moving(Vec<(GpsTime, Ecef)>),
 }
 
-/// The columns of a point in a table, and how they are to be understood.
+/// Columns of a point in a table, with the form of its coordinates.
 #[derive(Clone, Copy, Debug)]
 enum Form {
     Cartesian([usize; 3]),
@@ -30,11 +31,11 @@ enum Form {
 }
 
 impl Truth {
-    /// Reads `X,Y,Z` in metres, or latitude and longitude in degrees and height above the ellipsoid in metres: no
-    /// position near the ground can be meant as the one and read as the other.
+    /// Reads `X,Y,Z` in metres, or latitude and longitude in degrees and height above the ellipsoid
+    /// in metres. No position near the ground is valid in both forms.
     ///
     /// # Errors
-    /// What is wrong with it, and an example.
+    /// The text has another form; the message has an example.
     pub fn parse(text: &str) -> Result<Self> {
         let numbers: Vec<f64> =
             text.split(',').map(|part| part.trim().parse()).collect::<Result<_, _>>().with_context(|| {
@@ -55,11 +56,11 @@ impl Truth {
         near_ground(point).with_context(|| format!("{text:?}")).map(Self::Fixed)
     }
 
-    /// Reads a table with a heading that names `week` and `tow`, and `x_m`, `y_m`, `z_m` or `lat_deg`, `lon_deg`,
-    /// `height_m` (above the ellipsoid). Other columns are passed over.
+    /// Reads a table with a heading that names `week` and `tow`, and `x_m`, `y_m`, `z_m` or
+    /// `lat_deg`, `lon_deg`, `height_m` (above the ellipsoid). Other columns are skipped.
     ///
     /// # Errors
-    /// The file or the line that cannot be read.
+    /// The file or a line is unreadable.
     pub fn from_csv(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).with_context(|| format!("truth file {}", path.display()))?;
         ensure!(!text.trim().is_empty(), "{} holds no position", path.display());
@@ -77,7 +78,7 @@ impl Truth {
         Ok(Self::Moving(points))
     }
 
-    /// Where the antenna was at that time; `None` where that is not known within 50 ms.
+    /// Returns the position of the antenna at a time; `None` if none is known within 50 ms.
     pub fn at(&self, time: GpsTime) -> Option<Ecef> {
         let points = match self {
             Self::Fixed(point) => return Some(*point),
@@ -91,7 +92,7 @@ impl Truth {
     }
 }
 
-/// Which columns hold the time, and which the point.
+/// Returns the columns of the time and of the point.
 fn columns(heading: &[String]) -> Result<([usize; 2], Form)> {
     let find = |name: &str| heading.iter().position(|column| column == name);
     let all = |names: [&str; 3]| {
@@ -158,7 +159,7 @@ fn near_ground(point: Ecef) -> Result<Ecef> {
 mod tests {
     use super::*;
 
-    /// Esbjerg, as its station log has it in both forms; 0.1" of rounding in the angles.
+    /// Esbjerg in both forms of its station log; the angles are rounded to 0.1".
     const ESBJERG: &str = "3582104.93,532590.24,5232755.27";
 
     fn point(text: &str) -> Ecef {
@@ -180,7 +181,7 @@ mod tests {
 
     #[test]
     fn latitude_and_longitude_are_not_taken_for_metres() {
-        // On the equator at the meridian the ellipsoid is 6,378,137 m from the centre.
+        // On the equator at the meridian, the ellipsoid is 6,378,137 m from the centre.
         assert!(point("0,0,100").distance_m(Ecef::new(6_378_237.0, 0.0, 0.0)) < 1e-6);
         assert!(point("90, 0, 0").distance_m(Ecef::new(0.0, 0.0, 6_356_752.314_2)) < 1e-3);
         assert!(point(ESBJERG).distance_m(Ecef::new(3_582_104.93, 532_590.24, 5_232_755.27)) < 1e-6);

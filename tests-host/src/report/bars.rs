@@ -10,15 +10,16 @@ use super::chart::{short, ticks};
 /// Bars in groups, with axis, legend and title.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BarChart {
-    /// What it shows.
+    /// Title of the chart.
     pub title: String,
     /// Quantity and unit of the bars: `rate / %`.
     pub y_label: String,
-    /// What each group is of: `bias / m`.
+    /// Quantity and unit of the groups: `bias / m`.
     pub x_label: String,
     /// Names of the groups, from the left.
     pub groups: Vec<String>,
-    /// Name and heights of each kind of bar, one height per group; not finite is no bar.
+    /// Name and heights of each kind of bar, one height per group; no bar is drawn for a height
+    /// that is not finite.
     pub bars: Vec<(String, Vec<f64>)>,
 }
 
@@ -28,10 +29,10 @@ const RIGHT_PX: i32 = 22;
 const BOTTOM_PX: i32 = 50;
 
 impl BarChart {
-    /// The chart as SVG of a width and height in pixels.
+    /// Returns the chart as SVG of a width and height in pixels.
     ///
     /// # Errors
-    /// No group, or what plotters could not draw.
+    /// There is no group, or plotters fails to draw.
     pub fn svg(&self, size: (u32, u32), ground: Ground) -> Result<String> {
         svg(size, ground, &self.title, |area| self.draw(area))
     }
@@ -75,7 +76,7 @@ impl BarChart {
         let middle = frame.left.midpoint(frame.right);
         let below = text(TEXT_PX, INK, HPos::Center, VPos::Top);
         area.draw(&Text::new(self.x_label.clone(), (middle, frame.bottom + 26), below))?;
-        // Turned text is placed by the corner that comes first in reading it: its lower end.
+        // Rotated text is placed by the corner that comes first in reading order, its lower end.
         let lower = frame.top.midpoint(frame.bottom) + width_px(&self.y_label, TEXT_PX) / 2;
         let turned = text(TEXT_PX, INK, HPos::Left, VPos::Top).transform(FontTransform::Rotate270);
         area.draw(&Text::new(self.y_label.clone(), (12, lower), turned))?;
@@ -95,7 +96,7 @@ impl BarChart {
     }
 }
 
-/// Where the bars stand, pixels.
+/// Frame of the bars, pixels.
 struct Frame {
     left: i32,
     right: i32,

@@ -1,8 +1,8 @@
 //! Ground, ink and colours that all pictures share.
 //!
-//! Colours keep their meaning everywhere: green may be used, red must not, grey cannot be told. Who cannot tell green
-//! from red is told by form: alerts are hatched in bands and crosses among dots. Every picture says what it shows to
-//! those who do not see it.
+//! Colours have one meaning everywhere: green may be used, red must not, grey is unavailable. Forms
+//! make the difference without colours: alerts are hatched in bands, and crosses among dots. Every
+//! picture has a text for screen readers.
 
 use anyhow::Result;
 use plotters::coord::Shift;
@@ -13,42 +13,42 @@ pub use plotters::style::RGBColor;
 
 use super::Verdict;
 
-/// Where plotters draws.
+/// Drawing area of plotters.
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Text, axes, grid.
+/// Colour of text, axes, grid.
 pub const INK: RGBColor = RGBColor(0x24, 0x29, 0x2F);
-/// What was measured.
+/// Colour of measurements.
 pub const BLUE: RGBColor = RGBColor(0x2F, 0x6F, 0xDE);
-/// What it is held against.
+/// Colour of the quantity to compare with.
 pub const ORANGE: RGBColor = RGBColor(0xE0, 0x7A, 0x1F);
-/// Bounds that are computed.
+/// Colour of computed bounds.
 pub const VIOLET: RGBColor = RGBColor(0x8A, 0x5C, 0xE0);
-/// May be used.
+/// Colour of a position that may be used.
 pub const GREEN: RGBColor = RGBColor(0x2E, 0x9E, 0x5B);
-/// Must not be used.
+/// Colour of a position that must not be used.
 pub const RED: RGBColor = RGBColor(0xD6, 0x45, 0x3D);
-/// Cannot be told.
+/// Colour of an unavailable position.
 pub const GREY: RGBColor = RGBColor(0x98, 0xA1, 0xAB);
-/// One more line.
+/// Colour of one more line.
 pub const TEAL: RGBColor = RGBColor(0x1B, 0x9A, 0xAA);
 
-/// Colours of lines that mean nothing but themselves, in order.
+/// Colours of lines without another meaning, in order.
 pub const SERIES: [RGBColor; 6] = [BLUE, ORANGE, GREEN, VIOLET, RED, TEAL];
 
 /// Size of ordinary text, pixels.
 pub const TEXT_PX: i32 = 13;
 
-/// What lies under a picture.
+/// Background of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ground {
-    /// A white sheet: the picture is a file.
+    /// White, for a picture in a file.
     Sheet,
-    /// The page it is on, light or dark.
+    /// The page around it, light or dark.
     Page,
 }
 
-/// Colour of a verdict.
+/// Returns the colour of a verdict.
 pub const fn verdict_colour(verdict: Verdict) -> RGBColor {
     match verdict {
         Verdict::Protected => GREEN,
@@ -57,10 +57,10 @@ pub const fn verdict_colour(verdict: Verdict) -> RGBColor {
     }
 }
 
-/// Draws a picture of the given width and height in pixels; `title` is what a screen reader says of it.
+/// Draws a picture of the given width and height in pixels; `title` is its text for screen readers.
 ///
 /// # Errors
-/// What plotters could not draw.
+/// Plotters fails to draw.
 pub fn svg(
     size: (u32, u32),
     ground: Ground,
@@ -84,22 +84,23 @@ pub fn svg(
     })
 }
 
-/// A colour as plotters writes it.
+/// Returns a colour in the notation of plotters.
 fn hexadecimal(RGBColor(red, green, blue): RGBColor) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
-/// Style of text that is placed by one of its corners.
+/// Returns the style of text that is placed by one of its corners.
 pub fn text(size_px: i32, colour: RGBColor, horizontal: HPos, vertical: VPos) -> TextStyle<'static> {
     ("sans-serif", size_px).into_font().color(&colour).pos(Pos::new(horizontal, vertical))
 }
 
-/// Width of a text, pixels: fonts are the reader's, so this is an estimate on the safe side.
+/// Returns the width of a text, pixels, estimated on the safe side because the fonts are the
+/// reader's.
 pub fn width_px(words: &str, size_px: i32) -> i32 {
     (words.chars().count() as f64 * f64::from(size_px) * 0.56).ceil() as i32
 }
 
-/// How a legend shows its entry.
+/// Mark of an entry in a legend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// A full line.
@@ -118,10 +119,11 @@ pub enum Mark {
     Low,
 }
 
-/// Draws the heading of a picture and its legend in one row below: never on top of the lines themselves.
+/// Draws the heading of a picture and its legend in one row below, never on top of the lines
+/// themselves.
 ///
 /// # Errors
-/// What plotters could not draw.
+/// Plotters fails to draw.
 pub fn heading(area: &Area<'_>, title: &str, legend: &[(&str, RGBColor, Mark)]) -> Result<()> {
     area.draw(&Text::new(title.to_owned(), (MARGIN_PX, 10), text(TEXT_PX + 3, INK, HPos::Left, VPos::Top)))?;
     let size_px = legend_size_px(legend, area.dim_in_pixel().0.cast_signed());
@@ -134,13 +136,13 @@ pub fn heading(area: &Area<'_>, title: &str, legend: &[(&str, RGBColor, Mark)]) 
     Ok(())
 }
 
-/// Left and right of a legend, pixels.
+/// Margin left and right of a legend, pixels.
 const MARGIN_PX: i32 = 14;
 
-/// What an entry of a legend takes beside its words, pixels.
+/// Width of a legend's entry beside its words, pixels.
 const MARK_PX: i32 = 38;
 
-/// Size of a legend's words: smaller where so many do not fit into the width.
+/// Returns the size of a legend's words, smaller if they do not fit into the width.
 fn legend_size_px(legend: &[(&str, RGBColor, Mark)], width: i32) -> i32 {
     let words: i32 = legend.iter().map(|(name, _, _)| width_px(name, TEXT_PX)).sum();
     let marks: i32 = legend.iter().map(|_| MARK_PX).sum();
@@ -172,14 +174,14 @@ fn swatch(area: &Area<'_>, x: i32, y: i32, colour: RGBColor, mark: Mark) -> Resu
 /// Pixels between the lines of a hatching.
 const HATCH_PX: i32 = 7;
 
-/// A box with white lines across, told from a plain one without colours.
+/// Draws a box with white lines across, which differs from a plain one without colours.
 ///
 /// # Errors
-/// What plotters could not draw.
+/// Plotters fails to draw.
 pub fn hatched(area: &Area<'_>, corners: [(i32, i32); 2], colour: RGBColor) -> Result<()> {
     area.draw(&Rectangle::new(corners, colour.filled()))?;
     let [(left, top), (right, bottom)] = corners;
-    // Lines of slope one are those of constant x + y.
+    // Lines of slope one have constant x + y.
     for sum in (left + top..right + bottom).step_by(HATCH_PX as usize) {
         let (from, to) =
             ((left.max(sum - bottom), bottom.min(sum - left)), (right.min(sum - top), top.max(sum - right)));

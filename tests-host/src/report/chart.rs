@@ -11,50 +11,50 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use super::canvas::{Area, Ground, HEADING_PX, INK, Mark, TEXT_PX, heading, svg, text};
 
-/// How an axis counts.
+/// Scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// Evenly.
+    /// Even steps.
     Linear,
-    /// By powers of ten.
+    /// Powers of ten.
     Logarithmic,
 }
 
-/// An axis: what it shows, in which unit, how far.
+/// Axis with its quantity, unit and range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Quantity and unit: `time / s`.
     pub label: String,
-    /// How it counts.
+    /// Scale of the axis.
     pub scale: Scale,
-    /// From where to where; `None` fits the lines.
+    /// Range of the axis; `None` fits the lines.
     pub range: Option<Range<f64>>,
 }
 
 impl Axis {
-    /// A linear axis that fits its lines.
+    /// Returns a linear axis that fits its lines.
     pub fn linear(label: &str) -> Self {
         Self { label: label.to_owned(), scale: Scale::Linear, range: None }
     }
 
-    /// A logarithmic axis that fits its lines.
+    /// Returns a logarithmic axis that fits its lines.
     pub fn logarithmic(label: &str) -> Self {
         Self { label: label.to_owned(), scale: Scale::Logarithmic, range: None }
     }
 
-    /// The same axis from here to there.
+    /// Returns the same axis with a range.
     #[must_use]
     pub fn over(mut self, range: Range<f64>) -> Self {
         self.range = Some(range);
         self
     }
 
-    /// Whether the axis has a place for a value.
+    /// Returns true if the axis can show a value.
     fn shows(&self, value: f64) -> bool {
         value.is_finite() && (self.scale == Scale::Linear || value > 0.0)
     }
 
-    /// The range asked for, or one that holds all values with some air.
+    /// Returns the given range, or one that holds all values with a margin.
     fn fitted(&self, values: impl Iterator<Item = f64>) -> Range<f64> {
         if let Some(range) = &self.range {
             return range.clone();
@@ -64,7 +64,7 @@ impl Axis {
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
         match self.scale {
             _ if low > high => 0.1..1.0,
-            // Whole powers of ten, so that at least two of them are labelled.
+            // Whole powers of ten, so that at least two of them have labels.
             Scale::Logarithmic => {
                 let (floor, ceiling) = (low.log10().floor(), (high * 1.05).log10().ceil());
                 10_f64.powf(floor) * EDGE..10_f64.powf(ceiling.max(floor + 1.0))
@@ -82,61 +82,61 @@ impl Axis {
 /// One line of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Name in the legend; empty where the legend needs none.
+    /// Name in the legend; empty if it needs none.
     pub name: String,
-    /// Its colour.
+    /// Colour of the line.
     pub colour: RGBColor,
-    /// How it is drawn.
+    /// Mark of the line.
     pub mark: Mark,
-    /// Its points, in the units of the axes.
+    /// Points of the line, in the units of the axes.
     pub points: Vec<(f64, f64)>,
 }
 
-/// A stretch of the x axis with a tint: while a fault lasts, for instance.
+/// Tinted part of the x axis, such as the duration of a fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Span {
     /// Name in the legend.
     pub name: String,
-    /// From where to where.
+    /// Range on the x axis.
     pub range: Range<f64>,
-    /// Its colour, thinned.
+    /// Colour, before it is thinned.
     pub colour: RGBColor,
 }
 
 /// Lines with axes, legend and title.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineChart {
-    /// What it shows.
+    /// Title of the chart.
     pub title: String,
-    /// The x axis.
+    /// X axis.
     pub x: Axis,
-    /// The y axis.
+    /// Y axis.
     pub y: Axis,
-    /// The lines, the first at the back.
+    /// Lines, the first at the back.
     pub series: Vec<Series>,
-    /// Tinted stretches.
+    /// Tinted parts.
     pub spans: Vec<Span>,
 }
 
 impl LineChart {
-    /// The chart as SVG of a width and height in pixels.
+    /// Returns the chart as SVG of a width and height in pixels.
     ///
     /// # Errors
-    /// An empty range, or what plotters could not draw.
+    /// A range is empty, or plotters fails to draw.
     pub fn svg(&self, size: (u32, u32), ground: Ground) -> Result<String> {
         svg(size, ground, &self.title, |area| self.draw(area))
     }
 
-    /// Draws into an area of any picture.
+    /// Draws into an area of a picture.
     ///
     /// # Errors
-    /// An empty range, or what plotters could not draw.
+    /// A range is empty, or plotters fails to draw.
     pub fn draw(&self, area: &Area<'_>) -> Result<()> {
         let named = self.series.iter().filter(|series| !series.name.is_empty());
         let lines = named.map(|series| (series.name.as_str(), series.colour, series.mark));
         let spans = self.spans.iter().map(|span| (span.name.as_str(), thinned(span.colour), Mark::Box));
         let mut legend: Vec<_> = lines.chain(spans).collect();
-        // Stretches of the same kind need one entry; they follow each other.
+        // Parts of the same kind follow each other, and need one entry.
         legend.dedup();
         heading(area, &self.title, &legend)?;
         let points = || self.series.iter().flat_map(|series| series.points.iter());
@@ -210,7 +210,7 @@ impl LineChart {
         Ok(())
     }
 
-    /// The unbroken stretches of a line. What lies beyond the axes is drawn at their ends.
+    /// Returns the unbroken parts of a line. Points beyond the axes are drawn at their ends.
     fn runs(&self, series: &Series, x: &Range<f64>, y: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
         let shows = |&(x, y): &(f64, f64)| self.x.shows(x) && self.y.shows(y);
         let within = |&(at_x, at_y): &(f64, f64)| (at_x.clamp(x.start, x.end), at_y.clamp(y.start, y.end));
@@ -223,25 +223,27 @@ impl LineChart {
     }
 }
 
-/// What a logarithmic axis begins below its first power of ten, so that rounding cannot take its label away.
+/// Factor at which a logarithmic axis begins below its first power of ten, so that rounding cannot
+/// remove its label.
 pub const EDGE: f64 = 0.99;
 
-/// How strongly a span tints.
+/// Opacity of a span's tint.
 const SPAN_OPACITY: f64 = 0.13;
 
-/// The colour that a tint shows in the legend.
+/// Returns the colour of a tint in the legend.
 fn thinned(RGBColor(red, green, blue): RGBColor) -> RGBColor {
     let thin = |part: u8| (255.0 - (255.0 - f64::from(part)) * 0.35) as u8;
     RGBColor(thin(red), thin(green), thin(blue))
 }
 
-/// How the labels of an axis are written. On a linear axis a place that is zero but for rounding is zero.
+/// Returns the labels of an axis. On a linear axis, a position that is zero except for rounding is
+/// zero.
 fn label(scale: Scale, range: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
     let rounding = if scale == Scale::Linear { 1e-9 * (range.end - range.start) } else { 0.0 };
     move |&value| short(if value.abs() < rounding { 0.0 } else { value })
 }
 
-/// A label of an axis: as few digits as say it.
+/// Returns a label of an axis with as few digits as possible.
 pub fn short(value: f64) -> String {
     let magnitude = value.abs();
     match magnitude {
@@ -253,7 +255,7 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// Where the labels of an axis stand, at most so many; for pictures that draw their own.
+/// Returns the positions of an axis' labels, at most `most`; for pictures with their own axes.
 pub fn ticks(range: Range<f64>, most: usize) -> Vec<f64> {
     plotters::coord::types::RangedCoordf64::from(range).key_points(BoldPoints(most))
 }

@@ -1,16 +1,17 @@
-//! Pictures and pages of what the module said.
+//! Pictures and pages of the module's output.
 //!
-//! | picture | from |
+//! | picture | module |
 //! |---|---|
 //! | any lines, any bars, with units and legend | [`chart`] |
 //! | statistic against threshold, error against protection level, states over time | [`timeline`] |
 //! | satellites by azimuth and elevation | [`skyplot`] |
 //! | error against protection level, epoch by epoch (Stanford diagram) | [`stanford`] |
 //! | one self-contained HTML page | [`page`] |
-//! | of any number of epochs, those that a picture needs | [`thinned`] |
+//! | epochs that a picture needs, out of any number | [`thinned`] |
 //!
-//! Every picture is SVG without scripts, fonts or links. On a page it has no ground of its own and its ink is
-//! `currentColor`, so that it follows a light or a dark page; as a file it stands on white.
+//! Every picture is SVG without scripts, fonts or links. On a page it has no background and its ink
+//! is `currentColor`, so that it follows a light or a dark page; as a file it has a white
+//! background.
 
 pub mod bars;
 pub mod canvas;
@@ -26,19 +27,19 @@ use raim_core::satellite::SatelliteId;
 
 use crate::sentence::EpochOutput;
 
-/// May the position be used?
+/// Verdict on the use of a position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
-    /// Yes: its error is bounded.
+    /// The position may be used, because its error is bounded.
     Protected,
-    /// No.
+    /// The position must not be used.
     Alert,
-    /// That cannot be told.
+    /// The use of the position is unknown.
     Unavailable,
 }
 
 impl Verdict {
-    /// The verdict behind the letter of `PRAIS`; what is no known letter promises nothing.
+    /// Returns the verdict for the letter of `PRAIS`; an unknown letter is unavailable.
     pub const fn from_letter(letter: char) -> Self {
         match letter {
             'P' => Self::Protected,
@@ -47,7 +48,7 @@ impl Verdict {
         }
     }
 
-    /// In lower-case words.
+    /// Returns the verdict in lower case.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Protected => "protected",
@@ -57,18 +58,18 @@ impl Verdict {
     }
 }
 
-/// What is known of one epoch, from the module's sentences and from the truth. What is unknown is `None`.
+/// Facts of one epoch, from the module's sentences and from the truth. Unknown ones are `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moment {
     /// Seconds since the first epoch.
     pub time_s: f64,
-    /// The module's verdict.
+    /// Verdict of the module.
     pub verdict: Verdict,
-    /// Why, as the module words it.
+    /// Reason, in the module's word.
     pub reason: String,
     /// Test statistic, dimensionless.
     pub statistic: Option<f64>,
-    /// What it was held against, dimensionless.
+    /// Threshold of the statistic, dimensionless.
     pub threshold: Option<f64>,
     /// Horizontal protection level, m.
     pub hpl_m: Option<f64>,
@@ -78,7 +79,7 @@ pub struct Moment {
     pub hal_m: Option<f64>,
     /// Vertical alert limit, m.
     pub val_m: Option<f64>,
-    /// Distance from the truth over the ground, m.
+    /// Horizontal distance from the truth, m.
     pub horizontal_error_m: Option<f64>,
     /// Height above the true height, m.
     pub vertical_error_m: Option<f64>,
@@ -86,12 +87,13 @@ pub struct Moment {
     pub pin_is_high: Option<bool>,
     /// Satellites used.
     pub used: usize,
-    /// Satellites left out.
+    /// Satellites excluded.
     pub excluded: Vec<SatelliteId>,
 }
 
 impl Moment {
-    /// What the module said of one epoch, beside the error of its position, east, north, up in m.
+    /// Returns the moment of one epoch, from its output and from the error of its position, east,
+    /// north, up in m.
     pub fn of(time_s: f64, said: &EpochOutput, error: Option<Enu>, pin_is_high: bool) -> Self {
         let state = &said.state;
         Self {

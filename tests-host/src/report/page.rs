@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-/// A page that is written from the top.
+/// Page that is written from the top.
 #[derive(Clone, Debug)]
 pub struct Page {
     body: String,
@@ -15,13 +15,13 @@ pub struct Page {
     headings: Vec<(u8, String)>,
 }
 
-/// With more headings than this a page begins with a list of them.
+/// Number of headings above which a page begins with a list of them.
 const CONTENTS: usize = 8;
 
 const STYLE: &str = include_str!("page.css");
 
 impl Page {
-    /// An empty page with a title and a sentence below it.
+    /// Returns an empty page with a title and a sentence below it.
     pub fn new(title: &str, summary: &str) -> Self {
         Self { body: String::new(), title: escaped(title), summary: escaped(summary), headings: Vec::new() }
     }
@@ -32,22 +32,22 @@ impl Page {
         self.headings.push((level, words));
     }
 
-    /// A heading.
+    /// Adds a heading.
     pub fn heading(&mut self, words: &str) {
         self.headed(2, words);
     }
 
-    /// A heading below a heading.
+    /// Adds a heading below a heading.
     pub fn subheading(&mut self, words: &str) {
         self.headed(3, words);
     }
 
-    /// A paragraph.
+    /// Adds a paragraph.
     pub fn paragraph(&mut self, words: &str) {
         let _ = writeln!(self.body, "<p>{}</p>", escaped(words));
     }
 
-    /// Numbers that are to be seen at once: each with its name below.
+    /// Adds large numbers, each with its name below.
     pub fn figures(&mut self, figures: &[(String, String)]) {
         self.body.push_str("<dl>\n");
         for (name, value) in figures {
@@ -56,13 +56,13 @@ impl Page {
         self.body.push_str("</dl>\n");
     }
 
-    /// A table; numbers stand right.
+    /// Adds a table; numbers are right-aligned.
     pub fn table(&mut self, columns: &[&str], rows: &[Vec<String>]) {
         let rows: Vec<_> = rows.iter().map(|row| (row.clone(), String::new())).collect();
         self.table_with_notes(columns, &rows);
     }
 
-    /// A table in which a row may have a note, which stands below it over the whole width.
+    /// Adds a table in which a row may have a note, below it over the whole width.
     pub fn table_with_notes(&mut self, columns: &[&str], rows: &[(Vec<String>, String)]) {
         self.body.push_str("<div class=\"wide\"><table>\n<tr>");
         for column in columns {
@@ -90,12 +90,12 @@ impl Page {
         self.body.push_str("</table></div>\n");
     }
 
-    /// A picture in SVG.
+    /// Adds a picture in SVG.
     pub fn picture(&mut self, svg: &str) {
         let _ = writeln!(self.body, "<figure>{}</figure>", scalable(svg));
     }
 
-    /// Pictures beside each other where the page is wide enough.
+    /// Adds pictures side by side, if the page is wide enough.
     pub fn pictures(&mut self, svgs: &[String]) {
         self.body.push_str("<div class=\"row\">\n");
         for svg in svgs {
@@ -104,7 +104,7 @@ impl Page {
         self.body.push_str("</div>\n");
     }
 
-    /// A list of the headings, folded, where there are many.
+    /// Returns a folded list of the headings, if there are many.
     fn contents(&self) -> String {
         let mut list = String::new();
         if self.headings.len() > CONTENTS {
@@ -117,7 +117,7 @@ impl Page {
         list
     }
 
-    /// The whole page.
+    /// Returns the whole page.
     pub fn html(&self) -> String {
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -131,19 +131,19 @@ impl Page {
         )
     }
 
-    /// Writes the page, and the folder it is to be in.
+    /// Writes the page, and makes its folder.
     ///
     /// # Errors
-    /// What could not be written.
+    /// The folder or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
         write_file(path, &self.html())
     }
 }
 
-/// Writes a file, and the folder it is to be in.
+/// Writes a file, and makes its folder.
 ///
 /// # Errors
-/// What could not be written.
+/// The folder or the file cannot be written.
 pub fn write_file(path: &Path, text: &str) -> Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
@@ -151,13 +151,13 @@ pub fn write_file(path: &Path, text: &str) -> Result<()> {
     std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// Text that HTML takes as text.
+/// Returns the text escaped for HTML.
 fn escaped(words: &str) -> String {
     words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// Lets a picture shrink with the page: its size in pixels becomes the most it takes. It shrinks to four fifths and no
-/// further, so that its words stay legible; a narrower page scrolls it.
+/// Lets a picture shrink with the page: its size in pixels becomes its largest size. It shrinks to
+/// four fifths and no further, so that its words stay legible; a narrower page scrolls it.
 fn scalable(svg: &str) -> String {
     let size = |name: &str| {
         let (_, rest) = svg.split_once(&format!("{name}=\""))?;

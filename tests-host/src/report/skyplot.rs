@@ -1,6 +1,6 @@
-//! The sky from below: zenith in the middle, horizon at the rim, north up, east to the right.
+//! Sky plot: zenith in the middle, horizon at the rim, north up, east to the right.
 //!
-//! Labels stand beside their satellites, at the first of eight places where they cover nothing.
+//! Labels are beside their satellites, at the first of eight places where they cover nothing.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -14,23 +14,23 @@ use super::canvas::{
     width_px,
 };
 
-/// One satellite in the sky.
+/// Satellite in the sky.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// Which satellite.
+    /// Satellite of the point.
     pub satellite: SatelliteId,
     /// Angle above the horizon, rad.
     pub elevation_rad: f64,
     /// Angle from north over east, rad.
     pub azimuth_rad: f64,
-    /// Whether it was left out.
+    /// True if the satellite is excluded.
     pub is_excluded: bool,
 }
 
 /// Side of the picture, pixels.
 const SIDE_PX: u32 = 460;
 
-/// Elevations that have a ring.
+/// Elevations of the rings, °.
 const RINGS_DEG: [f64; 3] = [0.0, 30.0, 60.0];
 
 const fn colour(constellation: Constellation) -> RGBColor {
@@ -54,7 +54,7 @@ const fn name(constellation: Constellation) -> &'static str {
 /// Draws the sky.
 ///
 /// # Errors
-/// What plotters could not draw.
+/// Plotters fails to draw.
 pub fn skyplot(bodies: &[Body], mask_rad: f64, ground: Ground) -> Result<String> {
     svg((SIDE_PX, SIDE_PX + HEADING_PX), ground, &spoken(bodies), |area| {
         let mask = format!("mask {:.0}°", mask_rad.to_degrees());
@@ -67,7 +67,7 @@ pub fn skyplot(bodies: &[Body], mask_rad: f64, ground: Ground) -> Result<String>
     })
 }
 
-/// The sky in a sentence.
+/// Returns the sky in a sentence.
 fn spoken(bodies: &[Body]) -> String {
     let names = |excluded: bool| {
         let of = bodies.iter().filter(|body| body.is_excluded == excluded);
@@ -91,7 +91,7 @@ fn legend(bodies: &[Body]) -> Vec<(&'static str, RGBColor, Mark)> {
     legend
 }
 
-/// Where the sky is on the picture, pixels.
+/// Position of the sky in the picture, pixels.
 struct Disc {
     centre: (i32, i32),
     radius: f64,
@@ -109,7 +109,7 @@ impl Disc {
         (self.centre.0 + (distance * sin).round() as i32, self.centre.1 - (distance * cos).round() as i32)
     }
 
-    /// Where the elevation of a ring is written: inside it, beside north.
+    /// Returns the place of a ring's label: inside the ring, beside north.
     fn ring_label(&self, elevation_deg: f64) -> Patch {
         let (x, y) = self.point(elevation_deg.to_radians(), 0.0);
         Patch::around((x + 14, y + 9), 26, TEXT_PX)
@@ -170,7 +170,7 @@ fn mark(area: &Area<'_>, body: &Body, point: (i32, i32)) -> Result<()> {
     Ok(())
 }
 
-/// A rectangle that something covers, pixels.
+/// Rectangle that is occupied, pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Patch {
     centre: (i32, i32),
@@ -189,7 +189,8 @@ impl Patch {
     }
 }
 
-/// The first place around a point where a label covers nothing; to the right, where there is none.
+/// Returns the first place around a point where a label covers nothing; without one, the place to
+/// the right.
 fn free_place(point: (i32, i32), width: i32, taken: &[Patch]) -> Patch {
     let beside = width / 2 + 13;
     let places = [

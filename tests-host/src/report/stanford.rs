@@ -1,13 +1,14 @@
 //! Stanford diagram: each epoch's error against its protection level.
 //!
-//! | region | means |
+//! | region | meaning |
 //! |---|---|
-//! | above the diagonal, below the alert limit | the promise holds |
-//! | below the diagonal | misleading: the error is larger than the bound |
+//! | above the diagonal, below the alert limit | the error is bounded |
+//! | below the diagonal | misleading: the error exceeds the level |
 //! | below the diagonal, error beyond the alert limit | hazardous |
-//! | bound above the alert limit | unavailable |
+//! | level above the alert limit | unavailable |
 //!
-//! Protected epochs are drawn over the others, and misleading ones over all, so that none hides them.
+//! Protected epochs are drawn over the others, and misleading ones over all, so that none hides
+//! them.
 
 use anyhow::Result;
 
@@ -15,10 +16,10 @@ use super::canvas::{GREEN, GREY, Ground, INK, Mark, RED, VIOLET};
 use super::chart::{Axis, EDGE, LineChart, Series};
 use super::{Moment, Verdict};
 
-/// The horizontal diagram.
+/// Returns the horizontal diagram.
 ///
 /// # Errors
-/// What plotters could not draw.
+/// Plotters fails to draw.
 pub fn horizontal(moments: &[Moment], ground: Ground) -> Result<String> {
     let pairs =
         moments.iter().filter_map(|moment| Some((moment.verdict, moment.horizontal_error_m?, moment.hpl_m?)));
@@ -26,10 +27,10 @@ pub fn horizontal(moments: &[Moment], ground: Ground) -> Result<String> {
     diagram("Horizontal error and protection level, epoch by epoch", pairs, limit_m, ground)
 }
 
-/// The vertical diagram.
+/// Returns the vertical diagram.
 ///
 /// # Errors
-/// What plotters could not draw.
+/// Plotters fails to draw.
 pub fn vertical(moments: &[Moment], ground: Ground) -> Result<String> {
     let pairs = moments
         .iter()
@@ -38,7 +39,7 @@ pub fn vertical(moments: &[Moment], ground: Ground) -> Result<String> {
     diagram("Vertical error and protection level, epoch by epoch", pairs, limit_m, ground)
 }
 
-/// Smallest error that has a place of its own, m: smaller ones stand there.
+/// Smallest error on the axis, m; smaller ones are drawn there.
 const LEAST_M: f64 = 0.01;
 
 fn diagram(

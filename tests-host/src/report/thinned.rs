@@ -1,21 +1,22 @@
-//! Any number of epochs as so many that a picture has room for.
+//! Any number of epochs, thinned to as many as a picture has room for.
 //!
-//! All epochs are kept until [`MOST`] have come. Then each stretch of them gives way to its extremes: the largest and the
-//! smallest of every curve, the largest error against its level, the first epoch of each verdict and the first that leaves a
-//! satellite out. Stretches get longer as more epochs come. What lasts for an epoch only is therefore in every picture.
+//! All epochs are stored until [`MOST`] have come. Then each stretch of them gives way to its
+//! extremes: the largest and the smallest value of every curve, the largest error against its
+//! level, the first epoch of each verdict and the first with an exclusion. Stretches get longer as
+//! more epochs come. An event of a single epoch is therefore in every picture.
 
 use super::{Moment, Verdict};
 
-/// Epochs that are kept at most: four for each pixel of a picture's width.
+/// Largest number of stored epochs: four for each pixel of a picture's width.
 const MOST: usize = 4096;
 
 /// Epochs of the first stretches.
 const SHORTEST: u64 = 4;
 
-/// Epochs, some of which stand for others.
+/// Epochs, some of which represent others.
 #[derive(Clone, Debug)]
 pub struct Thinned {
-    /// In the order of time, each with its number.
+    /// Stored epochs in the order of time, each with its number.
     kept: Vec<(u64, Moment)>,
     stretch: u64,
     all: u64,
@@ -40,7 +41,8 @@ impl Thinned {
         self.kept.push((self.all, moment));
         self.all += 1;
         if self.kept.len() > MOST {
-            // What came since the last time first: longer stretches are for what is thin already.
+            // The epochs since the last time are thinned first, because longer stretches are for
+            // epochs that are thin already.
             self.thin();
             while self.kept.len() > MOST / 2 {
                 self.stretch *= 2;
@@ -49,7 +51,7 @@ impl Thinned {
         }
     }
 
-    /// Lets each stretch give way to its extremes.
+    /// Replaces each stretch by its extremes.
     fn thin(&mut self) {
         let stretch = self.stretch;
         let kept = std::mem::take(&mut self.kept);
@@ -59,7 +61,7 @@ impl Thinned {
         }
     }
 
-    /// Returns the epochs that are kept, in the order of time.
+    /// Returns the stored epochs, in the order of time.
     pub fn moments(&self) -> Vec<Moment> {
         self.kept.iter().map(|(_, moment)| moment.clone()).collect()
     }
@@ -75,7 +77,7 @@ impl Thinned {
     }
 }
 
-/// Returns which epochs of a stretch show all that happens in it, in the order of time.
+/// Returns the epochs of a stretch that show all events in it, in the order of time.
 fn extremes(moments: &[&Moment]) -> Vec<usize> {
     type Value = fn(&Moment) -> Option<f64>;
     const CURVES: [Value; 7] = [
@@ -147,7 +149,7 @@ mod tests {
         for number in [5, 70_001, 123_456] {
             assert!(kept.iter().any(|kept| *kept == moment(number)), "epoch {number}");
         }
-        // The curve is as dense everywhere.
+        // The density of the curve is the same everywhere.
         let widest_s = kept.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).fold(0.0, f64::max);
         assert!(widest_s < f64::from(MANY) / 100.0, "{widest_s} s");
     }

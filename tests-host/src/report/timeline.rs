@@ -1,4 +1,5 @@
-//! What happened over time: the statistic against its threshold, the error against its bound, the verdicts.
+//! Pictures over time: the statistic against its threshold, the error against its bound, the
+//! verdicts.
 //!
 //! The three share their time axis, so that [`stacked`] can put them above each other.
 
@@ -16,16 +17,16 @@ use super::chart::{Axis, LineChart, Series, Span, short, ticks};
 use super::thinned::Thinned;
 use super::{Moment, Verdict};
 
-/// Pixels left and right of the time axis, as a [`LineChart`] has them.
+/// Pixels left and right of the time axis, as in a [`LineChart`].
 const LEFT_PX: i32 = 72;
 const RIGHT_PX: i32 = 22;
 
-/// A stretch of time in which something is wrong.
+/// Interval with a fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Incident {
-    /// What is wrong: `C08 drifts off`.
+    /// Description of the fault: `C08 drifts off`.
     pub name: String,
-    /// When, s since the first epoch.
+    /// Interval, s since the first epoch.
     pub range_s: Range<f64>,
 }
 
@@ -40,7 +41,7 @@ fn line(
     Series { name: name.to_owned(), colour, mark, points: moments.iter().map(point).collect() }
 }
 
-/// Tints of incidents, in order: several that overlap can be told apart.
+/// Tints of incidents, in order, so that overlapping ones differ.
 const TINTS: [RGBColor; 5] = [RED, TEAL, VIOLET, ORANGE, BLUE];
 
 fn spans(incidents: &[Incident]) -> Vec<Span> {
@@ -52,14 +53,14 @@ fn spans(incidents: &[Incident]) -> Vec<Span> {
     incidents.iter().zip(TINTS.iter().cycle()).map(span).collect()
 }
 
-/// From the first to the last epoch.
+/// Returns the axis from the first to the last epoch.
 fn time_axis(moments: &[Moment]) -> Axis {
     let first_s = moments.first().map_or(0.0, |moment| moment.time_s);
     let last_s = moments.last().map_or(1.0, |moment| moment.time_s);
     Axis::linear("time / s").over(first_s..last_s.max(first_s + 1.0))
 }
 
-/// The test statistic against its threshold.
+/// Returns the chart of the test statistic against its threshold.
 pub fn statistic(moments: &[Moment], incidents: &[Incident]) -> LineChart {
     LineChart {
         title: "Do the satellites agree?  Test statistic against threshold".to_owned(),
@@ -73,7 +74,7 @@ pub fn statistic(moments: &[Moment], incidents: &[Incident]) -> LineChart {
     }
 }
 
-/// The horizontal error against the protection level and the alert limit.
+/// Returns the chart of the horizontal error against the protection level and the alert limit.
 pub fn horizontal(moments: &[Moment], incidents: &[Incident]) -> LineChart {
     LineChart {
         title: "Is the error bounded?  Horizontal error against protection level".to_owned(),
@@ -88,7 +89,8 @@ pub fn horizontal(moments: &[Moment], incidents: &[Incident]) -> LineChart {
     }
 }
 
-/// The vertical error against the protection level and, where there is one, the alert limit.
+/// Returns the chart of the vertical error against the protection level and, if there is one, the
+/// alert limit.
 pub fn vertical(moments: &[Moment], incidents: &[Incident]) -> LineChart {
     let mut series = vec![
         line("protection level", VIOLET, Mark::Line, moments, |moment| moment.vpl_m),
@@ -106,13 +108,13 @@ pub fn vertical(moments: &[Moment], incidents: &[Incident]) -> LineChart {
     }
 }
 
-/// Colour and form of a band at an epoch; none where it has a gap.
+/// Colour and form of a band at an epoch; `None` for a gap.
 type Colouring<'a> = &'a dyn Fn(&Moment) -> Option<(RGBColor, Mark)>;
 
-/// Verdict, pin and exclusions as bands over time.
+/// Draws verdict, pin and exclusions as bands over time.
 ///
 /// # Errors
-/// What plotters could not draw.
+/// Plotters fails to draw.
 pub fn bands(area: &Area<'_>, moments: &[Moment]) -> Result<()> {
     let legend = [
         ("protected, pin high", GREEN, Mark::Box),
@@ -149,7 +151,7 @@ const ROW_GAP_PX: i32 = 6;
 /// Height that [`bands`] needs, pixels.
 pub const BANDS_PX: u32 = HEADING_PX + 3 * (ROW_PX + ROW_GAP_PX).cast_unsigned() + 46;
 
-/// The time axis of the bands, pixels.
+/// Time axis of the bands, pixels.
 struct Strip {
     left: i32,
     right: i32,
@@ -168,7 +170,7 @@ impl Strip {
         self.left + (f64::from(self.right - self.left) * fraction).round() as i32
     }
 
-    /// A band: equal neighbours are one box, each epoch lasts until the next.
+    /// Draws a band: equal neighbours are one box, and each epoch lasts until the next.
     fn row(
         &self,
         area: &Area<'_>,
@@ -213,30 +215,32 @@ impl Strip {
     }
 }
 
-/// The bands in a sentence.
+/// Returns the bands in a sentence.
 fn spoken([protected, alerts, unavailable]: [usize; 3]) -> String {
     format!(
         "May the position be used? Epochs protected {protected}, alert {alerts}, unavailable {unavailable}"
     )
 }
 
-/// [`bands`] as a picture.
+/// Returns [`bands`] as a picture.
 ///
 /// # Errors
-/// What plotters could not draw.
+/// Plotters fails to draw.
 pub fn bands_svg(moments: &[Moment], width_px: u32, ground: Ground) -> Result<String> {
     svg((width_px, BANDS_PX), ground, &spoken(tally(moments)), |area| bands(area, moments))
 }
 
-/// Charts over time and the bands above each other: cause, effect and answer in one picture.
+/// Returns charts over time and the bands above each other: cause, effect and verdict in one
+/// picture.
 ///
 /// # Errors
-/// What plotters could not draw.
+/// Plotters fails to draw.
 pub fn stacked(charts: &[LineChart], moments: &[Moment], ground: Ground) -> Result<String> {
     stacked_of(charts, moments, tally(moments), ground)
 }
 
-/// As [`stacked`], where moments stand for others: of each verdict there are as many as `tally` says.
+/// Returns the same as [`stacked`] for moments that represent others: `tally` has the number of
+/// each verdict.
 fn stacked_of(charts: &[LineChart], moments: &[Moment], tally: [usize; 3], ground: Ground) -> Result<String> {
     const PANEL_PX: u32 = 260;
     let titles: Vec<&str> = charts.iter().map(|chart| chart.title.as_str()).collect();
@@ -252,17 +256,17 @@ fn stacked_of(charts: &[LineChart], moments: &[Moment], tally: [usize; 3], groun
     })
 }
 
-/// Statistic, horizontal error and verdicts above each other.
+/// Returns statistic, horizontal error and verdicts above each other.
 ///
 /// # Errors
-/// What plotters could not draw.
+/// Plotters fails to draw.
 pub fn picture(thinned: &Thinned, incidents: &[Incident], ground: Ground) -> Result<String> {
     let moments = thinned.moments();
     let charts = [statistic(&moments, incidents), horizontal(&moments, incidents)];
     stacked_of(&charts, &moments, thinned.verdicts(), ground)
 }
 
-/// How long each verdict held, in epochs: protected, alert, unavailable.
+/// Returns the number of epochs of each verdict: protected, alert, unavailable.
 pub fn tally(moments: &[Moment]) -> [usize; 3] {
     [Verdict::Protected, Verdict::Alert, Verdict::Unavailable]
         .map(|verdict| moments.iter().filter(|moment| moment.verdict == verdict).count())

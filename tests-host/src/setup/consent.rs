@@ -15,7 +15,8 @@ pub fn assume_yes() {
 /// Announces the commands, and returns once the user has agreed to them.
 ///
 /// # Errors
-/// If the user refuses, or if there is no terminal to ask on and neither `--yes` nor `CI` stands for a yes.
+/// If the user refuses, or if there is no terminal to ask on and neither `--yes` nor `CI` stands
+/// for a yes.
 pub(super) fn ask(commands: &[String]) -> anyhow::Result<()> {
     let list = commands.join("\n    ");
     eprintln!("The set-up installs what is missing:\n\n    {list}\n");

@@ -1,6 +1,6 @@
 //! The emulator: the one on the path, or Debian's packages of it unpacked below `target`.
 //!
-//! To unpack needs no rights and changes nothing outside the project. It also works where the
+//! Unpacking needs no rights and changes nothing outside the project. It also works where the
 //! system's own package of the emulator would remove another package. `apt-get` keeps its lists and
 //! archives in the same folder, so that a machine that has never fetched any needs no step before.
 
@@ -43,7 +43,7 @@ fn unpacked() -> PathBuf {
     files().join("usr/bin").join(PROGRAM)
 }
 
-/// The folders of the unpacked libraries, and those that the caller has named.
+/// Returns the folders of the unpacked libraries, and those that the caller has named.
 fn libraries() -> OsString {
     let triplets = ["x86_64", "aarch64", "i386", "arm"].map(|processor| match processor {
         "arm" => "arm-linux-gnueabihf".to_owned(),
@@ -89,8 +89,8 @@ pub(super) fn unpack() -> Result<()> {
     Ok(())
 }
 
-/// The packages that the emulator needs and the system lacks; never the C library, which belongs to
-/// the system's own loader.
+/// Returns the packages that the emulator needs and the system lacks; never the C library, which
+/// belongs to the system's own loader.
 fn missing_packages(archives: &Path) -> Result<Vec<String>> {
     let arguments = ["install", "--simulate", "--no-install-recommends", PROGRAM];
     let output = apt_command(archives, &arguments).output().context("apt-get cannot be run")?;
@@ -102,7 +102,7 @@ fn missing_packages(archives: &Path) -> Result<Vec<String>> {
     Ok(installed_by(&String::from_utf8_lossy(&output.stdout)))
 }
 
-/// The names of the packages that a simulation of `apt-get install` would install.
+/// Returns the names of the packages that a simulation of `apt-get install` would install.
 fn installed_by(simulation: &str) -> Vec<String> {
     let names = simulation.lines().filter_map(|line| line.strip_prefix("Inst ")?.split(' ').next());
     names.filter(|name| !name.starts_with("libc6")).map(str::to_owned).collect()
@@ -115,7 +115,7 @@ fn apt(archives: &Path, arguments: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// `apt-get` with its lists and archives in the project's folder.
+/// Returns `apt-get` with its lists and archives in the project's folder.
 fn apt_command(archives: &Path, arguments: &[&str]) -> Command {
     let option = |name: &str, value: &Path| format!("{name}={}", value.display());
     let mut command = Command::new("apt-get");

@@ -1,7 +1,7 @@
 //! Set-up: the programs that a machine needs beside the Rust toolchain, and how it gets them.
 //!
-//! [`Machine::look`] collects facts, [`plan`] turns facts into steps, and [`ensure()`] takes the steps.
-//! If nothing is missing, the look takes milliseconds, so every command can afford it.
+//! [`Machine::look`] collects facts, [`plan`] turns facts into steps, and [`ensure()`] takes the
+//! steps. If nothing is missing, the look takes milliseconds, so every command can afford it.
 //!
 //! | step | changes | asks first |
 //! |---|---|---|
@@ -126,8 +126,8 @@ impl Machine {
 /// Installs the parts that every command needs; prints nothing if none is missing.
 ///
 /// # Errors
-/// If a step fails, if the user refuses it, or if only the user can take it: the message is then the
-/// command to type.
+/// If a step fails, if the user refuses it, or if only the user can take it: the message is then
+/// the command to type.
 pub fn ensure() -> anyhow::Result<()> {
     settle(Machine::look)
 }
@@ -151,8 +151,8 @@ fn settle(look: fn() -> Machine) -> anyhow::Result<()> {
 /// Packages of Python that read the module's sentences and messages.
 const PYTHON_PACKAGES: [&str; 2] = ["pynmea2", "pymavlink"];
 
-/// Installs the programs that tests compare the module with: gpsd, RTKLIB's `convbin`, and packages of
-/// Python in a folder of their own below `target`. Nothing but these tests needs them.
+/// Installs the programs that tests compare the module with: gpsd, RTKLIB's `convbin`, and packages
+/// of Python in a folder of their own below `target`. Nothing but these tests needs them.
 ///
 /// # Errors
 /// As [`ensure()`].
@@ -186,7 +186,8 @@ pub fn can_compile_peers() -> bool {
     library.is_ok_and(|output| output.stdout.contains(&b'/'))
 }
 
-/// Returns the Python that has the consumers' packages: the one that [`consumers`] makes, or the system's.
+/// Returns the Python that has the consumers' packages: the one that [`consumers`] makes, or the
+/// system's.
 pub fn python() -> PathBuf {
     let made = python_of_consumers();
     if made.is_file() { made } else { PathBuf::from("python3") }

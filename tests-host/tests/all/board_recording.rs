@@ -17,14 +17,14 @@ use tests_host::sky::Sight;
 use tests_host::sky::raw::Simulation;
 use tests_host::stations::{ESBC, STATIC_BASE};
 
-/// A command that changes nothing.
+/// Command that changes nothing.
 const AS_IT_STARTS: &str = "PHASE,NPA";
 
 /// Largest cost of an epoch on the chip, instructions, without the first one with all its
 /// ephemerides.
 const EPOCH_INSTRUCTIONS: u64 = 4_000_000;
 
-/// What both have said of some lumps.
+/// Sentences of both for some lumps.
 struct Both {
     host: String,
     board: String,
@@ -53,13 +53,14 @@ fn assert_identical(lumps: &[Lump], command: &str) -> Both {
     both
 }
 
-/// States and reasons, epoch by epoch.
+/// Returns states and reasons, epoch by epoch.
 fn verdicts(sentences: &str) -> Vec<(char, String)> {
     let epochs = sentence::epochs(sentences).unwrap();
     epochs.into_iter().map(|epoch| (epoch.state.state, epoch.state.reason)).collect()
 }
 
-/// By the tags, satellites agree for a minute after the alert; by the board's clock, for some tenths of a second.
+/// Satellites agree for a minute after the alert by the tags, and for some tenths of a second by
+/// the board's clock.
 #[test]
 fn a_recovery_ends_with_the_same_epoch() {
     if !is_installed() {
@@ -67,7 +68,7 @@ fn a_recovery_ends_with_the_same_epoch() {
     }
     let simulation = Simulation { step_s: 30.0, ..Simulation::above_xian(3600.0, 16, 5) };
     let seen = simulation.sights_at(0);
-    // More satellites than are left out.
+    // The faults are of more satellites than can be excluded.
     let fault = |(sight, bias_m): (&Sight, i32)| {
         Fault::parse_inject(&format!("{}:{bias_m:+}@120..210", sight.satellite)).unwrap()
     };

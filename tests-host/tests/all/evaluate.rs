@@ -4,7 +4,7 @@
 use serde_json::{Value, json};
 use tests_host::evaluate::{self, Part, Scalar, Summary};
 
-/// Six satellites of one constellation: two degrees of freedom.
+/// Returns six satellites of one constellation: two degrees of freedom.
 fn epoch() -> Value {
     json!({
         "id": "six",

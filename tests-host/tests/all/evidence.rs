@@ -1,11 +1,13 @@
 //! The evidence for every message that the module reads, from outside this project.
 //!
-//! A format rule that only the project's own encoder confirms is unconfirmed: encoder and reader can share a mistake. Evidence
-//! is a recorded device, or another program that checks the rule in question. RTKLIB reads elements and never checks the parity
-//! of GPS words, so it is no evidence for that parity.
+//! A format rule that only the project's own encoder confirms is unconfirmed: encoder and reader
+//! can share a mistake. Evidence is a recorded device, or another program that checks the rule in
+//! question. RTKLIB reads elements and never checks the parity of GPS words, so it is no evidence
+//! for that parity.
 //!
-//! [`ROWS`] is compared with the messages that the module reads, found by probing, with the flags in the documentation of
-//! `ephemeris/health.rs`, and with the list of unconfirmed rows in INTERFACES.md.
+//! [`ROWS`] is compared with the messages that the module reads, found by probing, with the flags
+//! in the documentation of `ephemeris/health.rs`, and with the list of unconfirmed rows in
+//! INTERFACES.md.
 
 use std::collections::BTreeSet;
 use std::io::Read as _;
@@ -54,11 +56,12 @@ const F9R: &str = "real/f9r_rtcm_ubx.log.gz";
 const GMSD7: &str = "real/gmsd7_2012.rtcm3.gz";
 /// Navigation bits of a ZED-F9P.
 const F9P: &str = "real/f9p_sfrbx.ubx";
-/// Streams that another program wrote and RTKLIB and `pyubx2` read back; `ubx::streams` compares them.
+/// Streams that another program wrote and RTKLIB and `pyubx2` read back; `ubx::streams` compares
+/// them.
 const STREAMS: Evidence = Program("independent UBX writer, read back by RTKLIB and pyubx2");
 /// `rtcm-rs` writes them from a table of its own.
 const RTCM_RS: Evidence = Program("rtcm-rs");
-/// RTKLIB's `convbin` says the same of the same bits; `ubx::rtklib` compares it.
+/// RTKLIB's `convbin` gives the same values for the same bits; `ubx::rtklib` compares them.
 const RTKLIB: Evidence = Program("RTKLIB");
 
 const ROWS: [(Rule, &str, Evidence); 76] = [
@@ -187,8 +190,8 @@ fn every_message_that_is_read_has_a_row() {
     );
 }
 
-/// Returns the rows of a table in Markdown below a line, without the two of its head: the text between the first and the
-/// last bar.
+/// Returns the rows of a table in Markdown below a line, without the two of its head: the text
+/// between the first and the last bar.
 fn table_below(text: &str, head: &str) -> Vec<String> {
     let below =
         text.lines().map(|line| line.trim_start_matches("//!").trim()).skip_while(|line| *line != head);
@@ -217,7 +220,8 @@ fn documentation_lists_what_nothing_outside_confirms() {
     assert_eq!(listed, unconfirmed);
 }
 
-/// Returns a capture of the reference folder, unpacked; counts the test as skipped where there is none.
+/// Returns a capture of the reference folder, unpacked; counts the test as skipped if it is
+/// missing.
 fn capture(relative: &str) -> Option<Vec<u8>> {
     let bytes = std::fs::read(shared::path_or_skip(&format!("data/{relative}"))?).unwrap();
     if Path::new(relative).extension().is_none_or(|ending| ending != "gz") {
@@ -242,7 +246,7 @@ fn holds(bytes: &[u8], rule: Rule) -> bool {
     pieces(bytes).any(|piece| is_it(piece.kind, piece.bytes))
 }
 
-/// Returns what was refused for its form, its check or its values.
+/// Returns the counters of input refused for its form, its check or its values.
 fn refused(counters: &Counters) -> [u32; 8] {
     [
         counters.messages_malformed,
@@ -275,8 +279,8 @@ fn recorded_devices_send_the_messages_and_nothing_of_them_is_refused() {
         });
         println!("{file}: {ephemerides} ephemerides, {epochs} epochs, {:?}", input.counters());
         let mut want = [0; 8];
-        // C50 flies as the geostationary satellites do, under a number that is none of theirs: no rule says which plane its
-        // elements are written in.
+        // C50 flies as the geostationary satellites do, under a number that is none of theirs: no
+        // rule says which plane its elements are written in.
         want[1] = u32::from(file == F9R);
         assert_eq!(refused(input.counters()), want, "{file}: {:?}", input.counters());
     }

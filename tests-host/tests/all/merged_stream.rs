@@ -1,5 +1,6 @@
-//! A stream that carries the ephemerides of more satellites than the store holds, as a caster's or a merged file's: those in view
-//! keep theirs, in whatever order the systems come, and no system makes levels worse.
+//! A stream with the ephemerides of more satellites than the store holds, such as a caster's or a
+//! merged file's. Satellites in view keep their sets, in whatever order the systems come, and no
+//! system makes levels worse.
 
 use std::collections::BTreeMap;
 
@@ -14,18 +15,18 @@ use tests_host::sky::Fleet;
 use tests_host::sky::raw::Simulation;
 use tests_host::stations::{ESBC, Station, TLSE};
 
-/// How a caster divides its sets over the time until they come again.
+/// Distribution of a caster's sets over the time until they come again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Pace {
-    /// Evenly.
+    /// Even over the time.
     Even,
     /// All at once, before the ranges of an epoch.
     Burst,
 }
 
-/// Sends the newest set of every satellite of the world, system by system, over and over.
+/// Caster that sends the newest set of every satellite of the world, system by system, repeatedly.
 struct Caster {
-    /// Message and time of each set, by satellite, in the order of the systems.
+    /// Time and message of each set, by satellite, in the order of the systems.
     satellites: Vec<Vec<(GpsTime, Vec<u8>)>>,
     period_s: usize,
     pace: Pace,
@@ -46,7 +47,7 @@ impl Caster {
         Self { satellites, period_s, pace }
     }
 
-    /// The sets that are due in one of so many seconds.
+    /// Returns the sets that are due in a second, of a number of seconds.
     fn due(&self, second: usize, seconds: usize, now: GpsTime) -> Vec<u8> {
         let many = self.satellites.len();
         let (from, due) = match self.pace {
@@ -65,7 +66,7 @@ impl Caster {
     }
 }
 
-/// The message of one set.
+/// Returns the message of one set.
 fn message(set: &TimedEphemeris) -> Vec<u8> {
     let letter = set.satellite.name().0.to_string();
     let selection = Selection::new(&letter, Frequency::Dual).unwrap();
@@ -75,11 +76,11 @@ fn message(set: &TimedEphemeris) -> Vec<u8> {
     bytes[..length].to_vec()
 }
 
-/// What the module says of each epoch: levels, and how many satellites lack an ephemeris.
+/// Output of the module for each epoch: levels, and the number of satellites without an ephemeris.
 #[derive(Debug, Default)]
 struct Outcome {
     seen: Vec<Seen>,
-    /// Satellites without an ephemeris, epoch by epoch.
+    /// Number of satellites without an ephemeris, epoch by epoch.
     missing: Vec<u32>,
     displaced: u32,
 }
@@ -97,7 +98,7 @@ impl Outcome {
         self.seen[epoch].said.state.hpl_m.unwrap_or(f64::INFINITY)
     }
 
-    /// Mean of the vertical level over protected epochs, m.
+    /// Returns the mean of the vertical level over protected epochs, m.
     fn mean_vpl_m(&self) -> f64 {
         let levels = self
             .seen
@@ -109,7 +110,8 @@ impl Outcome {
     }
 }
 
-/// Feeds the ranges of some systems, and the sets of a caster, or those that a receiver would send.
+/// Feeds the ranges of some systems, with the sets of a caster, or with those that a receiver would
+/// send.
 fn hear(recording: &Recording, systems: &str, caster: Option<&Caster>, step_s: usize) -> Outcome {
     let selection = Selection::new(systems, Frequency::Dual).unwrap();
     let sets: &[TimedEphemeris] = if caster.is_some() { &[] } else { &recording.ephemerides };
@@ -121,7 +123,7 @@ fn hear(recording: &Recording, systems: &str, caster: Option<&Caster>, step_s: u
         let mut bytes =
             caster.map(|caster| caster.due(index * step_s, step_s, epoch.time)).unwrap_or_default();
         bytes.extend(encoder.epoch(epoch).unwrap());
-        // Behind it may stand that the line has been silent since.
+        // An alert for a silent line may follow it.
         outcome.seen.extend(victim.hear(&bytes, truth).unwrap().into_iter().next());
         let missing = victim.counter("ephemeris_missing");
         outcome.missing.push(missing - std::mem::replace(&mut before, missing));
@@ -130,7 +132,7 @@ fn hear(recording: &Recording, systems: &str, caster: Option<&Caster>, step_s: u
     outcome
 }
 
-/// A sky of 99 satellites.
+/// Returns a sky of 99 satellites.
 fn sky(epochs: u32, step_s: f64) -> Recording {
     let fleets = [Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal];
     let simulation = Simulation {
@@ -180,7 +182,7 @@ fn satellites_that_rise_have_their_ephemerides_within_one_repetition() {
     for (period_s, pace) in [30, 60].into_iter().flat_map(|period_s| PACES.map(|pace| (period_s, pace))) {
         let caster = Caster::new(&recording.ephemerides, "GEC", period_s, pace);
         let have = hear(&recording, "GEC", Some(&caster), STEP_S);
-        // Each satellite that rises or comes back may lack its set until it comes again.
+        // Each satellite that rises or returns may lack its set until it comes again.
         let rising: usize = recording
             .epochs
             .windows(2)
@@ -199,7 +201,7 @@ fn satellites_that_rise_have_their_ephemerides_within_one_repetition() {
     }
 }
 
-/// The station's day or part of it with the sets of its whole navigation file.
+/// Runs the station's day or part of it with the sets of its whole navigation file.
 fn real(
     station: &Station,
     systems: &str,
@@ -238,7 +240,7 @@ fn a_merged_file_gives_the_levels_of_a_receivers_own_sets() {
             let outcomes = real(station, "GEC", step_s, epochs, (period_s, pace));
             let Some((caster, receiver)) = outcomes else { return };
             assert_eq!(caster.displaced, 0);
-            // The first minutes are those in which the sets come.
+            // In the first minutes the sets come.
             assert!(caster.protected() + 130 >= receiver.protected());
             assert!(caster.mean_vpl_m() <= 1.02 * receiver.mean_vpl_m());
         }

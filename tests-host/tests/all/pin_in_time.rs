@@ -89,7 +89,8 @@ fn whatever_the_host_sends_the_pin_is_in_time() {
     }
 }
 
-/// Sentences of epochs that a host hears while it sends `flood` at the rate of its line: `PRAIS` and `PRAIN`.
+/// Sentences of epochs that a host hears while it sends `flood` at the rate of its line: `PRAIS`
+/// and `PRAIN`.
 fn heard_beside(flood: &str, lumps: &[Vec<u8>]) -> ([usize; 2], Outcome) {
     let lines = Lines { flood: flood.as_bytes(), ..every(1000) };
     let have = run(lumps, QUIET, lines, Costs::measured(FULL_HZ, EPOCH));
@@ -101,7 +102,7 @@ fn heard_beside(flood: &str, lumps: &[Vec<u8>]) -> ([usize; 2], Outcome) {
 #[test]
 fn whatever_the_host_sends_it_hears_every_epoch() {
     let lumps = lumps(63);
-    // Settings that take the most room where all of them are reported.
+    // Settings with the longest text when all of them are reported.
     let long = ["G", "E", "C", "R"].map(|system| {
         command(&format!("ISM,{system},99.123456,98.123456,97.123456,1.234567891e-12,1.234567891e-12"))
     });
@@ -116,12 +117,13 @@ fn whatever_the_host_sends_it_hears_every_epoch() {
         command("SELFTEST"),
         command("STATS"),
         command("OUTPUT"),
-        // Each changes what a promise rests on, and is answered by all settings besides.
+        // Each changes a setting that protection depends on, and all settings are reported after
+        // it.
         [command("MASK,9"), command("MASK,10")].concat(),
     ];
     for flood in &floods {
         let (heard, have) = heard_beside(flood, &lumps);
-        // A promise that is taken back is a `PRAIS` of its own.
+        // A withdrawn verdict is a `PRAIS` of its own.
         let case = format!("{:?}: {heard:?}, {} lost", flood.trim_end(), have.counter("sentences_lost"));
         assert!(heard[0] >= 60 && heard[1] == 60, "{case}");
         assert_eq!(have.counter("sentences_lost"), 0, "{case}");

@@ -13,14 +13,15 @@ use raim::run::{Arguments, Plan, serve};
 use tests_host::encode::{Frequency, Selection, ubx};
 use tests_host::sky::raw::Simulation;
 
-/// Epochs a second that the receiver sends.
+/// Epochs per second that the receiver sends.
 const RATE_HZ: u32 = 5;
-/// Time to alert that the service is asked for, s.
+/// Time to alert that the service is set to, s.
 const TIME_TO_ALERT_S: f64 = 1.0;
-/// What the service may take beyond it, s.
+/// Largest excess of the service over it, s.
 const ALLOWANCE_S: f64 = 0.2;
 
-/// What a u-blox receiver sends of a simulated sky: orbits first, then one epoch a piece.
+/// Returns the stream of a u-blox receiver under a simulated sky: orbits first, then one epoch in
+/// each piece.
 fn pieces(epochs: u32) -> Vec<Vec<u8>> {
     let mut simulation = Simulation::above_xian(3600.0, epochs, 11);
     simulation.step_s = 1.0 / f64::from(RATE_HZ);
@@ -34,7 +35,7 @@ fn pieces(epochs: u32) -> Vec<Vec<u8>> {
     [orbits].into_iter().chain(epochs).collect()
 }
 
-/// A service with a receiver on TCP, until it is dropped.
+/// Service with a receiver on TCP, until it is dropped.
 struct Service {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<anyhow::Result<()>>>,
@@ -81,12 +82,12 @@ impl Drop for Service {
     }
 }
 
-/// Whether the pin is high.
+/// Returns true if the pin is high.
 fn is_high(folder: &Path) -> bool {
     fs::read_to_string(folder.join("pin")).is_ok_and(|level| level == "1\n")
 }
 
-/// Waits until the pin has this level, and returns how long it took.
+/// Waits until the pin has this level, and returns the time that it took.
 fn wait_for(folder: &Path, high: bool, longest: Duration) -> Duration {
     let start = Instant::now();
     while is_high(folder) != high {
@@ -104,7 +105,7 @@ fn wait_for(folder: &Path, high: bool, longest: Duration) -> Duration {
 fn pin_falls_within_the_time_to_alert_of_a_silent_receiver_whatever_clients_do() {
     let folder = tempfile::tempdir().unwrap();
     let service = Service::start(folder.path());
-    // One client reads, one never reads, one is gone at once; nobody opens the terminal.
+    // One client reads, one never reads, one is gone at once; nothing opens the terminal.
     let (mut reader, _idle) = (service.client(), service.client());
     drop(service.client());
     let (mut line, _) = service.receiver.accept().unwrap();
@@ -123,7 +124,8 @@ fn pin_falls_within_the_time_to_alert_of_a_silent_receiver_whatever_clients_do()
     let _ = reader.read_to_end(&mut sentences);
     let sentences = String::from_utf8_lossy(&sentences);
     assert!(sentences.contains(",P,OK,") && sentences.contains(",A,STALE,"), "{sentences}");
-    // It comes back in its own time, and is promised again: what is tagged as old as it is came late.
+    // The receiver returns on time, because epochs with the tags of before would be late, and the
+    // position is protected again.
     let missed = (last_epoch.elapsed().as_secs_f64() * f64::from(RATE_HZ)).ceil() as usize;
     for piece in pieces(60).into_iter().skip(21 + missed).take(20) {
         line.write_all(&piece).unwrap();

@@ -1,7 +1,9 @@
-//! The date at the end of a week: both meanings of a stated week, every order of systems, lumps and single bytes.
+//! The date at the end of a week: both meanings of a stated week, every order of systems, lumps and
+//! single bytes.
 //!
-//! In the simulated sky every GPS and Galileo set of the last half hour has its reference time in the next week, and every one of
-//! `BeiDou` in this one. Right values follow from the simulation's own time.
+//! In the simulated sky every GPS and Galileo set of the last half hour has its reference time in
+//! the next week, and every one of `BeiDou` in this one. Right values follow from the simulation's
+//! own time.
 
 use raim_core::satellite::Constellation;
 use raim_firmware::input::{Event, Input};
@@ -77,14 +79,14 @@ fn sky(
     recording.epochs.iter().map(second).collect()
 }
 
-/// The field `ddmmyy` of `RMC` at an instant, by a calendar of its own.
+/// Returns the field `ddmmyy` of `RMC` at an instant, by a calendar of its own.
 fn ddmmyy(time: GpsTime) -> String {
     let day = ((time.to_ms() - 18_000) / 86_400_000).cast_signed() + UNIX_DAYS;
     let date = civil_from_days(day);
     format!("{:02}{:02}{:02}", date.2, date.1, date.0 % 100)
 }
 
-/// Year, month, day of days since 1970-01-01, counted day by day.
+/// Returns year, month, day of days since 1970-01-01, counted day by day.
 fn civil_from_days(mut days: i64) -> (i64, u32, u32) {
     let is_leap = |year: i64| year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
     let mut year = 1970;
@@ -104,7 +106,7 @@ fn civil_from_days(mut days: i64) -> (i64, u32, u32) {
     (year, month, days as u32 + 1)
 }
 
-/// The date of each epoch as the module sends it, and true where it promises the position.
+/// Returns the date of each epoch in the output, and true if its position is protected.
 fn dates(lumps: &[Vec<u8>], by_byte: bool) -> Vec<(String, bool)> {
     let mut receiver = Receiver::new(Pin::default(), Boot::on_host("week end")).unwrap();
     let mut dates = Vec::new();
@@ -173,7 +175,8 @@ fn sets_that_come_after_the_first_epoch_mend_the_date_without_loss() {
                     [of_first.unwrap_or_default(), second.ranges.clone()].concat()
                 })
                 .collect();
-            // Weeks of toe of GPS and Galileo alone look like those of transmission, until BeiDou speaks.
+            // Weeks of toe of GPS and Galileo alone look like those of transmission, until BeiDou
+            // speaks.
             let beidou = order.find('C').unwrap();
             let first = if stated == StatedWeek::Toe { beidou } else { 0 };
             check(&seconds, &lumps, first, &format!("{order}, {stated:?}"));

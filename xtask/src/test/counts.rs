@@ -1,4 +1,4 @@
-//! How many tests passed, failed and were skipped, as the log of a step tells.
+//! Numbers of tests passed, failed and skipped, from the log of a step.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ pub(super) struct Counts {
     pub(super) skipped: usize,
 }
 
-/// The beginning of the line by which the tests' step tells how many were skipped for lack of a
+/// Beginning of the line in which the tests' step prints the number of tests skipped for lack of a
 /// recording or a program. The runner counts these as passed.
 pub(super) const SKIPPED_TESTS: &str = "tests skipped for lack of a recording or a program: ";
 
@@ -35,8 +35,8 @@ impl Counts {
     }
 }
 
-/// The counts of a closing line: `test result: ok. 3 passed; 0 failed; 1 ignored; …` of cargo, or
-/// `Summary [ 3.1s] 4 tests run: 4 passed (1 slow), 2 skipped` of nextest.
+/// Returns the counts of a closing line: `test result: ok. 3 passed; 0 failed; 1 ignored; …` of
+/// cargo, or `Summary [ 3.1s] 4 tests run: 4 passed (1 slow), 2 skipped` of nextest.
 fn of_line(line: &str) -> Option<Counts> {
     let line = line.trim();
     let is_closing = line.starts_with("test result:") || line.starts_with("Summary [");

@@ -1,9 +1,9 @@
 //! `cargo xtask test`: the checks that every change must pass.
 //!
-//! Each step runs in a process of its own, whatever the steps before it found, so that one run reports
-//! all failures. Its output goes to a log; the terminal gets one line per step, and the end of the log
-//! if the step fails. Two lanes run side by side and build in folders of their own: the link of a whole
-//! image keeps one core busy, and leaves the other to the host.
+//! Each step runs in a process of its own, whatever the steps before it found, so that one run
+//! reports all failures. Its output goes to a log; the terminal gets one line per step, and the end
+//! of the log if the step fails. Two lanes run side by side and build in folders of their own: the
+//! link of a whole image keeps one core busy, and leaves the other to the host.
 
 mod counts;
 mod steps;
@@ -91,7 +91,7 @@ fn alone(name: &str, arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// The beginning of the line by which a step's process tells that it was skipped, and for lack of what.
+/// Beginning of the line in which a skipped step prints the requirement that it lacks.
 const SKIPPED: &str = "step skipped: needs ";
 
 /// Runs a step in a process of its own.

@@ -108,7 +108,8 @@ fn libraries() -> Result<Done> {
     cargo(&arguments)
 }
 
-/// Runs all tests, by nextest if it is installed because it is faster, and counts those that cannot run here.
+/// Runs all tests, by nextest if it is installed because it is faster, and counts those that cannot
+/// run here.
 fn tests(bless: bool, all: bool) -> Result<Done> {
     let nextest = command(&["nextest", "--version"]).output().is_ok_and(|output| output.status.success());
     let arguments: &[&str] = if nextest {
@@ -136,7 +137,7 @@ fn tests(bless: bool, all: bool) -> Result<Done> {
     Ok(Done::Passed)
 }
 
-/// Each skipped test with all that it needs.
+/// Returns each skipped test with all that it needs.
 fn skipped(lines: &str) -> BTreeMap<&str, Vec<&str>> {
     let mut tests = BTreeMap::<&str, Vec<&str>>::new();
     for (test, needs) in lines.lines().filter_map(|line| line.split_once('\t')) {

@@ -24,7 +24,7 @@ fn epoch(ranges: &[Range]) -> Epoch {
     epoch
 }
 
-/// Mostly good ranges, some faulty by metres to kilometres.
+/// Returns mostly good ranges, some faulty by metres to kilometres.
 fn any_range() -> impl Strategy<Value = Range> {
     any_range_of(0usize..3)
 }
@@ -49,7 +49,7 @@ fn row(range: &Range) -> Vector4<f64> {
     Vector4::new(-east, -north, -up, 1.0)
 }
 
-/// `tr (Σ h hᵀ)⁻¹` of some ranges, with one common clock.
+/// Returns `tr (Σ h hᵀ)⁻¹` of some ranges, with one common clock.
 fn gdop_squared(ranges: &[Range], members: &[usize]) -> f64 {
     let normal = members
         .iter()
@@ -124,8 +124,8 @@ fn clocks_of(ranges: &[Range]) -> Vec<Constellation> {
     clocks
 }
 
-/// Prediction of a range from a solution: residual, and the variance that the solution adds to it;
-/// without a clock where the solution has none of that constellation.
+/// Returns the prediction of a range from a solution: residual, and the variance that the solution
+/// adds to it. The clock is left out if the solution has none of that constellation.
 fn predict(range: &Range, solution: &Dense, clocks: &[Constellation]) -> (f64, f64) {
     let [east, north, up] = range.line_of_sight;
     let of_clock = clocks.iter().map(|clock| f64::from(u8::from(*clock == range.constellation)));
@@ -139,7 +139,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     f64::midpoint(values[last / 2], values[last.div_ceil(2)])
 }
 
-/// `z²` of the ranges outside a subset, by index.
+/// Returns `z²` of the ranges outside a subset, by index.
 fn deviations(ranges: &[Range], members: &[usize]) -> Option<Vec<(usize, f64)>> {
     let inside = of(ranges, members);
     let (solution, clocks) = (oracle::solve(&inside)?, clocks_of(&inside));
@@ -165,7 +165,7 @@ fn deviations(ranges: &[Range], members: &[usize]) -> Option<Vec<(usize, f64)>> 
     Some(outside.map(|index| (index, squared(index))).collect())
 }
 
-/// The accepted subset and the rows that disagree with it; `None` if no subset is accepted.
+/// Returns the accepted subset and the rows that disagree with it; `None` if no subset is accepted.
 fn vote(ranges: &[Range], subsets: &[Vec<usize>], bound: f64) -> Option<(usize, Vec<usize>)> {
     let most = 3.min(subsets.len() - 1);
     let votes = subsets.iter().enumerate().filter_map(|(number, members)| {
@@ -346,7 +346,8 @@ fn refined(
     Some((out, true))
 }
 
-/// The largest w-test among ranges that can be tested; `None` where two are as large.
+/// Returns the index of the largest w-test among ranges that can be tested; `None` if two are as
+/// large.
 fn worst(ranges: &[Range], members: &[usize], solution: &Dense) -> Option<usize> {
     let squared = |row: usize| {
         let redundancy = solution.projection[(row, row)];
@@ -358,7 +359,7 @@ fn worst(ranges: &[Range], members: &[usize], solution: &Dense) -> Option<usize>
     (squared(order[1]) < squared(order[0]) * (1.0 - 1e-6)).then_some(order[0])
 }
 
-/// Eight satellites, twice the same four directions turned by a little.
+/// Returns eight satellites, twice the same four directions turned by a little.
 fn two_alike(first: [f64; 4], second: [f64; 4]) -> Vec<Range> {
     let directions = [(0.0, 0.2), (2.1, 0.25), (4.2, 0.3), (1.0, 0.98)];
     let range = |turned: f64| {
@@ -391,7 +392,8 @@ fn towards(direction: Vector3<f64>, residual_m: f64) -> Range {
     Range { line_of_sight, constellation: Constellation::Gps, residual_m, sigma_m: 3.0 }
 }
 
-/// Four well spread, the first of them faulty, and four halfway up, `apart` from each other.
+/// Returns four well spread ranges, the first of them faulty, and four halfway up, `apart` from
+/// each other.
 fn four_and_a_cluster(apart: f64) -> Vec<Range> {
     let spread = [(0.9, 0.0, 0.3), (-0.5, 0.8, 0.2), (-0.5, -0.8, 0.2), (0.0, 0.0, 1.0)];
     let around = [(1.0, 0.0), (-0.5, 0.9), (-0.5, -0.9), (0.1, 0.2)];
@@ -404,7 +406,7 @@ fn four_and_a_cluster(apart: f64) -> Vec<Range> {
     four.chain(cluster).collect()
 }
 
-/// PDOP of the cluster.
+/// Returns the PDOP of the cluster.
 fn pdop_of_the_cluster(ranges: &[Range]) -> f64 {
     let solution = oracle::solve(&ranges[4..]).unwrap();
     (0..3).map(|axis| solution.covariance_m2[(axis, axis)] / 9.0).sum::<f64>().sqrt()

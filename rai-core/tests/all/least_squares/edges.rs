@@ -25,7 +25,7 @@ fn solve<T: raim_core::numeric::real::Real>(ranges: &[Range]) -> Result<Snapshot
     solved(epoch)
 }
 
-/// Seven of GPS, well spread, of differing quality.
+/// Returns seven ranges of GPS, well spread, of differing quality.
 fn seven() -> Vec<Range> {
     let places =
         [(0.0, 0.2), (60.0, 0.7), (110.0, 0.3), (170.0, 0.5), (230.0, 0.9), (280.0, 0.25), (330.0, 0.6)];

@@ -40,7 +40,7 @@ fn nearly_a_cone(off: f64, constellations: usize, sigmas_m: &[f64]) -> Vec<Range
     sigmas_m.iter().enumerate().map(of).collect()
 }
 
-/// `tr (HᵀH)⁻¹`, clocks included.
+/// Returns `tr (HᵀH)⁻¹`, clocks included.
 fn gdop_squared(ranges: &[Range]) -> f64 {
     let plain: Vec<Range> = ranges.iter().map(|range| Range { sigma_m: 1.0, ..*range }).collect();
     oracle::solve(&plain).map_or(f64::INFINITY, |solution| solution.covariance_m2.trace())
@@ -104,7 +104,7 @@ proptest! {
     }
 }
 
-/// Four satellites and one above on another constellation's clock; without one of the four there is
+/// Returns four satellites and one above of another constellation. Without one of the four there is
 /// no position.
 fn barely_enough() -> Vec<Range> {
     let corners = [(0.0, 0.3), (1.6, 0.5), (3.2, 0.2), (4.7, 0.4)];

@@ -21,7 +21,7 @@ use super::oracle::{self, Range};
 /// Rows identified, or the reason why there are none, and the number of sets compared.
 type Answer = (Result<Vec<usize>, Unidentified>, usize);
 
-/// An epoch, what is accepted of it, and answers by trying all.
+/// An epoch, its thresholds, and answers by trying all sets.
 struct Dense<'d> {
     ranges: &'d [Range],
     thresholds: Thresholds<'static>,
@@ -49,7 +49,7 @@ fn any_range() -> impl Strategy<Value = Range> {
 }
 
 impl Dense<'_> {
-    /// SSE over its threshold without a set; `None` where the set is refused, infinite where
+    /// Returns SSE over its threshold without a set; `None` if the set is refused, infinite if
     /// nothing is left to test.
     fn ratio_without(&self, set: &[usize]) -> Option<f64> {
         let solution = oracle::solve_without(self.ranges, set)?;
@@ -83,7 +83,8 @@ impl Dense<'_> {
         (Err(Unidentified::NoSet), sets)
     }
 
-    /// `|ρ_i| ≥ ρ_T`, with `ρ_i² = w_i²/SSE` and `w_i²` the fall of SSE without the row.
+    /// Returns the rows with `|ρ_i| ≥ ρ_T`. Here `ρ_i² = w_i²/SSE`, and `w_i²` is the decrease of
+    /// SSE without the row.
     fn simultaneous(&self) -> Vec<usize> {
         let full = oracle::solve(self.ranges).unwrap();
         let Some(threshold) = correlation_threshold::<f64>(self.alpha, full.dof) else { return Vec::new() };
@@ -166,8 +167,7 @@ fn snapshot(ranges: &[Range]) -> Option<Snapshot<'static, f64>> {
     solved(epoch).ok()
 }
 
-/// Returns true if rounding may decide whether some set passes, or where a set is hardly
-/// determined.
+/// Returns true if rounding may decide the test of some set, or if a set is hardly determined.
 fn is_close(dense: &Dense<'_>) -> bool {
     let sets = (0..=3).flat_map(|size| all_of_size(dense.ranges.len(), size));
     sets.into_iter().any(|set| {

@@ -40,8 +40,8 @@ fn any_range(constellations: usize) -> impl Strategy<Value = Range> {
     )
 }
 
-/// Between 8 and 40 ranges of up to three constellations, and a set of one to three of the first
-/// eight.
+/// Returns between 8 and 40 ranges of up to three constellations, and a set of one to three of the
+/// first eight.
 fn ranges_and_set() -> impl Strategy<Value = (Vec<Range>, Vec<usize>)> {
     (prop::collection::vec(any_range(3), 8..40), prop::sample::subsequence((0..8).collect::<Vec<_>>(), 1..=3))
 }
@@ -50,7 +50,8 @@ fn well_conditioned(dense: &Dense) -> bool {
     dense.hdop < 20.0 && (0..3).all(|axis| dense.covariance_m2[(axis, axis)] < 1e3)
 }
 
-/// Limit beyond which the last digits of a single become metres.
+/// Returns true if the position is known to 10 m. Beyond this limit, the last digits of single
+/// precision become metres.
 fn is_known_to_10_m(dense: &Dense) -> bool {
     (0..3).all(|axis| dense.covariance_m2[(axis, axis)] < 100.0)
 }
@@ -68,8 +69,8 @@ fn assert_close(what: &str, have: f64, want: f64, relative: f64, absolute: f64) 
     assert!((have - want).abs() <= allowed, "{what}: have {have}, want {want}");
 }
 
-/// The parity matrix: an orthonormal basis of what the design does not reach, from a full singular
-/// value decomposition of the design bordered by zeros.
+/// Returns the parity matrix: an orthonormal basis of the null space of the transposed design, from
+/// a full singular value decomposition of the design bordered by zeros.
 fn parity_matrix(ranges: &[Range], dense: &Dense) -> DMatrix<f64> {
     let count = ranges.len();
     let clocks: Vec<Constellation> = Constellation::ALL

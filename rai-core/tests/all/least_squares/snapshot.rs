@@ -23,7 +23,8 @@ fn snapshot<T: Real>(ranges: &[Range]) -> Result<Snapshot40<T>, SnapshotError> {
     solved(epoch)
 }
 
-/// A direction above the horizon, a constellation, a residual with a large clock, and a sigma.
+/// Returns a direction above the horizon, a constellation, a residual with a large clock, and a
+/// sigma.
 fn any_range() -> impl Strategy<Value = Range> {
     (0.0..std::f64::consts::TAU, 0.05f64..1.0, 0usize..4, -50.0f64..50.0, 0.5f64..20.0).prop_map(
         |(azimuth, up, constellation, residual_m, sigma_m)| {

@@ -37,7 +37,7 @@ fn solve(ranges: &[Range]) -> Snapshot<'static, f64> {
     solved(epoch).unwrap()
 }
 
-/// Eight of GPS; two of Galileo, the second off by `fault_m`.
+/// Returns eight ranges of GPS, and two of Galileo, of which the second has an error of `fault_m`.
 fn ten(fault_m: f64) -> Vec<Range> {
     let ups = [0.3, 0.8, 0.2, 0.6, 0.4, 0.95, 0.25, 0.5];
     let mut ranges: Vec<Range> = ups

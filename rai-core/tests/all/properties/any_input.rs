@@ -25,7 +25,7 @@ fn has_grounds(
     Ok(())
 }
 
-/// Every satellite of the epoch is used, excluded, or neither, and no other one is.
+/// Checks that, if there is a solution, each satellite of the epoch is either used or excluded.
 fn satellites_add_up(report: &Report<CAPACITY>, epoch: &Epoch<CAPACITY>) -> Result<(), TestCaseError> {
     let tracked: Vec<SatelliteId> =
         epoch.observations().iter().map(|observation| observation.satellite).collect();
@@ -93,7 +93,7 @@ fn every_report_has_grounds<T: Real>(
     epochs.iter().try_for_each(|epoch| has_grounds(&monitor.process(epoch), epoch, &requirements))
 }
 
-/// Outside knowledge, plausible or not.
+/// Returns any aiding, plausible or not.
 fn any_aiding() -> impl Strategy<Value = Aiding> {
     let number = || prop_oneof![-1e6..1e6_f64, proptest::num::f64::ANY];
     prop_oneof![

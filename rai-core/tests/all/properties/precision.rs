@@ -42,7 +42,7 @@ proptest! {
     }
 }
 
-/// Two satellites that are good to 0.5 m among four that are good to 30 m.
+/// Returns two satellites that are good to 0.5 m among four that are good to 30 m.
 fn two_precise_ones<T: Real>() -> Snapshot<'static, T> {
     let directions_deg = [
         (10.0, 75.0, 30.0),
@@ -62,8 +62,8 @@ fn two_precise_ones<T: Real>() -> Snapshot<'static, T> {
     solved(epoch).unwrap()
 }
 
-/// From the redundancy numbers in single precision, 2e-5 as what is left of 1, the slope came out a
-/// fifth too small.
+/// The redundancy numbers must not be `1 − h`: in single precision, a difference of 2e-5 made the
+/// slope a fifth too small.
 #[test]
 fn a_precise_satellite_that_is_hardly_tested_has_its_whole_slope() {
     let have = f64::from(largest_slopes(&two_precise_ones::<f32>()).horizontal);

@@ -27,13 +27,13 @@ pub(crate) struct Sky {
 }
 
 impl Sky {
-    /// The epoch of these observations.
+    /// Returns the epoch of these observations.
     pub(crate) fn epoch(&self) -> Epoch<CAPACITY> {
         epoch_of(&self.observations)
     }
 
-    /// Its equations about the receiver, residuals less 20,000 km, in a unit of length of which a
-    /// metre has so many.
+    /// Returns the equations about the receiver, with residuals less 20,000 km, in a unit of which
+    /// a metre has `units_per_m`.
     pub(crate) fn linearised<T: Real>(&self, units_per_m: f64) -> LinearEpoch<T, MAX_ROWS> {
         let frame = LocalFrame::at(self.receiver);
         let mut epoch = LinearEpoch::new();
@@ -47,13 +47,13 @@ impl Sky {
         epoch
     }
 
-    /// The same sky with something done to each observation.
+    /// Returns the same sky with each observation changed.
     pub(crate) fn map(&self, change: impl FnMut(&Observation) -> Observation) -> Self {
         Self { receiver: self.receiver, observations: self.observations.iter().map(change).collect() }
     }
 }
 
-/// An epoch of those observations that are accepted.
+/// Returns an epoch with the observations that it accepts.
 pub(crate) fn epoch_of(observations: &[Observation]) -> Epoch<CAPACITY> {
     let mut epoch = Epoch::new(0.0);
     for observation in observations {
@@ -62,7 +62,7 @@ pub(crate) fn epoch_of(observations: &[Observation]) -> Epoch<CAPACITY> {
     epoch
 }
 
-/// Every double, NaN among them, and often a plausible number.
+/// Returns every double, NaN among them, and often a plausible number.
 fn any_number(meant: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![2 => meant, 1 => proptest::num::f64::ANY]
 }
@@ -85,7 +85,7 @@ fn any_satellite() -> impl Strategy<Value = SatelliteId> {
         .prop_map(|(constellation, number)| SatelliteId::new(constellation, number).unwrap())
 }
 
-/// Every way to monitor.
+/// Returns every way to monitor.
 pub(crate) fn any_monitoring() -> impl Strategy<Value = Monitoring> {
     use parity::Isolation::{Grouping, Hybrid, HybridWithoutGrouping, Sequential, Simultaneous};
     let parity = [Simultaneous, Sequential, HybridWithoutGrouping, Hybrid, Grouping].map(Method::Parity);
@@ -105,7 +105,7 @@ pub(crate) fn any_monitoring() -> impl Strategy<Value = Monitoring> {
         })
 }
 
-/// Every phase of flight.
+/// Returns every phase of flight.
 pub(crate) fn any_requirements() -> impl Strategy<Value = Requirements> {
     select(vec![
         Requirements::en_route(),
@@ -127,8 +127,8 @@ struct Draw {
     noise: f64,
 }
 
-/// A sky with noise of at most two sigma, where up to `faults` satellites are wrong by 10 m to 1000
-/// km.
+/// Returns a sky with noise of at most two sigma, where up to `faults` satellites are wrong by 10 m
+/// to 1000 km.
 pub(crate) fn any_sky(faults: usize) -> impl Strategy<Value = Sky> {
     let place = (-1.5..1.5_f64, -3.1..3.1_f64, -100.0..10_000.0_f64);
     let clocks_m = proptest::array::uniform4(-3e5..3e5_f64);
@@ -154,7 +154,7 @@ fn any_draw() -> impl Strategy<Value = Draw> {
     )
 }
 
-/// A satellite and its bias, m.
+/// Returns a satellite and its bias, m.
 fn any_bias() -> impl Strategy<Value = (prop::sample::Index, f64)> {
     (any::<prop::sample::Index>(), 1.0..6.0_f64, any::<bool>())
         .prop_map(|(index, decades, late)| (index, 10_f64.powf(decades) * if late { 1.0 } else { -1.0 }))
@@ -177,8 +177,8 @@ fn sky(
     Sky { receiver, observations }
 }
 
-/// The range that a satellite's signal travels while the earth turns under it, with clock and
-/// noise.
+/// Returns the range that a satellite's signal travels while the earth turns under it, with clock
+/// and noise.
 fn observe(receiver: Ecef, draw: &Draw, number: u8, clocks_m: [f64; 4]) -> Observation {
     let horizontal = draw.distance_m * draw.elevation_rad.cos();
     let position = receiver
@@ -200,7 +200,7 @@ fn observe(receiver: Ecef, draw: &Draw, number: u8, clocks_m: [f64; 4]) -> Obser
     }
 }
 
-/// A point turned about the earth's axis.
+/// Returns a point turned about the earth's axis.
 pub(crate) fn turned(point: Ecef, angle_rad: f64) -> Ecef {
     let (sin, cos) = angle_rad.sin_cos();
     Ecef::new(point.x_m * cos - point.y_m * sin, point.x_m * sin + point.y_m * cos, point.z_m)

@@ -32,11 +32,12 @@ struct Rounding {
     of_sigma: f64,
     /// Relative difference of the statistic and of the protection levels.
     relative: f64,
-    /// True if what is hardly determined or tested may count as not at all: that is the safe side.
+    /// True if a hardly determined or tested quantity may count as undetermined, which is the safe
+    /// side.
     may_give_up: bool,
 }
 
-/// A last correction of 10 m leaves 2 µm, less where a further pass was taken.
+/// A last correction of 10 m leaves 2 µm, or less if there was a further pass.
 const DOUBLE: Rounding = Rounding { range_m: 2e-5, of_sigma: 0.0, relative: 1e-4, may_give_up: false };
 
 /// Corrections of 10 m to 1e-3, where weights differ by a thousand.
@@ -76,7 +77,7 @@ fn is_alert(report: &Report<CAPACITY>) -> bool {
     matches!(report.verdict, Verdict::Alert(_))
 }
 
-/// Standard deviation of the position, m.
+/// Returns the standard deviation of the position, m.
 fn sigma_m(solution: &Solution) -> f64 {
     let [east_m2, _, _, north_m2, _, up_m2] = solution.covariance_m2;
     (east_m2 + north_m2 + up_m2).sqrt()
@@ -144,8 +145,7 @@ fn numbers_agree(
     Ok(())
 }
 
-/// The sky with its satellites in another order: they are dealt out like cards, by one and by
-/// another.
+/// Returns the sky with its satellites in another order.
 fn reordered(sky: &Sky, by: usize) -> Sky {
     let count = sky.observations.len();
     let mut order: Vec<usize> = (0..count).collect();
@@ -187,7 +187,7 @@ fn symmetries_hold<T: Real>(sky: &Sky, changes: &Changes, rounding: Rounding) ->
     clocks_follow(&one_late, &want, one, rounding)
 }
 
-/// Each clock has moved by what was added to its ranges, and no other.
+/// Checks that each clock has moved by the value added to its ranges, and no other clock has.
 fn clocks_follow(
     have: &Report<CAPACITY>,
     want: &Report<CAPACITY>,
@@ -233,7 +233,7 @@ fn judge_from(sky: &Sky, start: Ecef) -> Report<CAPACITY> {
     monitor.process(&sky.epoch())
 }
 
-/// Leaving satellites out equals their absence.
+/// Checks that leaving satellites out equals their absence.
 fn excluded_as_if_absent(sky: &Sky) -> Result<(), TestCaseError> {
     let want = judge::<f64>(sky);
     if want.verdict != Verdict::Protected(Protected::Excluded)
@@ -252,7 +252,7 @@ fn excluded_as_if_absent(sky: &Sky) -> Result<(), TestCaseError> {
     numbers_agree(&have, &want, NOT_LINEARISED_AGAIN)
 }
 
-/// In a unit that is a power of two every result is the same to the last bit.
+/// Checks that in a unit that is a power of two every result is the same to the last bit.
 fn unit_does_not_matter<T: Real>(sky: &Sky) -> Result<(), TestCaseError> {
     let solve = |unit| solved::<T>(sky.linearised(unit));
     let (Ok(want), Ok(have)) = (solve(1.0), solve(4.0)) else {

@@ -132,7 +132,7 @@ fn take_frames(waiting: &mut Vec<u8>, mut hand_on: impl FnMut(&[u8])) {
     waiting.drain(..front);
 }
 
-/// CRC-24Q over a frame; 0 if its last three bytes are its check.
+/// Returns the CRC-24Q of a frame; 0 if its last three bytes are its check.
 fn crc24q(bytes: &[u8]) -> u32 {
     bytes.iter().fold(0, |crc, &byte| {
         (0..8).fold(crc ^ u32::from(byte) << 16, |crc, _| {
@@ -142,7 +142,7 @@ fn crc24q(bytes: &[u8]) -> u32 {
     })
 }
 
-/// Base 64 of RFC 4648.
+/// Returns the Base64 text of RFC 4648.
 fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let letters = bytes.chunks(3).flat_map(|chunk| {
@@ -186,7 +186,7 @@ mod tests {
         }
     }
 
-    /// A frame of RTCM 3 with a message of this number and nothing else in it.
+    /// Returns a frame of RTCM 3 with a message of this number and nothing else in it.
     fn frame(number: u16) -> Vec<u8> {
         let mut bytes = vec![0xD3, 0, 2, (number >> 4) as u8, (number << 4) as u8];
         let check = crc24q(&bytes);

@@ -1,7 +1,7 @@
 //! The guard: a second thread that drops the pin and ends the program if the epoch loop hangs.
 //!
-//! Under systemd it also keeps the service's watchdog: only a loop that comes round feeds it. If the
-//! whole process hangs, systemd ends it, and the unit's `ExecStopPost` drops the pin.
+//! Under systemd it also keeps the service's watchdog: only a loop that comes round feeds it. If
+//! the whole process hangs, systemd ends it, and the unit's `ExecStopPost` drops the pin.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -11,7 +11,7 @@ use super::pin::Wire;
 
 /// Longest time that the loop may take to come round, ms.
 const PATIENCE_MS: u64 = 2000;
-/// How often the guard looks.
+/// Interval between two checks of the guard.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// The loop's side of the guard.

@@ -149,7 +149,7 @@ impl Inbox {
     }
 }
 
-/// A frame is never divided: one that the chunk does not hold is discarded.
+/// Copies a frame into the chunk. A frame is never divided; one that does not fit is discarded.
 fn copy(frame: &[u8], chunk: &mut [u8], came_ms: u64) -> Taken {
     let Some(place) = chunk.get_mut(..frame.len()) else { return Taken::Nothing };
     place.copy_from_slice(frame);

@@ -1,7 +1,7 @@
 //! The receiver's bytes: from a serial port, a TCP server or standard input.
 //!
-//! A port that fails or ends is opened again, after a pause that doubles from a quarter of a second to
-//! eight. Meanwhile nothing arrives, so the module reports `STALE` and drops the pin by itself.
+//! A port that fails or ends is opened again, after a pause that doubles from a quarter of a second
+//! to eight. Meanwhile nothing arrives, so the module reports `STALE` and drops the pin by itself.
 
 use std::fmt;
 use std::io::{self, Read};
@@ -69,7 +69,8 @@ impl fmt::Display for Source {
 /// Starts the thread that reads.
 ///
 /// # Errors
-/// If a serial port does not exist when the service starts: a wrong name should not be retried forever.
+/// If a serial port does not exist when the service starts: a wrong name should not be retried
+/// forever.
 pub(super) fn start(source: &Source, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) -> Result<()> {
     let (source, inbox, stop) = (source.clone(), Arc::clone(inbox), Arc::clone(stop));
     let first = match &source {

@@ -15,8 +15,8 @@
 //! | [`pin`] | drives the integrity pin |
 //! | `guard` | drops the pin and ends the program if the epoch loop hangs |
 //!
-//! The epoch loop runs in the calling thread. Every port has a thread of its own, with a bounded queue
-//! between the two: a slow or dead consumer loses its own sentences only.
+//! The epoch loop runs in the calling thread. Every port has a thread of its own, with a bounded
+//! queue between the two: a slow or dead consumer loses its own sentences only.
 
 mod board;
 mod caster;

@@ -1,7 +1,7 @@
 //! Sentences to every consumer, each through a bounded queue of its own.
 //!
-//! The epoch loop never waits for a consumer. A consumer whose queue is full loses that sentence, and
-//! the loss is counted; one that is gone is forgotten.
+//! The epoch loop never waits for a consumer. A consumer whose queue is full loses that sentence,
+//! and the loss is counted; one that is gone is forgotten.
 
 use std::sync::mpsc::{SyncSender, TrySendError};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -49,7 +49,7 @@ pub(super) struct Outbox {
 }
 
 impl Outbox {
-    /// The place to which new consumers are added.
+    /// Returns the place to which new consumers are added.
     pub(super) fn consumers(&self) -> Consumers {
         self.consumers.clone()
     }

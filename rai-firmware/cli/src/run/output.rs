@@ -213,7 +213,7 @@ fn terminal(_: &std::path::Path, _: &Consumers, _: &Arc<Inbox>) -> Result<()> {
     bail!("pseudo-terminals exist on Unix only: use tcp:// or udp://")
 }
 
-/// The side of a pseudo-terminal that the service writes to. What nobody reads is lost.
+/// The side of a pseudo-terminal to which the service writes. Sentences without a reader are lost.
 #[cfg(unix)]
 struct Terminal(std::fs::File);
 

@@ -1,4 +1,5 @@
-//! The service from its input to its outputs, without a receiver: what must hold before any satellite.
+//! The service from its input to its outputs, without a receiver: what must hold before any
+//! satellite.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};

@@ -1,4 +1,4 @@
-//! From a started board to the epoch loop, which never returns.
+//! Start of a board: builds the receiver and runs the epoch loop, which never returns.
 
 use core::mem::MaybeUninit;
 

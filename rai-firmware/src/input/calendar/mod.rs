@@ -1,14 +1,18 @@
-//! Which week it is, and that time goes forward.
+//! The present week, and time that only goes forward.
 //!
-//! Observations carry the second of the week, ephemerides a week ([`super::message_week`], [`super::roll_over`]). That of GPS is taken
-//! in the cycle of 1,024 nearest to the known time, and before any time is known in the cycle that begins with [`NOT_BEFORE_WEEK`].
+//! Observations carry the second of the week, ephemerides a week ([`super::message_week`],
+//! [`super::roll_over`]). The week of GPS is taken in the cycle of 1,024 nearest to the known time,
+//! and before any time is known in the cycle that begins with [`NOT_BEFORE_WEEK`].
 //!
-//! Nothing on the wire is accepted for ever. A time that goes back is dropped, but [`RESTART_RUN`] epochs in a row
-//! that are older and follow each other are the new time. A time that leaps ahead is the time.
+//! No time on the wire is accepted for ever. A time that goes back is dropped, but [`RESTART_RUN`]
+//! consecutive older epochs that follow each other are the new time. A time that leaps ahead is
+//! accepted.
 //!
-//! What is known better is remembered: satellites move by kilometres in a second, so an epoch whose ranges agreed with their orbits
-//! was at the instant of its tag, and in the week of its ephemerides. An epoch that goes on from there by the module's own clock
-//! ([`Tick::leads_to`]) is the time at once, in its week, whatever came between: leaps, however many, and votes on the week.
+//! Confirmed time is stored separately. Satellites move by kilometres in a second, so that an epoch
+//! whose ranges agreed with their orbits was at the instant of its tag, and in the week of its
+//! ephemerides. An epoch that continues from there by the module's own clock ([`Tick::leads_to`])
+//! is accepted at once, in its week, whatever came between: leaps, however many, and votes on the
+//! week.
 //!
 //! The systems vote on the week ([`super::present_week`]).
 
@@ -22,45 +26,46 @@ use super::roll_over::dated;
 use crate::counters::count;
 use crate::time::{GpsTime, WEEK_MS};
 
-/// A step of time that is longer than a gap between epochs mostly is, ms.
+/// Step of time that exceeds most gaps between epochs, ms.
 const LEAP_MS: u64 = 60_000;
 
-/// Epochs in a row that make an older time the time.
+/// Number of consecutive older epochs that become the time.
 const RESTART_RUN: u8 = 5;
 
-/// How much an epoch's way to the own clock may vary, ms.
+/// Largest variation of an epoch's delay by the own clock, ms.
 const DELAY_MS: u64 = 3000;
 
-/// The own clock may be wrong by a part in so many.
+/// Reciprocal of the own clock's largest relative error.
 const CLOCK_ERROR: u64 = 64;
 
 /// Half of the cycle in which GPS counts weeks.
 const HALF_CYCLE_WEEKS: u16 = 512;
 
-/// Epochs that agreed with nothing after which what was confirmed does not stand against the votes any more: it may itself have
-/// been wrong.
+/// Number of unconfirmed epochs after which a confirmed one no longer overrules the votes, because
+/// it may itself have been wrong.
 const DOUBT_EPOCHS: u16 = 600;
 
-/// The time line.
+/// Time line of the input.
 #[derive(Debug)]
 pub(super) struct Calendar {
     leap: LeapSeconds,
-    /// The last epoch, or the reference time of an ephemeris before there was one.
+    /// Last epoch, or the reference time of an ephemeris before the first epoch.
     reference: Option<GpsTime>,
-    /// The last epoch.
+    /// Last epoch.
     last: Option<Tick>,
-    /// The last epoch that was dropped because it was older, and how many followed each other.
+    /// Last epoch that was dropped because it was older, and the number of those that followed each
+    /// other.
     older: Option<(GpsTime, u8)>,
-    /// The last epoch whose ranges agreed with orbits.
+    /// Last epoch whose ranges agreed with orbits.
     confirmed: Option<Tick>,
-    /// Epochs since.
+    /// Number of epochs since then.
     unconfirmed: u16,
     week: PresentWeek,
-    /// The week was moved or named, and sets that came before may be dated a week off.
+    /// True if the week was determined or corrected, so that earlier sets may be dated a week off.
     is_redated: bool,
 }
 
-/// An epoch, and when it came by the own clock, ms.
+/// An epoch, and its arrival by the own clock, ms.
 #[derive(Clone, Copy, Debug)]
 struct Tick {
     time: GpsTime,
@@ -68,7 +73,7 @@ struct Tick {
 }
 
 impl Tick {
-    /// What time it is when an epoch comes, by the own clock.
+    /// Returns the time at an arrival by the own clock.
     fn time_at(self, came_ms: u64) -> GpsTime {
         let passed_ms = came_ms.saturating_sub(self.came_ms);
         match u32::try_from(passed_ms).ok().filter(|&passed_ms| passed_ms < WEEK_MS) {
@@ -77,24 +82,24 @@ impl Tick {
         }
     }
 
-    /// Whether an epoch goes on from here by the own clock.
+    /// Returns true if an epoch continues from here by the own clock.
     fn leads_to(self, next: Self) -> bool {
         let error_ms = DELAY_MS + next.came_ms.saturating_sub(self.came_ms) / CLOCK_ERROR;
         next.time > self.time && next.time.since_ms(self.time_at(next.came_ms)).unsigned_abs() <= error_ms
     }
 
-    /// The epoch at `tow_ms` that came then, in the week that the own clock tells.
+    /// Returns the epoch at `tow_ms` with this arrival, in the week of the own clock.
     fn next(self, tow_ms: u32, came_ms: u64) -> Self {
         Self { time: GpsTime::nearest(tow_ms, self.time_at(came_ms)), came_ms }
     }
 }
 
-/// Why an epoch's time is refused.
+/// Reason for which an epoch's time is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TimeError {
     WeekUnknown,
     Backwards,
-    /// So far ahead that something has to vouch for it, and nothing does.
+    /// Too far ahead without evidence.
     Ahead,
 }
 
@@ -124,18 +129,19 @@ impl Calendar {
         }
     }
 
-    /// No epoch is confirmed any more.
+    /// Discards the confirmed epoch.
     pub(super) fn forget(&mut self) {
         self.confirmed = None;
     }
 
-    /// The last epoch accepted.
+    /// Returns the last accepted epoch.
     pub(super) fn time(&self) -> Option<GpsTime> {
         self.last.map(|last| last.time)
     }
 
-    /// Takes the time that a receiver states. It is used where nothing else names the week, and where sets leave two weeks;
-    /// ephemerides may outvote it. A week before [`NOT_BEFORE_WEEK`], as of receivers that count an earlier cycle, is ignored.
+    /// Takes the time that a receiver states. It is used if nothing else determines the week, and
+    /// if sets leave two weeks; ephemerides may outvote it. A week before [`NOT_BEFORE_WEEK`] is
+    /// ignored, because some receivers count an earlier cycle.
     pub(super) fn suppose(&mut self, time: GpsTime, counters: &mut Counters) {
         if time.week < NOT_BEFORE_WEEK {
             return;
@@ -152,7 +158,7 @@ impl Calendar {
         }
     }
 
-    /// Takes the week of the next epoch from a source that is to be believed, in any cycle of GPS weeks.
+    /// Takes the week of the next epoch from a trusted source, in any cycle of GPS weeks.
     pub(super) fn assume(&mut self, week: u16) {
         // Every second of the week is within half a week of its middle.
         self.reference = Some(GpsTime { week, tow_ms: WEEK_MS / 2 });
@@ -160,7 +166,8 @@ impl Calendar {
         self.week = PresentWeek::new();
     }
 
-    /// Returns the present if, since the last call, its week was named or moved by what came after sets of ephemerides.
+    /// Returns the present if, since the last call, its week was determined or corrected after
+    /// earlier ephemerides.
     pub(super) fn take_redating(&mut self) -> Option<GpsTime> {
         self.reference.filter(|_| core::mem::take(&mut self.is_redated))
     }
@@ -172,12 +179,12 @@ impl Calendar {
         }
     }
 
-    /// Somebody says how many leap seconds there are.
+    /// Takes a stated number of leap seconds.
     pub(super) fn hear_leap(&mut self, seconds: u8, source: LeapSource) {
         self.leap.hear(seconds, source, self.time());
     }
 
-    /// A message of the open epoch is tagged with UTC.
+    /// Takes a message of the open epoch that is tagged with UTC.
     pub(super) fn infer_leap(&mut self, gps_ms: u32, utc_ms: u32) {
         self.leap.infer(gps_ms, utc_ms, self.time());
     }
@@ -192,17 +199,18 @@ impl Calendar {
         self.leap.is_unsure(utc_ms, self.time())
     }
 
-    /// GPS time minus UTC, who said so and when.
+    /// Returns GPS time minus UTC, with its source and time.
     pub(super) fn leap_second(&self) -> Option<LeapSecond> {
         self.leap.known()
     }
 
-    /// About when it is: the last epoch or, before there was one, the reference time of an ephemeris.
+    /// Returns the approximate present: the last epoch or, before the first epoch, the reference
+    /// time of an ephemeris.
     pub(super) fn present(&self) -> Option<GpsTime> {
         self.reference
     }
 
-    /// The instant of an epoch at `tow_ms` that came at `came_ms`, if time goes on to it.
+    /// Returns the instant of an epoch at `tow_ms` that came at `came_ms`, if time advances to it.
     pub(super) fn advance(
         &mut self,
         tow_ms: u32,
@@ -226,7 +234,8 @@ impl Calendar {
         Ok(self.set(next))
     }
 
-    /// The epoch at `tow_ms`, if it goes on from the one that was confirmed and what came between does not.
+    /// Returns the epoch at `tow_ms` if it continues from the confirmed one and the epochs between
+    /// do not.
     fn as_confirmed(&self, tow_ms: u32, came_ms: u64) -> Option<Tick> {
         let confirmed = self.confirmed.filter(|_| self.unconfirmed < DOUBT_EPOCHS)?;
         let is_on_line = |last: Tick| last.time == confirmed.time || confirmed.leads_to(last);
@@ -236,7 +245,7 @@ impl Calendar {
         Some(confirmed.next(tow_ms, came_ms)).filter(|&next| confirmed.leads_to(next))
     }
 
-    /// The ranges of an epoch that came at `came_ms` agreed with orbits.
+    /// Confirms an epoch that came at `came_ms`, because its ranges agreed with orbits.
     pub(super) fn confirm(&mut self, time: GpsTime, came_ms: u64) {
         // Ranges agree as well with orbits that are all dated a week early.
         if !self.week.is_in_doubt() {
@@ -252,8 +261,8 @@ impl Calendar {
         tick.time
     }
 
-    /// The instant of an epoch at `tow_ms` that has no satellites to vouch for it: time does not go on to it, and it is none
-    /// before an epoch that has satellites.
+    /// Returns the instant of an epoch at `tow_ms` without satellites. Such an epoch does not
+    /// advance time, and it is refused before an epoch with satellites.
     pub(super) fn foresee(&self, tow_ms: u32) -> Result<GpsTime, TimeError> {
         let last = self.time().ok_or(TimeError::Ahead)?;
         let time = GpsTime::nearest(tow_ms, last);
@@ -264,11 +273,12 @@ impl Calendar {
         }
     }
 
-    /// Notes an epoch older than the last one; true when enough of them have followed each other.
+    /// Notes an epoch older than the last one; returns true if enough of them have followed each
+    /// other.
     fn follows_older(&mut self, time: GpsTime) -> bool {
         let run = match self.older {
             Some((before, run)) if time > before => run.saturating_add(1),
-            // The next system's message of the same instant.
+            // A message of another system for the same instant.
             Some((before, run)) if time == before => run,
             _ => 1,
         };
@@ -276,14 +286,15 @@ impl Calendar {
         run >= RESTART_RUN
     }
 
-    /// Takes a set that states this reference time, and returns the reference time that it means at the known present.
+    /// Takes a set that states this reference time, and returns the reference time that it means at
+    /// the known present.
     pub(super) fn learn(
         &mut self,
         system: Constellation,
         stated: GpsTime,
         counters: &mut Counters,
     ) -> GpsTime {
-        // A set of GLONASS states no week: the present has dated it.
+        // A set of GLONASS states no week; the present has dated it.
         if system == Constellation::Glonass {
             return stated;
         }
@@ -330,7 +341,7 @@ impl Calendar {
     }
 }
 
-/// Whether an epoch comes after another one within what is no leap.
+/// Returns true if an epoch follows another one without a leap.
 fn follows(time: GpsTime, before: GpsTime) -> bool {
     time > before && time.since_ms(before).unsigned_abs() <= LEAP_MS
 }

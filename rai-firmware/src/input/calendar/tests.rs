@@ -10,8 +10,8 @@ fn an_older_time_comes_back_though_every_system_ends_its_own_epoch() {
     assert_eq!((accepted, calendar.time()), (1, Some(GpsTime { week: 2111, tow_ms: 5000 })));
 }
 
-/// Seconds of the week, and when they come, s; and which of them are the time, s after the beginning of week 2111. One may
-/// be confirmed.
+/// Returns the accepted times, s after the beginning of week 2111, for seconds of the week and
+/// their arrivals, s. One of them may be confirmed.
 fn times_of(epochs: &[(u32, u64)], confirmed: Option<usize>) -> std::vec::Vec<Option<i64>> {
     let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
     let start = GpsTime { week: 2111, tow_ms: 0 };
@@ -31,7 +31,7 @@ const WEEK_S: u32 = WEEK_MS / 1000;
 #[test]
 fn leaps_do_not_carry_what_is_confirmed_away() {
     let far = |leaps: u32| (100 + leaps * 280_000) % WEEK_S;
-    // However many, however far, and however long they go on; and a little ahead.
+    // The leaps are many, far and long; two more lead only a little ahead.
     let mut epochs: std::vec::Vec<_> = (1..=3)
         .flat_map(|leaps| (0..8).map(move |second| (far(leaps) + second, u64::from(second))))
         .collect();
@@ -72,11 +72,11 @@ fn votes_do_not_carry_what_is_confirmed_into_another_week() {
 fn sets_that_fit_two_weeks_do_not_confirm_the_week() {
     let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
     let before_end_ms = WEEK_MS - 1_200_000;
-    // The set has the week of its reference time, and seems to have that of transmission.
+    // The set states the week of its reference time, but may also state that of transmission.
     calendar.learn(Constellation::Gps, GpsTime { week: 2112, tow_ms: 0 }, &mut counters);
     let late = calendar.advance(before_end_ms, 0, &mut counters).unwrap();
     assert_eq!((late.week, calendar.take_redating()), (2112, Some(late)));
-    // A set of GLONASS, which the present has dated, says nothing.
+    // A set of GLONASS is no evidence, because the present has dated it.
     calendar.learn(Constellation::Glonass, late, &mut counters);
     calendar.confirm(late, 0);
     // A set of Galileo fits one week only.
@@ -85,14 +85,15 @@ fn sets_that_fit_two_weeks_do_not_confirm_the_week() {
     let time = calendar.advance(before_end_ms + 1000, 1000, &mut counters).unwrap();
     assert_eq!(time, GpsTime { week: 2111, tow_ms: before_end_ms + 1000 });
     assert_eq!(counters.week_corrections, 1);
-    // From now on those of GPS are dated by it, whichever week they state.
+    // From now on it dates the sets of GPS, whichever week they state.
     for week in [2111, 2112] {
         let toe = calendar.learn(Constellation::Gps, GpsTime { week, tow_ms: 0 }, &mut counters);
         assert_eq!(toe, GpsTime { week: 2112, tow_ms: 0 });
     }
 }
 
-/// The week after ephemerides have voted for the next one, so many epochs after the last that was confirmed.
+/// Returns the week after ephemerides have voted for the next one, this number of epochs after the
+/// last confirmed one.
 fn week_voted_on(epochs: u32) -> u16 {
     let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
     let week = |week: u16| GpsTime { week, tow_ms: 200_000_000 };

@@ -1,13 +1,16 @@
-//! The transport layer: finds the frames of all wire formats in one stream of bytes, and checks each once.
+//! The transport layer: finds the frames of all wire formats in one stream of bytes, and checks
+//! each once.
 //!
-//! The beginning of a frame may be an accident, and its length then swallows good frames. So nothing is thrown away
-//! before it has been searched: if a candidate fails, only its first byte goes, and the search starts again behind it. A
-//! candidate that is incomplete ends as soon as a frame inside it is complete and its check holds ([`nested`]).
+//! The beginning of a frame may be an accident, and its length then covers good frames. No byte is
+//! therefore dropped before it has been searched: if a candidate fails, only its first byte is
+//! dropped, and the search restarts behind it. An incomplete candidate ends as soon as a frame
+//! inside it is complete and its check holds ([`nested`]).
 //!
-//! A stream made of nothing but beginnings would have every byte checked a thousand times over. Each byte that comes
-//! therefore pays for [`CREDIT_PER_BYTE`] bytes of checking, and [`CREDIT_MOST`] can be saved up, enough for a dozen of
-//! the longest RTCM frames that fail in a row. A candidate that cannot be paid for is passed over and counted. Frames
-//! inside a candidate are checked as long as [`CREDIT_RESERVE`] stays for the candidates themselves.
+//! In a stream of nothing but beginnings, every byte would be checked a thousand times. Each
+//! received byte therefore adds credit for [`CREDIT_PER_BYTE`] bytes of checking, up to
+//! [`CREDIT_MOST`], which covers a dozen of the longest RTCM frames that fail in a row. A candidate
+//! that exceeds the credit is skipped and counted. Frames inside a candidate are checked as long as
+//! [`CREDIT_RESERVE`] remains for the candidates themselves.
 
 mod nested;
 
@@ -18,13 +21,13 @@ use super::protocol::{Extent, Frame};
 use super::{Counters, Format};
 use crate::counters::{count, count_many};
 
-/// Room behind the longest frame that makes moving it to the front rare, bytes.
+/// Room behind the longest frame, bytes, so that moving it to the front is rare.
 const SPARE: usize = if Format::LONGEST < 2048 { Format::LONGEST } else { 128 };
 
 /// Size of the buffer, bytes.
 const CAPACITY: usize = Format::LONGEST + SPARE;
 
-/// Bytes of checking that each byte on the wire pays for.
+/// Credit of each received byte, bytes of checking.
 const CREDIT_PER_BYTE: usize = 4;
 /// Largest credit, bytes of checking.
 const CREDIT_MOST: usize = 12 * 1029;
@@ -35,11 +38,11 @@ const CREDIT_RESERVE: usize = CREDIT_MOST / 2;
 #[derive(Debug)]
 pub(super) struct Framer {
     buffer: Vec<u8, CAPACITY>,
-    /// Position in the buffer of the search; the bytes before it are done with.
+    /// Position of the search in the buffer; the bytes before it are done.
     front: usize,
-    /// Length of the frame that was handed out last, still at the front.
+    /// Length of the frame that was returned last, still at the front.
     handed: usize,
-    /// From here on, the bytes came at `fresh_ms`; those before came at `old_ms` or later.
+    /// Position from which the bytes came at `fresh_ms`; those before came at `old_ms` or later.
     fresh: usize,
     fresh_ms: u64,
     old_ms: u64,
@@ -74,13 +77,13 @@ impl Framer {
         }
     }
 
-    /// Takes bytes that came at an instant, as many as there is room for, and returns the others. There is room for some
-    /// if [`Framer::next`] has been called until it returned none.
+    /// Takes bytes that came at an instant, as many as fit, and returns the others. Some fit if
+    /// [`Framer::next`] has been called until it returned `None`.
     pub(super) fn take<'b>(&mut self, bytes: &'b [u8], came_ms: u64, counters: &mut Counters) -> &'b [u8] {
         self.make_room(bytes.len(), counters);
         let room = self.buffer.capacity() - self.buffer.len();
         let (now, later) = bytes.split_at_checked(room).unwrap_or((bytes, &[]));
-        // What was fresh before is old now, and no older than what is at the front.
+        // Bytes that were fresh before are old now, and no older than those at the front.
         if self.front >= self.fresh {
             self.old_ms = self.fresh_ms;
         }
@@ -89,19 +92,20 @@ impl Framer {
             self.old_ms = came_ms;
         }
         self.fresh_ms = came_ms;
-        // It fits.
+        // The length is at most the room.
         let _ = self.buffer.extend_from_slice(now);
         self.credit = CREDIT_MOST.min(self.credit + CREDIT_PER_BYTE * now.len());
         later
     }
 
-    /// Moves what waits to the beginning of the buffer if there would be no room behind it.
+    /// Moves the waiting bytes to the beginning of the buffer if the new ones would not fit behind
+    /// them.
     fn make_room(&mut self, wanted: usize, counters: &mut Counters) {
         if self.buffer.len() + wanted <= self.buffer.capacity() {
             return;
         }
         if self.front == 0 && self.buffer.is_full() {
-            // No candidate is that long: only a caller that does not ask for frames gets here.
+            // No candidate is that long, so that only a caller that never takes frames gets here.
             count(&mut counters.bytes_skipped);
             self.front = 1;
         }
@@ -114,8 +118,8 @@ impl Framer {
         self.front = 0;
     }
 
-    /// Returns true if [`Framer::next`] would find more than it did before. Bytes come a few at a time. To ask it after
-    /// every few would cost half as much as reading the message.
+    /// Returns true if [`Framer::next`] would find more than before. Bytes come a few at a time,
+    /// and calling it after every few would cost half as much as reading the message.
     pub(super) fn is_worth_a_look(&mut self) -> bool {
         if self.handed > 0 {
             return true;
@@ -129,10 +133,10 @@ impl Framer {
         self.nested.has_complete(&self.buffer, self.front)
     }
 
-    /// Returns the next frame that passes its check, with its format; the one before is done with.
+    /// Returns the next frame that passes its check, with its format; the one before is released.
     ///
-    /// With `is_silent` no more bytes will come to complete a candidate: an incomplete one is counted as cut, and its
-    /// bytes are searched.
+    /// With `is_silent` no more bytes will come to complete a candidate: an incomplete one is
+    /// counted as cut, and its bytes are searched.
     pub(super) fn next(&mut self, is_silent: bool, counters: &mut Counters) -> Option<(Format, Frame<'_>)> {
         self.front += core::mem::take(&mut self.handed);
         let (format, length) = loop {
@@ -172,13 +176,15 @@ impl Framer {
         nested.search(buffer, *front, |at| if at >= *fresh { *fresh_ms } else { *old_ms });
     }
 
-    /// Ends an incomplete candidate in which a frame is complete and passes its check, and moves the front to that frame.
+    /// Ends an incomplete candidate in which a frame is complete and passes its check, and moves
+    /// the front to that frame.
     fn inner(&mut self, counters: &mut Counters) -> Option<(Format, usize)> {
         self.search();
         while let Some(Begun { start, came_ms, .. }) = self.nested.take_complete(&self.buffer, self.front) {
             let bytes = self.buffer.get(start..).unwrap_or_default();
             let Some((format, Extent::Bytes(length))) = Format::at(bytes) else { continue };
-            // One that cannot be paid for is a candidate of its own if the search gets there.
+            // A frame that exceeds the credit becomes a candidate of its own if the search gets
+            // there.
             let credit = self.credit.saturating_sub(length);
             let Some(frame) = bytes.get(..length).filter(|_| credit >= CREDIT_RESERVE) else { continue };
             self.credit = credit;
@@ -192,7 +198,7 @@ impl Framer {
         None
     }
 
-    /// Forgets all that waits.
+    /// Discards all waiting bytes.
     pub(super) fn forget(&mut self, counters: &mut Counters) {
         count_many(&mut counters.bytes_skipped, self.waiting().len().saturating_sub(self.handed));
         (self.front, self.handed, self.fresh) = (0, 0, 0);
@@ -209,7 +215,7 @@ impl Framer {
         self.front >= self.buffer.len()
     }
 
-    /// An empty buffer begins anew.
+    /// Restarts an empty buffer.
     fn settle(&mut self) {
         if self.is_empty() {
             self.buffer.clear();
@@ -231,7 +237,7 @@ impl Framer {
         }
     }
 
-    /// Checks a complete candidate, if that can be paid for.
+    /// Checks a complete candidate, if the credit suffices.
     fn passes(&mut self, format: Format, length: usize, counters: &mut Counters) -> bool {
         let Some(credit) = self.credit.checked_sub(length) else {
             count(&mut counters.frames_unchecked);
@@ -245,7 +251,7 @@ impl Framer {
         holds
     }
 
-    /// Drops the first byte and all up to the next that may begin a frame.
+    /// Drops the first byte and all up to the next one that may begin a frame.
     fn resynchronise(&mut self, counters: &mut Counters) {
         let waiting = self.waiting();
         let next = waiting.iter().skip(1).position(|&byte| Format::may_begin_with(byte));

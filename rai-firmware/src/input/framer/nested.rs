@@ -1,18 +1,18 @@
 //! Beginnings of frames inside a candidate that is incomplete.
 //!
-//! The beginning of a frame may be an accident whose length reaches over the good frames behind it. The pin must not wait
-//! for that length to come. So every byte that comes is searched once for the beginning of a frame. When the last byte of
-//! one has come, its check decides.
+//! The beginning of a frame may be an accident whose length covers the good frames behind it. The
+//! pin must not wait for that many bytes. Every received byte is therefore searched once for the
+//! beginning of a frame. When its last byte has come, its check decides.
 //!
-//! [`MOST`] beginnings are remembered. If there are more, the one that ends last is dropped: it holds nothing back, and
-//! is found again if the search gets there.
+//! [`MOST`] beginnings are stored. If there are more, the one that ends last is dropped: it delays
+//! no frame, and is found again if the search gets there.
 
 use heapless::Vec;
 
 use crate::input::Format;
 use crate::input::protocol::Extent;
 
-/// How many beginnings are remembered.
+/// Number of stored beginnings.
 const MOST: usize = 8;
 
 /// A frame that may have begun.
@@ -26,13 +26,13 @@ pub(super) struct Begun {
     pub(super) came_ms: u64,
 }
 
-/// The beginnings behind the front of the buffer.
+/// Beginnings behind the front of the buffer.
 #[derive(Debug)]
 pub(super) struct Nested {
     begun: Vec<Begun, MOST>,
     /// Position up to which the buffer has been searched.
     searched: usize,
-    /// Time at which the byte at `searched` came, ms, if it begins something of which more is needed to tell.
+    /// Arrival of the byte at `searched`, ms, if it may begin a frame and more bytes must decide.
     unknown_ms: Option<u64>,
 }
 
@@ -43,8 +43,8 @@ impl Nested {
         Self { begun: Vec::new(), searched: 0, unknown_ms: None }
     }
 
-    /// Searches the bytes behind the front that have not been searched. `came_ms` returns when the byte at a position
-    /// came.
+    /// Searches the new bytes behind the front. `came_ms` returns the arrival of the byte at a
+    /// position.
     pub(super) fn search(&mut self, buffer: &[u8], front: usize, came_ms: impl Fn(usize) -> u64) {
         if self.searched <= front {
             (self.searched, self.unknown_ms) = (front + 1, None);
@@ -81,12 +81,12 @@ impl Nested {
         }
     }
 
-    /// Returns true if the last byte of one behind the front has come.
+    /// Returns true if a frame that begins behind the front is complete.
     pub(super) fn has_complete(&self, buffer: &[u8], front: usize) -> bool {
         self.begun.iter().any(|begun| begun.start > front && begun.end <= buffer.len())
     }
 
-    /// Takes the one behind the front that was complete first, if the last byte of one has come.
+    /// Takes the frame behind the front that was complete first, if one is complete.
     pub(super) fn take_complete(&mut self, buffer: &[u8], front: usize) -> Option<Begun> {
         let complete = self.begun.iter().filter(|begun| begun.start > front && begun.end <= buffer.len());
         let begun = *complete.min_by_key(|begun| begun.end)?;
@@ -94,7 +94,7 @@ impl Nested {
         Some(begun)
     }
 
-    /// Follows the buffer, of which so many bytes were removed at the beginning.
+    /// Follows the buffer after this number of bytes was removed at its beginning.
     pub(super) fn shift(&mut self, removed: usize) {
         self.begun.retain(|begun| begun.start >= removed);
         for begun in &mut self.begun {
@@ -106,7 +106,7 @@ impl Nested {
         self.searched = self.searched.saturating_sub(removed);
     }
 
-    /// Forgets all, because the buffer is empty.
+    /// Discards all beginnings, because the buffer is empty.
     pub(super) fn clear(&mut self) {
         self.begun.clear();
         (self.searched, self.unknown_ms) = (0, None);

@@ -11,7 +11,7 @@ const RTCM_FRAME: [u8; 25] = [
 /// MON-VER polled: the example of u-blox's own description, `B5 62 0A 04 00 00 0E 34`.
 const UBX_FRAME: [u8; 8] = [0xB5, 0x62, 0x0A, 0x04, 0x00, 0x00, 0x0E, 0x34];
 
-/// Asks for frames whenever bytes have come.
+/// Returns the frames, taken after every chunk.
 fn frames(framer: &mut Framer, bytes: &[u8], counters: &mut Counters) -> Vec<(Format, usize)> {
     frames_asked_when(|_| true, framer, bytes.chunks(46), counters)
 }
@@ -45,7 +45,8 @@ fn both_formats_are_found_in_one_stream() {
     assert_eq!((counters.frames, counters.bytes_skipped, counters.crc_failures), (3, 14, 0));
 }
 
-/// Whole frames, cut ones, beginnings of long ones and noise, in every order of three, in pieces of every size.
+/// The stream has whole frames, cut ones, beginnings of long ones and noise, in every order of
+/// three, in chunks of every size.
 #[test]
 fn asked_only_when_it_is_worth_a_look_it_finds_the_same() {
     let pieces: [&[u8]; 8] = [
@@ -82,7 +83,7 @@ fn a_ubx_frame_with_one_wrong_bit_is_none() {
     }
 }
 
-/// Bytes that are checked for each byte that comes, at most: the buffer's own size besides.
+/// The bound is the number of bytes checked for each received byte, besides the buffer's own size.
 #[test]
 fn a_stream_of_beginnings_is_checked_a_bounded_number_of_times() {
     const BYTES: usize = 100_000;
@@ -95,7 +96,7 @@ fn a_stream_of_beginnings_is_checked_a_bounded_number_of_times() {
         let most = (CREDIT_PER_BYTE * BYTES + CREDIT_MOST) / 217;
         assert!(counters.crc_failures as usize <= most, "{} checks", counters.crc_failures);
         assert!(counters.frames_unchecked > 0);
-        // What comes after the longest of the beginnings has run out is found again.
+        // A frame is found again after the longest of the beginnings has run out.
         frames(&mut framer, &[0; CAPACITY], &mut counters);
         assert_eq!(frames(&mut framer, &RTCM_FRAME, &mut counters), [(Format::Rtcm, 25)]);
     }
@@ -109,7 +110,7 @@ fn a_frame_is_as_old_as_its_first_byte_may_be() {
     assert!(framer.take(&RTCM_FRAME[5..], 200, &mut counters).is_empty());
     assert_eq!(framer.next(false, &mut counters).map(|(_, frame)| frame.came_ms), Some(100));
     assert!(framer.next(false, &mut counters).is_none());
-    // The end of one and the beginning of the next come together.
+    // The end of one frame and the beginning of the next come together.
     framer.take(&RTCM_FRAME[..20], 300, &mut counters);
     assert!(framer.next(false, &mut counters).is_none());
     let both = [&RTCM_FRAME[20..], &RTCM_FRAME[..]].concat();
@@ -118,7 +119,7 @@ fn a_frame_is_as_old_as_its_first_byte_may_be() {
     assert_eq!(framer.next(false, &mut counters).map(|(_, frame)| frame.came_ms), Some(400));
 }
 
-/// Beginnings that are none: of the longest frames, of short ones, and several of them in a row.
+/// Returns false beginnings: of the longest frames, of short ones, and several of them in a row.
 fn false_beginnings() -> Vec<Vec<u8>> {
     let rtcm = |length: u16| [&[0xD3][..], &length.to_be_bytes()].concat();
     let ubx = |message: [u8; 2], length: u16| [&[0xB5, 0x62][..], &message, &length.to_le_bytes()].concat();
@@ -167,7 +168,7 @@ fn a_frame_inside_a_candidate_is_as_old_as_its_own_first_byte() {
     assert_eq!((counters.frames_cut, counters.bytes_skipped), (1, 3));
 }
 
-/// A long RXM-RAWX is a candidate only while its number of measurements explains its length.
+/// A long RXM-RAWX stays a candidate only while its number of measurements explains its length.
 #[test]
 fn a_long_message_of_ranges_is_none_as_soon_as_its_number_contradicts_its_length() {
     for (many, want) in [(160, true), (159, false), (0, false), (32, false), (0x2E, false)] {
@@ -181,7 +182,8 @@ fn a_long_message_of_ranges_is_none_as_soon_as_its_number_contradicts_its_length
     }
 }
 
-/// What is checked inside candidates leaves the candidates their credit, and good frames behind them are found.
+/// Checks inside candidates leave credit for the candidates, so that good frames behind them are
+/// found.
 #[test]
 fn a_stream_of_nested_beginnings_leaves_credit_for_what_follows() {
     let shorter_and_shorter: Vec<u8> = (3..=120_u8).rev().flat_map(|length| [0xD3, 0x00, length]).collect();

@@ -1,7 +1,8 @@
-//! The messages of Kepler elements: 1019 of GPS, 1042 of `BeiDou`, 1044 of QZSS, 1045 and 1046 of Galileo.
+//! Messages of Kepler elements: 1019 of GPS, 1042 of `BeiDou`, 1044 of QZSS, 1045 and 1046 of
+//! Galileo.
 //!
-//! All begin with the number of the satellite and have the elements of their system's own message, in another order; the
-//! tables below are those of the standard. Reference: [RTCM-10403.3] 3.5.12.
+//! All begin with the satellite number and have the elements of their system's own message, in
+//! another order; the tables below are those of the standard. Reference: [RTCM-10403.3] 3.5.12.
 //!
 //! [RTCM-10403.3]: crate#references
 
@@ -15,19 +16,19 @@ use crate::input::elements::{BEIDOU, GALILEO, GPS, Head, Layout, Place, at, on};
 use crate::input::message_week::MessageWeek;
 use crate::raw::Band;
 
-/// Where the satellite's number begins.
+/// First bit of the satellite number.
 const SATELLITE: usize = 12;
 
-/// A message of elements.
+/// Layout of a message of elements.
 struct Table {
     source: Source,
     bytes: usize,
     satellite_bits: usize,
-    /// First bit and width.
+    /// First bit and width of the week.
     week: (usize, usize),
     toe: (usize, usize),
     toc: (usize, usize),
-    /// Of the reference times, s.
+    /// Step of the reference times, s.
     step_s: u32,
     layout: Layout,
 }
@@ -123,7 +124,7 @@ const fn galileo(group_delays: [Option<Place>; 2]) -> Layout {
     }
 }
 
-/// Reads a message of one of these numbers.
+/// Reads the message with one of these numbers.
 pub(super) fn read(number: u16, payload: &[u8], calendar: &Calendar) -> Result<Broadcast, Unread> {
     let table = match number {
         1019 => &const { GPS_1019 },
@@ -158,9 +159,9 @@ impl Table {
     }
 }
 
-/// What is said of the health, and one sigma of the ranges, m.
+/// Returns the health, and the sigma of the ranges, m.
 fn promises(source: Source, bits: Bits<'_>) -> (Health, Option<f32>) {
-    // Two bits of the signal's health, and one of its data.
+    // Two bits are the signal's health, and one is that of its data.
     let with = |health: Health, band, start| {
         health.with_galileo(band, bits.unsigned(start, 2), bits.is_set(start + 2))
     };

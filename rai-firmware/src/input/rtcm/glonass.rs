@@ -1,4 +1,4 @@
-//! 1020: the state vector of a GLONASS satellite.
+//! Message 1020: the state vector of a GLONASS satellite.
 //!
 //! | offset | width | field |
 //! |---|---|---|
@@ -21,13 +21,14 @@ use crate::time::glonass_time;
 /// Bytes of the message.
 const LENGTH: usize = 45;
 
-/// Reads the message. Needs to know what time it is, and the leap seconds.
+/// Reads the message, for which the present time and the leap seconds must be known.
 pub(super) fn read(payload: &[u8], calendar: &Calendar) -> Result<StateBroadcast, Unread> {
     const KM: f64 = 1e3;
     let bits = Bits(payload.get(..LENGTH).ok_or(Unread::Malformed)?);
     let leap = calendar.leap_second().ok_or(Unread::LeapUnknown)?;
     let now = calendar.present().ok_or(Unread::WithoutWeek)?;
-    // A number of a width and a power of two in the block of each axis, behind as many bits.
+    // Each axis has a block of fields. The closure reads one field of the three blocks, from its
+    // offset in the block, its width and its power of two.
     let along = |behind: usize, width, exponent| {
         [48, 104, 160].map(|axis| bits.magnitude(axis + behind, width, exponent) * KM)
     };

@@ -1,7 +1,8 @@
 //! RTCM 3: one frame to one message.
 //!
-//! What is read: MSM4 to MSM7 of GPS, GLONASS, Galileo, QZSS and `BeiDou`; 1019, 1020, 1042, 1044, 1045, 1046; 1005 and 1006. MSM of
-//! the other systems are counted, and still say when an epoch is complete. Everything else is counted.
+//! The reader accepts MSM4 to MSM7 of GPS, GLONASS, Galileo, QZSS and `BeiDou`; 1019, 1020, 1042,
+//! 1044, 1045, 1046; 1005 and 1006. MSM of the other systems are counted, and still state when an
+//! epoch is complete. All other messages are counted.
 //!
 //! References: [RTCM-10403.3] 3.5.16 (MSM).
 //!
@@ -23,7 +24,7 @@ use super::{Message, Unread};
 pub(super) use msm::Msm;
 pub(super) use transport::Rtcm;
 
-/// Reads the payload of a frame whose check is right.
+/// Reads the payload of a frame whose check holds.
 fn read<'a>(payload: &'a [u8], calendar: &Calendar) -> Result<Message<'a>, Unread> {
     match message_number(payload).ok_or(Unread::Malformed)? {
         1005 => read_position(payload, 19).map(Message::Position),
@@ -37,21 +38,21 @@ fn read<'a>(payload: &'a [u8], calendar: &Calendar) -> Result<Message<'a>, Unrea
     }
 }
 
-/// The message number: the first twelve bits of the payload.
+/// Returns the message number: the first twelve bits of the payload.
 fn message_number(payload: &[u8]) -> Option<u16> {
     let [high, low] = *payload.first_chunk::<2>()?;
     Some(u16::from(high) << 4 | u16::from(low) >> 4)
 }
 
-/// 1005 and 1006: where the antenna is.
+/// Reads the position of the antenna in 1005 or 1006.
 fn read_position(payload: &[u8], length: usize) -> Result<Ecef, Unread> {
     let bits = Bits(payload.get(..length).ok_or(Unread::Malformed)?);
-    // 38 bits in steps of a tenth of a millimetre.
+    // Coordinates have 38 bits in steps of a tenth of a millimetre.
     let [x_m, y_m, z_m] = [34, 74, 114].map(|start| {
         let steps = i64::from(bits.signed(start, 6)) << 32 | i64::from(bits.unsigned(start + 6, 32));
         steps as f64 * 0.0001
     });
     let position = Ecef::new(x_m, y_m, z_m);
-    // From the deepest sea to an aircraft, with room: farther out it is no receiver's place.
+    // The range covers the deepest sea to an aircraft, with a margin.
     if (6.3e6..=6.5e6).contains(&position.radius_m()) { Ok(position) } else { Err(Unread::Position) }
 }

@@ -1,12 +1,12 @@
-//! Multiple signal messages: the code ranges and the rates in them.
+//! Multiple signal messages: their code ranges and range rates.
 //!
 //! ```text
 //! P = c · (whole ms + rough/1024 ms + fine · 2⁻²⁴ or 2⁻²⁹ ms)
 //! ```
 //!
-//! The message numbers are regular: 1070 + 10 · system + level, with system 0 GPS, 1 GLONASS, 2 Galileo, 3 SBAS,
-//! 4 QZSS, 5 `BeiDou`, 6 `NavIC`. All begin alike; then each field stands for all satellites, or for all cells (a
-//! satellite's signal), before the next field begins:
+//! The message numbers are regular: 1070 + 10 · system + level, with system 0 GPS, 1 GLONASS, 2
+//! Galileo, 3 SBAS, 4 QZSS, 5 `BeiDou`, 6 `NavIC`. All begin alike; then each field is listed for
+//! all satellites, or for all cells (a satellite's signal), before the next field begins:
 //!
 //! | part | bits (levels 4, 5, 6, 7) | what |
 //! |---|---|---|
@@ -21,11 +21,12 @@
 //! | | 6, 6, 10, 10 | C/N0, 1 dB-Hz or 1/16 dB-Hz, 0 for none |
 //! | | 0, 15, 0, 15 | rate, signed, 0.1 mm/s, the most negative for none |
 //!
-//! A message without satellites is as good as any: a system that sees none still says when the instant is complete.
+//! A message without satellites is valid, because a system without satellites in view still states
+//! when the instant is complete.
 //!
-//! Four of ten fields are of use here, so the message is read in place. A general decoder (`rtcm-rs`, which reads
-//! the small messages) returns every field of 64 cells by value, which took 44 KiB of stack and 65 KiB of flash,
-//! and it drops a whole message for one signal that it does not know.
+//! The module uses four of ten fields, so that it reads the message in place. A general decoder
+//! (`rtcm-rs`, which reads the small messages) returns every field of 64 cells by value. This took
+//! 44 KiB of stack and 65 KiB of flash, and one unknown signal dropped a whole message.
 //!
 //! Reference: [RTCM-10403.3] 3.5.16, tables 3.5-73 to 3.5-101.
 //!
@@ -44,23 +45,23 @@ use crate::input::{Counters, Measured, Ranges, Unread};
 use crate::raw::{Carrier, RawSignal};
 use crate::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, WEEK_MS};
 
-/// Metres of range in a step of level 6 and 7, 2⁻²⁹ ms.
+/// Metres of range in a step of levels 6 and 7, 2⁻²⁹ ms.
 const STEP_M: f64 = SPEED_OF_LIGHT_M_S * 1e-3 / (1 << 29) as f64;
 
-/// Metres a second of a step of a cell's rate; a satellite's rough rate has whole ones.
+/// Step of a cell's rate, m/s; the step of a satellite's rough rate is 1 m/s.
 const FINE_RATE_M_S: f32 = 1e-4;
 
-/// Where the masks begin, bits.
+/// First bits of the masks.
 const SATELLITE_MASK: usize = 73;
 const SIGNAL_MASK: usize = SATELLITE_MASK + 64;
 const CELL_MASK: usize = SIGNAL_MASK + 32;
 
-/// Most cells, hence most satellites, that one message may have.
+/// Largest number of cells, and hence of satellites, in one message.
 const MOST_CELLS: usize = 64;
 
-/// Reads a multiple signal message, and lays it out once; nothing of it has been used yet.
+/// Reads the layout of a multiple signal message; its ranges are read later.
 ///
-/// A message that contradicts itself is refused before it can move time.
+/// A message that contradicts itself is refused before it can affect the time.
 pub(super) fn read<'a>(number: u16, payload: &'a [u8], calendar: &Calendar) -> Result<Ranges<'a>, Unread> {
     let (series, level) = match number {
         1071..=1137 => ((number - 1070) / 10, (number - 1070) % 10),
@@ -100,7 +101,7 @@ pub(super) fn read<'a>(number: u16, payload: &'a [u8], calendar: &Calendar) -> R
     Ok(Ranges { station, series: Some(series as u8), tow_ms, of_utc_ms, stated: None, more_follow, measured })
 }
 
-/// Milliseconds into the week of GPS time; `None` when the field is beyond the week.
+/// Returns the milliseconds into the week of GPS time, or `None` if the field is beyond the week.
 fn gps_tow_ms(system: System, time_ms: u32) -> Option<u32> {
     let offset_ms = match system {
         System::Beidou => BEIDOU_OFFSET_MS,
@@ -109,13 +110,15 @@ fn gps_tow_ms(system: System, time_ms: u32) -> Option<u32> {
     (time_ms < WEEK_MS).then_some((time_ms + offset_ms) % WEEK_MS)
 }
 
-/// Returns the milliseconds into the week of UTC from the day and the time of day of GLONASS, which are three hours ahead.
+/// Returns the milliseconds into the week of UTC from the day and the time of day of GLONASS, which
+/// is three hours ahead.
 ///
-/// Day 7 means that the day is unknown (DF416). It is then the one that brings the time nearest to the present.
+/// Day 7 means that the day is unknown (DF416). The day that brings the time nearest to the present
+/// is then taken.
 fn utc_week_ms(time: u32, calendar: &Calendar) -> Result<u32, Unread> {
     const UNKNOWN_DAY: u32 = 7;
     const DAY_MS: u32 = 86_400_000;
-    /// The day has a leap second at its end where there is one.
+    /// Longest day, because a leap second may be inserted at its end.
     const LONGEST_DAY_MS: u32 = DAY_MS + 1000;
     const AHEAD_MS: u32 = GLONASS_OFFSET_MS as u32;
     let (day, of_day_ms) = (time >> 27, time & 0x7FF_FFFF);
@@ -126,7 +129,7 @@ fn utc_week_ms(time: u32, calendar: &Calendar) -> Result<u32, Unread> {
     if day != UNKNOWN_DAY {
         return Ok(on_day(day));
     }
-    // Leap seconds are far less than the half day that a wrong choice takes.
+    // Leap seconds are far less than the half day that would select a wrong day.
     let present_ms = calendar.present().ok_or(Unread::WithoutWeek)?.tow_ms;
     let distance_ms = |day: &u32| {
         let apart_ms = on_day(*day).abs_diff(present_ms);
@@ -147,7 +150,7 @@ impl Measurements for Msm<'_> {
         self.layout.satellites == Mask(0)
     }
 
-    /// Counts what cannot be used.
+    /// Counts unusable cells.
     fn each(
         &self,
         counters: &mut Counters,
@@ -178,7 +181,7 @@ impl Measurements for Msm<'_> {
 }
 
 impl Msm<'_> {
-    /// The range of a cell.
+    /// Returns the range of a cell.
     fn one(
         &self,
         (satellite, signal): (u8, u8),
@@ -196,23 +199,23 @@ impl Msm<'_> {
         } else {
             range.with_cn0_dbhz(self.layout.cn0_dbhz(cell))
         };
-        // A range that grows comes with a frequency that falls.
+        // If the range grows, the frequency falls.
         let doppler_hz = self.layout.rate_m_s(row, cell).map(|rate| -rate * carrier.doppler_of_a_metre_hz());
         Ok((satellite, doppler_hz.map_or(signal, |doppler_hz| signal.with_doppler_hz(doppler_hz))))
     }
 }
 
-/// Why a cell is no range.
+/// Reason for which a cell has no range.
 enum Unused {
     Satellite,
     Signal,
     Range,
 }
 
-/// Widths of the fields that the levels differ in, bits.
+/// Widths of the fields that differ by level, bits.
 #[derive(Debug)]
 struct Widths {
-    /// What levels 5 and 7 have besides: extended information and rough rate of a satellite, rate of a cell.
+    /// Extended information of a satellite, which only levels 5 and 7 have, as the two rates below.
     extended: usize,
     satellite_rate: usize,
     cell_rate: usize,
@@ -220,9 +223,9 @@ struct Widths {
     /// Phase, lock time and half cycle indicator.
     between: usize,
     cn0: usize,
-    /// How many steps of level 7 a step of the fine range is, as a power of two.
+    /// Steps of level 7 in a step of the fine range, as a power of two.
     fine_power: u32,
-    /// dB-Hz of a step of the carrier to noise density.
+    /// Step of the carrier to noise density, dB-Hz.
     cn0_dbhz: f32,
 }
 
@@ -236,7 +239,7 @@ impl Widths {
     }
 }
 
-/// Where the fields of a message are.
+/// Positions of the fields of a message.
 #[derive(Debug)]
 struct Layout<'a> {
     payload: Bits<'a>,
@@ -244,18 +247,18 @@ struct Layout<'a> {
     satellites: Mask,
     signals: Mask,
     cells: Mask,
-    /// Where the fields of the satellites begin, and those of the cells, bits.
+    /// First bits of the fields of the satellites, and of those of the cells.
     rough_start: usize,
     cell_start: usize,
 }
 
-/// What the fields of one satellite say.
+/// Fields of one satellite.
 struct Row {
-    /// Rough range, steps of 2⁻²⁹ ms; `None` when the message does not say.
+    /// Rough range, steps of 2⁻²⁹ ms; `None` if the message has none.
     rough: Option<i64>,
-    /// Rough rate, m/s; `None` where the level has none, or the message does not say.
+    /// Rough rate, m/s; `None` if the level or the message has none.
     rate_m_s: Option<i32>,
-    /// Frequency channel of GLONASS; 0 when the message does not say.
+    /// Frequency channel of GLONASS; 0 if the message has none.
     channel: i8,
 }
 
@@ -279,7 +282,7 @@ impl<'a> Layout<'a> {
         Some(Self { payload, widths, satellites, signals, cells, rough_start, cell_start })
     }
 
-    /// The fields of the `index`th satellite.
+    /// Returns the fields of the `index`th satellite.
     fn row(&self, index: usize) -> Row {
         let (extended, rate) = (self.widths.extended, self.widths.satellite_rate);
         let whole_start = self.rough_start;
@@ -301,21 +304,23 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Fine range of the `index`th cell, steps of 2⁻²⁹ ms; `None` when the message does not say.
+    /// Returns the fine range of the `index`th cell, steps of 2⁻²⁹ ms; `None` if the message has
+    /// none.
     fn fine(&self, index: usize) -> Option<i64> {
         let width = self.widths.fine;
         let steps = self.optional(self.cell_start + width * index, width)?;
         Some(i64::from(steps << self.widths.fine_power))
     }
 
-    /// Carrier to noise density of the `index`th cell, dB-Hz; 0 when the message does not say.
+    /// Returns the carrier to noise density of the `index`th cell, dB-Hz; 0 if the message has
+    /// none.
     fn cn0_dbhz(&self, index: usize) -> f32 {
         let start = self.cell_start + self.cells.count() * (self.widths.fine + self.widths.between);
         let field = self.payload.unsigned(start + self.widths.cn0 * index, self.widths.cn0);
         field as f32 * self.widths.cn0_dbhz
     }
 
-    /// How fast the range of a cell grows, m/s; `None` where the level has no rates, or the message does not say.
+    /// Returns the range rate of a cell, m/s; `None` if the level or the message has none.
     fn rate_m_s(&self, row: &Row, cell: usize) -> Option<f32> {
         let Widths { fine, between, cn0, cell_rate, .. } = self.widths;
         let start = self.cell_start + self.cells.count() * (fine + between + cn0);
@@ -323,7 +328,8 @@ impl<'a> Layout<'a> {
         Some(row.rate_m_s? as f32 + fine as f32 * FINE_RATE_M_S)
     }
 
-    /// A number with a sign; `None` for the most negative one, which says that there is none, and for no bits.
+    /// Returns a signed number; `None` for the most negative one, which means that there is none,
+    /// and for a width of 0.
     fn optional(&self, start: usize, width: usize) -> Option<i32> {
         if width == 0 {
             return None;
@@ -333,12 +339,12 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// A mask, its first bit on top.
+/// A mask, with its first bit on top.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Mask(u64);
 
 impl Mask {
-    /// The first `length` bits from `start` on, at most 64.
+    /// Returns the `length` bits from `start` on, at most 64.
     fn of(payload: Bits<'_>, start: usize, length: usize) -> Self {
         let half = |start, length: usize| match length {
             0 => 0,
@@ -348,18 +354,18 @@ impl Mask {
         Self(half(start, first) << 32 | half(start + first, length - first))
     }
 
-    /// How many ones: on this processor not an instruction but some thirty.
+    /// Counts the ones. Not inlined, because this processor takes some thirty instructions for it.
     #[inline(never)]
     const fn count(self) -> usize {
         self.0.count_ones() as usize
     }
 
-    /// Whether there is a one at a position below 64.
+    /// Returns true if the bit at a position below 64 is set.
     const fn has(self, position: usize) -> bool {
         (self.0 << position) >> 63 == 1
     }
 
-    /// Positions of the ones, from 0.
+    /// Returns the positions of the ones, from 0.
     fn positions(self) -> impl Iterator<Item = u8> {
         let mut left = self.0;
         core::iter::from_fn(move || {

@@ -1,13 +1,14 @@
-//! Which band a signal of an MSM is on.
+//! Bands of the signals of an MSM.
 
 use crate::input::system::System;
 use crate::raw::Band;
 
-/// The band of a signal by its position in the signal mask of an MSM, from 1; `None` for those that are not used.
+/// Returns the band of a signal by its position in the signal mask of an MSM, from 1; `None` for
+/// unused signals.
 ///
-/// Left out: restricted services (Galileo E1A, E1Z) and bands whose delay against the broadcast clock is not
-/// broadcast while others' are (Galileo E6 and E5 alt-BOC, `BeiDou` B2b, QZSS L6). Reference: [RTCM-10403.3] tables
-/// 3.5-91, 3.5-96, 3.5-99, 3.5-105, 3.5-108.
+/// Unused are restricted services (Galileo E1A, E1Z) and bands whose delay against the broadcast
+/// clock is not broadcast while those of others are (Galileo E6 and E5 alt-BOC, `BeiDou` B2b, QZSS
+/// L6). Reference: [RTCM-10403.3] tables 3.5-91, 3.5-96, 3.5-99, 3.5-105, 3.5-108.
 ///
 /// [RTCM-10403.3]: crate#references
 pub(super) const fn band(system: System, signal: u8) -> Option<Band> {
@@ -29,14 +30,15 @@ pub(super) const fn band(system: System, signal: u8) -> Option<Band> {
     }
 }
 
-/// Whether a signal is the one code of its band that the broadcast clock is of, where another one may be beside it:
-/// P and Y on L1. To C/A a GPS satellite has a delay of its own, up to a metre, that no message tells.
+/// Returns true if the broadcast clock refers to this signal, while another code may be on the same
+/// band: P and Y on L1. Against C/A a GPS satellite has a delay of its own, up to a metre, that no
+/// message contains.
 pub(super) const fn is_reference(system: System, signal: u8) -> bool {
     matches!((system, signal), (System::Gps, 3 | 4))
 }
 
-/// Whether receivers track the code without knowing it: P and Y of GPS. What is left of its strength, 10 to 20 dB less,
-/// says nothing of the signal.
+/// Returns true if receivers track the code without knowing it: P and Y of GPS. The strength that
+/// they report, 10 to 20 dB less, does not describe the signal.
 pub(super) const fn is_codeless(system: System, signal: u8) -> bool {
     matches!((system, signal), (System::Gps, 3 | 4 | 9 | 10))
 }

@@ -17,7 +17,7 @@ use crate::input::{Counters, Message, Unread};
 const HEADER: usize = 3;
 const PARITY: usize = 3;
 
-/// The format of RTCM 3.
+/// Format of RTCM 3.
 #[derive(Debug)]
 pub(in crate::input) struct Rtcm;
 
@@ -55,12 +55,12 @@ impl Protocol for Rtcm {
     }
 }
 
-/// Returns what is between the header and the check.
+/// Returns the bytes between the header and the check.
 pub(super) fn payload<'a>(frame: &Frame<'a>) -> &'a [u8] {
     frame.between(HEADER, PARITY)
 }
 
-/// Returns the CRC of a frame; zero over a frame with its right parity.
+/// Returns the CRC of a frame; zero if the frame includes its valid parity.
 fn crc24q(bytes: &[u8]) -> u32 {
     const POLYNOMIAL: u32 = 0x0186_4CFB;
     /// Remainder of each value of a byte's upper half.

@@ -1,9 +1,10 @@
 //! `BeiDou` D1 and D2: subframes of ten words of 30 bits, on B1I, B2I and B3I.
 //!
-//! A page here is the information in a subframe without parities, in which the fields that the parities split join:
-//! 26 bits of the first word, then 22 of each other. D1 spreads the ephemeris over subframes 1 to 3, D2 (of the
-//! geostationary satellites) over ten pages of subframe 1, of which five words are used. Neither says to which issue
-//! a subframe belongs; its second of the week does, since they follow each other without a gap.
+//! A page here is the information in a subframe without parities. The fields that the parities
+//! split are thus joined: 26 bits of the first word, then 22 of each other. D1 spreads the
+//! ephemeris over subframes 1 to 3. D2 (of the geostationary satellites) spreads it over ten pages
+//! of subframe 1, of which five words are used. Neither states the issue of a subframe. Its second
+//! of the week identifies it, because the subframes of a set follow each other without a gap.
 //!
 //! | | fields |
 //! |---|---|
@@ -17,7 +18,8 @@
 //! | D2, 7, 8 | Cic 42, Cis 50, toe 68, i0 85 and 42, Crc 53, Crs 71, Ω̇ 89 |
 //! | D2, 9, 10 | Ω̇ 42, Ω0 47, ω 79 and 42, i̇ 47 |
 //!
-//! The coefficients of the ionosphere are of another model than those of GPS ([`crate::correction::Klobuchar`]).
+//! The coefficients of the ionosphere belong to another model than those of GPS
+//! ([`crate::correction::Klobuchar`]).
 //!
 //! References: [BDS-SIS-B1I] 5.2, 5.3; [BDS-SIS-B3I] 5.
 //!
@@ -47,10 +49,10 @@ pub(super) const D2_BYTES: usize = 15;
 /// Pages of a D2 ephemeris.
 pub(super) const D2_PAGES: usize = 10;
 
-/// The first eleven bits of every subframe.
+/// First eleven bits of every subframe.
 const PREAMBLE: u32 = 0b111_0001_0010;
 
-/// Seconds of a step of the reference times.
+/// Step of the reference times, s.
 const REFERENCE_STEP_S: u32 = 8;
 
 const D1: Layout = Layout {
@@ -75,7 +77,7 @@ const D2: Layout = Layout {
     group_delays: [Some(on(0, 82)), Some(on(0, 92))],
 };
 
-/// The information in a subframe.
+/// Returns the information in a subframe.
 pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; D1_BYTES], Refusal> {
     let mut packed = Packed::new();
     for (index, &word) in words.iter().enumerate() {
@@ -88,22 +90,23 @@ pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; D1_BYTES], Refusal> {
     if Bits(&packed.bytes).unsigned(0, 11) == PREAMBLE { Ok(packed.bytes) } else { Err(Refusal::Malformed) }
 }
 
-/// The number of a subframe, 1 to 5.
+/// Returns the number of a subframe, 1 to 5.
 pub(super) fn number(subframe: Bits<'_>) -> u32 {
     subframe.unsigned(15, 3)
 }
 
-/// The page of a D2 subframe, 1 to 10.
+/// Returns the page of a D2 subframe, 1 to 10.
 pub(super) fn page(subframe: Bits<'_>) -> u32 {
     subframe.unsigned(38, 4)
 }
 
-/// The second of the week at which a subframe began.
+/// Returns the second of the week at which a subframe began.
 fn second_of_week(subframe: Bits<'_>) -> u32 {
     subframe.unsigned(18, 20)
 }
 
-/// Whether each page began that many seconds after the one before; across the end of the week, too.
+/// Returns true if each page began that many seconds after the one before, across the end of the
+/// week as well.
 fn follow_each_other(pages: &[Bits<'_>], step_s: u32) -> bool {
     const WEEK_S: u32 = 604_800;
     pages.iter().zip(pages.iter().skip(1)).all(|(&before, &after)| {
@@ -112,17 +115,17 @@ fn follow_each_other(pages: &[Bits<'_>], step_s: u32) -> bool {
     })
 }
 
-/// The coefficients of the ionosphere in subframe 1 of D1.
+/// Returns the coefficients of the ionosphere in subframe 1 of D1.
 pub(super) fn d1_ionosphere(subframe: Bits<'_>) -> [f64; 8] {
     subframe.klobuchar(98)
 }
 
-/// The same on page 2 of D2.
+/// Returns the coefficients of the ionosphere on page 2 of D2.
 pub(super) fn d2_ionosphere(page: Bits<'_>) -> [f64; 8] {
     page.klobuchar(42)
 }
 
-/// The ephemeris in subframes 1 to 3 of D1.
+/// Returns the ephemeris in subframes 1 to 3 of D1.
 pub(super) fn d1_ephemeris(
     satellite: SatelliteId,
     pages: &[Bits<'_>],
@@ -140,7 +143,7 @@ pub(super) fn d1_ephemeris(
     Ok(const { D1 }.read(&head(satellite, health, first.small(44, 4), reference), pages))
 }
 
-/// The ephemeris in the ten pages of D2.
+/// Returns the ephemeris in the ten pages of D2.
 pub(super) fn d2_ephemeris(
     satellite: SatelliteId,
     pages: &[Bits<'_>],

@@ -1,8 +1,9 @@
 //! Galileo I/NAV and F/NAV: pages with a CRC.
 //!
-//! I/NAV comes as an even and an odd part, which make a word of 128 bits; words 1 to 4 are the ephemeris and say which
-//! issue they belong to, word 5 has health, group delays and week and does not. A satellite sends it last in each 30 s,
-//! so it closes the set that came before it. F/NAV has the same in four pages, every one with its issue.
+//! I/NAV comes as an even and an odd part, which make a word of 128 bits. Words 1 to 4 are the
+//! ephemeris and state its issue; word 5 has health, group delays and week, and states no issue. A
+//! satellite sends it last in each 30 s, so that it completes the set before it. F/NAV has the same
+//! content in four pages, each with its issue.
 //!
 //! | I/NAV word | fields |
 //! |---|---|
@@ -35,7 +36,7 @@ pub(super) const INAV_BYTES: usize = 16;
 /// Words of an I/NAV ephemeris.
 pub(super) const INAV_PAGES: usize = 5;
 
-/// Bytes kept of an F/NAV page: what is behind bit 192 is its time.
+/// Bytes stored of an F/NAV page; its time is behind bit 192.
 pub(super) const FNAV_BYTES: usize = 24;
 
 /// Pages of an F/NAV ephemeris.
@@ -63,15 +64,18 @@ const FNAV: Layout = Layout {
     group_delays: [Some(on(0, 143)), None],
 };
 
-/// The word of an I/NAV page, from the receiver's eight words: 120 bits of each part, then eight of no meaning.
+/// Returns the word of an I/NAV page, from the receiver's eight words: 120 bits of each part, then
+/// eight unused bits.
 pub(super) fn inav_word(words: &[u32; 8]) -> Result<[u8; INAV_BYTES], Refusal> {
     let page = bytes_of(words);
     let page = Bits(&page);
-    // Even part, nominal page; odd part, nominal page. An alert page has its bits set.
+    // Both parts must be of a nominal page, the first even and the second odd. An alert page has
+    // its bits set.
     if page.unsigned(0, 2) != 0b00 || page.unsigned(128, 2) != 0b10 {
         return Err(Refusal::Malformed);
     }
-    // Leading zeros leave a CRC as it is, so the 114 and 82 bits follow four of them and make whole bytes.
+    // Leading zeros do not change a CRC. Four of them therefore precede the 114 and 82 bits, so
+    // that these fill whole bytes.
     let mut covered = Packed::<25>::new();
     covered.push(0, 4);
     append(&mut covered, page, 0, 114);
@@ -85,7 +89,7 @@ pub(super) fn inav_word(words: &[u32; 8]) -> Result<[u8; INAV_BYTES], Refusal> {
     Ok(word.bytes)
 }
 
-/// The front of an F/NAV page, from the receiver's eight words: 238 bits and a tail.
+/// Returns the front of an F/NAV page, from the receiver's eight words: 238 bits and a tail.
 pub(super) fn fnav_page(words: &[u32; 8]) -> Result<[u8; FNAV_BYTES], Refusal> {
     let page = bytes_of(words);
     let bits = Bits(&page);
@@ -113,12 +117,12 @@ fn append<const BYTES: usize>(packed: &mut Packed<BYTES>, from: Bits<'_>, start:
     }
 }
 
-/// The type of a word or a page: its first six bits.
+/// Returns the type of a word or a page: its first six bits.
 pub(super) fn kind(page: Bits<'_>) -> u32 {
     page.unsigned(0, 6)
 }
 
-/// The ephemeris in words 1 to 5.
+/// Returns the ephemeris in words 1 to 5.
 pub(super) fn inav_ephemeris(
     satellite: SatelliteId,
     pages: &[Bits<'_>],
@@ -147,7 +151,7 @@ pub(super) fn inav_ephemeris(
     Ok(const { INAV }.read(&head, pages))
 }
 
-/// The leap seconds in word 6.
+/// Returns the leap seconds in word 6.
 pub(super) fn utc(word: Bits<'_>) -> Announcement {
     Announcement {
         now_s: word.signed(62, 8),
@@ -157,7 +161,7 @@ pub(super) fn utc(word: Bits<'_>) -> Announcement {
     }
 }
 
-/// The ephemeris in pages 1 to 4 of F/NAV.
+/// Returns the ephemeris in pages 1 to 4 of F/NAV.
 pub(super) fn fnav_ephemeris(
     satellite: SatelliteId,
     pages: &[Bits<'_>],

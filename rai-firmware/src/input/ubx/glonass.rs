@@ -1,8 +1,9 @@
 //! GLONASS strings: 85 bits every two seconds; one to four are the ephemeris.
 //!
-//! A page here is a string with the idle bit first. Numbers are a sign bit and a magnitude. The strings of one frame
-//! follow each other within eight seconds and say nothing of which set they belong to, so a set is taken only in their
-//! order: a first string begins it, and each other one must follow the one before.
+//! A page here is a string with the idle bit first. Numbers are a sign bit and a magnitude. The
+//! strings of one frame follow each other within eight seconds and do not identify their set. A set
+//! is therefore taken only in order: a first string begins it, and each other one must follow the
+//! one before.
 //!
 //! | string | fields |
 //! |---|---|
@@ -30,10 +31,11 @@ pub(super) const BYTES: usize = 11;
 /// Strings of an ephemeris.
 pub(super) const PAGES: usize = 4;
 
-/// Steps of the fields: 2⁻¹¹ km, 2⁻²⁰ km/s, 2⁻³⁰ km/s².
+/// Factor from the message's kilometres to metres.
 const KM: f64 = 1e3;
 
-/// The string from the receiver's words; a fourth word says which frame, and is not needed.
+/// Returns the string in the receiver's words. A fourth word identifies the frame, and is not
+/// needed.
 pub(super) fn string(words: &[u32; 3]) -> Result<[u8; BYTES], Refusal> {
     let [first, second, third] = *words;
     let mut packed = Packed::new();
@@ -47,12 +49,12 @@ pub(super) fn string(words: &[u32; 3]) -> Result<[u8; BYTES], Refusal> {
     if is_glonass_string(bits) { Ok(packed.bytes) } else { Err(Refusal::Parity) }
 }
 
-/// The number of a string, 1 to 15.
+/// Returns the number of a string, 1 to 15.
 pub(super) fn number(string: Bits<'_>) -> u32 {
     string.unsigned(1, 4)
 }
 
-/// The ephemeris in strings 1 to 4. Needs to know what time it is, and the leap seconds.
+/// Returns the ephemeris in strings 1 to 4, with the present time and the leap seconds.
 pub(super) fn ephemeris(
     satellite: SatelliteId,
     pages: &[Bits<'_>],

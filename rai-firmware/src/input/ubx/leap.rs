@@ -1,7 +1,8 @@
-//! Leap seconds as the satellites announce them: what holds, what will hold, and from when on.
+//! Leap seconds that the satellites announce: the present number, the next one, and the time of the
+//! change.
 //!
-//! The week of the change is said with eight bits, so it is the one of 256 that is nearest to the present.
-//! References: [IS-GPS-200] 20.3.3.5.2.4; [OS-SIS-ICD] 5.1.7.
+//! The week of the change has eight bits, so that it is the one of 256 that is nearest to the
+//! present. References: [IS-GPS-200] 20.3.3.5.2.4; [OS-SIS-ICD] 5.1.7.
 //!
 //! [IS-GPS-200]: crate#references
 //! [OS-SIS-ICD]: crate#references
@@ -11,23 +12,23 @@ use crate::time::{GpsTime, WEEK_MS};
 /// Milliseconds of a day.
 const DAY_MS: u64 = 86_400_000;
 
-/// Seconds that GPS time may be ahead of UTC: 17 since 2015, and no more than one a year for longer than this lives.
+/// Plausible values of GPS time minus UTC, s: 17 since 2015, and at most one more a year.
 const PLAUSIBLE_S: core::ops::RangeInclusive<i32> = 0..=63;
 
-/// What a satellite says of leap seconds.
+/// Announcement of leap seconds by a satellite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Announcement {
-    /// Before the change.
+    /// Number before the change, s.
     pub(super) now_s: i32,
-    /// After it.
+    /// Number after the change, s.
     pub(super) then_s: i32,
-    /// Week modulo 256 and day, 1 to 7, at the end of which the change is.
+    /// Week modulo 256 and day, 1 to 7, at whose end the change is.
     pub(super) week: u8,
     pub(super) day: u8,
 }
 
 impl Announcement {
-    /// GPS time minus UTC at `time`, s; `None` for a number that it cannot be.
+    /// Returns GPS time minus UTC at `time`, s; `None` for an implausible number.
     pub(super) fn at(&self, time: GpsTime) -> Option<u8> {
         let (before, after) = (time.week.saturating_sub(128), self.week);
         let week = before.saturating_add(u16::from(after.wrapping_sub(before as u8)));
@@ -45,7 +46,8 @@ impl Announcement {
 mod tests {
     use super::*;
 
-    /// The last leap second: at the end of 2016-12-31, which was day 7 (Saturday) of week 1929, GPS − UTC rose from 17 to 18 s.
+    /// At the last leap second, the end of 2016-12-31, day 7 (Saturday) of week 1929, GPS − UTC
+    /// rose from 17 to 18 s.
     const LAST: Announcement = Announcement { now_s: 17, then_s: 18, week: (1929 % 256) as u8, day: 7 };
 
     #[test]

@@ -1,5 +1,5 @@
-//! LNAV of GPS and QZSS: subframes of ten words of 30 bits; one to three are the ephemeris, page 18 of the fourth is the
-//! ionosphere and UTC.
+//! LNAV of GPS and QZSS: subframes of ten words of 30 bits. Subframes 1 to 3 are the ephemeris;
+//! page 18 of the fourth has the ionosphere and UTC.
 //!
 //! A page here is a subframe without parities: 240 bits. Offsets in them:
 //!
@@ -33,18 +33,19 @@ pub(super) const BYTES: usize = 30;
 /// Subframes of an ephemeris.
 pub(super) const PAGES: usize = 3;
 
-/// The first eight bits of every subframe.
+/// First eight bits of every subframe.
 const PREAMBLE: u32 = 0x8B;
 
-/// The flag in every subframe by which a satellite takes back its URA ([IS-GPS-200] 20.3.3.2).
+/// Alert flag of every subframe, by which a satellite withdraws its URA ([IS-GPS-200] 20.3.3.2).
 ///
 /// [IS-GPS-200]: crate#references
 const ALERT: usize = 41;
 
-/// Between the first and the last subframe of one ephemeris, seconds: two frames, one of them with gaps.
+/// Longest time between the first and the last subframe of one ephemeris, s: two frames, one of
+/// them with gaps.
 const SPAN_S: u32 = 90;
 
-/// The identity of the page with ionosphere and UTC.
+/// Identity of the page with ionosphere and UTC.
 const IONOSPHERE_AND_UTC: u32 = 56;
 
 const LAYOUT: Layout = Layout {
@@ -58,7 +59,8 @@ const LAYOUT: Layout = Layout {
     group_delays: [Some(on(0, 160)), None],
 };
 
-/// Returns the subframe in the words of the receiver, which has undone the inversion of their data ([`is_lnav_word`]).
+/// Returns the subframe in the words of the receiver, which has undone the inversion of their data
+/// ([`is_lnav_word`]).
 pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; BYTES], Refusal> {
     let mut packed = Packed::new();
     for &word in words {
@@ -70,12 +72,12 @@ pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; BYTES], Refusal> {
     if Bits(&packed.bytes).unsigned(0, 8) == PREAMBLE { Ok(packed.bytes) } else { Err(Refusal::Malformed) }
 }
 
-/// The number of a subframe, 1 to 5 in those that are right.
+/// Returns the number of a subframe; valid ones have 1 to 5.
 pub(super) fn number(subframe: Bits<'_>) -> u32 {
     subframe.unsigned(43, 3)
 }
 
-/// The ephemeris in subframes 1 to 3.
+/// Returns the ephemeris in subframes 1 to 3.
 pub(super) fn ephemeris(
     satellite: SatelliteId,
     pages: &[Bits<'_>],
@@ -99,7 +101,7 @@ pub(super) fn ephemeris(
         satellite,
         source,
         health,
-        // Under an alert the error may be worse than the URA says: nothing is promised.
+        // Under an alert the error may exceed the URA, so that no accuracy is promised.
         accuracy_m: ura_m(first.small(60, 4)).filter(|_| !pages.iter().any(|page| page.is_set(ALERT))),
         toe: instant(second.unsigned(216, 16))?,
         toc: instant(first.unsigned(176, 16))?,
@@ -107,7 +109,7 @@ pub(super) fn ephemeris(
     Ok(const { LAYOUT }.read(&head, pages))
 }
 
-/// Whether the subframes are of one time: an issue number comes back after some hours.
+/// Returns true if the subframes are of one time, because an issue number returns after some hours.
 fn is_one_frame(subframes: [Bits<'_>; PAGES]) -> bool {
     const WEEK: u32 = 604_800 / 6;
     let [first, second, third] = subframes.map(|subframe| subframe.unsigned(24, 17));
@@ -118,7 +120,8 @@ fn is_one_frame(subframes: [Bits<'_>; PAGES]) -> bool {
     is_near(first, second) && is_near(second, third)
 }
 
-/// Klobuchar's coefficients and the leap seconds, where a fourth subframe is page 18 of the GPS satellites.
+/// Returns Klobuchar's coefficients and the leap seconds, if a fourth subframe is page 18 of the
+/// GPS satellites.
 ///
 /// The satellites of QZSS send a page of the same identity with coefficients for their own region.
 pub(super) fn ionosphere_and_utc(subframe: Bits<'_>) -> Option<([f64; 8], Announcement)> {

@@ -1,18 +1,20 @@
-//! UBX: what a u-blox receiver measured, and the navigation bits it heard.
+//! UBX: ranges that a u-blox receiver measured, and the navigation bits that it received.
 //!
 //! ```text
 //! B5 62 | class, id | length u16 | payload | CK_A CK_B              all numbers with the low byte first
 //! ```
 //!
 //! | message | class, id | becomes |
+//! | message | class, id | content |
 //! |---|---|---|
-//! | RXM-RAWX | 02 15 | the ranges of an epoch ([`rawx`]) |
-//! | RXM-SFRBX | 02 13 | pages of navigation messages; when a set is complete, an ephemeris ([`sfrbx`]) |
+//! | RXM-RAWX | 02 15 | ranges of an epoch ([`rawx`]) |
+//! | RXM-SFRBX | 02 13 | pages of navigation messages; a complete set is an ephemeris ([`sfrbx`]) |
 //! | SEC-SIG | 27 09 | jamming and spoofing ([`security`]) |
-//! | NAV-STATUS | 01 03 | spoofing, by receivers that have no SEC-SIG |
+//! | NAV-STATUS | 01 03 | spoofing, of receivers without SEC-SIG |
 //!
-//! These receivers send no ephemerides in RTCM: the bits are where orbits come from. To be switched on at the receiver:
-//! `CFG-MSGOUT-UBX_RXM_RAWX`, `-UBX_RXM_SFRBX` and, where there is one, `-UBX_SEC_SIG`, and 115200 baud or more.
+//! These receivers send no ephemerides in RTCM, so that the bits are the only source of orbits.
+//! Enable at the receiver: `CFG-MSGOUT-UBX_RXM_RAWX`, `-UBX_RXM_SFRBX` and, if available,
+//! `-UBX_SEC_SIG`, and 115200 baud or more.
 //!
 //! References: [UBX-F9], [UBX-M8].
 //!
@@ -41,7 +43,7 @@ use rawx::Rawx;
 use sfrbx::Navigation;
 pub(super) use transport::Ubx;
 
-/// Reads one frame whose check is right; `None` when it only adds to what others have said.
+/// Reads one frame whose check holds; `None` if it only adds to earlier ones.
 fn read<'a>(
     frame: &Frame<'a>,
     navigation: &mut Navigation,
@@ -75,15 +77,15 @@ fn read<'a>(
     }
 }
 
-/// Why a frame of navigation bits leads to nothing.
+/// Reason for which a frame of navigation bits is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Refusal {
-    /// A page that is none: wrong preamble, flags or number of words.
+    /// The page has a wrong preamble, flags or number of words.
     Malformed,
     /// A parity or CRC is wrong.
     Parity,
-    /// Pages of different issues.
+    /// The pages are of different issues.
     Mixed,
-    /// A value that no satellite sends.
+    /// No satellite sends such a value.
     Value,
 }

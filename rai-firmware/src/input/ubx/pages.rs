@@ -1,12 +1,14 @@
-//! Pages of navigation messages until they make an ephemeris.
+//! Pages of navigation messages, collected until they are a complete ephemeris.
 //!
-//! Each satellite's message has a slot until its set is complete. Slots are few: all but the ten pages of a
-//! geostationary `BeiDou` satellite fit into [`SMALL_BYTES`], and those have slots of their own. A slot whose set was
-//! read is free; one that nothing was added to for [`ABANDONED_MS`] is free, too, and what is in it is forgotten, so
-//! that a satellite that comes back does not mix what it says with what it said before.
+//! Each satellite's message has a slot until its set is complete. Slots are few: all messages but
+//! the ten pages of a geostationary `BeiDou` satellite fit into [`SMALL_BYTES`], and those have
+//! slots of their own. A slot is free after its set was read. It is also free if no page came for
+//! [`ABANDONED_MS`]; its pages are then discarded, so that a returning satellite does not mix new
+//! pages with old ones.
 //!
-//! 48 satellites and 8 geostationary ones take 6.5 KiB. A satellite for which there is no slot loses the page, with a
-//! count; it sends it again half a minute later, when others have done with theirs.
+//! Slots for 48 satellites and 8 geostationary ones take 6.5 KiB. If there is no slot for a page,
+//! it is dropped and counted. The satellite repeats it half a minute later, when other sets are
+//! complete.
 
 use heapless::Vec;
 use raim_core::satellite::SatelliteId;
@@ -17,20 +19,20 @@ use super::{beidou, galileo, lnav};
 use crate::counters::count;
 use crate::input::bits::Bits;
 
-/// Pages of every message but D2 together, bytes: those of F/NAV are the most.
+/// Largest set of every message but D2, bytes: that of F/NAV.
 const SMALL_BYTES: usize = 96;
 
-/// Pages of D2 together, bytes.
+/// Set of D2, bytes.
 const LARGE_BYTES: usize = beidou::D2_BYTES * beidou::D2_PAGES;
 
-/// How many messages are assembled at a time.
+/// Number of messages that are assembled at a time.
 const SMALL_SLOTS: usize = 48;
 const LARGE_SLOTS: usize = 8;
 
-/// A set takes 30 s to 50 s; with nothing new for this long it is given up.
+/// Time without a new page after which a set is discarded, ms. A set takes 30 s to 50 s.
 const ABANDONED_MS: u64 = 120_000;
 
-/// The messages that come in pages.
+/// Messages that come in pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Lnav,
@@ -43,7 +45,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// Bytes of a page, and how many make a set.
+    /// Returns the bytes of a page, and the number of pages in a set.
     const fn size(self) -> (usize, usize) {
         match self {
             Self::Lnav => (lnav::BYTES, lnav::PAGES),
@@ -75,50 +77,50 @@ const _: () = {
     assert!(size_of::<Pages>() <= 6_656);
 };
 
-/// One satellite's pages of one message.
+/// Pages of one message of one satellite.
 #[derive(Clone, Copy, Debug)]
 struct Slot<const BYTES: usize> {
     satellite: SatelliteId,
     kind: Kind,
-    /// A bit for each page that is here.
+    /// One bit for each page that has come.
     present: u16,
-    /// When the last page came, in units that need no eight bytes: 1.024 s.
+    /// Arrival of the last page, in units of 1.024 s, so that 32 bits suffice.
     touched: u32,
     bytes: [u8; BYTES],
 }
 
-/// All sets under way.
+/// All incomplete sets.
 #[derive(Debug)]
 pub(super) struct Pages {
     small: Vec<Slot<SMALL_BYTES>, SMALL_SLOTS>,
     large: Vec<Slot<LARGE_BYTES>, LARGE_SLOTS>,
-    /// How many sets were given up incomplete.
+    /// Number of sets discarded incomplete.
     abandoned: u32,
 }
 
-/// A page, and where it belongs.
+/// A page, and its place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Page<'a> {
     pub(super) satellite: SatelliteId,
     pub(super) kind: Kind,
-    /// From 0.
+    /// Index in the set, from 0.
     pub(super) index: usize,
     pub(super) bytes: &'a [u8],
 }
 
-/// A set of pages with one just added.
+/// A set of pages after one was added.
 pub(super) struct Set<'a> {
     bytes: &'a [u8],
     page_bytes: usize,
-    /// How many make the set.
+    /// Number of pages in the set.
     pages: usize,
     present: &'a mut u16,
-    /// Since the page before came, in the slot's units.
+    /// Time since the page before, in the slot's units.
     gap: u32,
 }
 
 impl Set<'_> {
-    /// The pages, when all are here.
+    /// Returns the pages if all have come.
     #[inline(never)]
     pub(super) fn all(&self) -> Option<Vec<Bits<'_>, { beidou::D2_PAGES }>> {
         let complete = (1_u32 << self.pages) - 1;
@@ -126,16 +128,17 @@ impl Set<'_> {
             return None;
         }
         let places = self.bytes.chunks_exact(self.page_bytes.max(1));
-        // No set has more pages than there is room for.
+        // The capacity is that of the largest set.
         Some(places.take(self.pages).map(Bits).fold(Vec::new(), |mut pages, page| {
             let _ = pages.push(page);
             pages
         }))
     }
 
-    /// Whether the page just added comes right behind the one before it; a first one does. Else the set begins anew.
+    /// Returns true if the added page comes directly after the one before it, or is a first one.
+    /// Otherwise the set is discarded.
     pub(super) fn follows(&mut self, index: usize) -> bool {
-        /// Two to three of the units of time, 2 s to 3 s.
+        /// Two to three units of time, 2 s to 3 s.
         const NEXT: u32 = 3;
         let before = (1_u16 << index) - 1;
         if index == 0 {
@@ -146,12 +149,12 @@ impl Set<'_> {
         *self.present != 0
     }
 
-    /// Frees the slot: the set has been read.
+    /// Frees the slot after its set was read.
     pub(super) fn close(self) {
         *self.present = 0;
     }
 
-    /// Whether all of these pages, bits of a mask, are here.
+    /// Returns true if all pages of a mask have come.
     pub(super) fn has(&self, mask: u16) -> bool {
         *self.present & mask == mask
     }
@@ -164,12 +167,12 @@ impl Pages {
         Self { small: Vec::new(), large: Vec::new(), abandoned: 0 }
     }
 
-    /// How many sets were given up incomplete.
+    /// Returns the number of sets discarded incomplete.
     pub(super) const fn abandoned(&self) -> u32 {
         self.abandoned
     }
 
-    /// Adds a page to its set; `None` when every slot is in use.
+    /// Adds a page to its set; `None` if every slot is in use.
     pub(super) fn add(&mut self, page: &Page<'_>, now_ms: u64) -> Option<Set<'_>> {
         match page.kind {
             Kind::D2 => add(&mut self.large, page, now_ms, &mut self.abandoned),
@@ -196,7 +199,7 @@ fn add<'a, const BYTES: usize, const SLOTS: usize>(
     Some(Set { bytes: &slot.bytes, page_bytes, pages, present: &mut slot.present, gap })
 }
 
-/// The slot of a page's message: its own, a new one, or one that is free.
+/// Returns the slot of a page's message: its own, a new one, or a free one.
 fn slot_of<'a, const BYTES: usize, const SLOTS: usize>(
     slots: &'a mut Vec<Slot<BYTES>, SLOTS>,
     page: &Page<'_>,
@@ -227,7 +230,7 @@ fn slot_of<'a, const BYTES: usize, const SLOTS: usize>(
     Some(slot)
 }
 
-/// Forgets the pages of a set, and counts it where there were some.
+/// Discards the pages of a set, and counts it if it had some.
 fn give_up<const BYTES: usize>(slot: &mut Slot<BYTES>, abandoned: &mut u32) {
     if core::mem::take(&mut slot.present) != 0 {
         count(abandoned);

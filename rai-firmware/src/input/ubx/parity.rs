@@ -1,7 +1,7 @@
 //! Parities and checksums of the navigation messages.
 //!
-//! The receiver passes on only pages whose code holds. The line between it and the module may still flip a bit, and the
-//! frame's own checksum misses 1 error in 65,536: too many for an orbit.
+//! The receiver sends only pages whose code holds. The line to the module may still flip a bit, and
+//! the frame's own checksum misses 1 error in 65,536, which is too many for an orbit.
 //!
 //! | message | code | over |
 //! |---|---|---|
@@ -19,15 +19,17 @@
 
 use crate::input::bits::Bits;
 
-/// Bits of a GPS word and its predecessor that each parity bit covers: `D29* D30* d1 … d24`, then the six parity bits.
+/// Bits of a GPS word and its predecessor that each parity bit covers: `D29* D30* d1 … d24`, then
+/// the six parity bits.
 const LNAV: [u32; 6] = [0xBB1F_3480, 0x5D8F_9A40, 0xAEC7_CD00, 0x5763_E680, 0x6BB1_F340, 0x8B7A_89C0];
 
-/// Returns true when the parity of a GPS word holds, as a u-blox receiver sends it.
+/// Returns true if the parity of a GPS word holds, as a u-blox receiver sends it.
 ///
-/// Bits 31 and 30 are `D29*` and `D30*`, the last two bits of the word before. If `D30*` was 1, the satellite has inverted
-/// the data, and the receiver complements all 32 bits: the data are then as meant, and the parity and both bits are
-/// complemented. The equations hold for the complement too, because each parity bit covers one of the two. Bit 30 is thus
-/// always 0; a 1 there could hide a wrong `d21`, since both stand in the same equations.
+/// Bits 31 and 30 are `D29*` and `D30*`, the last two bits of the word before. If `D30*` was 1, the
+/// satellite has inverted the data, and the receiver complements all 32 bits. The data are then
+/// correct, and the parity and both bits are complemented. The equations also hold for the
+/// complement, because each parity bit covers one of the two. Bit 30 is thus always 0; a 1 there
+/// could hide a wrong `d21`, because both stand in the same equations.
 pub(super) fn is_lnav_word(word: u32) -> bool {
     const STAR_30: u32 = 1 << 30;
     let covered = word & 0xFFFF_FFC0;
@@ -35,7 +37,7 @@ pub(super) fn is_lnav_word(word: u32) -> bool {
     parity == word & 0x3F && word & STAR_30 == 0
 }
 
-/// CRC-24Q of the first `count` bits.
+/// Returns the CRC-24Q of the first `count` bits.
 pub(super) fn crc24q(bits: Bits<'_>, count: usize) -> u32 {
     const POLYNOMIAL: u32 = 0x0186_4CFB;
     (0..count).fold(0, |crc, position| {
@@ -44,7 +46,8 @@ pub(super) fn crc24q(bits: Bits<'_>, count: usize) -> u32 {
     })
 }
 
-/// Whether a `BeiDou` word of 30 bits is right; the first of a subframe protects its last eleven bits only.
+/// Returns true if a `BeiDou` word of 30 bits is valid. The code of a subframe's first word covers
+/// only its last eleven information bits.
 pub(super) fn is_beidou_word(word: u32, is_first: bool) -> bool {
     if is_first {
         return bch(word >> 4 & 0x7FF) == word & 15;
@@ -52,7 +55,7 @@ pub(super) fn is_beidou_word(word: u32, is_first: bool) -> bool {
     bch(word >> 19 & 0x7FF) == word >> 4 & 15 && bch(word >> 8 & 0x7FF) == word & 15
 }
 
-/// The four parity bits of eleven.
+/// Returns the four parity bits of eleven bits.
 fn bch(eleven: u32) -> u32 {
     const POLYNOMIAL: u32 = 0b1_0011;
     let divide = |rest: u32, position: u32| {
@@ -61,12 +64,14 @@ fn bch(eleven: u32) -> u32 {
     (4..15).rev().fold(eleven << 4, divide)
 }
 
-/// Whether a GLONASS string of 85 bits, the idle bit first, is right.
+/// Returns true if a GLONASS string of 85 bits, with the idle bit first, is valid.
 ///
-/// Seven check bits, the second to eighth from the end backwards, are those of a Hamming code whose 77 data bits are
-/// numbered, from the last one on, by what is no power of two; the last bit but seven is the parity of all.
+/// The last seven bits are the check bits of a Hamming code, the last one first. Its 77 data bits
+/// are numbered, from the last one on, by the integers from 3 that are no power of two. The last
+/// bit but seven makes the number of ones even.
 pub(super) fn is_glonass_string(bits: Bits<'_>) -> bool {
-    // Bits are numbered from the end in the interface document: the first sent is 85, the check bits are 8 to 1.
+    // The interface document numbers the bits from the end: the first one sent is 85, the check
+    // bits are 8 to 1.
     let bit = |number: usize| bits.is_set(85 - number);
     let mut syndrome = 0;
     let mut number = 2;
@@ -89,7 +94,8 @@ mod tests {
     use super::*;
     use crate::input::bits::Packed;
 
-    /// [IS-GPS-200] table 20-XIV: the data bits in each equation, and whether it begins with D29* or D30*.
+    /// [IS-GPS-200] table 20-XIV: the data bits in each equation, and true if it begins with D29*,
+    /// false for D30*.
     ///
     /// [IS-GPS-200]: crate#references
     const EQUATIONS: [(bool, &[u32]); 6] = [
@@ -110,8 +116,8 @@ mod tests {
         }
     }
 
-    /// Returns the words that a receiver sends of one subframe, from the rules of [IS-GPS-200] 20.3.5.2 alone, and for how
-    /// many of them `D30*` was 1.
+    /// Returns the words that a receiver sends of one subframe, from the rules of [IS-GPS-200]
+    /// 20.3.5.2 alone, and the number of them for which `D30*` was 1.
     ///
     /// [IS-GPS-200]: crate#references
     fn as_sent(data: [u32; 10]) -> ([u32; 10], usize) {
@@ -122,7 +128,7 @@ mod tests {
                 let first = if *starts_with_29 { star[0] } else { star[1] };
                 parity << 1 | terms.iter().map(bit).fold(first, |sum, bit| sum ^ bit)
             });
-            // The satellite sends the data inverted where D30* is 1.
+            // The satellite sends the data inverted if D30* is 1.
             let broadcast = (if star[1] == 1 { !data & 0xFF_FFFF } else { data }) << 6 | parity;
             let word = star[0] << 31 | star[1] << 30 | broadcast;
             let sent = if star[1] == 1 { !word } else { word };
@@ -182,7 +188,8 @@ mod tests {
         assert!(is_beidou_word(0, false), "a linear code has the zero word");
     }
 
-    /// The masks that the interface document's sums of positions make, in hexadecimal, as receivers' software has them.
+    /// The sums of positions in the interface document as masks, in hexadecimal, as in receivers'
+    /// software.
     const GLONASS: [[u8; 11]; 8] = [
         [0x55, 0x55, 0x5A, 0xAA, 0xAA, 0xAA, 0xB5, 0x55, 0x6A, 0xD8, 0x08],
         [0x66, 0x66, 0x6C, 0xCC, 0xCC, 0xCC, 0xD9, 0x99, 0xB3, 0x68, 0x10],
@@ -215,7 +222,7 @@ mod tests {
             packed.push(next(), 32);
             packed.push(next(), 32);
             packed.push(next(), 21);
-            // Mend the check bits by the masks half of the time, so that both answers occur.
+            // Half of the strings get valid check bits from the masks, so that both outcomes occur.
             let mut bytes = packed.bytes;
             if next() & 1 == 0 {
                 for (mask, bit) in GLONASS.iter().zip([84, 83, 82, 81, 80, 79, 78, 77]) {

@@ -4,17 +4,19 @@
 //! |---|---|---|
 //! | 0, 8 | f64, u16 | time of week, s; week, 0 until the receiver knows it |
 //! | 10, 12 | i8, bits | leap seconds; bit 0: they are known |
-//! | 11 | u8 | how many measurements follow, 32 bytes each |
+//! | 11 | u8 | number of measurements, 32 bytes each |
 //! | 16 + 0 | f64 | pseudorange, m |
 //! | 16 + 16 | f32 | Doppler, Hz, positive when approaching |
 //! | 16 + 20 to 23 | u8 | system, satellite, signal, GLONASS channel + 7 |
 //! | 16 + 26 | u8 | C/N0, dB-Hz |
 //! | 16 + 30 | bits | 0: range valid |
 //!
-//! The time tag need not be a whole millisecond, and an epoch's is: ranges are moved to it, `P − c δ`, which leaves the
-//! instant of transmission where it was and is common to all.
+//! The time tag need not be a whole millisecond, but that of an epoch is. Ranges are therefore
+//! moved to the nearest one by `P − c δ`. This keeps the instant of transmission and is common to
+//! all ranges.
 //!
-//! Doubles are hostile numbers: a time or a range that is not finite or no time or range is refused here.
+//! Doubles may hold any value: a time or a range that is not finite or out of range is refused
+//! here.
 //!
 //! Reference: [UBX-F9] RXM-RAWX.
 //!
@@ -30,26 +32,27 @@ use crate::input::{Counters, Unread};
 use crate::raw::{Band, Carrier, RawSignal};
 use crate::time::GpsTime;
 
-/// Bytes before the measurements, and of each.
+/// Bytes before the measurements, and of each measurement.
 const HEADER: usize = 16;
 const MEASUREMENT: usize = 32;
 
-/// Class and id of the message, and where in the payload the number of measurements is.
+/// Class and id of the message, and the offset of the number of measurements in the payload.
 pub(super) const MESSAGE: [u8; 2] = [0x02, 0x15];
 const MANY_AT: usize = 11;
 
-/// A time of week in a double is rounded by a tenth of this, s; an offset as small is none.
+/// Largest offset of the time tag that counts as zero, s: ten times the rounding of a time of week
+/// in a double.
 const ROUNDING_S: f64 = 1e-9;
 
-/// A message whose header and length are right.
+/// Message whose header and length are valid.
 #[derive(Debug)]
 pub(in crate::input) struct Rawx<'a> {
     measurements: &'a [u8],
-    /// The epoch, to the next millisecond.
+    /// Time of the epoch, to the nearest millisecond.
     pub(super) time: GpsTime,
-    /// What the time tag is later than that, m of range.
+    /// Offset of the time tag after that time, m of range.
     offset_m: f64,
-    /// GPS time minus UTC, s, where the receiver knows it.
+    /// GPS time minus UTC, s, if the receiver knows it.
     pub(super) leap_s: Option<u8>,
 }
 
@@ -85,8 +88,8 @@ impl Measurements for Rawx<'_> {
         self.measurements.is_empty()
     }
 
-    /// Hands none as the code that a broadcast clock refers to: these receivers measure one code a band. Counts those that
-    /// cannot be used.
+    /// Passes no code as one that the broadcast clock refers to, because these receivers measure
+    /// one code a band. Counts unusable measurements.
     fn each(
         &self,
         counters: &mut Counters,
@@ -100,24 +103,24 @@ impl Measurements for Rawx<'_> {
     }
 }
 
-/// Returns the length of a payload with so many measurements, bytes.
+/// Returns the length of a payload with this number of measurements, bytes.
 pub(super) const fn payload_of(measurements: usize) -> usize {
     HEADER + measurements * MEASUREMENT
 }
 
-/// Returns true if a payload that begins with these bytes may have this length, which is no less than a header: the number
-/// of measurements explains it, or has not come yet.
+/// Returns true if a payload that begins with these bytes may have this length, which is no less
+/// than a header: the number of measurements explains it, or has not come yet.
 pub(super) fn may_have(begun: &[u8], length: usize) -> bool {
     begun.get(MANY_AT).is_none_or(|&many| explains(many, length.saturating_sub(HEADER)))
 }
 
-/// Returns true if a number of measurements explains so many bytes of them. Some receivers set the highest bit of the
-/// number besides.
+/// Returns true if a number of measurements explains this number of bytes. Some receivers also set
+/// the highest bit of the number.
 fn explains(many: u8, bytes: usize) -> bool {
     [many, many & 0x7F].map(|many| usize::from(many) * MEASUREMENT).contains(&bytes)
 }
 
-/// One measurement; what cannot be used is counted.
+/// Reads one measurement; counts an unusable one.
 fn read(measurement: &[u8], offset_m: f64, counters: &mut Counters) -> Option<(SatelliteId, RawSignal)> {
     let &[
         p0,
@@ -180,7 +183,7 @@ fn read(measurement: &[u8], offset_m: f64, counters: &mut Counters) -> Option<(S
     Some((satellite, signal))
 }
 
-/// The systems that are used, by the number that UBX gives them.
+/// Returns the system with this number in UBX, if it is used.
 pub(super) const fn system_of(number: u8) -> Option<System> {
     match number {
         0 => Some(System::Gps),
@@ -192,7 +195,8 @@ pub(super) const fn system_of(number: u8) -> Option<System> {
     }
 }
 
-/// The carrier of a signal; `None` for those that are not used. Signal 0 is what receivers of one band write for all.
+/// Returns the carrier of a signal; `None` for unused signals. Receivers of one band write signal 0
+/// for all.
 const fn carrier(system: System, signal: u8, channel: u8) -> Option<Carrier> {
     let band = match (system, signal) {
         (System::Gps | System::Qzss, 0) => Band::L1,

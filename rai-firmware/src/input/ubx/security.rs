@@ -1,4 +1,4 @@
-//! SEC-SIG and NAV-STATUS: what the receiver says of jamming and spoofing.
+//! SEC-SIG and NAV-STATUS: jamming and spoofing that the receiver reports.
 //!
 //! | message | offset | field |
 //! |---|---|---|
@@ -15,7 +15,7 @@ use crate::input::{Jamming, Suspicion, Unread};
 
 /// Reads SEC-SIG, version 1 or 2.
 pub(super) fn sec_sig(payload: &[u8]) -> Result<Jamming, Unread> {
-    // A state counts only where it is watched for.
+    // A state counts only if its detection is on.
     let state = |flags: u8, states: u8| if flags & 1 == 1 { states } else { 0 };
     match *payload {
         [1, _, _, _, jamming, _, _, _, spoofing, ..] => Ok(Jamming {
@@ -30,7 +30,8 @@ pub(super) fn sec_sig(payload: &[u8]) -> Result<Jamming, Unread> {
     }
 }
 
-/// Reads NAV-STATUS, which knows of spoofing only: several indications are as sure as it gets.
+/// Reads NAV-STATUS, which covers only spoofing; its highest state is an indication by several
+/// means.
 pub(super) fn nav_status(payload: &[u8]) -> Result<Jamming, Unread> {
     match *payload {
         [_, _, _, _, _, _, _, flags, _, _, _, _, _, _, _, _] => {

@@ -1,9 +1,9 @@
-//! RXM-SFRBX: navigation bits, page by page, and what a complete set of them says.
+//! RXM-SFRBX: navigation bits, page by page, and the content of complete sets.
 //!
 //! | offset | type | field |
 //! |---|---|---|
 //! | 0 to 3 | u8 | system, satellite, signal, GLONASS channel + 7 |
-//! | 4 | u8 | how many words follow |
+//! | 4 | u8 | number of words |
 //! | 6 | u8 | version, 2 |
 //! | 8 | u32 each | words |
 //!
@@ -15,8 +15,8 @@
 //! | `BeiDou` B1I, B2I, B3I (0 to 4, 10) | 10 | [`beidou`], D1 of most and D2 of the geostationary satellites |
 //! | GLONASS L1, L2 (0, 2) | 4 | [`glonass`] |
 //!
-//! I/NAV of E5b has its words in another order and would close sets too early; that of E1 says the same. Others (CNAV,
-//! `BeiDou`'s newer messages, SBAS) are counted.
+//! I/NAV of E5b has its words in another order and would complete sets too early; that of E1 has
+//! the same content. Others (CNAV, `BeiDou`'s newer messages, SBAS) are counted.
 //!
 //! Reference: [UBX-F9] RXM-SFRBX.
 //!
@@ -35,7 +35,7 @@ use crate::input::calendar::Calendar;
 use crate::input::system::System;
 use crate::input::{Message, Unread};
 
-/// The navigation messages under way.
+/// Incomplete navigation messages.
 #[derive(Debug)]
 pub(in crate::input) struct Navigation {
     pages: Pages,
@@ -48,12 +48,12 @@ impl Navigation {
         Self { pages: Pages::new() }
     }
 
-    /// How many sets were given up incomplete.
+    /// Returns the number of sets discarded incomplete.
     pub(super) const fn abandoned(&self) -> u32 {
         self.pages.abandoned()
     }
 
-    /// Reads one frame's payload; `None` when it only adds to what others have said.
+    /// Reads one frame's payload; `None` if it only adds to earlier ones.
     pub(super) fn read<'a>(
         &mut self,
         payload: &[u8],
@@ -64,7 +64,7 @@ impl Navigation {
     }
 }
 
-/// What is needed besides a frame to read it.
+/// State for reading a frame.
 struct Context<'c> {
     pages: &'c mut Pages,
     calendar: &'c Calendar,
@@ -82,7 +82,7 @@ impl From<Refusal> for Unread {
     }
 }
 
-/// A frame whose header and length are right.
+/// Frame whose header and length are valid.
 struct Frame<'a> {
     system: System,
     satellite: SatelliteId,
@@ -103,7 +103,7 @@ impl<'a> Frame<'a> {
         Ok(Self { system, satellite, signal, words })
     }
 
-    /// The first `N` words of a frame that has them.
+    /// Returns the first `N` words of a frame, if it has so many.
     fn words<const N: usize>(&self) -> Result<[u32; N], Refusal> {
         let mut words = [0; N];
         let mut bytes = self.words.chunks_exact(4);
@@ -114,7 +114,7 @@ impl<'a> Frame<'a> {
         Ok(words)
     }
 
-    /// How many words there are.
+    /// Returns the number of words.
     fn count(&self) -> usize {
         self.words.len() / 4
     }
@@ -164,7 +164,8 @@ impl Context<'_> {
                     .ok_or(Unread::BitsSurplus)?;
                 Ok(None)
             }
-            // The fifth says of no issue; it belongs to those before it, and is taken only when they are here.
+            // The fifth word states no issue. It belongs to the words before it, and is taken only
+            // if these have come.
             5 => {
                 let page = page(frame, Kind::Inav, 4, &word);
                 let set = self.pages.add(&page, self.now_ms).ok_or(Unread::BitsSurplus)?;
@@ -202,7 +203,7 @@ impl Context<'_> {
             (_, 1..=5, _) => (None, None),
             _ => return Err(Refusal::Malformed.into()),
         };
-        // A page that completes an ephemeris says that; the coefficients on it come again.
+        // A page that completes an ephemeris reports only that; its coefficients come again.
         let coefficients = || Some(Message::Corrections(Some((Constellation::Beidou, ionosphere?)), None));
         Ok(told.or_else(coefficients))
     }
@@ -229,7 +230,7 @@ impl Context<'_> {
         Ok(Some(Message::State(state)))
     }
 
-    /// Adds a page, and reads the set when that completes it.
+    /// Adds a page, and reads the set if it is complete.
     #[inline(never)]
     fn complete<'a>(
         &mut self,

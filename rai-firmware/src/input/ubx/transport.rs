@@ -4,9 +4,10 @@
 //! B5 62 | class | id | length (16 bit) | payload | sums over all from class on (2 × 8 bit)
 //! ```
 //!
-//! Only RXM-RAWX needs to be long. The beginning of a frame may be an accident, and a long one would swallow seconds of
-//! good frames. So any other message may have [`ORDINARY_PAYLOAD`] bytes at most, and a longer RXM-RAWX is a candidate
-//! only while the number of its measurements explains its length.
+//! Only RXM-RAWX may be long. The beginning of a frame may be an accident, and a long one would
+//! cover seconds of good frames. Any other message may therefore have at most [`ORDINARY_PAYLOAD`]
+//! bytes. A longer RXM-RAWX is a candidate only while the number of its measurements explains its
+//! length.
 //!
 //! References: [UBX-F9] 3.2 and 3.4.
 //!
@@ -22,13 +23,14 @@ use crate::input::{Counters, Message, Unread};
 const HEADER: usize = 6;
 const PARITY: usize = 2;
 
-/// The longest payload of any message but RXM-RAWX, bytes.
+/// Longest payload of any message but RXM-RAWX, bytes.
 const ORDINARY_PAYLOAD: usize = 1023;
 
-/// The longest payload of RXM-RAWX that is read, bytes: 160 measurements, of which 64 satellites hardly send more.
+/// Longest payload of RXM-RAWX that is read, bytes: 160 measurements, which 64 satellites hardly
+/// exceed.
 const RAWX_PAYLOAD: usize = rawx::payload_of(160);
 
-/// The format of UBX.
+/// Format of UBX.
 #[derive(Debug)]
 pub(in crate::input) struct Ubx;
 
@@ -71,12 +73,12 @@ impl Protocol for Ubx {
     }
 }
 
-/// Returns what is between the header and the sums; class and id are part of the header.
+/// Returns the bytes between the header and the sums; class and id are part of the header.
 pub(super) fn payload<'a>(frame: &Frame<'a>) -> &'a [u8] {
     frame.between(HEADER, PARITY)
 }
 
-/// Returns true if Fletcher's two sums of a frame are right.
+/// Returns true if Fletcher's two sums of a frame hold.
 fn sums_match(frame: &[u8]) -> bool {
     let [_, _, checked @ .., sum_a, sum_b] = frame else { return false };
     let (a, b) = checked.iter().fold((0_u8, 0_u8), |(a, b), &byte| {

@@ -1,13 +1,14 @@
-//! The layouts of the messages: the one place that knows a dialect.
+//! Layouts of the messages. No other file depends on the dialect.
 //!
-//! Fields stand in the order of the wire: by size, the largest first, and by the order of the definition among equals.
-//! `crc_extra` follows from name, types and names (a test computes it); a change of the dialect changes it, and whoever
-//! reads by another revision then refuses the message instead of misreading it.
+//! Fields stand in the order of the wire: by size, the largest first, then in the order of the
+//! definition. `crc_extra` follows from the message's name and from its fields' types and names; a
+//! test computes it. A change of the dialect changes it, so that a reader of another revision
+//! refuses the message instead of misreading it.
 //!
-//! The dialect of `GNSS_INTEGRITY` is under review: [mavlink/rfcs#30] keeps the id and drops the four qualities. Then this
-//! table changes, and the values in the order of it.
+//! The dialect of `GNSS_INTEGRITY` is under review: [mavlink/rfcs#30] keeps the id and drops the
+//! four qualities. This table, and the order of the values, must change with it.
 
-/// Which definitions these layouts are.
+/// Definitions that the layouts follow.
 pub const DIALECT: &str = "mavlink development.xml de1e078a (2026-07-22) and common.xml";
 
 /// Type of a field on the wire.
@@ -28,7 +29,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Bytes on the wire.
+    /// Returns the number of bytes on the wire.
     pub const fn bytes(self) -> usize {
         match self {
             Self::U8 => 1,
@@ -38,7 +39,7 @@ impl Kind {
         }
     }
 
-    /// Its name in the definitions.
+    /// Returns the name in the definitions.
     pub const fn name(self) -> &'static str {
         match self {
             Self::U8 => "uint8_t",
@@ -51,16 +52,17 @@ impl Kind {
     }
 }
 
-/// A message.
+/// Layout of a message.
 #[derive(Clone, Copy, Debug)]
 pub struct Layout {
-    /// Its name in the definitions.
+    /// Name in the definitions.
     pub name: &'static str,
-    /// Its number.
+    /// Number of the message.
     pub id: u32,
-    /// What seeds the checksum.
+    /// Seed of the checksum.
     pub crc_extra: u8,
-    /// Fields in the order of the wire, extensions left out: what is not sent reads as zero.
+    /// Fields in the order of the wire, without extensions, which read as zero if they are not
+    /// sent.
     pub fields: &'static [(&'static str, Kind)],
 }
 
@@ -132,7 +134,8 @@ mod tests {
     use super::super::frame::Checksum;
     use super::*;
 
-    /// The rule of the serialization guide: checksum of name, and of type and name of each field, folded into a byte.
+    /// The serialization guide states the rule: checksum of the name, and of type and name of each
+    /// field, folded into a byte.
     #[test]
     fn the_seed_of_each_checksum_follows_from_its_layout() {
         for layout in [HEARTBEAT, GPS_INPUT, GNSS_INTEGRITY] {

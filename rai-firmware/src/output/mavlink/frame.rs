@@ -1,7 +1,7 @@
 //! Frames of `MAVLink` 2: `FD`, length, flags, number, sender, message, payload, checksum.
 //!
-//! The payload is cut behind its last byte that is not zero, but never to nothing. The checksum is CRC-16/MCRF4XX of
-//! everything behind `FD`, and of one byte that stands for the layout.
+//! The payload ends with its last nonzero byte, but has at least one byte. The checksum is
+//! CRC-16/MCRF4XX of everything behind `FD`, and of one byte that identifies the layout.
 //!
 //! References: [MAVLINK], the guide.
 //!
@@ -11,17 +11,17 @@ use heapless::Vec;
 
 use super::dialect::Layout;
 
-/// The longest payload here (`GPS_INPUT`).
+/// Longest payload here (`GPS_INPUT`), bytes.
 const MAX_PAYLOAD: usize = 63;
 
-/// Header and checksum.
+/// Bytes of header and checksum.
 const AROUND: usize = 12;
 
-/// Who sends: system 1, as the vehicle; its component for satellite navigation.
+/// Sender: system 1, which is the vehicle, and its component for satellite navigation.
 const SYSTEM: u8 = 1;
 const COMPONENT_GPS: u8 = 220;
 
-/// A message with its payload.
+/// Message with its payload.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {
     id: u32,
@@ -30,23 +30,25 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// A message with these values, one for each field of the layout, in the low bits of each.
+    /// Returns a message with these values, one for each field of the layout, in the low bits of
+    /// each.
     pub(super) fn of(layout: &Layout, values: &[u64]) -> Self {
         let mut payload = Vec::new();
         for ((_, kind), value) in layout.fields.iter().zip(values) {
             let bytes = value.to_le_bytes();
-            // As long as the longest layout, which a test holds to it.
+            // The capacity is that of the longest layout, which a test checks.
             let _ = payload.extend_from_slice(bytes.get(..kind.bytes()).unwrap_or_default());
         }
         Self { id: layout.id, crc_extra: layout.crc_extra, payload }
     }
 
-    /// The bytes of the frame with this number.
+    /// Returns the bytes of the frame with this sequence number.
     pub(super) fn numbered(&self, sequence: u8) -> Vec<u8, { MAX_PAYLOAD + AROUND }> {
         let length = self.payload.iter().rposition(|byte| *byte != 0).map_or(1, |last| last + 1);
         let [low, middle, high, _] = self.id.to_le_bytes();
         let mut bytes = Vec::new();
-        // Nine bytes behind the mark, the payload, two for the sum: it has room for the longest.
+        // The capacity holds nine bytes behind the mark, the longest payload and two bytes of
+        // checksum.
         let header = [0xFD, length as u8, 0, 0, sequence, SYSTEM, COMPONENT_GPS, low, middle, high];
         let _ = bytes.extend_from_slice(&header);
         let _ = bytes.extend_from_slice(self.payload.get(..length).unwrap_or_default());
@@ -58,7 +60,7 @@ impl Frame {
     }
 }
 
-/// CRC-16/MCRF4XX, which `MAVLink` calls X.25.
+/// CRC-16/MCRF4XX; `MAVLink` calls it X.25.
 pub(super) struct Checksum(u16);
 
 impl Checksum {

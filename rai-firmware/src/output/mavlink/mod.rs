@@ -1,19 +1,21 @@
 //! `MAVLink` 2: the epoch for an autopilot.
 //!
-//! | message | id | what it tells |
+//! | message | id | content |
 //! |---|---|---|
-//! | `HEARTBEAT` | 0 | somebody is there: active while protected, critical in an alert, else on standby |
+//! | `HEARTBEAT` | 0 | state: active while protected, critical in an alert, else standby |
 //! | `GPS_INPUT` | 232 | position and velocity, or that there is no fix |
-//! | `GNSS_INTEGRITY` | 441 | whether the position may be used, protection levels, jamming and spoofing |
+//! | `GNSS_INTEGRITY` | 441 | use of the position, protection levels, jamming and spoofing |
 //!
-//! Autopilots act on `GPS_INPUT` as they are: fix type 3 only while the position is protected; else 1, or 0 where there is no
-//! position, both without coordinates. Its accuracies are one sigma and never say less than the protection levels
-//! do: `max(σ, PL / 5.33)`, where 5.33 sigmas are what a level of 1e-7 means. The altitude is above the ellipsoid, since
-//! the module holds no geoid.
+//! Autopilots use `GPS_INPUT` as it is. Its fix type is therefore 3 only while the position is
+//! protected. Otherwise it is 1, or 0 without a position, and both have no coordinates. Its
+//! accuracies are one sigma and never below the protection levels: `max(σ, PL / 5.33)`, because a
+//! level of 1e-7 is 5.33 sigmas. The altitude is above the ellipsoid, because the module has no
+//! geoid model.
 //!
-//! `GNSS_INTEGRITY` carries the protection levels in `raim_hfom` and `raim_vfom`, rounded up to a centimetre; the layout is
-//! that of the dialect named by [`DIALECT`], and will change ([`dialect`] is the only place that knows it). Protected is
-//! `OK`; alert and unavailable are `FAILED`, and `UNKNOWN` where too few satellites make no position, all with both figures invalid.
+//! `GNSS_INTEGRITY` carries the protection levels in `raim_hfom` and `raim_vfom`, rounded up to a
+//! centimetre. Its layout is that of the dialect [`DIALECT`] and will change; only [`dialect`]
+//! depends on it. A protected epoch is `OK`. An alert or an unavailable epoch is `FAILED`, but
+//! `UNKNOWN` without a fix; both figures are then invalid.
 //!
 //! References: [MAVLINK], the guide, `common.xml` and `development.xml`.
 //!
@@ -33,19 +35,20 @@ pub use dialect::DIALECT;
 use dialect::{GNSS_INTEGRITY, GPS_INPUT, HEARTBEAT};
 use frame::Frame;
 
-/// What a level is divided by to be a sigma: the quantile of 1e-7, two-sided.
+/// Number of sigmas in a protection level: the two-sided quantile of 1e-7.
 const SIGMAS_OF_A_LEVEL: f64 = 5.33;
 
 /// 1980-01-06 in UNIX time, ms.
 const GPS_EPOCH_UNIX_MS: u64 = 315_964_800_000;
 
-/// A figure of `GNSS_INTEGRITY` that is none.
+/// Invalid figure of `GNSS_INTEGRITY`.
 const INVALID: u64 = 65_535;
 
-/// A quality of `GNSS_INTEGRITY` that is not known.
+/// Unknown quality of `GNSS_INTEGRITY`.
 const UNKNOWN_QUALITY: u64 = 255;
 
-/// All parts of `GPS_INPUT` that its ignore flags speak of but height: the dilutions, velocities and accuracies.
+/// Ignore flags of `GPS_INPUT` for dilutions, velocities and accuracies: all but the flag for the
+/// height.
 const IGNORE_ALL: u64 = 0xFF;
 const IGNORE_VELOCITY: u64 = 8 | 16 | 32;
 
@@ -54,14 +57,14 @@ const NO_RECEIVER: u64 = 0;
 const NO_FIX: u64 = 1;
 const FIX_3D: u64 = 3;
 
-/// Sends frames, each with its number.
+/// Sender of numbered frames.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sender {
     sequence: u8,
 }
 
 impl Sender {
-    /// Writes the messages of an epoch that are due.
+    /// Writes the messages that are due with an epoch.
     ///
     /// # Errors
     /// The writer's own.
@@ -84,7 +87,8 @@ impl Sender {
         Ok(())
     }
 
-    /// Writes what is due where no epoch came: that there is no fix, and that it may not be used.
+    /// Writes the messages that are due without an epoch: no fix, and a position that must not be
+    /// used.
     ///
     /// # Errors
     /// The writer's own.
@@ -112,12 +116,13 @@ impl Sender {
             let taken = out.write(rest)?;
             rest = rest.get(taken.max(1)..).unwrap_or_default();
         }
-        // A frame does not end in a line feed, which is what a sentence is sent by.
+        // Flushes, because a writer sends a sentence at its line feed, and a frame does not end in
+        // one.
         out.flush()
     }
 }
 
-/// That somebody is there, and how it is.
+/// Returns `HEARTBEAT` with the state of this verdict.
 fn heartbeat(verdict: Verdict) -> Frame {
     const TYPE_GPS: u64 = 29;
     const NO_AUTOPILOT: u64 = 8;
@@ -130,7 +135,7 @@ fn heartbeat(verdict: Verdict) -> Frame {
     Frame::of(&HEARTBEAT, &[0, TYPE_GPS, NO_AUTOPILOT, 0, state, VERSION])
 }
 
-/// Whether the position may be used.
+/// Returns `GNSS_INTEGRITY` with the use of the position.
 fn gnss_integrity(
     verdict: Verdict,
     levels_m: (Option<f64>, Option<f64>),
@@ -168,13 +173,13 @@ fn gnss_integrity(
     )
 }
 
-/// Rounded up; what is beyond the field is invalid, as is what is no number.
+/// Rounds up to centimetres; invalid for NaN and for a level too large for the field.
 fn centimetres(level_m: f64) -> u64 {
     let level_cm = libm::ceil(level_m * 100.0);
     if level_cm >= 0.0 && level_cm < INVALID as f64 { level_cm as u64 } else { INVALID }
 }
 
-/// The position for an autopilot, if it may be used.
+/// Returns `GPS_INPUT`, with the position if it is protected.
 fn gps_input<const N: usize>(statement: &Statement<'_, N>) -> Frame {
     let unix_us = (statement.time.to_ms() + GPS_EPOCH_UNIX_MS)
         .saturating_sub(u64::from(statement.gps_minus_utc_s) * 1000)
@@ -189,7 +194,7 @@ fn gps_input<const N: usize>(statement: &Statement<'_, N>) -> Frame {
     Frame::of(&GPS_INPUT, &values)
 }
 
-/// `GPS_INPUT` without a position.
+/// Returns the values of `GPS_INPUT` without a position.
 fn nowhere(unix_us: u64, time: GpsTime, fix_type: u64, satellites: u64) -> [u64; 18] {
     let mut values = [0; 18];
     values[0] = unix_us;
@@ -237,7 +242,7 @@ fn position<const N: usize>(statement: &Statement<'_, N>, solution: &Solution, u
     ]
 }
 
-/// Degrees times 1e7, as a signed integer in the low 32 bits.
+/// Returns degrees times 1e7, as a signed integer in the low 32 bits.
 fn degrees_e7(angle_rad: f64) -> u64 {
     let scaled = libm::round(angle_rad * (180.0e7 / core::f64::consts::PI));
     u64::from((scaled as i32).cast_unsigned())

@@ -1,30 +1,31 @@
-//! Fields that take more than one sentence: as many sentences as they need, each full before the next begins.
+//! Fields that take more than one sentence. Each sentence is full before the next begins.
 //!
-//! Who says the fields is asked twice, first to count the sentences, then to write them.
+//! The source of the fields is called twice: first to count the sentences, then to write them.
 
 use embedded_io::Write;
 
 use super::sentence::{ENDING, MAX_LENGTH, Sentence, write_sentence};
 
-/// What each of the sentences has beside its share of the fields.
+/// Fields that each sentence has beside its share of the flow.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Flow<'t> {
     /// Talker and formatter.
     pub(crate) address: &'t str,
-    /// The field before the others.
+    /// Field before the others.
     pub(crate) first: &'t str,
-    /// The field behind the others; without one, the number of the sentence and how many there are.
+    /// Field behind the others; without one, the number of the sentence and the number of
+    /// sentences.
     pub(crate) last: Option<&'t str>,
 }
 
-/// Whoever says fields, one call each.
+/// Source of the fields, one call for each.
 pub(crate) type Say<'s> = &'s dyn Fn(&mut dyn FnMut(&str));
 
-/// Two numbers of two digits with their commas.
+/// Width of two numbers of two digits with their commas, characters.
 const NUMBERS: usize = 6;
 
 impl Flow<'_> {
-    /// Characters that a sentence has for fields, each with its comma.
+    /// Returns the number of characters that a sentence has for fields, each with its comma.
     fn room(&self) -> usize {
         let around =
             self.address.len() + self.first.len() + 2 + self.last.map_or(NUMBERS, |last| last.len() + 1);
@@ -45,7 +46,7 @@ impl Flow<'_> {
     }
 }
 
-/// Cuts a flow of fields: true where one needs a new sentence.
+/// Cutter of a flow into sentences.
 struct Cutter {
     room: usize,
     left: usize,
@@ -60,7 +61,7 @@ impl Cutter {
     }
 }
 
-/// Writes the fields that `say` says.
+/// Writes the fields of `say`.
 ///
 /// # Errors
 /// The writer's own, of the first sentence that it did not take.

@@ -1,8 +1,10 @@
 //! Sentences for the host: NMEA 0183 v4.11 and the proprietary `PRAI` ones.
 //!
-//! One epoch is, in this order and as far as [`super::schedule`] wants it, `RMC`, `GGA`, `GNS`, `VTG`, `ZDA` (once a second),
-//! `GSA` (one per system used, and another where it has more than 12 satellites), `GST`, `GBS` (where there is redundancy),
-//! and always `PRAIS`, one `PRAIX` per excluded satellite, `PRAIM` where ARAIM judged, and `PRAIN`, which ends the epoch.
+//! An epoch consists of these sentences, in this order and at the rates of [`super::schedule`]:
+//! `RMC`, `GGA`, `GNS`, `VTG`, `ZDA` (once a second), `GSA` (one for each system used, and another
+//! for each 12 further satellites), `GST`, and `GBS` (if there is redundancy). `PRAIS`, one `PRAIX`
+//! for each excluded satellite, `PRAIM` if ARAIM judged, and `PRAIN`, which ends the epoch, are
+//! always sent.
 //!
 //! | verdict | navigational status of `GNS` | fix mode of `GSA` | state of `PRAIS` |
 //! |---|---|---|---|
@@ -11,22 +13,23 @@
 //! | unavailable, with a position | `C` caution | 3 | `U` |
 //! | unavailable, no position | `V` not valid | no `GSA` | `U` |
 //!
-//! Decisions where the standard leaves room or its readers differ:
+//! Decisions for cases in which the standard leaves room or its readers differ:
 //!
-//! - **Altitude** is the height above the WGS 84 ellipsoid, and the geoid separation is `0.0`. The module holds
-//!   no geoid model; with an empty separation a reader (gpsd) would add its own and report a wrong height
-//!   above the ellipsoid.
-//! - **Mode of `GNS`** is one character, `A` or `N`. The standard gives each system its character, but gpsd reads
-//!   the first only, and takes `N` there (no GPS) for no fix; the `nmea` crate refuses more than two. Which
-//!   systems are used is told by the `GSA` sentences.
-//! - **`GBS`** gives as expected errors the standard deviations of `GST`, which is how gpsd reads them. The
-//!   satellite named is the one *used* that fits worst; what was left out is in `PRAIX`.
-//! - **A number that does not fit** loses decimals; one that is infinite, or beyond its field, leaves the field
-//!   empty (a protection level without bound is not defined), except that the dilutions of precision stop at
-//!   99.99 and the test statistic at 99999, where only "large" matters.
+//! - **Altitude** is the height above the WGS 84 ellipsoid, and the geoid separation is `0.0`. The
+//!   module has no geoid model; with an empty separation a reader (gpsd) would add its own and
+//!   report a wrong height above the ellipsoid.
+//! - **Mode of `GNS`** is one character, `A` or `N`. The standard gives each system a character,
+//!   but gpsd reads only the first and takes `N` there (no GPS) for no fix; the `nmea` crate
+//!   refuses more than two. The `GSA` sentences report the systems used.
+//! - **`GBS`** reports the standard deviations of `GST` as expected errors, because gpsd reads them
+//!   so. Its satellite is the one *used* that fits worst; excluded satellites are in `PRAIX`.
+//! - **A number that does not fit** loses decimals. An infinite number, or one too large for its
+//!   field, leaves the field empty, because an unbounded protection level is undefined. The
+//!   dilutions of precision stop at 99.99 and the test statistic at 99999 instead, because beyond
+//!   these only "large" matters.
 //!
-//! Every sentence has at most 82 characters, the line end included; numbers are formatted as fixed-point
-//! integers, since formatting floats is large and slow on the target.
+//! Every sentence has at most 82 characters, the line end included. Numbers are formatted as
+//! fixed-point integers, because formatting floats is large and slow on the target.
 //!
 //! References: [NMEA-0183] v4.11; [GPSD-NMEA].
 //!
@@ -53,10 +56,10 @@ pub use proprietary::{Losses, write_answer, write_counters, write_losses, write_
 pub use sentence::{MAX_LENGTH, Sentence, write_sentence};
 pub use time::{GPS_MINUS_UTC_S, TimeOfDay};
 
-/// Writes the sentences of one epoch that are due, and those that always are.
+/// Writes the sentences of an epoch: those that are due, and those that are always sent.
 ///
 /// # Errors
-/// The writer's own; what was written before stays written.
+/// The writer's own; sentences before the error stay written.
 pub fn write_epoch<W: Write, const N: usize>(
     statement: &Statement<'_, N>,
     due: Due,
@@ -67,7 +70,8 @@ pub fn write_epoch<W: Write, const N: usize>(
     if due.has(Item::Vtg) {
         position::write_velocity(statement, out)?;
     }
-    // A time that comes with a position that must not be used is as little worth as that, and `ZDA` has no mode to say so.
+    // Without a usable position the time is not trusted either, and `ZDA` has no mode to report
+    // that.
     if due.has(Item::Zda) && statement.usable_solution().is_some() {
         write_sentence(&mut standard::date_and_time(time), out)?;
     }
@@ -88,9 +92,9 @@ pub fn write_epoch<W: Write, const N: usize>(
     proprietary::write_settings_and_interference(statement, time, out)
 }
 
-/// Writes a verdict that no epoch brought. `last` is the time of the last epoch, if there was one.
+/// Writes a verdict without an epoch. `last` is the time of the last epoch, if there was one.
 ///
-/// The standard sentences are left out: they would have to speak of a position that does not exist.
+/// The standard sentences are left out, because they would describe a position that does not exist.
 ///
 /// # Errors
 /// The writer's own.

@@ -1,4 +1,4 @@
-//! Where and how fast: `RMC`, `GGA`, `GNS`, `VTG`.
+//! Position and velocity: `RMC`, `GGA`, `GNS`, `VTG`.
 //!
 //! | sentence | in an alert | unavailable, with a position |
 //! |---|---|---|
@@ -7,10 +7,10 @@
 //! | `GNS` | mode `N`, no position | mode `A` |
 //! | `VTG` | mode `N`, no velocity | mode `A` |
 //!
-//! `RMC` and `GNS` end with the navigational status. Some readers never look at a status or a mode, so none of the sentences
-//! has a position that must not be used.
+//! `RMC` and `GNS` end with the navigational status. Some readers ignore status and mode, so that
+//! no sentence has a position that must not be used.
 //!
-//! Position and time are written once and stand in several sentences.
+//! Position and time are formatted once for several sentences.
 
 use embedded_io::Write;
 use raim_core::report::{Solution, Verdict};
@@ -19,27 +19,27 @@ use super::{Sentence, TimeOfDay, write_sentence};
 use crate::output::schedule::{Due, Item};
 use crate::output::{Motion, Statement};
 
-/// The largest dilution of precision that is written; readers take it for "unusable".
+/// Largest dilution of precision that is written; readers take it for "unusable".
 const MAX_DOP: f64 = 99.99;
 
-/// Below this speed the course is that of the noise, m/s.
+/// Speed below which noise determines the course, m/s.
 const COURSE_FROM_M_S: f32 = 0.3;
 
-/// Knots and kilometres an hour in a metre a second.
+/// Knots, and kilometres per hour, in a metre per second.
 const KNOTS: f32 = 3600.0 / 1852.0;
 const KILOMETRES_AN_HOUR: f32 = 3.6;
 
-/// Radians in degrees.
+/// Converts radians to degrees.
 pub(super) fn degrees(angle_rad: f64) -> f64 {
     angle_rad * (180.0 / core::f64::consts::PI)
 }
 
-/// A dilution of precision that fits into five characters.
+/// Returns a dilution of precision that fits into five characters.
 pub(super) fn dilution(value: f64) -> f64 {
     if value < MAX_DOP { value } else { MAX_DOP }
 }
 
-/// `RMC`, `GGA`, `GNS` and `VTG`, as far as they are due.
+/// Writes `RMC`, `GGA` and `GNS`, as far as they are due.
 pub(super) fn write_position<W: Write, const N: usize>(
     statement: &Statement<'_, N>,
     time: TimeOfDay,
@@ -75,7 +75,7 @@ pub(super) fn write_position<W: Write, const N: usize>(
     Ok(())
 }
 
-/// `VTG`, which needs no position.
+/// Writes `VTG`, which needs no position.
 pub(super) fn write_velocity<W: Write, const N: usize>(
     statement: &Statement<'_, N>,
     out: &mut W,
@@ -88,7 +88,7 @@ pub(super) fn write_velocity<W: Write, const N: usize>(
     write_sentence(sentence.ready(if motion.is_some() { b"A" } else { b"N" }), out)
 }
 
-/// Returns the navigational status of a verdict, with or without a position that may be used.
+/// Returns the navigational status of a verdict, with or without a usable position.
 const fn navigational_status(verdict: Verdict, has_position: bool) -> &'static [u8] {
     match (verdict, has_position) {
         (Verdict::Protected(_), _) => b"S",
@@ -102,9 +102,9 @@ const fn navigational_status(verdict: Verdict, has_position: bool) -> &'static [
 struct Told<'t> {
     time: TimeOfDay,
     status: &'static [u8],
-    /// Latitude, hemisphere, longitude, hemisphere; empty without a position that may be used.
+    /// Latitude, hemisphere, longitude, hemisphere; empty without a usable position.
     place: &'t [u8],
-    /// Solution that may be used.
+    /// Usable solution.
     solution: Option<&'t Solution>,
     used: u32,
     motion: Option<Motion>,
@@ -156,18 +156,19 @@ impl Told<'_> {
     }
 }
 
-/// Speed over ground in the unit of which there are `units` in a metre a second.
+/// Appends the speed over ground, in a unit of which a metre per second has `units`.
 fn speed<'s>(sentence: &'s mut Sentence, motion: Option<&Motion>, units: f32) -> &'s mut Sentence {
     sentence.optional(motion.map(|motion| f64::from(motion.speed_m_s() * units)), 3, 7)
 }
 
-/// Course over ground, degrees from true north; none where the speed says nothing about it.
+/// Appends the course over ground, degrees from true north; empty if the speed is too low to define
+/// it.
 fn course<'s>(sentence: &'s mut Sentence, motion: Option<&Motion>) -> &'s mut Sentence {
     let moving = motion.filter(|motion| motion.speed_m_s() >= COURSE_FROM_M_S);
     let course_deg = moving.map(|motion| {
         let angle_deg = libm::atan2f(motion.east_m_s, motion.north_m_s) * (180.0 / core::f32::consts::PI);
         let course_deg = if angle_deg < 0.0 { angle_deg + 360.0 } else { angle_deg };
-        // What would round to 360.00 is north.
+        // A course that would round to 360.00 becomes 0.
         f64::from(if course_deg < 359.995 { course_deg } else { 0.0 })
     });
     sentence.optional(course_deg, 2, 6)

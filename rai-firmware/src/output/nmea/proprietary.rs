@@ -1,23 +1,24 @@
-//! The proprietary sentences: verdict, exclusions, version, answers.
+//! Proprietary sentences: verdict, exclusions, version, answers.
 //!
 //! | sentence | fields |
 //! |---|---|
 //! | `PRAIS` | time, state, reason, satellites tracked, used, degrees of freedom, statistic, threshold, HPL, VPL, HAL, VAL |
-//! | `PRAIX` | time, how many are excluded, satellite, w-test, bias |
-//! | `PRAIM` | time, watched modes, probability of what is not watched, EMT, σ of the height for accuracy, mode that makes the vertical level, share of the risk |
+//! | `PRAIX` | time, number of exclusions, satellite, w-test, bias |
+//! | `PRAIM` | time, monitored modes, probability of unmonitored faults, EMT, σ of the height for accuracy, mode that dominates the vertical level, share of the risk |
 //! | `PRAIN` | time, hash of the settings, NIC, jamming, spoofing |
 //! | `PRAIL` | bytes lost at the GNSS port and at the host port, frames refused, epochs late; since start |
 //! | `PRAIV` | version, git, reset cause, self-test |
 //! | `PRAIA` | key, values, `OK`; or key, `ERR`, why |
 //!
-//! In an alert `PRAIS` has the statistic and the threshold that it missed, and no protection level; `PRAIN` then has NIC 0, as
-//! wherever a level bounds nothing. `PRAIQ` is told by [`crate::settings`].
+//! In an alert `PRAIS` has the statistic and the threshold that it exceeded, and no protection
+//! level. `PRAIN` then has NIC 0, as in every case without a valid level. [`crate::settings`]
+//! writes `PRAIQ`.
 //!
-//! A mode is named by what it takes away: `E` a whole system, `G05` a satellite, `EG05` both; empty where the noise of all
-//! satellites makes the level.
+//! A fault mode is named by the satellites that it excludes: `E` a whole system, `G05` a satellite,
+//! `EG05` both. The name is empty if the noise of all satellites dominates the level.
 //!
-//! `PRAIS` gives the statistic and its threshold to 3 decimals and metres to 1. Where extreme values would make it
-//! longer than 82 characters, both drop to 1 and 0.
+//! `PRAIS` has the statistic and its threshold to 3 decimals, and metres to 1. If extreme values
+//! would make it longer than 82 characters, these become 1 and 0.
 
 use embedded_io::Write;
 use heapless::String;
@@ -28,13 +29,13 @@ use raim_core::satellite::Constellation;
 use super::{Sentence, TimeOfDay, write_sentence};
 use crate::output::{Statement, nic};
 
-/// The largest statistic that is written.
+/// Largest statistic that is written.
 const MAX_STATISTIC: f64 = 99_999.0;
 
-/// Longest text that a field of `PRAIV` has: four of them fit into a sentence.
+/// Longest text in a field of `PRAIV`, characters: four of them fit into a sentence.
 const TEXT_WIDTH: usize = 16;
 
-/// How many decimals `PRAIS` affords.
+/// Decimals and widths of the numbers in `PRAIS`.
 #[derive(Clone, Copy)]
 struct Precision {
     ratio_decimals: usize,
@@ -43,13 +44,13 @@ struct Precision {
     metre_width: usize,
 }
 
-/// What the interface promises.
+/// Precision that the interface specifies.
 const FULL: Precision = Precision { ratio_decimals: 3, ratio_width: 9, metre_decimals: 1, metre_width: 9 };
 
-/// What fits whatever the values are.
+/// Precision that fits for all values.
 const COARSE: Precision = Precision { ratio_decimals: 1, ratio_width: 5, metre_decimals: 0, metre_width: 6 };
 
-/// State and reason of `PRAIS`.
+/// Returns state and reason of `PRAIS`.
 const fn words(verdict: Verdict) -> (&'static str, &'static str) {
     match verdict {
         Verdict::Protected(Protected::Ok) => ("P", "OK"),
@@ -79,7 +80,7 @@ const fn words(verdict: Verdict) -> (&'static str, &'static str) {
     }
 }
 
-/// `PRAIS`: the verdict and the numbers behind it.
+/// Writes `PRAIS`: the verdict and its numbers.
 pub(super) fn write_state<W: Write, const N: usize>(
     statement: &Statement<'_, N>,
     time: TimeOfDay,
@@ -113,7 +114,7 @@ fn state<const N: usize>(statement: &Statement<'_, N>, time: TimeOfDay, precisio
     sentence
 }
 
-/// `PRAIM`: what ARAIM says beside its levels.
+/// Writes `PRAIM`: the results of ARAIM beside its levels.
 pub(super) fn write_separation<W: Write>(
     separation: &AraimReport,
     time: TimeOfDay,
@@ -131,7 +132,7 @@ pub(super) fn write_separation<W: Write>(
     write_sentence(&mut sentence, out)
 }
 
-/// A mode by what it takes away.
+/// Returns the name of a fault mode: the systems and satellites that it excludes.
 fn named(mode: DominantMode) -> String<16> {
     let mut name = String::new();
     let lost = Constellation::ALL.into_iter().filter(|system| mode.constellations >> *system as u8 & 1 != 0);
@@ -149,13 +150,14 @@ fn named(mode: DominantMode) -> String<16> {
     name
 }
 
-/// `PRAIN`: the settings in force, what the level is good for, and what the receiver says of its signals.
+/// Writes `PRAIN`: hash of the settings, category of the level, and the interference that the
+/// receiver reports.
 pub(super) fn write_settings_and_interference<W: Write, const N: usize>(
     statement: &Statement<'_, N>,
     time: TimeOfDay,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    // A level that was refused for its size is a level; one that is there for want of anything better is none.
+    // A level above its limit still holds. The levels of the other reasons do not hold.
     let bounds = matches!(
         statement.report.verdict,
         Verdict::Protected(_)
@@ -173,7 +175,7 @@ pub(super) fn write_settings_and_interference<W: Write, const N: usize>(
     write_sentence(&mut sentence, out)
 }
 
-/// What did not reach the module, or not in time, since it started.
+/// Losses since start: bytes, frames and late epochs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
     /// Bytes lost at the GNSS port.
@@ -186,7 +188,7 @@ pub struct Losses {
     pub epochs_late: u32,
 }
 
-/// `PRAIL`: what was lost.
+/// Writes `PRAIL`: the losses.
 ///
 /// # Errors
 /// The writer's own.
@@ -199,7 +201,7 @@ pub fn write_losses<W: Write>(losses: &Losses, out: &mut W) -> Result<(), W::Err
     write_sentence(&mut sentence, out)
 }
 
-/// Time, state and reason.
+/// Returns a `PRAIS` with time, state and reason.
 fn heading(time: Option<TimeOfDay>, verdict: Verdict) -> Sentence {
     let (state, reason) = words(verdict);
     let mut sentence = Sentence::new("PRAIS");
@@ -207,7 +209,7 @@ fn heading(time: Option<TimeOfDay>, verdict: Verdict) -> Sentence {
     sentence
 }
 
-/// Writes `PRAIS` without an epoch: nothing is tracked, nothing is tested.
+/// Writes `PRAIS` without an epoch: no satellite is tracked, and there is no test.
 pub(super) fn write_without_epoch<W: Write>(
     verdict: Verdict,
     last: Option<TimeOfDay>,
@@ -222,7 +224,7 @@ pub(super) fn write_without_epoch<W: Write>(
     write_sentence(&mut sentence, out)
 }
 
-/// `PRAIX`: what was left out, in the order of exclusion.
+/// Writes `PRAIX`: the exclusions, in their order.
 pub(super) fn write_exclusions<W: Write, const N: usize>(
     report: &Report<N>,
     time: TimeOfDay,
@@ -241,7 +243,7 @@ pub(super) fn write_exclusions<W: Write, const N: usize>(
     })
 }
 
-/// `PRAIV`: what runs here and why it started. Texts are cut to 16 characters.
+/// Writes `PRAIV`: version, commit, reset cause and self-test. Texts are cut to 16 characters.
 ///
 /// # Errors
 /// The writer's own.
@@ -259,8 +261,8 @@ pub fn write_version<W: Write>(
     write_sentence(&mut sentence, out)
 }
 
-/// `PRAIA,key,value…,OK`, and `WARN,why` behind it where there is a warning. Values that would make the answer longer
-/// than 82 characters are left out together.
+/// Writes `PRAIA,key,value…,OK`, followed by `WARN,why` if there is a warning. If the values would
+/// make the answer longer than 82 characters, all of them are left out.
 ///
 /// # Errors
 /// The writer's own.
@@ -279,7 +281,7 @@ pub fn write_answer<'v, W: Write>(
     write_sentence(&mut sentence, out)
 }
 
-/// How an answer ends.
+/// Appends the end of an answer.
 fn finish(sentence: &mut Sentence, warning: Option<&str>) {
     sentence.text("OK");
     if let Some(why) = warning {
@@ -287,7 +289,7 @@ fn finish(sentence: &mut Sentence, warning: Option<&str>) {
     }
 }
 
-/// `PRAIA,key,ERR,why`.
+/// Writes `PRAIA,key,ERR,why`.
 ///
 /// # Errors
 /// The writer's own.
@@ -295,7 +297,8 @@ pub fn write_refusal<W: Write>(key: &str, why: &str, out: &mut W) -> Result<(), 
     write_sentence(Sentence::new("PRAIA").text(key).text("ERR").text(why), out)
 }
 
-/// `PRAIA,STATS,name,value…,OK`: one answer with as many of the counters as it has room for. Says how many.
+/// Writes `PRAIA,STATS,name,value…,OK` with as many counters as fit into one answer; returns their
+/// number.
 ///
 /// # Errors
 /// The writer's own.

@@ -1,12 +1,12 @@
 //! One sentence: `$address,field,…*CS` CR LF, built field by field in a fixed buffer.
 //!
-//! The checksum is the exclusive or of all characters between `$` and `*`. Each method of [`Sentence`] appends one
-//! field with its leading comma and hands the sentence on, which stays where it is. A sentence that outgrows 82
-//! characters remembers it and is not sent: whoever builds one chooses its fields so that it cannot, or falls back to a
-//! coarser form.
+//! The checksum is the exclusive or of all characters between `$` and `*`. Each method of
+//! [`Sentence`] appends one field with its leading comma and returns the sentence. A sentence that
+//! exceeds 82 characters is not sent. Callers choose the fields so that it cannot, or use a coarser
+//! form.
 //!
-//! Numbers are rounded to the nearest, halves to the even neighbour, and written by 32-bit divisions where they fit: the
-//! processor has these, and those of 64 bits are long calls.
+//! Numbers are rounded to the nearest, ties to even, and written by 32-bit divisions if they fit,
+//! because the processor divides 32 bits in hardware and 64 bits by long calls.
 
 use embedded_io::Write;
 use heapless::Vec;
@@ -23,21 +23,21 @@ pub const MAX_LENGTH: usize = 82;
 /// Length of checksum and line end: `*CS` CR LF.
 pub(super) const ENDING: usize = 5;
 
-/// Powers of ten up to the largest number of decimals that a field has.
+/// Powers of ten up to the largest number of decimals of a field.
 const SCALE: [u32; 10] =
     [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000, 1_000_000_000];
 
-/// Scaled numbers beyond this are not representable as integers; every field ends far below.
+/// Largest scaled number; larger ones are not formatted, and every field ends far below it.
 const SCALED_LIMIT: f64 = 1e15;
 
-/// A sentence in the making.
+/// Sentence that is being built.
 #[derive(Clone, Debug)]
 pub struct Sentence {
     bytes: Vec<u8, MAX_LENGTH>,
     overflown: bool,
 }
 
-/// A number rounded to a fixed count of decimals, in integers.
+/// Number rounded to a fixed count of decimals, in integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Fixed {
     negative: bool,
@@ -47,7 +47,8 @@ struct Fixed {
 }
 
 impl Fixed {
-    /// `None` where the value is not finite or beyond [`SCALED_LIMIT`]. What rounds to zero has no sign.
+    /// Rounds a value; `None` if it is not finite or exceeds [`SCALED_LIMIT`]. A value that rounds
+    /// to zero has no sign.
     fn new(value: f64, decimals: usize) -> Option<Self> {
         let scale = *SCALE.get(decimals)?;
         let scaled = nearest_integer(libm::fabs(value) * f64::from(scale))?;
@@ -55,11 +56,11 @@ impl Fixed {
         Some(Self { negative: value.is_sign_negative() && scaled > 0, whole, fraction, decimals })
     }
 
-    /// As [`Self::new`] in single precision, which the processor calculates with; `None` where its seven digits are too
-    /// few to round as doubles do, but for numbers within 1e-4 of a half.
+    /// Rounds in single precision, which the processor supports. The result differs from
+    /// [`Self::new`] at most for values within 1e-4 of a tie; `None` if seven digits are too few.
     fn short(value: f64, decimals: usize) -> Option<Self> {
         const LIMIT: u64 = 512_f64.to_bits();
-        // Beside 2²³ there is no room for a fraction in single precision.
+        // Beside 2²³ single precision has no bits for a fraction.
         const BESIDE: f32 = (1_u32 << 23) as f32;
         let scale = *SCALE.get(decimals).filter(|_| decimals <= 3)?;
         if libm::fabs(value).to_bits() >= LIMIT {
@@ -75,7 +76,7 @@ impl Fixed {
         })
     }
 
-    /// The value with as many decimals, up to `decimals`, as leave it within `width` characters.
+    /// Returns the value with as many decimals, up to `decimals`, as fit into `width` characters.
     fn fitting(value: f64, decimals: usize, width: usize) -> Option<Self> {
         let fits = |fixed: &Self| fixed.width() <= width;
         let long = || (0..=decimals).rev().filter_map(|count| Self::new(value, count)).find(fits);
@@ -88,25 +89,26 @@ impl Fixed {
     }
 }
 
-/// The integer nearest to a number from 0 to [`SCALED_LIMIT`], to the even one of two; `None` beyond.
+/// Returns the integer nearest to a number from 0 to [`SCALED_LIMIT`], ties to even; `None` beyond.
 ///
-/// Both steps work on the bits, since comparing and converting doubles are calls on this processor: those of positive
-/// numbers have the order of the numbers, with what is no number at the end, and beside 2⁵² there is no room for a fraction.
+/// Both steps work on the bits, because comparing and converting doubles are calls on this
+/// processor. The bits of positive numbers have the order of the numbers, with NaN at the end.
+/// Beside 2⁵² a double has no bits for a fraction.
 fn nearest_integer(value: f64) -> Option<u64> {
     const BESIDE: f64 = (1_u64 << 52) as f64;
     let is_within = value.to_bits() < SCALED_LIMIT.to_bits();
     is_within.then(|| (value + BESIDE).to_bits() - BESIDE.to_bits())
 }
 
-/// Digits of the lower part of a number that is split.
+/// Number of digits in the lower part of a split number.
 const LOW_DIGITS: usize = 9;
 
-/// What is above the last nine digits, and these.
+/// Splits off the last nine digits.
 fn split(value: u64) -> (u64, u32) {
     divided(value, SCALE[LOW_DIGITS])
 }
 
-/// How many digits a number has.
+/// Returns the number of digits of a number.
 fn digits(value: u64) -> usize {
     match split(value) {
         (0, low) => 1 + SCALE.iter().skip(1).take_while(|&&power| low >= power).count(),
@@ -114,13 +116,14 @@ fn digits(value: u64) -> usize {
     }
 }
 
-/// True for a character that may stand inside a field: printable, and not one that the format reserves.
+/// Returns true for a character that may stand inside a field: printable, and not reserved by the
+/// format.
 pub(crate) fn is_field_character(byte: u8) -> bool {
     matches!(byte, b' '..=b'~') && !matches!(byte, b'!' | b'$' | b'*' | b',' | b'\\' | b'^' | b'~')
 }
 
 impl Sentence {
-    /// A sentence with its address (talker and formatter), without fields.
+    /// Begins a sentence with its address (talker and formatter).
     pub fn new(address: &str) -> Self {
         let mut sentence = Self { bytes: Vec::new(), overflown: false };
         sentence.push_one(b'$');
@@ -128,12 +131,12 @@ impl Sentence {
         sentence
     }
 
-    /// A field of text; characters that the format reserves are left out.
+    /// Appends a text; reserved characters are left out.
     pub fn text(&mut self, text: &str) -> &mut Self {
         self.clipped(text, MAX_LENGTH)
     }
 
-    /// As [`Sentence::text`], cut to `width` characters.
+    /// Appends a text as [`Sentence::text`], cut to `width` characters.
     pub fn clipped(&mut self, text: &str, width: usize) -> &mut Self {
         self.push_one(b',');
         let kept = text.bytes().filter(|byte| is_field_character(*byte)).take(width);
@@ -141,34 +144,35 @@ impl Sentence {
         self
     }
 
-    /// A field or several that are known to hold no reserved character, but for commas between them.
+    /// Appends one or several fields that have no reserved character except the commas between
+    /// them.
     pub(crate) fn ready(&mut self, fields: &[u8]) -> &mut Self {
         self.push_one(b',');
         self.push(fields);
         self
     }
 
-    /// A field without content: not known or not defined.
+    /// Appends an empty field: unknown or undefined.
     pub fn empty(&mut self) -> &mut Self {
         self.push_one(b',');
         self
     }
 
-    /// A whole number, with leading zeros up to `width` digits.
+    /// Appends a whole number, with leading zeros up to `width` digits.
     pub fn integer(&mut self, value: u32, width: usize) -> &mut Self {
         self.push_one(b',');
         self.push_digits(u64::from(value), width);
         self
     }
 
-    /// Eight hexadecimal digits.
+    /// Appends eight hexadecimal digits.
     pub fn hexadecimal(&mut self, value: u32) -> &mut Self {
         let digits = [28, 24, 20, 16, 12, 8, 4, 0].map(|shift| hexadecimal((value >> shift) as u8 & 0xF));
         self.ready(&digits)
     }
 
-    /// A number with as many decimals, up to `decimals`, as leave it within `width` characters; an empty field where
-    /// even its whole part does not fit, or where it is infinite.
+    /// Appends a number with as many decimals, up to `decimals`, as fit into `width` characters.
+    /// The field is empty if its whole part does not fit or the number is not finite.
     pub fn number(&mut self, value: f64, decimals: usize, width: usize) -> &mut Self {
         self.push_one(b',');
         if let Some(fixed) = Fixed::fitting(value, decimals, width) {
@@ -177,7 +181,7 @@ impl Sentence {
         self
     }
 
-    /// As [`Sentence::number`], and empty where there is none.
+    /// Appends a number as [`Sentence::number`], or an empty field for `None`.
     pub fn optional(&mut self, value: Option<f64>, decimals: usize, width: usize) -> &mut Self {
         match value {
             Some(value) => self.number(value, decimals, width),
@@ -185,7 +189,8 @@ impl Sentence {
         }
     }
 
-    /// A probability in plain decimals, nine at most and no zeros at the end: readers know no exponents.
+    /// Appends a probability in plain decimals, at most nine, without trailing zeros, because
+    /// readers do not accept exponents.
     pub fn probability(&mut self, value: f64) -> &mut Self {
         self.push_one(b',');
         if let Some(mut fixed) = Fixed::new(value, SCALE.len() - 1) {
@@ -198,7 +203,7 @@ impl Sentence {
         self
     }
 
-    /// `hhmmss.ss`, or an empty field.
+    /// Appends `hhmmss.ss`, or an empty field.
     pub fn time(&mut self, time: Option<TimeOfDay>) -> &mut Self {
         match time {
             Some(time) => self.ready(time.text()),
@@ -206,10 +211,10 @@ impl Sentence {
         }
     }
 
-    /// Degrees and minutes to seven decimals (0.2 mm), then the hemisphere: two fields.
+    /// Appends degrees and minutes to seven decimals (0.2 mm), then the hemisphere: two fields.
     pub fn angle(&mut self, degrees: f64, degree_digits: usize, hemispheres: [&str; 2]) -> &mut Self {
         let Some(minutes) = Fixed::new(degrees * 60.0, 7) else { return self.empty().empty() };
-        // 180° are 10,800 minutes: 32 bits hold them.
+        // 180° is 10,800 minutes, which fits into 32 bits.
         let whole_minutes = minutes.whole as u32;
         self.push_one(b',');
         self.push_digits(u64::from(whole_minutes / 60), degree_digits);
@@ -220,14 +225,14 @@ impl Sentence {
         self.ready(if minutes.negative { negative } else { positive }.as_bytes())
     }
 
-    /// What has been written behind the address, for other sentences that say the same.
+    /// Returns the text behind the address, for other sentences with the same fields.
     pub(super) fn fields(&self) -> &[u8] {
         let from =
             self.bytes.iter().position(|byte| *byte == b',').map_or(self.bytes.len(), |comma| comma + 1);
         self.bytes.get(from..).unwrap_or_default()
     }
 
-    /// A satellite as in RINEX: `G05`.
+    /// Appends a satellite as in RINEX: `G05`.
     pub fn satellite(&mut self, satellite: SatelliteId) -> &mut Self {
         self.push_one(b',');
         let (letter, number) = satellite.name();
@@ -236,7 +241,7 @@ impl Sentence {
         self
     }
 
-    /// A satellite's number in the numbering of [NMEA-0183] v4.11, which goes with a system id.
+    /// Appends a satellite's number in the numbering of [NMEA-0183] v4.11, which needs a system id.
     ///
     /// [NMEA-0183]: crate#references
     pub fn satellite_number(&mut self, satellite: SatelliteId) -> &mut Self {
@@ -245,8 +250,8 @@ impl Sentence {
         self.integer(u32::from(number) + offset, 2)
     }
 
-    /// The sentence, ended by checksum and line end; `None` if it would exceed [`MAX_LENGTH`]. One that has ended takes no
-    /// more fields.
+    /// Ends the sentence with checksum and line end and returns it; `None` if it would exceed
+    /// [`MAX_LENGTH`]. A finished sentence takes no more fields.
     pub fn finish(&mut self) -> Option<&[u8]> {
         if !self.fits() {
             return None;
@@ -258,7 +263,7 @@ impl Sentence {
         Some(&self.bytes)
     }
 
-    /// Whether there is room for checksum and line end.
+    /// Returns true if checksum and line end fit.
     pub(super) fn fits(&self) -> bool {
         !self.overflown && self.bytes.len() + ENDING <= MAX_LENGTH
     }
@@ -275,7 +280,8 @@ impl Sentence {
     }
 
     /// Writes the digits of a number, with leading zeros up to `width`.
-    // Not inlined, nor are the two below: they are called in many places, and flash is dearer than the calls.
+    // Not inlined, nor are the two functions below: they have many callers, and flash is scarcer
+    // than time here.
     #[inline(never)]
     fn push_digits(&mut self, value: u64, width: usize) {
         let (high, mut low) = split(value);
@@ -284,7 +290,7 @@ impl Sentence {
             self.push_digits(high, width.saturating_sub(LOW_DIGITS));
             width = LOW_DIGITS;
         }
-        // From the last digit on; nine are all that the lower part has, and the widest field.
+        // Fills from the last digit; nine is the size of the lower part, and of the widest field.
         let mut written = [b'0'; LOW_DIGITS];
         let mut first = LOW_DIGITS;
         for digit in written.iter_mut().rev() {
@@ -309,7 +315,7 @@ impl Sentence {
     }
 }
 
-/// Of all bytes, four at a time.
+/// Returns the exclusive or of all bytes, four at a time.
 fn exclusive_or(bytes: &[u8]) -> u8 {
     let (words, rest) = bytes.as_chunks::<4>();
     let sum = words.iter().fold(0, |sum, word| sum ^ u32::from_ne_bytes(*word));
@@ -320,11 +326,11 @@ const fn hexadecimal(nibble: u8) -> u8 {
     if nibble < 10 { b'0' + nibble } else { b'A' + (nibble - 10) }
 }
 
-/// Sends a finished sentence; one that did not fit is not sent.
+/// Sends a finished sentence; does not send one that exceeds its length.
 ///
 /// # Errors
-/// The writer's own. A writer that takes nothing and calls it success ends the sentence: the contract of
-/// [`Write`] forbids it, and waiting for it would have no bound.
+/// The writer's own. A writer that reports success without taking a byte loses one byte per call:
+/// the contract of [`Write`] forbids this, and waiting for it would have no bound.
 pub fn write_sentence<W: Write>(sentence: &mut Sentence, out: &mut W) -> Result<(), W::Error> {
     let Some(mut rest) = sentence.finish() else { return Ok(()) };
     while !rest.is_empty() {

@@ -1,4 +1,4 @@
-//! What the position is made of, and how good it is: `GSA`, `GST`, `GBS`.
+//! Satellites used and accuracy of the position: `GSA`, `GST`, `GBS`.
 //!
 //! | sentence | symbol | meaning | unit |
 //! |---|---|---|---|
@@ -6,8 +6,8 @@
 //! | `GST` | `θ` | its orientation from true north over east: `½ atan2(C, (N−E)/2)` | ° |
 //! | `GBS` | | bias of the satellite that fits worst, with its standard deviation | m |
 //!
-//! `E`, `N`, `C` are the variances of east and north and their covariance. The root mean square of `GST` is that of
-//! the residuals.
+//! `E`, `N`, `C` are the variances of east and north and their covariance. The root mean square of
+//! `GST` is that of the residuals.
 
 use embedded_io::Write;
 use raim_core::report::{Report, Solution, Suspect};
@@ -18,10 +18,11 @@ use super::position::dilution;
 use super::{Sentence, TimeOfDay, write_sentence};
 use crate::output::Statement;
 
-/// Satellites that one `GSA` names.
+/// Number of satellites in one `GSA`.
 const PER_GSA: usize = 12;
 
-/// Identifies "all signals" of a system ([NMEA-0183] v4.11 table 20): a combination of frequencies is no single signal.
+/// Signal id for "all signals" of a system ([NMEA-0183] v4.11 table 20), because a combination of
+/// frequencies is not a single signal.
 ///
 /// [NMEA-0183]: crate#references
 const ALL_SIGNALS: u32 = 0;
@@ -30,13 +31,14 @@ const ALL_SIGNALS: u32 = 0;
 const SYSTEMS: [(char, &str, u32); 5] =
     [('G', "GPGSA", 1), ('R', "GLGSA", 2), ('E', "GAGSA", 3), ('C', "GBGSA", 4), ('J', "GQGSA", 5)];
 
-/// The system id of a satellite.
+/// Returns the system id of a satellite.
 fn system_id(satellite: SatelliteId) -> u32 {
     let own = SYSTEMS.into_iter().find(|(letter, ..)| *letter == satellite.name().0);
     own.map_or(0, |(.., id)| id)
 }
 
-/// `GSA`: the satellites used, by system, and the dilutions of precision of the whole solution.
+/// Writes `GSA`: the satellites used, by system, and the dilutions of precision of the whole
+/// solution.
 pub(super) fn write_satellites<W: Write, const N: usize>(
     statement: &Statement<'_, N>,
     out: &mut W,
@@ -55,7 +57,7 @@ pub(super) fn write_satellites<W: Write, const N: usize>(
     Ok(())
 }
 
-/// One `GSA` with the first 12 of the satellites.
+/// Returns one `GSA` with the first 12 of the satellites.
 fn active(
     (address, id): (&str, u32),
     mode: u32,
@@ -77,7 +79,7 @@ fn active(
     sentence
 }
 
-/// `GST`: the standard deviations that the covariance promises.
+/// Writes `GST`: the standard deviations of the covariance.
 pub(super) fn write_errors<W: Write, const N: usize>(
     report: &Report<N>,
     time: TimeOfDay,
@@ -102,19 +104,20 @@ pub(super) fn write_errors<W: Write, const N: usize>(
     write_sentence(&mut sentence, out)
 }
 
-/// Of latitude, longitude and height, m.
+/// Returns the standard deviations of latitude, longitude and height, m.
 fn standard_deviations(solution: &Solution) -> [f64; 3] {
     let [east, _, _, north, _, up] = solution.covariance_m2;
     [north, east, up].map(|variance| f64::from(libm::sqrtf((variance as f32).max(0.0))))
 }
 
-/// The ellipse of one standard deviation in the horizontal plane.
+/// Ellipse of one standard deviation in the horizontal plane.
 ///
-/// In single precision, which the processor calculates with: millimetres of some metres are four digits.
+/// Computed in single precision, which the processor supports: millimetres of some metres are four
+/// digits.
 struct ErrorEllipse {
     semi_major_m: f64,
     semi_minor_m: f64,
-    /// Of the major axis, from true north over east, 0 to 180.
+    /// Orientation of the major axis, degrees from true north over east, 0 to 180.
     orientation_deg: f64,
 }
 
@@ -138,7 +141,7 @@ impl ErrorEllipse {
     }
 }
 
-/// `GBS`: the satellite used that fits worst, where there is redundancy to tell.
+/// Writes `GBS`: the satellite used that fits worst, if there is redundancy.
 pub(super) fn write_suspect<W: Write, const N: usize>(
     report: &Report<N>,
     time: TimeOfDay,
@@ -154,7 +157,7 @@ pub(super) fn write_suspect<W: Write, const N: usize>(
     }
 }
 
-/// Expected errors to signal id.
+/// Appends the fields from the expected errors to the signal id.
 fn fault<'s>(
     sentence: &'s mut Sentence,
     solution: &Solution,
@@ -172,7 +175,7 @@ fn fault<'s>(
         .integer(ALL_SIGNALS, 1)
 }
 
-/// `ZDA`: time and date, and that the local zone is UTC.
+/// Returns `ZDA`: time and date, with UTC as the local zone.
 pub(super) fn date_and_time(time: TimeOfDay) -> Sentence {
     let [year, month, day] = time.date();
     let mut sentence = Sentence::new("GNZDA");

@@ -1,12 +1,14 @@
-//! UTC as sentences tell it: time of day and date.
+//! UTC in sentences: time of day and date.
 //!
-//! Days are counted from 1980-01-06; the calendar of them is that of Gregory from a year that begins in March, so that a
-//! leap day is the last of its year: `day of year = (153 month + 2) / 5 + day`.
+//! Days are counted from 1980-01-06. The date is that of the Gregorian calendar, computed with
+//! years that begin in March, so that a leap day is the last day of its year:
+//! `day of year = (153 month + 2) / 5 + day`.
 
 use crate::division::divided;
 use crate::time::{DAY_MS, GpsTime};
 
-/// GPS time minus UTC, s: the leap seconds since 1980. 18 since 2017-01-01 (IERS Bulletin C 52); none is announced.
+/// GPS time minus UTC, s: the leap seconds since 1980. 18 since 2017-01-01 (IERS Bulletin C 52);
+/// none is announced.
 pub const GPS_MINUS_UTC_S: u8 = 18;
 
 /// Days from 0000-03-01 to 1980-01-06, when GPS time began.
@@ -19,15 +21,15 @@ const DAYS_OF_400_YEARS: u32 = 146_097;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimeOfDay {
     centiseconds: u32,
-    /// Since 1980-01-06.
+    /// Day since 1980-01-06.
     day: u32,
-    /// `hhmmss.ss`: written once, and in most sentences of an epoch.
+    /// `hhmmss.ss`, formatted once for all sentences of an epoch.
     text: [u8; 9],
 }
 
 impl TimeOfDay {
-    /// UTC at an instant of GPS time; `gps_minus_utc_s` is [`GPS_MINUS_UTC_S`] until the next leap second. A time that
-    /// rounds up to midnight is midnight of the next day.
+    /// Returns UTC at an instant of GPS time; `gps_minus_utc_s` is [`GPS_MINUS_UTC_S`] until the
+    /// next leap second. A time that rounds up to midnight is midnight of the next day.
     pub fn new(time: GpsTime, gps_minus_utc_s: u8) -> Self {
         let utc_ms = time.to_ms().saturating_sub(u64::from(gps_minus_utc_s) * 1000) + 5;
         let (day, of_day_ms) = divided(utc_ms, DAY_MS);
@@ -37,17 +39,17 @@ impl TimeOfDay {
         Self { centiseconds, day: day as u32, text }
     }
 
-    /// Hours, minutes, seconds, hundredths.
+    /// Returns hours, minutes, seconds, hundredths.
     pub const fn parts(self) -> [u32; 4] {
         parts(self.centiseconds)
     }
 
-    /// `hhmmss.ss`.
+    /// Returns `hhmmss.ss`.
     pub(super) const fn text(&self) -> &[u8] {
         &self.text
     }
 
-    /// Year, month and day.
+    /// Returns year, month and day.
     pub const fn date(self) -> [u32; 3] {
         let day = self.day + GPS_EPOCH_DAY;
         let (era, day) = (day / DAYS_OF_400_YEARS, day % DAYS_OF_400_YEARS);
@@ -59,7 +61,7 @@ impl TimeOfDay {
         [year, month, day - (153 * march_month + 2) / 5 + 1]
     }
 
-    /// Seconds since 1980-01-06 in UTC, whole: two instants with the same need one `ZDA` only.
+    /// Returns whole seconds of UTC since 1980-01-06. Instants in the same second share one `ZDA`.
     pub(crate) const fn second(self) -> u32 {
         self.day.wrapping_mul(86_400).wrapping_add(self.centiseconds / 100)
     }
@@ -70,7 +72,7 @@ const fn parts(centiseconds: u32) -> [u32; 4] {
     [seconds / 3600, seconds / 60 % 60, seconds % 60, centiseconds % 100]
 }
 
-/// Of a number below 100.
+/// Returns the two digits of a number below 100.
 const fn two_digits(number: u32) -> [u8; 2] {
     [b'0' + (number / 10) as u8, b'0' + (number % 10) as u8]
 }
@@ -79,7 +81,8 @@ const fn two_digits(number: u32) -> [u8; 2] {
 mod tests {
     use super::*;
 
-    /// GPS weeks of dates as the almanac of the Navigation Center and IERS bulletins give them.
+    /// The GPS weeks of these dates are those of the Navigation Center's almanac and of IERS
+    /// bulletins.
     #[test]
     fn dates_are_those_of_known_weeks() {
         let cases = [

@@ -1,4 +1,5 @@
-//! The host port's commands: what is obeyed, what is refused and why, and that what is refused changes nothing.
+//! Commands of the host port: obeyed commands, refused ones with their reasons, and that a refused
+//! command changes nothing.
 
 mod lines;
 mod said;
@@ -12,13 +13,13 @@ use raim_core::satellite::Constellation;
 use raim_core::weighting::{Ism, IsmParameters};
 use raim_firmware::settings::{Action, CommandPort, Configuration, Order, Phase, scientific};
 
-/// A command with its checksum and line end.
+/// Returns a command with its checksum and line end.
 fn line(body: &str) -> Vec<u8> {
     let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
     format!("${body}*{checksum:02X}\r\n").into_bytes()
 }
 
-/// A port with its configuration, and all that it answered.
+/// Port with its configuration and all its answers.
 struct Module {
     port: CommandPort,
     configuration: Configuration,
@@ -30,7 +31,7 @@ impl Module {
         Self { port: CommandPort::new(), configuration: Configuration::at_start(), answers: String::new() }
     }
 
-    /// Hears bytes; the actions they cause.
+    /// Takes bytes; returns the actions that they cause.
     fn hear(&mut self, bytes: &[u8]) -> Vec<Action> {
         let mut actions = Vec::new();
         for byte in bytes {
@@ -45,7 +46,7 @@ impl Module {
         actions
     }
 
-    /// The bodies of the answers to one command.
+    /// Returns the bodies of the answers to one command.
     fn ask(&mut self, body: &str) -> Vec<String> {
         self.answers.clear();
         self.hear(&line(body));
@@ -147,12 +148,14 @@ fn a_custom_phase_keeps_the_present_numbers() {
     let mut module = Module::new();
     module.ask("PRAIC,PHASE,LPV200");
     module.ask("PRAIC,PHASE,CUSTOM");
-    // What ARAIM holds LPV-200 to besides is no number of theirs.
+    // The EMT and accuracy limits of LPV-200 are not settings, so that `CUSTOM` has its allocation
+    // without them.
     let want = Requirements { allocation: Allocation::vertical(), ..Requirements::lpv200() };
     assert_eq!((module.configuration.phase, module.configuration.requirements()), (Phase::Custom, want));
 }
 
-/// However they came about: what is not said of them, nobody could tell, nor seal.
+/// Equal settings must mean equal requirements, however they came about, because neither a report
+/// nor a seal could express a difference.
 #[test]
 fn the_same_settings_are_the_same_requirements() {
     let same = |ways: &[&[&str]]| {
@@ -232,7 +235,7 @@ fn what_cannot_be_obeyed_is_refused_with_the_reason_and_changes_nothing() {
     }
 }
 
-/// What each phase allows, from the interface's own list.
+/// The limits are those in the list of the interface.
 #[test]
 fn a_phase_bounds_its_time_to_alert() {
     let cases = [("ENROUTE", "60"), ("TERMINAL", "30"), ("NPA", "10"), ("LPV200", "6"), ("CUSTOM", "3600")];

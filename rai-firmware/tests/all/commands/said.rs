@@ -4,7 +4,8 @@ use raim_firmware::settings::Configuration;
 
 use super::Module;
 
-/// The sentences, joined into the fields that they carry, with the hash that all of them name.
+/// Returns the sentences, joined into the fields that they carry, with the hash that all of them
+/// name.
 pub(super) fn settings(configuration: &Configuration) -> (String, Vec<String>) {
     let mut room = [0; 1024];
     let mut free = room.as_mut_slice();
@@ -25,7 +26,7 @@ pub(super) fn settings(configuration: &Configuration) -> (String, Vec<String>) {
     (hash, fields)
 }
 
-/// CRC-32 by the table of its definition, another way than the module's.
+/// Returns the CRC-32 by the table of its definition, a method other than the module's.
 fn crc32(text: &str) -> u32 {
     let table: Vec<u32> = (0..256_u32)
         .map(|byte| (0..8).fold(byte, |c, _| if c & 1 == 1 { 0xEDB8_8320 ^ (c >> 1) } else { c >> 1 }))

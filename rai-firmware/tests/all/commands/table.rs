@@ -1,4 +1,5 @@
-//! The table of the settings: each row does all that a setting does, and INTERFACES.md has what the table says.
+//! Table of the settings: each row makes a complete setting, and INTERFACES.md has the generated
+//! tables.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -10,7 +11,7 @@ use raim_firmware::settings::{Configuration, Order, SEALED_BYTES, Setting, Unsea
 use super::Module;
 use super::said::settings;
 
-/// A module that has obeyed the example of a setting, with its answer.
+/// Returns a module that has obeyed the example of a setting, with its answer.
 fn changed(setting: Setting) -> (Module, String) {
     let mut module = Module::new();
     let answer = module.ask(&format!("PRAIC,{},{}", setting.key(), setting.documentation().example));
@@ -63,7 +64,7 @@ fn every_setting_outlives_a_restart() {
     }
 }
 
-/// A command for each word of a setting: the other values are those of its example.
+/// Returns a command for each word of a setting; the other values are those of its example.
 fn commands(setting: Setting) -> impl Iterator<Item = String> {
     let documentation = setting.documentation();
     let rest = documentation.example.split_once(',').map_or("", |(_, rest)| rest);
@@ -85,7 +86,8 @@ fn every_word_is_obeyed() {
 fn the_ends_of_every_range_are_obeyed_and_what_lies_beyond_is_refused() {
     let single = |setting: &&Setting| {
         let (row, example) = (setting.row(), setting.documentation().example);
-        // A probability of the tables is none of its range's ends, and a phase bounds its time to alert.
+        // Probabilities must be in the tables, which the ends of their range are not, and a phase
+        // limits its time to alert.
         row.ranges.len() == 1 && !example.contains(',') && !["PFA", "PMD", "TTA"].contains(&row.key)
     };
     let mut count = 0;
@@ -107,7 +109,7 @@ fn the_ends_of_every_range_are_obeyed_and_what_lies_beyond_is_refused() {
     assert!(count >= 24, "{count}");
 }
 
-/// What the macro needs around it, with a value that is nothing.
+/// Items that the macro needs around it.
 const AROUND: &str = r"
 #![allow(dead_code, unused)]
 pub struct Row {
@@ -134,7 +136,7 @@ mod table {
     use super::row::settings;
 ";
 
-/// A whole row.
+/// Complete row.
 const ROW: &str = r#"
         field: u8 = 1,
         ranges: &[(0.0, 9.0)],
@@ -147,7 +149,7 @@ const ROW: &str = r#"
         text: "Text",
 "#;
 
-/// What the compiler says of a table of one row.
+/// Compiles a table of one row; returns the compiler's messages on failure.
 fn compiled(row: &str) -> Result<(), String> {
     let macros = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/settings/row.rs");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("row");
@@ -184,7 +186,7 @@ fn a_row_without_one_of_its_columns_does_not_compile() {
     compiled(&ROW.replace("Apart", "Nowhere")).expect_err("an effect that there is not");
 }
 
-/// A number as INTERFACES.md has it.
+/// Returns a number in the form of INTERFACES.md.
 fn number(value: f64) -> String {
     let size = value.abs();
     if size > 0.0 && size < 1e-2 {
@@ -194,7 +196,7 @@ fn number(value: f64) -> String {
     }
 }
 
-/// The values of a setting: its words, and the ranges of its numbers.
+/// Returns the values of a setting: its words, and the ranges of its numbers.
 fn values(setting: Setting) -> String {
     let words = setting.documentation().words.iter().map(|word| format!("`{word}`"));
     let mut ranges: Vec<String> = Vec::new();
@@ -211,7 +213,7 @@ fn values(setting: Setting) -> String {
     words.chain(ranges).collect::<Vec<_>>().join(", ")
 }
 
-/// The value of a setting at start, as a command has it.
+/// Returns the value of a setting at start, in the form of a command.
 fn at_start(setting: Setting) -> String {
     if setting == Setting::Output {
         return "sentences 1, MAVLink 0".to_owned();
@@ -222,7 +224,7 @@ fn at_start(setting: Setting) -> String {
     format!("`{}`", value.expect("one answer"))
 }
 
-/// The table of the keys.
+/// Returns the table of the keys.
 fn table_of_keys() -> String {
     let mut table =
         "| key | values | unit | at start | takes a promise back | meaning |\n|---|---|---|---|---|---|\n"
@@ -240,7 +242,7 @@ fn table_of_keys() -> String {
     table
 }
 
-/// The table of the fields of `PRAIQ`.
+/// Returns the table of the fields of `PRAIQ`.
 fn table_of_fields() -> String {
     let mut table = "| fields | setting | as |\n|---|---|---|\n".to_owned();
     let mut next = 1;
@@ -258,12 +260,12 @@ fn table_of_fields() -> String {
     table
 }
 
-/// The mark before a generated table.
+/// Returns the mark before a generated table.
 fn mark(name: &str) -> String {
     format!("<!-- generated: {name} -->\n")
 }
 
-/// What stands between the marks of a generated table.
+/// Returns the text between the marks of a generated table.
 fn generated<'t>(document: &'t str, name: &str) -> &'t str {
     let rest = document.split_once(&mark(name)).map(|(_, rest)| rest).expect("a mark before the table");
     rest.split_once("<!-- end -->").map(|(table, _)| table).expect("a mark behind the table")

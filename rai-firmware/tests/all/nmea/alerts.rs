@@ -1,7 +1,8 @@
 //! In an alert no output carries a coordinate, a height or a speed.
 //!
-//! The outputs are not named here. Two epochs that differ in place, height and velocity alone must be sent as the same
-//! bytes, so that a new output is held to the rule as soon as the schedule has it.
+//! The outputs are not named here. Two epochs that differ in place, height and velocity alone must
+//! be sent as the same bytes, so that a new output is held to the rule as soon as the schedule has
+//! it.
 
 use raim_core::report::{Alert, Protected, Verdict};
 use raim_firmware::output::schedule::{Item, Schedule};
@@ -10,12 +11,12 @@ use raim_firmware::publisher::Publisher;
 
 use super::{Growing, npa, report, solution, statement};
 
-/// Every item of the schedule.
+/// Returns every item of the schedule.
 fn items() -> Vec<Item> {
     Schedule::AT_START.rates().map(|(name, _)| Item::named(name).expect("an item of this name")).collect()
 }
 
-/// The bytes of one epoch at a place, with a velocity, of all items.
+/// Returns the bytes of one epoch at a place, with a velocity, of all items.
 fn sent(verdict: Verdict, [latitude_deg, longitude_deg, height_m]: [f64; 3], motion: Motion) -> Vec<u8> {
     let (mut report, npa) = (report(), npa());
     report.verdict = verdict;
@@ -58,7 +59,7 @@ fn in_an_alert_no_output_depends_on_place_height_or_velocity() {
     }
 }
 
-/// The rule above says something: without an alert each of them changes what is sent.
+/// The rule above is not void, because without an alert each of them changes the output.
 #[test]
 fn without_an_alert_outputs_carry_place_height_and_velocity() {
     let verdict = Verdict::Protected(Protected::Ok);

@@ -1,4 +1,5 @@
-//! The sentences of an epoch, read by somebody else: the `nmea` crate, or plain splitting at commas.
+//! Sentences of an epoch, read by independent readers: the `nmea` crate, or plain splitting at
+//! commas.
 
 mod alerts;
 mod read_back;
@@ -27,7 +28,7 @@ const CAPACITY: usize = 64;
 /// Tuesday of GPS week 2400, 12:00:00 UTC.
 const NOON: GpsTime = GpsTime { week: 2400, tow_ms: (2 * 86_400 + 12 * 3600 + 18) * 1000 };
 
-/// A sentence as text, checked for length, line end and checksum.
+/// Returns the sentences, checked for length, line end and checksum.
 fn lines(bytes: &[u8]) -> Vec<String> {
     let text = std::str::from_utf8(bytes).expect("ASCII");
     assert!(text.is_empty() || text.ends_with("\r\n"), "unfinished line in {text:?}");
@@ -63,12 +64,12 @@ fn sentences(report: &Report<CAPACITY>, requirements: &Requirements) -> Vec<Stri
     told(&statement(report, requirements), Schedule::AT_START.due(0))
 }
 
-/// The bodies of sentences, without the checksum.
+/// Returns the bodies of sentences, without the checksum.
 fn bodies(lines: &[String]) -> Vec<&str> {
     lines.iter().filter_map(|line| line.split('*').next()).collect()
 }
 
-/// The fields after the address.
+/// Returns the fields after the address.
 fn fields<'l>(lines: &'l [String], address: &str) -> Vec<&'l str> {
     let line = lines.iter().find(|line| line[1..].starts_with(address)).expect("the sentence");
     line.split('*').next().expect("a body").split(',').skip(1).collect()
@@ -201,7 +202,7 @@ fn each_verdict_has_its_navigational_status_state_and_reason() {
     }
 }
 
-/// The first `GSA`, as the crate reads it.
+/// Returns the first `GSA`, read by the crate.
 fn gsa(lines: &[String]) -> nmea::sentences::GsaData {
     let line = lines.iter().find(|line| line.contains("GSA")).expect("a GSA");
     let ParseResult::GSA(gsa) = parse_str(line).expect("a GSA") else { panic!("{line}") };
@@ -267,7 +268,7 @@ fn glonass_counts_from_65_in_its_own_system() {
     assert_eq!((gsa.system_id, gsa.fix_sats_prn.as_slice()), (Some(GnssSystemId::Glonass), &[67][..]));
 }
 
-/// What must not be used is not there to be used.
+/// A position that must not be used is in no sentence.
 #[test]
 fn an_alert_leaves_nothing_that_a_careless_reader_could_use() {
     for alert in [Alert::Fault, Alert::Ambiguous, Alert::Time, Alert::Jump, Alert::Spoofed] {
@@ -287,7 +288,7 @@ fn an_alert_leaves_nothing_that_a_careless_reader_could_use() {
         );
         assert_eq!(fields(&lines, "GNVTG"), ["", "T", "", "M", "", "N", "", "K", "N"], "{alert:?}");
         assert!(lines.iter().all(|line| !line.contains("ZDA")), "{alert:?}");
-        // What the verdict rests on is said, what would bound the error is not.
+        // The basis of the verdict is reported, a protection level is not.
         assert_eq!(fields(&lines, "PRAIS")[5..10], ["11", "0.912", "1.873", "", ""], "{alert:?}");
         assert_eq!(fields(&lines, "PRAIN")[2], "0", "{alert:?}");
     }
@@ -323,7 +324,7 @@ fn velocity_is_said_where_there_is_one() {
     }
 }
 
-/// At rest the course is that of the noise.
+/// At rest, noise determines the course.
 #[test]
 fn a_receiver_at_rest_has_a_speed_and_no_course() {
     let (report, npa) = (report(), npa());
@@ -374,7 +375,7 @@ fn whoever_wants_few_epochs_hears_at_once_of_a_worse_state() {
         let statement = statement(&report, &requirements);
         publisher.tell(&statement, &schedule, &mut Growing(&mut bytes)).expect("a vector takes all");
         let has_sentence = bytes.windows(3).any(|word| word == b"RMC");
-        // How a frame of MAVLink begins, and no sentence.
+        // A frame of MAVLink begins with this byte, and no sentence contains it.
         let has_frame = bytes.contains(&0xFD);
         assert_eq!((has_sentence, has_frame), (want, want), "epoch {index}");
     }
@@ -388,7 +389,7 @@ fn losses_are_said_in_their_order() {
     assert_eq!(bodies(&lines(&out)), ["$PRAIL,1,2,3,4294967295"]);
 }
 
-/// Each sentence at its longest.
+/// Each sentence has its greatest length here.
 #[test]
 fn the_fastest_lowest_and_farthest_receiver_fits_every_sentence() {
     let mut report = report();
@@ -457,7 +458,7 @@ fn the_version_line_survives_any_text() {
 
 #[test]
 fn counters_are_said_with_their_whole_names_and_as_many_as_fit() {
-    // The longest names that there are, with the largest values.
+    // The longest names, with the largest values.
     let counters = [
         ("travel_time_out_of_bounds", u32::MAX),
         ("observations_after_end", u32::MAX),
@@ -476,8 +477,9 @@ fn counters_are_said_with_their_whole_names_and_as_many_as_fit() {
     assert_eq!(have.iter().filter_map(|line| line.split('*').next()).collect::<Vec<_>>(), want);
 }
 
-/// Version 0.8 of the crate reads the two errors of `GBS` as a latitude and a longitude with hemispheres. As long as
-/// it refuses even a receiver maker's own examples, it cannot judge ours; gpsd does, and the frame is checked here.
+/// Version 0.8 of the crate reads the two errors of `GBS` as a latitude and a longitude with
+/// hemispheres. It refuses even a receiver maker's own examples, and thus cannot judge ours. gpsd
+/// does, and this test checks the frame.
 #[test]
 fn the_crate_refuses_the_textbook_gbs_and_reads_the_frame_of_ours() {
     // u-blox's protocol specification: as before NMEA 4.1, and with the system and signal of 4.1.
@@ -498,7 +500,7 @@ fn the_crate_refuses_the_textbook_gbs_and_reads_the_frame_of_ours() {
     assert_eq!(frame.data.split(',').count(), textbook[1].split(',').count() - 1);
 }
 
-/// Takes everything, a few bytes at a time, as a UART with a short buffer does.
+/// Writer that takes everything, a few bytes at a time, like a UART with a short buffer.
 struct Growing<'v>(&'v mut Vec<u8>);
 
 impl embedded_io::ErrorType for Growing<'_> {

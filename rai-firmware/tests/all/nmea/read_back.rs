@@ -80,7 +80,8 @@ prop_compose! {
     }
 }
 
-/// Half a unit of the last decimal, and what a reader's `f32` loses.
+/// Returns true if a value is within half a unit of the last decimal and the rounding of a reader's
+/// `f32`.
 fn near(have: Option<f32>, want: f64, step: f64) -> bool {
     have.is_some_and(|have| (f64::from(have) - want).abs() <= 0.5 * step + want.abs() * 1e-6)
 }

@@ -1,4 +1,4 @@
-//! Which messages make one epoch, and when it is complete.
+//! Messages that make one epoch, and the time at which it is complete.
 
 use super::TOW_MS;
 use super::gps;
@@ -74,7 +74,8 @@ fn a_message_without_satellites_moves_no_clock() {
     }
 }
 
-/// Ranges of three systems at one instant, in the order GPS, GLONASS, `BeiDou`; the last two say that none follows.
+/// Returns the ranges of three systems at one instant, in the order GPS, GLONASS, `BeiDou`; the
+/// last two state that none follows.
 fn with_glonass_without_more_bit(tow_ms: u32) -> Vec<u8> {
     let mut bytes = gps(tow_ms, true);
     bytes.extend(msm(1087, 12_345, false, &[Cell(3, 2, 2.0e7, 50.0)]));
@@ -91,7 +92,7 @@ fn a_glonass_message_without_more_bit_does_not_swallow_beidou() {
     let mut input = knowing();
     let bytes: Vec<u8> = (0..5).flat_map(|n| with_glonass_without_more_bit(TOW_MS + n * 1000)).collect();
     let have = sizes(&epochs(feed(&mut input, &bytes)));
-    // The first time the word of GLONASS is taken; after that it is known to be wrong.
+    // At first the statement of GLONASS counts; after that it is known to be wrong.
     assert_eq!(have, [(0, 1), (1000, 2), (2000, 2), (3000, 2), (4000, 2)]);
     assert_eq!(input.counters().observations_after_end, 1);
 }
@@ -116,7 +117,7 @@ fn a_system_whose_word_does_not_count_is_complete_with_a_pause_and_forgiven_in_t
     let mut input = knowing();
     feed(&mut input, &with_glonass_without_more_bit(TOW_MS));
     feed(&mut input, &with_glonass_without_more_bit(TOW_MS + 1000));
-    // BeiDou has set: GLONASS is the last and right.
+    // `BeiDou` has set, so that GLONASS is the last and right.
     let alone = |n: u32| {
         let mut bytes = gps(TOW_MS + n * 1000, true);
         bytes.extend(msm(1087, 12_345, false, &[Cell(3, 2, 2.0e7, 50.0)]));
@@ -170,7 +171,7 @@ fn an_empty_message_an_hour_ahead_costs_no_epoch() {
                     msm(1097, tow_ms, true, &[Cell(31, E1C, 2.5e7, 50.0)]),
                     msm(1127, tow_ms - 14_000, false, &[Cell(6, B1I, 3.8e7, 42.0)]),
                 ];
-                // Of Galileo, whose messages say besides whether more follow.
+                // The message is of Galileo, whose messages also state whether more follow.
                 frames.insert(place, msm(1097, tow_ms + 3_600_000, more, &[]));
                 sizes(&epochs(feed(&mut input, &frames.concat())))
             })
@@ -198,7 +199,7 @@ fn what_is_left_of_an_epoch_after_lost_bytes_is_dropped_whole() {
     let mut input = knowing();
     feed(&mut input, &gps(TOW_MS, true));
     input.interrupt();
-    // The end of the epoch of which bytes were lost, then a whole one.
+    // The rest of an epoch with lost bytes comes, then a whole one.
     assert!(feed(&mut input, &msm(1097, TOW_MS, false, &[Cell(31, E1C, 2.5e7, 50.0)])).is_empty());
     assert_eq!(sizes(&epochs(feed(&mut input, &gps(TOW_MS + 1000, false)))), [(1000, 1)]);
     assert_eq!(input.counters().epochs_broken, 2);

@@ -5,7 +5,8 @@ use crate::wire::{B1I, Cell, E1C, msm};
 use raim_firmware::input::{Event, Input};
 use raim_firmware::time::{GpsTime, WEEK_MS};
 
-/// 2023-01-01 00:00, as if a leap second had been inserted before it, as before 2017-01-01 (IERS Bulletin C 52).
+/// 2023-01-01 00:00, as if a leap second had been inserted before it, as before 2017-01-01 (IERS
+/// Bulletin C 52).
 const MIDNIGHT_UTC: GpsTime = GpsTime { week: 2243, tow_ms: 0 };
 
 /// The leap seconds before and after.
@@ -34,7 +35,7 @@ impl Burst {
     }
 }
 
-/// Every order of the systems.
+/// Returns every order of the systems.
 fn orders() -> Vec<String> {
     let mut orders = vec![String::new()];
     for _ in 0..4 {

@@ -1,4 +1,4 @@
-//! The wire: good streams give what was sent, bad ones a named counter and nothing else.
+//! Streams of RTCM: valid ones give the sent values, invalid ones only a named counter.
 
 mod ephemerides;
 mod epochs;
@@ -15,7 +15,7 @@ use raim_firmware::input::{Counters, Input};
 /// Time of week of the first epoch: at the first case's reference time.
 const TOW_MS: u32 = 360_000_000;
 
-/// An input that knows the week.
+/// Returns an input that knows the week.
 fn knowing() -> Input {
     let mut input = Input::new();
     feed(&mut input, &ephemeris(&CASES[2]));

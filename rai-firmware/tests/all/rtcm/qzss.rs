@@ -8,7 +8,8 @@ use raim_firmware::time::GpsTime;
 use super::{TOW_MS, knowing, names_of_nonzero};
 use crate::wire::{Bits, Cell, L1C, Seen, epochs, feed, frame, msm};
 
-/// The fields behind the message number, in the order of [RTCM-10403.3] table 3.5-22: width, and whether it has a sign.
+/// Fields behind the message number, in the order of [RTCM-10403.3] table 3.5-22: width, and true
+/// for a signed field.
 const FIELDS: [(u32, bool); 29] = [
     (4, false),
     (16, false),
@@ -41,7 +42,7 @@ const FIELDS: [(u32, bool); 29] = [
     (1, false),
 ];
 
-/// Places of fields that tests choose.
+/// Indices of fields that tests choose.
 const SATELLITE: usize = 0;
 const HEALTH: usize = 25;
 const TGD: usize = 26;
@@ -71,19 +72,19 @@ fn message(fields: &[i64; 29]) -> Vec<u8> {
     frame(&bits.bytes())
 }
 
-/// What the interface documents make of the fields.
+/// Returns the message with these fields, by the interface documents.
 fn broadcast(fields: &[i64; 29]) -> Option<Broadcast> {
     let [number, toc, af2, af1, af0, _, crs, delta_n, m0, cuc, e, cus, sqrt_a, toe, cic, rest @ ..] = *fields;
     let [omega0, cis, i0, crc, omega, omegadot, idot, _, week, ura, health, tgd, _, _] = rest;
     let in_units = |field: i64, exponent: i32| field as f64 * 2f64.powi(exponent);
-    // The week of that number in the cycle nearest to what is known.
+    // The week with that number is in the cycle nearest to the known one.
     let week = (0..4).map(|cycle| 1024 * cycle + week).min_by_key(|week| (week - 2111).abs())?;
     let instant =
         |field: i64| (field < 37_800).then_some(GpsTime { week: week as u16, tow_ms: 16_000 * field as u32 });
     Some(Broadcast {
         satellite: SatelliteId::qzss(number as u8)?,
         source: Source::QzssLnav,
-        // The last bit is of a signal that is not used.
+        // The last bit is of an unused signal.
         health: Health::of_satellite(health & !1 == 0),
         accuracy_m: ura_m(ura as u8),
         toe: instant(toe)?,
@@ -110,7 +111,7 @@ fn broadcast(fields: &[i64; 29]) -> Option<Broadcast> {
     })
 }
 
-/// What the module reads in a message, and what it counts where it reads nothing.
+/// Returns the ephemeris that the module reads in a message, and the counters if it reads none.
 fn read(fields: &[i64; 29]) -> (Option<Ephemeris>, Vec<(&'static str, u32)>) {
     let mut input = knowing();
     let seen = feed(&mut input, &message(fields));
@@ -132,7 +133,8 @@ fn every_field_of_1044_is_read_up_to_its_borders() {
             fields[index] = border;
             let want = broadcast(&fields).and_then(|broadcast| Ephemeris::new(&broadcast).ok());
             let (have, counted) = read(&fields);
-            // As text: an accuracy that is not promised is not a number, and that is not equal to itself.
+            // Compared as text, because an accuracy that is not promised is NaN, which equals
+            // nothing.
             assert_eq!(format!("{have:?}"), format!("{want:?}"), "field {index}: {border}");
             if want.is_some() {
                 taken += 1;

@@ -1,4 +1,4 @@
-//! What stands in a message of ranges is what comes out, to its resolution.
+//! Ranges of a message, which the input must return to their resolution.
 
 use super::TOW_MS;
 use super::gps_at;
@@ -41,7 +41,7 @@ fn an_epoch_of_three_systems_holds_the_ranges_that_were_sent() {
         .collect();
     let want = [
         ("G05", Band::L1, Some(45.0), 2.2e7),
-        // P(Y), tracked without knowing it: its 40 dB-Hz say nothing of the signal.
+        // P(Y) is tracked without its code, so that its 40 dB-Hz do not describe the signal.
         ("G05", Band::L2, None, 2.2e7 + 5.0),
         ("E31", Band::E1, Some(50.0), 2.5e7),
         ("C06", Band::B1I, Some(42.5), 3.8e7),
@@ -78,7 +78,7 @@ fn every_level_with_full_ranges_is_read_to_its_resolution() {
     }
 }
 
-/// A range that grows is a frequency that falls.
+/// If a range grows, the frequency falls.
 #[test]
 fn levels_with_rates_tell_the_doppler_and_others_none() {
     let cells = [
@@ -118,7 +118,7 @@ fn of_two_codes_on_one_band_the_one_that_the_clock_is_of_is_used() {
         let have = epochs(feed(&mut input, &msm(1077, TOW_MS, false, &cells)));
         let signals = have[0].satellites[0].signals.iter();
         let signals: Vec<_> = signals.map(|signal| (signal.range_m.round(), signal.cn0_dbhz())).collect();
-        // C/A lends P(Y) its strength.
+        // P(Y) takes the strength of C/A.
         assert_eq!(signals, [(want, Some(45.0))]);
         assert_eq!(names_of_nonzero(input.counters()), [("signals_surplus", 1)]);
     }

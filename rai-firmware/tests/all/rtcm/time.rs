@@ -1,4 +1,4 @@
-//! Which week it is, and that time goes forward.
+//! The present week, and time that only goes forward.
 
 use super::TOW_MS;
 use super::gps;
@@ -53,7 +53,7 @@ fn one_time_far_ahead_does_not_silence_the_receiver() {
         assert_eq!(epochs(feed(&mut input, &gps(TOW_MS + 5 * 3_600_000, false))).len(), 1);
         let later: Vec<usize> =
             (1..=7).map(|n| epochs(feed(&mut input, &gps(TOW_MS + n * 1000, false))).len()).collect();
-        // Of two times neither is known to be right, before ranges have agreed with orbits.
+        // Before ranges have agreed with orbits, neither of two times is known to be right.
         let (want, dropped) = if is_confirmed { ([1; 7], 0) } else { ([0, 0, 0, 0, 1, 1, 1], 4) };
         assert_eq!(later, want);
         assert_eq!((input.counters().time_restarts, input.counters().epochs_backwards), (1, dropped));
@@ -116,7 +116,7 @@ fn a_wrong_gps_week_does_not_outvote_two_systems_that_agree() {
     let mut wrong = CASES[0];
     wrong.week += 3;
     for _ in 0..2 {
-        // Galileo and BeiDou say the right week once, and 32 GPS satellites a wrong one.
+        // Galileo and `BeiDou` state the right week once, and 32 GPS satellites a wrong one.
         for right in [&CASES[2], &CASES[4]] {
             feed(&mut input, &ephemeris(right));
         }
@@ -142,7 +142,8 @@ fn two_systems_that_agree_correct_the_week_of_a_third_that_came_first() {
     assert_eq!(epochs(feed(&mut input, &gps(TOW_MS, false)))[0].time.week, 2111);
 }
 
-/// The GLONASS messages of each second before those of GPS, or after an end that was said too early.
+/// The GLONASS messages of each second come before those of GPS, or after an end that was stated
+/// too early.
 #[test]
 fn glonass_tells_the_leap_seconds_before_gps_and_behind_it() {
     const LEAP_MS: u32 = 18_000;
@@ -164,7 +165,7 @@ fn glonass_tells_the_leap_seconds_before_gps_and_behind_it() {
         }
         assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(18), "first: {is_first}");
     }
-    // Behind an epoch that is complete it is not before the next.
+    // Behind a complete epoch, a message is not before the next.
     let mut input = knowing();
     for second in 0..12 {
         let (tow_ms, came_ms) = (TOW_MS + 1000 * second, 1000 * u64::from(second));
@@ -183,11 +184,12 @@ fn glonass_without_a_day_has_the_day_of_the_known_time() {
     const MOSCOW_MS: u32 = 3 * 3_600_000;
     const LEAP_MS: u32 = 18_000;
     const CELLS: [Cell; 1] = [Cell(3, 2, 2.0e7, 50.0)];
-    // Each half hour of the week, its edges and the three hours in which receivers send it among them.
+    // Each half hour of the week is tried, with its edges and the three hours in which receivers
+    // send day 7.
     for half_hour in 0..336 {
         let tow_ms = half_hour * 1_800_000 + 1_000;
         let mut input = knowing();
-        // What tells the time and the leap seconds: GPS and GLONASS with a day, twelve seconds of both.
+        // Time and leap seconds come from GPS and GLONASS with a day, twelve seconds of both.
         for second in 0..12 {
             let now_ms = tow_ms + 1000 * second;
             let moscow_ms = (now_ms + 7 * DAY_MS - LEAP_MS + MOSCOW_MS) % (7 * DAY_MS);

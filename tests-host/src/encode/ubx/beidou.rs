@@ -1,4 +1,4 @@
-//! `BeiDou` subframes as a receiver passes them on: ten words of 30 bits with their parities.
+//! `BeiDou` subframes as a receiver sends them: ten words of 30 bits with their parities.
 //!
 //! References: [BDS-SIS-B1I] 5.1.3, figures 5-3 to 5-6 (D1) and 5-11 (D2).
 
@@ -7,7 +7,7 @@ use rtcm_rs::msg::Msg1042T;
 
 use super::bits::{Row, bch, number};
 
-/// Subframes 1 to 3 of D1; the first begins at that second of the week.
+/// Returns subframes 1 to 3 of D1; the first begins at that second of the week.
 pub(super) fn d1(m: &Msg1042T, second_of_week: u32) -> Result<Vec<Vec<u32>>> {
     let toe = m.toe_s as u64 / 8;
     let first = health_and_clock(opening(1, second_of_week)?, m)?
@@ -39,7 +39,7 @@ pub(super) fn d1(m: &Msg1042T, second_of_week: u32) -> Result<Vec<Vec<u32>>> {
     [first, second, third].into_iter().map(words).collect()
 }
 
-/// Pages 1 to 10 of subframe 1 of D2; the first begins at that second of the week.
+/// Returns pages 1 to 10 of subframe 1 of D2; the first begins at that second of the week.
 pub(super) fn d2(m: &Msg1042T, second_of_week: u32) -> Result<Vec<Vec<u32>>> {
     let page = |index: u32| opening(1, second_of_week + 3 * (index - 1))?.unsigned(u64::from(index), 4);
     let whole = |value: f64, width: usize, exponent: i32| Row::default().scaled(value, width, exponent);
@@ -79,7 +79,7 @@ pub(super) fn d2(m: &Msg1042T, second_of_week: u32) -> Result<Vec<Vec<u32>>> {
     pages.into_iter().map(words).collect()
 }
 
-/// Preamble, four bits reserved, number and time of a subframe.
+/// Returns preamble, four reserved bits, number and time of a subframe.
 fn opening(number: u64, second_of_week: u32) -> Result<Row> {
     Row::default()
         .unsigned(0b111_0001_0010, 11)?
@@ -88,7 +88,7 @@ fn opening(number: u64, second_of_week: u32) -> Result<Row> {
         .unsigned(u64::from(second_of_week % 604_800), 20)
 }
 
-/// What both messages have in this order.
+/// Appends the fields that D1 and D2 have in the same order.
 fn health_and_clock(row: Row, m: &Msg1042T) -> Result<Row> {
     let delay = |seconds: f32| f64::from((seconds * 1e10).round());
     let is_d2 = row.bits().len() == 42;
@@ -101,7 +101,8 @@ fn health_and_clock(row: Row, m: &Msg1042T) -> Result<Row> {
         .signed(delay(m.tgd2_s), 10)
 }
 
-/// Ten words: 15 bits as they are and eleven with four parities, then twice eleven and their parities in each.
+/// Returns ten words: 15 bits unchanged and eleven with four parities, then in each word twice
+/// eleven with their parities.
 pub(super) fn words(row: Row) -> Result<Vec<u32>> {
     let row = row.until(26 + 9 * 22)?;
     let (first, others) = row.bits().split_at(26);

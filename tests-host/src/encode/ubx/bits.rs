@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 
-/// A row of bits that fields are appended to.
+/// Row of bits that fields are appended to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Row {
     bits: Vec<bool>,
@@ -53,18 +53,19 @@ impl Row {
         &self.bits
     }
 
-    /// The words of 32 bits, the first bit highest; the last one is filled with zeros.
+    /// Returns the words of 32 bits, the first bit highest; the last one is filled with zeros.
     pub(super) fn words(&self) -> Vec<u32> {
         self.bits.chunks(32).map(|bits| number(bits) << (32 - bits.len())).collect()
     }
 }
 
-/// A number of at most 32 bits, the first highest.
+/// Returns a number of at most 32 bits, the first highest.
 pub(super) fn number(bits: &[bool]) -> u32 {
     bits.iter().fold(0, |number, bit| number << 1 | u32::from(*bit))
 }
 
-/// The remainder of a row, followed by as many zeros as the polynomial has bits but one, as long division leaves it.
+/// Returns the remainder of the long division of a row, followed by one zero less than the
+/// polynomial has bits.
 fn remainder(bits: &[bool], polynomial: &[bool]) -> Vec<bool> {
     let width = polynomial.len() - 1;
     let mut rest: Vec<bool> = bits.iter().copied().chain(std::iter::repeat_n(false, width)).collect();
@@ -76,13 +77,13 @@ fn remainder(bits: &[bool], polynomial: &[bool]) -> Vec<bool> {
     rest.split_off(bits.len())
 }
 
-/// CRC-24Q.
+/// Returns the CRC-24Q.
 pub(super) fn crc24q(bits: &[bool]) -> Vec<bool> {
     let polynomial: Vec<bool> = (0..25).rev().map(|power| 0x0186_4CFB_u32 >> power & 1 == 1).collect();
     remainder(bits, &polynomial)
 }
 
-/// The four parity bits of eleven: `x⁴ + x + 1`.
+/// Returns the four parity bits of eleven bits: `x⁴ + x + 1`.
 pub(super) fn bch(bits: &[bool]) -> Vec<bool> {
     remainder(bits, &[true, false, false, true, true])
 }

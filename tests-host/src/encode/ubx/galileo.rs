@@ -1,4 +1,4 @@
-//! Galileo pages as a receiver passes them on: I/NAV as even and odd part, F/NAV as one.
+//! Galileo pages as a receiver sends them: I/NAV as even and odd part, F/NAV as one.
 //!
 //! References: [OS-SIS-ICD] 4.2.2, 4.3.2, 4.2.4 to 4.3.5.
 
@@ -8,7 +8,7 @@ use rtcm_rs::msg::{Msg1045T, Msg1046T};
 use super::bits::{Row, crc24q};
 use super::lnav::IonosphereAndUtc;
 
-/// When a page is sent, as the system counts.
+/// Time at which a page is sent, in the system's own count.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SystemTime {
     pub(super) week: u16,
@@ -25,7 +25,7 @@ fn word(kind: u64) -> Result<Row> {
     Row::default().unsigned(kind, 6)
 }
 
-/// Words 2, 4, 1, 3, 5: in the order in which a satellite sends them.
+/// Returns words 2, 4, 1, 3, 5, in the order in which a satellite sends them.
 pub(super) fn inav(m: &Msg1046T, sent: SystemTime) -> Result<Vec<Vec<u32>>> {
     let issue = u64::from(m.iodnav);
     let first = word(1)?
@@ -70,7 +70,7 @@ pub(super) fn inav(m: &Msg1046T, sent: SystemTime) -> Result<Vec<Vec<u32>>> {
     [second, fourth, first, third, fifth].into_iter().map(inav_page).collect()
 }
 
-/// Word 6: the leap seconds.
+/// Returns word 6 with the leap seconds.
 pub(super) fn utc(said: &IonosphereAndUtc) -> Result<Vec<u32>> {
     let (before_s, after_s) = said.leap_s;
     let (week, day) = said.change;
@@ -94,7 +94,7 @@ pub(super) fn inav_page(word: Row) -> Result<Vec<u32>> {
     Ok(even.until(128)?.then(odd.until(128)?.bits()).words())
 }
 
-/// Pages 1 to 4.
+/// Returns pages 1 to 4.
 pub(super) fn fnav(m: &Msg1045T, sent: SystemTime) -> Result<Vec<Vec<u32>>> {
     let issue = u64::from(m.iodnav);
     let first = word(1)?

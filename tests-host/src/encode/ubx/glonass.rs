@@ -1,4 +1,5 @@
-//! GLONASS strings as a receiver passes them on: 85 bits in three words, and a fourth that says which frame.
+//! GLONASS strings as a receiver sends them: 85 bits in three words, and a fourth that identifies
+//! the frame.
 //!
 //! Numbers are a sign bit and a magnitude.
 //!
@@ -12,8 +13,8 @@ use super::bits::Row;
 /// Bits of a string before its check bits, the idle bit first.
 const DATA: usize = 77;
 
-/// What each check bit sums up, its own place among them: bit 85 of the interface document (the idle bit) first. The last
-/// is the parity of the whole string.
+/// Positions that each check bit sums, its own among them: bit 85 of the interface document (the
+/// idle bit) first. The last is the parity of the whole string.
 const SUMS: [[u8; 11]; 8] = [
     [0x55, 0x55, 0x5A, 0xAA, 0xAA, 0xAA, 0xB5, 0x55, 0x6A, 0xD8, 0x08],
     [0x66, 0x66, 0x6C, 0xCC, 0xCC, 0xCC, 0xD9, 0x99, 0xB3, 0x68, 0x10],
@@ -25,7 +26,7 @@ const SUMS: [[u8; 11]; 8] = [
     [0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xF8],
 ];
 
-/// Strings 1 to 4.
+/// Returns strings 1 to 4.
 pub(super) fn ephemeris(m: &Msg1020T) -> Result<Vec<Vec<u32>>> {
     let first = opening(1)?.until(9)?.unsigned(of_day(m), 12)?;
     let first = axis(first, m.xn_first_deriv_km_s, m.xn_second_deriv_km_s2, m.xn_km)?;
@@ -50,17 +51,17 @@ pub(super) fn ephemeris(m: &Msg1020T) -> Result<Vec<Vec<u32>>> {
     [first, second, third, fourth].into_iter().map(words).collect()
 }
 
-/// `t_k`: hours, minutes and half minutes.
+/// Returns `t_k`: hours, minutes and half minutes.
 fn of_day(m: &Msg1020T) -> u64 {
     u64::from(m.tk_h) << 7 | u64::from(m.tk_min) << 1 | u64::from(m.tk_s / 30)
 }
 
-/// The idle bit and the number of a string.
+/// Returns the idle bit and the number of a string.
 fn opening(number: u64) -> Result<Row> {
     Row::default().unsigned(number, 5)
 }
 
-/// Velocity, acceleration and position of one axis, km and s: the last fields of a string.
+/// Appends velocity, acceleration and position of one axis, km and s: the last fields of a string.
 fn axis(row: Row, velocity: f64, acceleration: f32, position: f64) -> Result<Row> {
     let row = magnitude(row, velocity, 24, -20)?;
     magnitude(magnitude(row, f64::from(acceleration), 5, -30)?, position, 27, -11)
@@ -74,7 +75,7 @@ fn magnitude(row: Row, value: f64, width: usize, exponent: i32) -> Result<Row> {
     row.unsigned(u64::from(steps < 0.0), 1)?.unsigned(steps.abs() as u64, width - 1)
 }
 
-/// The words of a string with its check bits; a frame number of 0 is unknown.
+/// Returns the words of a string with its check bits; a frame number of 0 is unknown.
 pub(super) fn words(string: Row) -> Result<Vec<u32>> {
     let mut bits = string.until(DATA)?.bits().to_vec();
     bits.resize(DATA + SUMS.len(), false);

@@ -1,7 +1,8 @@
-//! GPS LNAV subframes as a u-blox receiver sends them: ten words of 24 data bits and six parity bits.
+//! GPS LNAV subframes as a u-blox receiver sends them: ten words of 24 data bits and six parity
+//! bits.
 //!
-//! Bits 31 and 30 of a word are the last two of the word before, `D29*` and `D30*`. Where `D30*` is 1, the satellite inverts the
-//! data, and the receiver complements all 32 bits.
+//! Bits 31 and 30 of a word are the last two of the word before, `D29*` and `D30*`. If `D30*` is 1,
+//! the satellite inverts the data, and the receiver complements all 32 bits.
 //!
 //! References: [IS-GPS-200] figure 20-1, table 20-XIV.
 
@@ -10,7 +11,8 @@ use rtcm_rs::msg::Msg1019T;
 
 use super::bits::{Row, number};
 
-/// The source bits of each parity, and whether bit 29 or 30 of the word before belongs to it ([IS-GPS-200] table 20-XIV).
+/// Source bits of each parity, and the bit of the word before that belongs to it, 29 or 30
+/// ([IS-GPS-200] table 20-XIV).
 const PARITIES: [(usize, &[usize]); 6] = [
     (29, &[1, 2, 3, 5, 6, 10, 11, 12, 13, 14, 17, 18, 20, 23]),
     (30, &[2, 3, 4, 6, 7, 11, 12, 13, 14, 15, 18, 19, 21, 24]),
@@ -20,7 +22,7 @@ const PARITIES: [(usize, &[usize]); 6] = [
     (29, &[3, 5, 6, 8, 9, 10, 11, 13, 15, 19, 22, 23, 24]),
 ];
 
-/// What a broadcast of the ionosphere and UTC says.
+/// Content of a broadcast of the ionosphere and UTC.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IonosphereAndUtc {
     /// Klobuchar's coefficients, `α0…α3, β0…β3`.
@@ -31,7 +33,7 @@ pub struct IonosphereAndUtc {
     pub change: (u16, u8),
 }
 
-/// Subframes 1 to 3, the first of which begins `frame` × 30 s into the week.
+/// Returns subframes 1 to 3, of which the first begins `frame` × 30 s into the week.
 pub(super) fn ephemeris(m: &Msg1019T, frame: u32) -> Result<Vec<Vec<u32>>> {
     let first = opening(frame, 1)?
         .unsigned(u64::from(m.gps_week_number), 10)?
@@ -71,7 +73,7 @@ pub(super) fn ephemeris(m: &Msg1019T, frame: u32) -> Result<Vec<Vec<u32>>> {
     [first, second, third].into_iter().map(words).collect()
 }
 
-/// Page 18 of subframe 4.
+/// Returns page 18 of subframe 4.
 pub(super) fn ionosphere_and_utc(said: &IonosphereAndUtc, frame: u32) -> Result<Vec<u32>> {
     const EXPONENTS: [i32; 8] = [-30, -27, -24, -24, 11, 14, 16, 16];
     let mut row = opening(frame, 4)?.unsigned(1, 2)?.unsigned(56, 6)?;
@@ -89,7 +91,7 @@ pub(super) fn ionosphere_and_utc(said: &IonosphereAndUtc, frame: u32) -> Result<
     )
 }
 
-/// The first two words: preamble; time of the next subframe and number of this one.
+/// Returns the first two words: preamble; time of the next subframe and number of this one.
 fn opening(frame: u32, number: u32) -> Result<Row> {
     let next = (5 * frame + number) % 100_800;
     Row::default()
@@ -101,8 +103,8 @@ fn opening(frame: u32, number: u32) -> Result<Row> {
         .until(48)
 }
 
-/// Returns the words that a receiver sends. The last two data bits of the second and the last word make their last two
-/// parity bits zero ([IS-GPS-200] 20.3.3.2).
+/// Returns the words that a receiver sends. The last two data bits of the second and the last word
+/// make their last two parity bits zero ([IS-GPS-200] 20.3.3.2).
 pub(super) fn words(row: Row) -> Result<Vec<u32>> {
     let row = row.until(240)?;
     let mut before = (false, false);
@@ -146,14 +148,16 @@ mod tests {
 
     #[test]
     fn words_after_one_that_ends_in_1_are_complemented_with_their_parity() {
-        // A word of zeros has no parity bits. One whose last data bit alone is 1 has D26, D29 and D30; the next word of zeros
-        // then has D25 to D30 of D29* and D30*, all but none, and is complemented.
+        // A word of zeros has no parity bits. One whose last data bit alone is 1 has D26, D29 and
+        // D30; the next word of zeros then has D25 to D30 of D29* and D30*, all but none, and is
+        // complemented.
         let one = Row::default().unsigned(1, 24).unwrap();
         let words = words(one).unwrap();
         let first = 1 << 6 | 0b01_0011;
         assert_eq!(words[0], first);
-        // D25 to D30 are D29*, D30*, D29*, D30*, D30*, D29*: ones. Complemented they are zeros, as are bits 31 and 30; the
-        // data, sent as ones, are zeros. The last two parity bits must be zero, so the fill bits differ.
+        // D25 to D30 are D29*, D30*, D29*, D30*, D30*, D29*: ones. Complemented they are zeros, as
+        // are bits 31 and 30; the data, sent as ones, are zeros. The last two parity bits must be
+        // zero, so the fill bits differ.
         assert_eq!(words[1] & 0xFFFF_FE00, 0);
         assert_eq!(words[1] & 0b11, 0b11, "zeros as broadcast");
     }

@@ -1,8 +1,9 @@
-//! Measurements to UBX, as a u-blox receiver would send them: one lump of bytes per epoch.
+//! Encoder of measurements to UBX, as a u-blox receiver would send them: one lump of bytes per
+//! epoch.
 //!
-//! A lump is, in this order: the pages of the ephemerides that have become known ([`super::schedule`]) as RXM-SFRBX, then
-//! all ranges as one RXM-RAWX. The pages are those that a satellite sends, packed field by field, in the order in which
-//! it sends them; only their times are drawn together into the lump.
+//! A lump is, in this order: the pages of the new ephemerides ([`super::schedule`]) as RXM-SFRBX,
+//! then all ranges as one RXM-RAWX. The pages are those of the satellites, packed field by field,
+//! in the order of transmission; only their times are compressed into the lump.
 //!
 //! | what | pages |
 //! |---|---|
@@ -33,7 +34,7 @@ use crate::measurement::{Ephemeris, MeasuredEpoch, MeasuredSatellite, MeasuredSi
 pub use lnav::IonosphereAndUtc;
 pub use sealing::Form;
 
-/// Class and number of a message.
+/// Class and id of a message.
 type Kind = [u8; 2];
 
 /// RXM-RAWX.
@@ -41,7 +42,7 @@ const RAWX: Kind = [0x02, 0x15];
 /// RXM-SFRBX.
 const SFRBX: Kind = [0x02, 0x13];
 
-/// A frame: header, payload and Fletcher's sums.
+/// Returns a frame: header, payload and Fletcher's sums.
 pub fn frame(kind: Kind, payload: &[u8]) -> Vec<u8> {
     let mut bytes = vec![0xB5, 0x62, kind[0], kind[1]];
     bytes.extend_from_slice(&(payload.len() as u16).to_le_bytes());
@@ -55,12 +56,12 @@ pub fn frame(kind: Kind, payload: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// A frame of navigation bits of a satellite's signal.
+/// Returns a frame of navigation bits of a satellite's signal.
 pub fn subframe(satellite: SatelliteId, signal: u8, words: &[u32]) -> Vec<u8> {
     subframe_on(satellite, signal, 0, words)
 }
 
-/// The same of a GLONASS satellite; `channel` is its frequency slot and 7.
+/// Returns the same for a GLONASS satellite; `channel` is its frequency slot plus 7.
 fn subframe_on(satellite: SatelliteId, signal: u8, channel: u8, words: &[u32]) -> Vec<u8> {
     let (system, number) = match satellite.name() {
         ('J', number) => (5, number),
@@ -73,7 +74,7 @@ fn subframe_on(satellite: SatelliteId, signal: u8, channel: u8, words: &[u32]) -
     frame(SFRBX, &payload)
 }
 
-/// The number of a system.
+/// Returns the number of a system.
 const fn system(constellation: Constellation) -> u8 {
     match constellation {
         Constellation::Gps => 0,
@@ -83,7 +84,8 @@ const fn system(constellation: Constellation) -> u8 {
     }
 }
 
-/// A frequency slot as it is written; 0 where all satellites of a system share their carriers.
+/// Returns a frequency slot in the form of the message; 0 if all satellites of a system share their
+/// carriers.
 const fn channel(constellation: Constellation, slot: i8) -> u8 {
     match constellation {
         Constellation::Glonass => (slot + 7) as u8,
@@ -91,7 +93,8 @@ const fn channel(constellation: Constellation, slot: i8) -> u8 {
     }
 }
 
-/// The number of a signal by its RINEX band and attribute; none for what a u-blox receiver does not measure.
+/// Returns the number of a signal by its RINEX band and attribute; `None` for signals that a u-blox
+/// receiver does not measure.
 const fn signal(constellation: Constellation, signal: &MeasuredSignal) -> Option<u8> {
     match (constellation, signal.band, signal.attribute) {
         (Constellation::Gps | Constellation::Glonass, 1, 'C')
@@ -110,7 +113,7 @@ const fn signal(constellation: Constellation, signal: &MeasuredSignal) -> Option
     }
 }
 
-/// What of an epoch a u-blox receiver could have measured.
+/// Returns the part of an epoch that a u-blox receiver could have measured.
 pub fn measurable(epoch: &MeasuredEpoch) -> MeasuredEpoch {
     let satellites = epoch.satellites.iter().filter_map(|satellite| {
         let constellation = satellite.satellite.constellation();
@@ -121,7 +124,7 @@ pub fn measurable(epoch: &MeasuredEpoch) -> MeasuredEpoch {
     MeasuredEpoch { time: epoch.time, satellites: satellites.collect() }
 }
 
-/// Turns the epochs of one source into bytes, in the order of time.
+/// Encoder of the epochs of one source, in the order of time.
 pub struct Encoder {
     selection: Selection,
     schedule: Schedule,
@@ -130,7 +133,8 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// An encoder that knows what will be broadcast; ionosphere and leap seconds go with the first GPS ephemeris.
+    /// Returns an encoder for these ephemerides; ionosphere and leap seconds go with the first GPS
+    /// ephemeris.
     pub fn new(
         ephemerides: &[TimedEphemeris],
         selection: Selection,
@@ -141,10 +145,10 @@ impl Encoder {
         Self { selection, schedule, channels: Channels::of(ephemerides), ionosphere_and_utc }
     }
 
-    /// The bytes of an epoch, of the signals that were chosen.
+    /// Returns the bytes of an epoch, with the selected signals.
     ///
     /// # Errors
-    /// A number that its page has no room for.
+    /// A number does not fit its page.
     pub fn epoch(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         for ephemeris in self.schedule.news(epoch) {
@@ -165,15 +169,15 @@ fn is_sent(selection: &Selection, satellite: SatelliteId) -> bool {
     selection.has(satellite) && !satellite.is_qzss()
 }
 
-/// Which 30 s of the week.
+/// Returns the index of the 30 s within the week.
 fn frame_of_week(time: GpsTime) -> u32 {
     time.tow_ms / 30_000
 }
 
-/// The frames of an ephemeris, sent in the 30 s about `time`.
+/// Returns the frames of an ephemeris, sent in the 30 s about `time`.
 ///
 /// # Errors
-/// A number that its page has no room for.
+/// A number does not fit its page.
 pub fn pages(ephemeris: &TimedEphemeris, time: GpsTime) -> Result<Vec<u8>> {
     let frame = frame_of_week(time);
     let system_time = galileo::SystemTime { week: time.week.saturating_sub(1024), tow_s: 30 * frame };
@@ -196,23 +200,24 @@ pub fn pages(ephemeris: &TimedEphemeris, time: GpsTime) -> Result<Vec<u8>> {
     Ok(pages.iter().flat_map(|words| subframe_on(ephemeris.satellite, signal, channel, words)).collect())
 }
 
-/// The ionosphere and the leap seconds as a GPS satellite says them in the 30 s about `time`.
+/// Returns the ionosphere and the leap seconds as a GPS satellite sends them in the 30 s about
+/// `time`.
 ///
 /// # Errors
-/// A number that the page has no room for.
+/// A number does not fit the page.
 pub fn ionosphere_and_utc(satellite: SatelliteId, said: &IonosphereAndUtc, time: GpsTime) -> Result<Vec<u8>> {
     Ok(subframe(satellite, 0, &lnav::ionosphere_and_utc(said, frame_of_week(time))?))
 }
 
-/// The leap seconds as a Galileo satellite says them.
+/// Returns the leap seconds as a Galileo satellite sends them.
 ///
 /// # Errors
-/// Leap seconds that the word has no room for.
+/// The leap seconds do not fit the word.
 pub fn utc(satellite: SatelliteId, said: &IonosphereAndUtc) -> Result<Vec<u8>> {
     Ok(subframe(satellite, 1, &galileo::utc(said)?))
 }
 
-/// The ranges of an epoch.
+/// Returns the ranges of an epoch.
 fn rawx(epoch: &MeasuredEpoch, selection: &Selection, channels: &Channels) -> Vec<u8> {
     /// A time of one second of lock or more, as most have it.
     const LOCK_MS: u16 = 64_500;
@@ -231,7 +236,7 @@ fn rawx(epoch: &MeasuredEpoch, selection: &Selection, channels: &Channels) -> Ve
             let phase = measured.carrier_cycles;
             measurements.extend_from_slice(&measured.pseudorange_m.to_le_bytes());
             measurements.extend_from_slice(&phase.unwrap_or(-0.5).to_le_bytes());
-            // Not a number says that there is none.
+            // NaN means that there is no Doppler.
             let doppler_hz = measured.doppler_hz.map_or(f32::NAN, |doppler_hz| doppler_hz as f32);
             measurements.extend_from_slice(&doppler_hz.to_le_bytes());
             measurements.extend_from_slice(&[

@@ -1,11 +1,11 @@
-//! Pages of any content with the parities that belong to it: a decoder behind a check is reached by nothing else.
+//! Pages of any content with valid parities, because nothing else reaches a decoder behind a check.
 
 use anyhow::{Result, ensure};
 
 use super::bits::Row;
 use super::{beidou, galileo, glonass, lnav};
 
-/// The forms that pages have.
+/// Form of a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// A subframe of LNAV: GPS and QZSS.
@@ -21,10 +21,10 @@ pub enum Form {
 }
 
 impl Form {
-    /// All of them.
+    /// All forms.
     pub const ALL: [Self; 5] = [Self::Lnav, Self::Inav, Self::Fnav, Self::Beidou, Self::Glonass];
 
-    /// How many words of 32 bits a receiver passes on.
+    /// Returns the number of words of 32 bits that a receiver sends.
     pub const fn words(self) -> usize {
         match self {
             Self::Lnav | Self::Beidou => 10,
@@ -33,10 +33,11 @@ impl Form {
         }
     }
 
-    /// The same page with its own preamble, flags and parities, whatever stood in their places.
+    /// Returns the same page with its own preamble, flags and parities in place of the present
+    /// ones.
     ///
     /// # Errors
-    /// Another number of words than the form has.
+    /// The number of words is not that of the form.
     pub fn sealed(self, words: &[u32]) -> Result<Vec<u32>> {
         ensure!(words.len() == self.words(), "{} words of {self:?}", words.len());
         let content = Content(words);
@@ -56,22 +57,22 @@ impl Form {
     }
 }
 
-/// The words of a page as bits.
+/// Words of a page as bits.
 #[derive(Clone, Copy)]
 struct Content<'w>(&'w [u32]);
 
 impl Content<'_> {
-    /// Bits of the words one after another, each with its first bit highest.
+    /// Returns bits of the words one after another, each with its first bit highest.
     fn of(self, range: std::ops::Range<usize>) -> Vec<bool> {
         range.map(|position| self.0[position / 32] >> (31 - position % 32) & 1 == 1).collect()
     }
 
-    /// The `width` bits of a word that have `behind` others behind them.
+    /// Returns the `width` bits of a word that have `behind` others behind them.
     fn of_word(self, index: usize, width: usize, behind: usize) -> Vec<bool> {
         (0..width).rev().map(|position| self.0[index] >> (position + behind) & 1 == 1).collect()
     }
 
-    /// These of every word, but for the first `skipped` of all.
+    /// Returns these bits of every word, without the first `skipped` of all.
     fn each(self, width: usize, behind: usize, skipped: usize) -> Vec<bool> {
         (0..self.0.len()).flat_map(|index| self.of_word(index, width, behind)).skip(skipped).collect()
     }

@@ -7,7 +7,7 @@ use tests_host::shared;
 use tests_host::sky::Fleet;
 use tests_host::sky::raw::Simulation;
 
-/// RTCM 3 of these systems, from `before_s` before the end of a week on.
+/// Returns the RTCM 3 stream of these systems, from `before_s` before the end of a week on.
 fn bytes(systems: &str, week: u16, before_s: f64, stated: StatedWeek) -> Vec<u8> {
     let fleets = [('G', Fleet::Gps31), ('E', Fleet::Galileo24)];
     let fleets = fleets.into_iter().filter(|(letter, _)| systems.contains(*letter));
@@ -22,7 +22,7 @@ fn bytes(systems: &str, week: u16, before_s: f64, stated: StatedWeek) -> Vec<u8>
     recording.epochs.iter().flat_map(|epoch| encoder.epoch(epoch).unwrap()).collect()
 }
 
-/// The dates that the module sends, without repeats.
+/// Returns the dates that the module sends, without repeats.
 fn dates(capture: &Capture) -> Vec<String> {
     let prepared = capture.lumps(&[], &Window::ALL).unwrap();
     let setup: Vec<String> = prepared.week.map(|week| format!("WEEK,{week}")).into_iter().collect();

@@ -1,30 +1,30 @@
-//! Beginnings of frames that are none, before the epochs of a line that never falls silent for long: the pin is as early as
-//! without them.
+//! False beginnings of frames before the epochs of a line that never falls silent for long: the pin
+//! is as early as without them.
 
 use tests_host::encode::{Encoder, Frequency, Selection, ubx};
 use tests_host::paced::{Costs, Lines, run};
 use tests_host::sky::raw::Simulation;
 
 const FULL_HZ: u64 = 168_000_000;
-/// Instructions of an epoch.
+/// Cost of an epoch, instructions.
 const EPOCH: u64 = 1_100_000;
-/// From an epoch's last byte to the pin, ms, as without anything false.
+/// Longest time from an epoch's last byte to the pin, ms, as without false beginnings.
 const BOUND_MS: f64 = 20.0;
 
-/// Epochs before the measurement, in which orbits come.
+/// Number of epochs before the measurement, in which orbits come.
 const QUIET: usize = 3;
 
-/// The beginning of a frame of RTCM with a payload of this length.
+/// Returns the beginning of an RTCM frame with a payload of this length.
 fn rtcm(length: u16) -> Vec<u8> {
     [&[0xD3][..], &length.to_be_bytes()].concat()
 }
 
-/// The beginning of a frame of UBX.
+/// Returns the beginning of a UBX frame.
 fn ubx_of(message: [u8; 2], length: u16) -> Vec<u8> {
     [&[0xB5, 0x62][..], &message, &length.to_le_bytes()].concat()
 }
 
-/// One of RXM-RAWX whose number of measurements explains its length, too.
+/// Returns the beginning of an RXM-RAWX whose number of measurements also explains its length.
 fn rawx_of(many: u8) -> Vec<u8> {
     let mut bytes = ubx_of([0x02, 0x15], 16 + 32 * u16::from(many));
     bytes.extend([0; 11]);
@@ -32,19 +32,19 @@ fn rawx_of(many: u8) -> Vec<u8> {
     bytes
 }
 
-/// False beginnings of every protocol and of lengths over the whole range of each.
+/// Returns false beginnings of every protocol, with lengths over the whole range of each.
 fn beginnings() -> Vec<Vec<u8>> {
     let mut all: Vec<Vec<u8>> = (0..=1023).step_by(93).map(rtcm).collect();
     all.extend((0..=1023).step_by(93).map(|length| ubx_of([0x01, 0x07], length)));
     all.extend((0..=160).step_by(20).map(|many| ubx_of([0x02, 0x15], 16 + 32 * many)));
     all.extend((0..=160).step_by(20).map(rawx_of));
-    // Many in a row, and one in another.
+    // Many in a row, and one inside another.
     all.extend([rtcm(1023).repeat(20), ubx_of([0x02, 0x15], 0x1410).repeat(20)]);
     all.push([rawx_of(160), rtcm(1023), ubx_of([0x01, 0x07], 1000)].concat().repeat(4));
     all
 }
 
-/// The same epochs in either format.
+/// Returns the same epochs in either format.
 fn lumps() -> [(&'static str, Vec<Vec<u8>>); 2] {
     let recording = Simulation::above_xian(3600.0, 9, 11).record();
     let selection = Selection::new("GC", Frequency::Dual).unwrap();
@@ -89,7 +89,7 @@ fn a_false_beginning_before_each_epoch_delays_no_pin() {
     }
 }
 
-/// As on a line that is noisy once: the pin falls as early as without it.
+/// The line is noisy once, and the pin falls as early as without noise.
 #[test]
 fn a_false_beginning_before_a_fault_delays_no_alarm() {
     for (format, lumps) in lumps() {

@@ -145,7 +145,8 @@ fn ephemerides_hours_ahead_do_not_displace_those_in_use() {
     let sky = Sky::quiet(5);
     let mut module = Module::after(&sky, 3);
     module.hear(&spoiled(&sky.lumps[0], |m| m.toe_s += 14_400.0, |m| m.toe_s += 14_400.0));
-    // The plane of the geostationary ones turns with the reference time, so that theirs are no orbits of theirs.
+    // The plane of the geostationary ones turns with the reference time, so that theirs are no
+    // orbits of theirs.
     assert!(module.grown("ephemerides_kept") + module.grown("ephemerides_invalid") > 40);
     module.recovers(&sky.lumps[3]);
 }

@@ -71,7 +71,8 @@ fn a_bad_command_is_refused_with_the_reason_and_changes_nothing() {
     }
 }
 
-/// A setting that a promise rests on takes it back at once; the next epoch is judged under the new one.
+/// A setting that a promise rests on takes it back at once; the next epoch is judged under the new
+/// one.
 #[test]
 fn no_setting_leaves_an_old_promise_standing() {
     let sky = Sky::quiet(5);

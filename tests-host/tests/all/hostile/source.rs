@@ -1,4 +1,4 @@
-//! A receiver that comes back as another, and one that says everything twice.
+//! A receiver that returns as another source, and one that sends everything twice.
 
 use tests_host::checksum::rtcm_frame;
 use tests_host::encode::{Encoder, Frequency, Selection};

@@ -16,7 +16,7 @@ fn observed(text: &str) -> Recording {
     read(text, &navigation(2)).unwrap()
 }
 
-/// The counts, and the line of the first flaw.
+/// Returns the counts, and the line of the first flaw.
 fn counts(recording: &Recording) -> (Skipped, u64) {
     let mut skipped = recording.skipped.clone();
     let line = skipped.first.take().map_or(0, |first| first.line);
@@ -24,7 +24,7 @@ fn counts(recording: &Recording) -> (Skipped, u64) {
     (skipped, line)
 }
 
-/// All ranges but those of some epochs, and of one satellite of an epoch.
+/// Returns all ranges but those of some epochs, and of one satellite of an epoch.
 fn all_but(epochs: &[usize], satellite: Option<(usize, &str)>) -> Vec<super::made::Range> {
     let mut all = all_ranges(EPOCHS);
     let time = |epoch: usize| all_ranges(EPOCHS)[epoch * NAMES.len()].0;
@@ -254,7 +254,8 @@ fn a_compact_file_with_a_line_missing_or_too_many_goes_on_at_the_next_full_epoch
             [without_line(&text, at(line)), with_line(&text, at(line), |line| format!("{line}\n{line}"))]
         {
             let have = observed(&damaged);
-            // The epoch before the gap may go with it: whether its last line is the one that is missing cannot be told.
+            // The epoch before the gap may go with it: whether its last line is the one that is
+            // missing cannot be told.
             let lost: Vec<GpsTime> = [3, 4, 5].map(|epoch| all_ranges(60)[epoch * NAMES.len()].0).to_vec();
             let all = all_ranges(60);
             assert!(ranges(&have).iter().all(|range| all.contains(range)), "line {line}");

@@ -1,4 +1,4 @@
-//! Files made by the rules of RINEX, whose every value is known: what the tests of flaws damage.
+//! Files made by the rules of RINEX, with known values, which the tests of flaws damage.
 
 use std::fmt::Write as _;
 
@@ -8,19 +8,19 @@ use tests_host::recording::Recording;
 
 use super::quirks::NAVIGATION_3;
 
-/// Satellites in the order of the file; more than a line of RINEX 2 names.
+/// Satellites in the order of the file; they exceed a line of RINEX 2.
 pub(crate) const NAMES: [&str; 14] =
     ["G01", "G02", "G05", "G12", "G32", "E01", "E02", "E24", "E33", "C06", "C20", "C30", "R07", "J02"];
 
-/// Lines before the first epoch of [`version_3`] and of [`version_2`].
+/// Number of lines before the first epoch of [`version_3`] and of [`version_2`].
 pub(crate) const HEADER_3: usize = 7;
 pub(crate) const HEADER_2: usize = 3;
 
-/// Lines of an epoch of [`version_3`] and of [`version_2`].
+/// Number of lines in an epoch of [`version_3`] and of [`version_2`].
 pub(crate) const EPOCH_3: usize = 1 + NAMES.len();
 pub(crate) const EPOCH_2: usize = 2 + 2 * NAMES.len();
 
-/// The pseudorange of a satellite, mm.
+/// Returns the pseudorange of a satellite, mm.
 fn range_mm(epoch: usize, index: usize) -> i64 {
     (20_000_000_123 + 500_000_000 * index + 12_345 * epoch).cast_signed() as i64
 }
@@ -29,7 +29,7 @@ fn metres(mm: i64) -> String {
     format!("{}.{:03}", mm / 1000, mm % 1000)
 }
 
-/// Epochs every 30 s from 2024-06-24 08:00 on, in RINEX 3.04.
+/// Returns epochs every 30 s from 2024-06-24 08:00 on, in RINEX 3.04.
 pub(crate) fn version_3(epochs: usize) -> String {
     let mut text = line("     3.04           OBSERVATION DATA    M: Mixed", "RINEX VERSION / TYPE");
     for codes in ["G    2 C1C S1C", "E    2 C1C S1C", "C    2 C2I S2I", "R    2 C1C S1C", "J    2 C1C S1C"] {
@@ -46,7 +46,8 @@ pub(crate) fn version_3(epochs: usize) -> String {
     text
 }
 
-/// The same epochs in RINEX 2.11: the range stands in the first line of a satellite, the ratio in the second.
+/// Returns the same epochs in RINEX 2.11: the range is in the first line of a satellite, the ratio
+/// in the second.
 pub(crate) fn version_2(epochs: usize) -> String {
     let mut text = line("     2.11           OBSERVATION DATA    M (MIXED)", "RINEX VERSION / TYPE");
     text += &line("     6    C1    L1    P2    L2    D1    S1", "# / TYPES OF OBSERV");
@@ -63,7 +64,8 @@ pub(crate) fn version_2(epochs: usize) -> String {
     text
 }
 
-/// The same epochs in compact RINEX 3; every epoch whose number `full` divides is given in full.
+/// Returns the same epochs in compact RINEX 3; every epoch whose number `full` divides is given in
+/// full.
 pub(crate) fn compact(epochs: usize, full: usize) -> String {
     let plain = version_3(epochs);
     let lines: Vec<&str> = plain.lines().collect();
@@ -96,7 +98,7 @@ pub(crate) fn compact(epochs: usize, full: usize) -> String {
     text
 }
 
-/// Ephemerides of so many GPS satellites, of the time of the observations.
+/// Returns ephemerides of this number of GPS satellites, of the time of the observations.
 pub(crate) fn navigation(satellites: usize) -> String {
     let begin = NAVIGATION_3.find("G05").unwrap();
     let end = NAVIGATION_3.find("R07").unwrap();
@@ -112,7 +114,7 @@ fn line(content: &str, label: &str) -> String {
 /// One pseudorange: time, satellite, mm.
 pub(crate) type Range = (GpsTime, SatelliteId, i64);
 
-/// All pseudoranges of a recording.
+/// Returns all pseudoranges of a recording.
 pub(crate) fn ranges(recording: &Recording) -> Vec<Range> {
     let of_epoch = |epoch: &tests_host::measurement::MeasuredEpoch| {
         let time = epoch.time;
@@ -124,7 +126,7 @@ pub(crate) fn ranges(recording: &Recording) -> Vec<Range> {
     recording.epochs.iter().flat_map(of_epoch).collect()
 }
 
-/// What [`ranges`] of so many epochs are.
+/// Returns the expected [`ranges`] of this number of epochs.
 pub(crate) fn all_ranges(epochs: usize) -> Vec<Range> {
     let of = |epoch: usize| {
         // 2024-06-24 is the Monday of week 2320.
@@ -138,14 +140,14 @@ pub(crate) fn id(name: &str) -> SatelliteId {
     SatelliteId::from_name(name.chars().next().unwrap(), name[1..].parse().unwrap()).unwrap()
 }
 
-/// A text with one line changed; lines count from 0.
+/// Returns a text with one line changed; lines count from 0.
 pub(crate) fn with_line(text: &str, number: usize, change: impl FnOnce(&str) -> String) -> String {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     lines[number] = change(&lines[number]);
     lines.join("\n") + "\n"
 }
 
-/// A text without a line.
+/// Returns a text without a line.
 pub(crate) fn without_line(text: &str, number: usize) -> String {
     let mut lines: Vec<&str> = text.lines().collect();
     lines.remove(number);

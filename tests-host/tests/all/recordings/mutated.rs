@@ -1,4 +1,5 @@
-//! Lines changed at random: never a panic, never a range of another satellite, and no more lost than is counted.
+//! Lines changed at random: never a panic, never a range of another satellite, and no more lost
+//! than is counted.
 
 use proptest::prelude::*;
 use tests_host::recording::Recording;
@@ -102,7 +103,8 @@ fn invented(have: &Recording) -> usize {
     ranges(have).iter().filter(|range| !all.contains(range)).count()
 }
 
-/// Epochs whose own line says another time than it did: their ranges cannot be held against anything.
+/// Epochs whose own line says another time than it did: their ranges cannot be held against
+/// anything.
 fn with_a_time_of_the_file(mut have: Recording) -> Recording {
     let all = all_ranges(EPOCHS);
     have.epochs.retain(|epoch| all.iter().any(|(time, ..)| *time == epoch.time));

@@ -17,7 +17,8 @@ R07 2024 06 24 08 15 00 1.234527677298E-05-9.094947017729E-13 1.152000000000E+05
     -2.009312353516E+04 3.234567642212E-01 2.793967723846E-09 1.000000000000E+00
 ";
 
-/// [RINEX-2.11] tables A10 and A11: type `G`, two-digit years, I2 for the satellite, rows indented by three.
+/// [RINEX-2.11] tables A10 and A11: type `G`, two-digit years, I2 for the satellite, rows indented
+/// by three.
 const GLONASS_2: &str = "     2.01           GLONASS NAV DATA                        RINEX VERSION / TYPE
   2024     1     1    0.123400000000D-06                    CORR TO SYSTEM TIME
     18                                                      LEAP SECONDS
@@ -59,7 +60,7 @@ fn a_bare_number_is_glonass_in_a_file_of_glonass_alone() {
     assert!(have.is_err());
 }
 
-/// A record of QZSS by the rule of RINEX 3, of the numbers of a GPS record.
+/// Returns a record of QZSS by the rule of RINEX 3, of the numbers of a GPS record.
 fn qzss_navigation() -> String {
     super::quirks::NAVIGATION_3.replacen("G05", "J02", 1)
 }

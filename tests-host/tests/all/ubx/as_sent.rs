@@ -16,12 +16,12 @@ use tests_host::shared;
 
 use super::said;
 
-/// Returns a capture of the reference folder; counts the test as skipped where there is none.
+/// Returns a capture of the reference folder; counts the test as skipped if it is missing.
 fn capture(relative: &str) -> Option<Vec<u8>> {
     Some(std::fs::read(shared::path_or_skip(&format!("data/{relative}"))?).unwrap())
 }
 
-/// Returns how many RXM-SFRBX a capture has of the system with this number in UBX.
+/// Returns the number of RXM-SFRBX in a capture of the system with this number in UBX.
 fn frames_of(bytes: &[u8], system: u8) -> u32 {
     let is_of = |piece: &tests_host::replay::pieces::Piece<'_>| {
         piece.kind == Kind::Ubx([0x02, 0x13]) && piece.bytes.get(6) == Some(&system)
@@ -67,8 +67,8 @@ const M0_RAD: f64 = 3.102_436_714_93;
 const OMEGA0_RAD: f64 = 2.223_159_664_92;
 const OMEGA_RAD: f64 = -0.783_470_470_393;
 
-/// Asserts that position and clock at the reference time are those of the elements above, computed in `f64` without the
-/// harmonic corrections, which move a satellite by less than a kilometre.
+/// Asserts that position and clock at the reference time are those of the elements above, computed
+/// in `f64` without the harmonic corrections, which move a satellite by less than a kilometre.
 fn assert_is_at_reference(have: &Ephemeris) {
     const SECONDS_INTO_WEEK: f64 = 144_000.0;
     const EARTH_RATE_RAD_S: f64 = 7.292_115_146_7e-5;

@@ -22,7 +22,8 @@ fn unsigned(random: &mut ChaCha8Rng, least: f64, most: f64, exponent: i32) -> f6
     (random.random_range(least..most) / unit).floor() * unit
 }
 
-/// Bounds of √A, of the eccentricity and of the inclination, degrees: within those of the system's satellites.
+/// Bounds of √A, of the eccentricity and of the inclination, degrees: within those of the system's
+/// satellites.
 type Orbit = ((f64, f64), (f64, f64), (f64, f64));
 const GPS: Orbit = ((5141.0, 5166.0), (0.0, 0.03), (50.0, 60.0));
 const GALILEO: Orbit = ((5426.0, 5455.0), (0.0, 0.02), (52.0, 60.0));
