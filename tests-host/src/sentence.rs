@@ -134,11 +134,11 @@ pub fn parse(line: &str) -> anyhow::Result<Sentence> {
         .with_context(|| format!("not a sentence: {line:?}"))?;
     let have = body.bytes().fold(0u8, |sum, byte| sum ^ byte);
     ensure!(u8::from_str_radix(checksum, 16) == Ok(have), "wrong checksum: {line:?}");
-    let fields: Vec<&str> = body.split(',').collect();
-    let read = match fields[0] {
-        "GNGNS" => position(&fields).map(Sentence::Position),
-        "PRAIS" => state(&fields).map(Sentence::State),
-        "PRAIX" => excluded(&fields).map(Sentence::Excluded),
+    let fields = || body.split(',').collect::<Vec<&str>>();
+    let read = match body.split(',').next() {
+        Some("GNGNS") => position(&fields()).map(Sentence::Position),
+        Some("PRAIS") => state(&fields()).map(Sentence::State),
+        Some("PRAIX") => excluded(&fields()).map(Sentence::Excluded),
         _ => Ok(Sentence::Other),
     };
     read.with_context(|| format!("in {line:?}"))

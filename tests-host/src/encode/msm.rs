@@ -28,9 +28,8 @@ use raim_firmware::output::nmea::GPS_MINUS_UTC_S;
 use raim_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
 use rtcm_rs::Message;
 use rtcm_rs::msg::{
-    BdsSigId, GalSigId, GloSigId, GpsSigId, Msg1077Data, Msg1077Sig, Msg1077T, Msg1087Data, Msg1087Sig,
-    Msg1087T, Msg1097Data, Msg1097Sig, Msg1097T, Msg1117Data, Msg1117Sig, Msg1117T, Msg1127Data, Msg1127Sig,
-    Msg1127T, Msm57GloSat, Msm57Sat, QzssSigId,
+    BdsSigId, GalSigId, GloSigId, GpsSigId, Msg1077Sig, Msg1077T, Msg1087Sig, Msg1087T, Msg1097Sig, Msg1097T,
+    Msg1117Sig, Msg1117T, Msg1127Sig, Msg1127T, Msm57GloSat, Msm57Sat, QzssSigId,
 };
 
 use super::Selection;
@@ -103,7 +102,7 @@ pub(super) fn chosen(satellite: &MeasuredSatellite, frequency: Frequency) -> Vec
     let all = |choices: &[Choice]| {
         choices.iter().map(|choice| find(satellite, *choice)).collect::<Option<Vec<_>>>()
     };
-    let triple = || all(&GPS_TRIPLE).filter(|_| system == Constellation::Gps);
+    let triple = || (system == Constellation::Gps).then(|| all(&GPS_TRIPLE)).flatten();
     let pair = || pairs(system).iter().find_map(|(first, second)| all(&[*first, *second]));
     let single = || pairs(system).iter().find_map(|(first, _)| all(&[*first]));
     let signals = match frequency {
@@ -202,29 +201,30 @@ fn cn0(signal: &MeasuredSignal) -> Option<f64> {
     signal.cn0_dbhz.filter(|cn0_dbhz| *cn0_dbhz >= 0.0625).map(|cn0_dbhz| cn0_dbhz.min(63.9375))
 }
 
-/// Divides the rows so that each part fits into one message.
+/// Parts the rows so that each part fits into one message. The size of its cell mask is that of the part times the number of
+/// its different signals.
 fn parts(rows: Vec<Row>) -> Vec<Vec<Row>> {
-    let mut parts = Vec::new();
-    let mut part = Vec::new();
+    let (mut parts, mut part, mut signals) = (Vec::new(), Vec::new(), Vec::new());
     for row in rows {
-        part.push(row);
-        if cells(&part) > CELLS {
-            let surplus = part.pop();
+        add_signals(&mut signals, &row);
+        if (part.len() + 1) * signals.len() > CELLS {
             parts.push(std::mem::take(&mut part));
-            part.extend(surplus);
+            signals.clear();
+            add_signals(&mut signals, &row);
         }
+        part.push(row);
     }
     parts.push(part);
     parts
 }
 
-/// Returns the size of the cell mask.
-fn cells(part: &[Row]) -> usize {
-    let mut signals: Vec<(u8, char)> =
-        part.iter().flat_map(|row| &row.cells).map(|cell| (cell.band, cell.attribute)).collect();
-    signals.sort_unstable();
-    signals.dedup();
-    part.len() * signals.len()
+/// Adds the signals of a row that are not among those before.
+fn add_signals(signals: &mut Vec<(u8, char)>, row: &Row) {
+    for signal in row.cells.iter().map(|cell| (cell.band, cell.attribute)) {
+        if !signals.contains(&signal) {
+            signals.push(signal);
+        }
+    }
 }
 
 /// Returns the messages of an epoch; none for a system without satellites, because some readers
@@ -234,16 +234,17 @@ pub(super) fn messages(
     selection: &Selection,
     channels: &Channels,
     unsendable: &mut u64,
-) -> Vec<Message> {
+) -> impl Iterator<Item = Message> {
     let mut planned: Vec<(char, Vec<Row>)> = Vec::new();
     for letter in &selection.letters {
         let rows = rows(epoch, *letter, selection.frequency, channels, unsendable);
         planned.extend(parts(rows).into_iter().filter(|part| !part.is_empty()).map(|part| (*letter, part)));
     }
     let last = planned.len().saturating_sub(1);
-    let message =
-        |(index, (letter, rows)): (usize, (_, Vec<Row>))| message(letter, epoch.time, index < last, &rows);
-    planned.into_iter().enumerate().map(message).collect()
+    let message = move |(index, (letter, rows)): (usize, (_, Vec<Row>))| {
+        message(letter, epoch.time, index < last, &rows)
+    };
+    planned.into_iter().enumerate().map(message)
 }
 
 fn rows(
@@ -268,9 +269,14 @@ fn rows(
 /// Makes a message; messages differ only in names, and in the fields beside the time and beside a
 /// satellite's range.
 macro_rules! msm7 {
-    ($message:ident: $type:ident, $data:ident, $satellite:ident { $extended:ident: $of:expr }, $signal:ident, $id:ident,
+    ($message:ident: $type:ident, $satellite:ident { $extended:ident: $of:expr }, $signal:ident, $id:ident,
      $($time:ident = $time_value:expr),+; $more:expr, $rows:expr) => {{
-        let mut data = $data::default();
+        let mut message = $type {
+            $($time: $time_value,)+
+            msm_multiple_message_flag: u8::from($more),
+            ..$type::default()
+        };
+        let data = &mut message.data_segment;
         for row in $rows {
             data.satellite_data.push($satellite {
                 satellite_id: row.number,
@@ -290,13 +296,7 @@ macro_rules! msm7 {
                 });
             }
         }
-        let more = u8::from($more);
-        Message::$message($type {
-            $($time: $time_value,)+
-            msm_multiple_message_flag: more,
-            data_segment: data,
-            ..$type::default()
-        })
+        Message::$message(message)
     }};
 }
 
@@ -306,24 +306,24 @@ fn message(letter: char, time: GpsTime, more: bool, rows: &[Row]) -> Message {
     let beidou_ms = (time.tow_ms + WEEK_MS - BEIDOU_OFFSET_MS) % WEEK_MS;
     match letter {
         'J' => {
-            msm7!(Msg1117: Msg1117T, Msg1117Data, Msm57Sat { reserved_8_4: |_| 0 }, Msg1117Sig, QzssSigId,
+            msm7!(Msg1117: Msg1117T, Msm57Sat { reserved_8_4: |_| 0 }, Msg1117Sig, QzssSigId,
             qzss_epoch_time_ms = time.tow_ms; more, rows)
         }
         'E' => {
-            msm7!(Msg1097: Msg1097T, Msg1097Data, Msm57Sat { reserved_8_4: |_| 0 }, Msg1097Sig, GalSigId,
+            msm7!(Msg1097: Msg1097T, Msm57Sat { reserved_8_4: |_| 0 }, Msg1097Sig, GalSigId,
             gal_epoch_time_ms = time.tow_ms; more, rows)
         }
         'C' => {
-            msm7!(Msg1127: Msg1127T, Msg1127Data, Msm57Sat { reserved_8_4: |_| 0 }, Msg1127Sig, BdsSigId,
+            msm7!(Msg1127: Msg1127T, Msm57Sat { reserved_8_4: |_| 0 }, Msg1127Sig, BdsSigId,
             bds_epoch_time_ms = beidou_ms; more, rows)
         }
         'R' => {
             let (day, of_day_ms) = glonass_time(time);
-            msm7!(Msg1087: Msg1087T, Msg1087Data, Msm57GloSat { glonass_satellite_frequency_channel_number: |row: &Row| Some(row.slot) },
+            msm7!(Msg1087: Msg1087T, Msm57GloSat { glonass_satellite_frequency_channel_number: |row: &Row| Some(row.slot) },
                 Msg1087Sig, GloSigId, glo_day_of_week = day, glo_epoch_time_ms = of_day_ms; more, rows)
         }
         _ => {
-            msm7!(Msg1077: Msg1077T, Msg1077Data, Msm57Sat { reserved_8_4: |_| 0 }, Msg1077Sig, GpsSigId,
+            msm7!(Msg1077: Msg1077T, Msm57Sat { reserved_8_4: |_| 0 }, Msg1077Sig, GpsSigId,
             gps_epoch_time_ms = time.tow_ms; more, rows)
         }
     }

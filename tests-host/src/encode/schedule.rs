@@ -68,8 +68,10 @@ impl Schedule {
     /// epoch must be no earlier than that call.
     pub(super) fn news(&mut self, epoch: &MeasuredEpoch) -> impl Iterator<Item = &TimedEphemeris> {
         let is_as_received = self.is_as_received;
-        self.satellites.iter_mut().filter_map(move |(&id, satellite)| {
-            let is_seen = || epoch.satellites.iter().any(|seen| seen.satellite == id);
+        let mut seen: Vec<SatelliteId> = epoch.satellites.iter().map(|seen| seen.satellite).collect();
+        seen.sort_unstable();
+        self.satellites.iter_mut().filter_map(move |(id, satellite)| {
+            let is_seen = || seen.binary_search(id).is_ok();
             match is_as_received {
                 true if !is_seen() => None,
                 true => satellite.news(epoch.time, Some(RECEIVER_REPEATS_MS), || true),
@@ -102,10 +104,11 @@ impl Satellite {
             (None, Some(_)) => return None,
             (None, None) => self.first_to_come(now)?,
         };
-        let known = self.known.replace(newest).and_then(|known| self.broadcasts.get(known));
+        let known = self.known.replace(newest);
+        let message = |index: usize| self.broadcasts.get(index).map(|ephemeris| &ephemeris.message);
+        // The same message sent again is no news.
+        let is_news = known != Some(newest) && known.and_then(message) != message(newest);
         let newest = self.broadcasts.get(newest)?;
-        // A repeated message is not new.
-        let is_news = known.is_none_or(|known| known.message != newest.message);
         let is_glonass = matches!(newest.message, Ephemeris::Glonass(_));
         let repeats_ms = if is_glonass { Some(REPEATED_MS) } else { repeats_ms };
         let is_due = |repeats_ms| self.said.is_none_or(|said| now.since_ms(said) >= repeats_ms);

@@ -8,13 +8,7 @@
 //!   of order `m` at the value `v`; a bare number is the newest difference; nothing means no
 //!   observation and ends the arc.
 //!
-//! | symbol | field | unit |
-//! |---|---|---|
-//! | `m` | `Arc::order` | — |
-//! | `Δ⁰…Δᵐ` | `Arc::differences` | 0.001 of the observation's unit |
-//!
-//! Versions 1 (RINEX 2) and 3 (RINEX 3 and 4). Receiver clock offsets on the second line of an
-//! epoch are skipped.
+//! Versions 1 (RINEX 2) and 3 (RINEX 3 and 4). Receiver clock offsets on the second line of an epoch are skipped.
 //!
 //! Damage in a satellite's line costs that satellite until each of its arcs begins again. A line
 //! that is missing or one too many would give each following satellite the ranges of its neighbour.
@@ -25,11 +19,11 @@
 //! [Hatanaka2008]: crate#references
 
 use std::collections::{HashMap, VecDeque};
-use std::fmt::Write as _;
 
 use anyhow::{Context, Result, bail, ensure};
 use raim_firmware::time::GpsTime;
 
+use super::arcs::{Satellite, integer, update};
 use super::calendar::{self, TimeSystem};
 use super::header::ObservationCodes;
 use super::skipped::{Flaw, Skipped};
@@ -37,9 +31,6 @@ use super::text::{Source, columns, label};
 
 /// Label of the first line of a compact file.
 pub(super) const MARK: &str = "CRINEX VERS   / TYPE";
-
-/// Highest order of differences in the format.
-const ORDER_LIMIT: usize = 9;
 
 /// Columns of an epoch line.
 struct Layout {
@@ -246,7 +237,7 @@ impl Compact {
                 self.skipped.lost_lines += 1;
             } else {
                 known.push(name.as_str());
-                satellite.write(name, self.state.layout, self.number, &mut output);
+                satellite.write(name, self.state.layout.per_line, self.number, &mut output);
             }
             seen.insert(name.clone(), satellite);
         }
@@ -384,143 +375,4 @@ fn is_name(name: &str) -> bool {
     letters.next().is_some_and(|letter| letter.is_ascii_uppercase() || letter == ' ')
         && letters.next().is_some_and(|tens| tens.is_ascii_digit() || tens == ' ')
         && letters.next().is_some_and(|ones| ones.is_ascii_digit())
-}
-
-/// Running arcs of one satellite.
-#[derive(Clone, Default)]
-struct Satellite {
-    arcs: Vec<Option<Arc>>,
-    flags: String,
-}
-
-/// Differences in time of one observation.
-#[derive(Clone, Debug)]
-struct Arc {
-    order: usize,
-    /// Number of differences that are known.
-    known: usize,
-    differences: [i64; ORDER_LIMIT + 1],
-}
-
-impl Arc {
-    fn begin(order: usize, value: i64) -> Self {
-        let mut differences = [0; ORDER_LIMIT + 1];
-        differences[0] = value;
-        Self { order, known: 0, differences }
-    }
-
-    /// Takes the newest difference and integrates it up to the value.
-    fn extend(&mut self, difference: i64) {
-        self.known = (self.known + 1).min(self.order);
-        self.differences[self.known] = difference;
-        for order in (0..self.known).rev() {
-            self.differences[order] = self.differences[order].wrapping_add(self.differences[order + 1]);
-        }
-    }
-}
-
-/// Effect of a word on an arc.
-enum Step {
-    End,
-    Begin(Arc),
-    Extend(i64),
-}
-
-impl Step {
-    /// Returns the step of a word; `None` for an invalid word.
-    fn of(word: &str) -> Option<Self> {
-        if word.is_empty() {
-            return Some(Self::End);
-        }
-        let Some((order, value)) = word.split_once('&') else { return integer(word).map(Self::Extend) };
-        let order = order.parse().ok().filter(|order| *order <= ORDER_LIMIT)?;
-        Some(Self::Begin(Arc::begin(order, integer(value)?)))
-    }
-}
-
-impl Satellite {
-    /// Takes one coded line: as many observations as there are kinds, then the differences of their
-    /// flags.
-    ///
-    /// Returns the number of flaws. A word that cannot be read ends all arcs, because the words
-    /// after it may have moved. A difference without an arc, which damage leaves behind, is not an
-    /// observation.
-    fn update(&mut self, line: &str, kinds: usize) -> usize {
-        self.arcs.resize(kinds, None);
-        let mut rest = line;
-        let mut steps = Vec::with_capacity(kinds);
-        for _ in 0..kinds {
-            let (word, tail) = rest.split_once(' ').unwrap_or((rest, ""));
-            steps.push(Step::of(word));
-            rest = tail;
-        }
-        let are_flags =
-            rest.len() <= 2 * kinds && rest.chars().all(|flag| matches!(flag, '0'..='9' | ' ' | '&'));
-        let Some(steps) = steps.into_iter().collect::<Option<Vec<Step>>>().filter(|_| are_flags) else {
-            self.arcs.fill(None);
-            self.flags.clear();
-            return 1;
-        };
-        let mut flaws = 0;
-        for (arc, step) in self.arcs.iter_mut().zip(steps) {
-            match (step, arc.as_mut()) {
-                (Step::End, _) => *arc = None,
-                (Step::Begin(begun), _) => *arc = Some(begun),
-                (Step::Extend(difference), Some(arc)) => arc.extend(difference),
-                (Step::Extend(_), None) => flaws += 1,
-            }
-        }
-        update(&mut self.flags, rest);
-        flaws
-    }
-
-    /// Returns true if there is no observation.
-    fn is_empty(&self) -> bool {
-        self.arcs.iter().all(Option::is_none)
-    }
-
-    /// Writes the RINEX lines of the satellite.
-    fn write(&self, name: &str, layout: &Layout, number: u64, output: &mut Vec<(u64, String)>) {
-        let per_line = layout.per_line.unwrap_or(self.arcs.len()).max(1);
-        let mut line = String::with_capacity(3 + 16 * per_line.min(self.arcs.len()));
-        if layout.per_line.is_none() {
-            line.push_str(name);
-        }
-        for (index, arc) in self.arcs.iter().enumerate() {
-            if index > 0 && index % per_line == 0 {
-                output.push((number, std::mem::take(&mut line)));
-            }
-            let flags = self.flags.get(2 * index..).unwrap_or("");
-            let flags = flags.get(..2).unwrap_or(flags);
-            match arc {
-                Some(arc) => {
-                    let value = arc.differences[0];
-                    let (sign, size) = (if value < 0 { "-" } else { "" }, value.unsigned_abs());
-                    let number = format!("{sign}{}.{:03}", size / 1000, size % 1000);
-                    let _ = write!(line, "{number:>14}{flags:<2}");
-                }
-                None => line.push_str("                "),
-            }
-        }
-        output.push((number, line));
-    }
-}
-
-fn integer(word: &str) -> Option<i64> {
-    word.parse().ok()
-}
-
-/// Applies character differences.
-fn update(text: &mut String, differences: &str) {
-    let old = std::mem::take(text);
-    let mut old = old.chars();
-    for difference in differences.chars() {
-        let kept = old.next().unwrap_or(' ');
-        text.push(match difference {
-            ' ' => kept,
-            '&' => ' ',
-            new => new,
-        });
-    }
-    text.extend(old);
 }

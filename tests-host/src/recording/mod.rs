@@ -21,12 +21,14 @@
 //! [RINEX-4.01]: crate#references
 //! [Hatanaka2008]: crate#references
 
+mod arcs;
 mod calendar;
 mod epochs;
 mod file;
 mod glonass;
 mod hatanaka;
 mod header;
+mod kepler;
 mod navigation;
 mod observations;
 mod signals;

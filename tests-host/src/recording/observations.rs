@@ -21,13 +21,12 @@ use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
 use raim_core::frame::Ecef;
-use raim_core::satellite::SatelliteId;
 use raim_firmware::time::GpsTime;
 
 use super::calendar::{self, TimeSystem};
 use super::file;
 use super::header::{Header, Kind};
-use super::signals::{self, Fields};
+use super::signals::{Fields, Read, satellite};
 use super::skipped::{Flaw, Skipped};
 use super::text::{Lines, columns, is_labelled};
 use crate::measurement::{MeasuredEpoch, MeasuredSatellite};
@@ -74,6 +73,7 @@ impl Opening {
 impl Observations {
     /// Opens a file: plain, gzip, compact, or compact in gzip.
     ///
+    /// # Errors
     /// The file is missing, packed in another format, or not RINEX observations, or its header
     /// cannot be read.
     pub fn open(path: &Path) -> Result<Self> {
@@ -363,46 +363,4 @@ fn opening(line: &str, is_version_2: bool, time_system: TimeSystem) -> Option<Op
     let opening = Opening { flag, time, count };
     let is_dated = time.is_some() || (date.is_empty() && !opening.has_ranges());
     is_dated.then_some(opening)
-}
-
-/// Result of reading a satellite's record.
-enum Read {
-    /// Measurements, and the number of unreadable values beside the pseudoranges.
-    Satellite(MeasuredSatellite, u64),
-    /// System that RAI does not support.
-    OtherSystem,
-    /// System for which the header lists no observations.
-    Unlisted,
-    /// Satellite that its system does not have.
-    Unknown,
-    /// Unreadable record.
-    Damaged,
-}
-
-/// Reads one satellite from its fields, side by side.
-fn satellite(name: &str, values: &str, header: &Header, fields: &Fields) -> Read {
-    let Some(letter) = system(name, header) else { return Read::Damaged };
-    let digits = name.trim_start_matches(letter).trim();
-    let Ok(number) = digits.parse() else { return Read::Damaged };
-    if !Fields::is_read(letter) {
-        return if letter.is_ascii_uppercase() { Read::OtherSystem } else { Read::Damaged };
-    }
-    let Some(satellite) = SatelliteId::from_name(letter, number) else { return Read::Unknown };
-    let Some(fields) = fields.of_system(letter) else { return Read::Unlisted };
-    match signals::signals(fields, values) {
-        Ok(found) => Read::Satellite(MeasuredSatellite { satellite, signals: found.signals }, found.damaged),
-        Err(_) => Read::Damaged,
-    }
-}
-
-/// Returns the letter of a satellite's system; RINEX 2 may leave it blank if the header names the
-/// only one.
-fn system(name: &str, header: &Header) -> Option<char> {
-    match name.chars().next()? {
-        letter if letter.is_ascii_alphabetic() => Some(letter),
-        ' ' | '0'..='9' if header.version < 300 => {
-            Some(if header.system == 'M' { 'G' } else { header.system })
-        }
-        _ => None,
-    }
 }

@@ -1,4 +1,4 @@
-//! Conversion of the fields of a satellite's record to signals.
+//! Records of satellites to their signals.
 //!
 //! Codes become those of RINEX 3.05, see [`Field::new`].
 //! References: [RINEX-2.11] table A1, [RINEX-3.05] tables 12 to 18.
@@ -7,14 +7,15 @@
 //! [RINEX-3.05]: crate#references
 
 use anyhow::{Result, ensure};
-use raim_core::satellite::Constellation;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::header::Header;
 use super::text::{columns, number};
-use crate::measurement::MeasuredSignal;
+use crate::measurement::{MeasuredSatellite, MeasuredSignal};
 
-/// Fields of the records of each system, by the system's letter.
-pub(super) struct Fields(Vec<(char, Vec<Option<Field>>)>);
+/// The fields that are read of the records of each system, by the system's letter, and the column of each. Pseudoranges come
+/// first, because the other quantities complete the signals that they begin.
+pub(super) struct Fields(Vec<(char, Vec<(usize, Field)>)>);
 
 impl Fields {
     /// Letters of the systems that are read; a QZSS satellite has the signals of GPS.
@@ -30,38 +31,81 @@ impl Fields {
     pub(super) fn of(header: &Header) -> Self {
         let fields = |(letter, constellation)| {
             let codes = header.codes.of(letter).ok()?;
-            let field = |code: &String| Field::new(constellation, code, header.version);
-            Some((letter, codes.iter().map(field).collect()))
+            let field = |(index, code): (usize, &String)| {
+                Field::new(constellation, code, header.version).map(|field| (16 * index, field))
+            };
+            let mut fields: Vec<_> = codes.iter().enumerate().filter_map(field).collect();
+            fields.sort_by_key(|(_, field)| field.quantity != Quantity::Pseudorange);
+            Some((letter, fields))
         };
         Self(Self::SYSTEMS.into_iter().filter_map(fields).collect())
     }
 
     /// Returns true for the letter of a system that is read.
-    pub(super) fn is_read(letter: char) -> bool {
+    fn is_read(letter: char) -> bool {
         Self::SYSTEMS.iter().any(|(system, _)| *system == letter)
     }
 
-    /// Returns the fields of a system; `None` if the header lists none.
-    pub(super) fn of_system(&self, letter: char) -> Option<&[Option<Field>]> {
+    /// The fields of a system; `None` if the header lists none.
+    fn of_system(&self, letter: char) -> Option<&[(usize, Field)]> {
         self.0.iter().find(|(system, _)| *system == letter).map(|(_, fields)| fields.as_slice())
     }
 }
 
-/// Signals of one satellite, and the number of unreadable values beside their pseudoranges.
-pub(super) struct Signals {
-    pub(super) signals: Vec<MeasuredSignal>,
-    pub(super) damaged: u64,
+/// What came of a satellite's record.
+pub(super) enum Read {
+    /// What was measured, and how many values beside the pseudoranges cannot be read.
+    Satellite(MeasuredSatellite, u64),
+    /// A system that RAI does not know.
+    OtherSystem,
+    /// A system of which the header lists no observations.
+    Unlisted,
+    /// A satellite that its system does not have.
+    Unknown,
+    /// A record that cannot be read.
+    Damaged,
+}
+
+/// One satellite from its fields, side by side.
+pub(super) fn satellite(name: &str, values: &str, header: &Header, fields: &Fields) -> Read {
+    let Some(letter) = system(name, header) else { return Read::Damaged };
+    let digits = name.trim_start_matches(letter).trim();
+    let Ok(number) = digits.parse() else { return Read::Damaged };
+    if !Fields::is_read(letter) {
+        return if letter.is_ascii_uppercase() { Read::OtherSystem } else { Read::Damaged };
+    }
+    let Some(satellite) = SatelliteId::from_name(letter, number) else { return Read::Unknown };
+    let Some(fields) = fields.of_system(letter) else { return Read::Unlisted };
+    match signals(fields, values) {
+        Ok(found) => Read::Satellite(MeasuredSatellite { satellite, signals: found.signals }, found.damaged),
+        Err(_) => Read::Damaged,
+    }
+}
+
+/// The letter of a satellite's system; RINEX 2 may leave it blank where the header names the only one.
+fn system(name: &str, header: &Header) -> Option<char> {
+    match name.chars().next()? {
+        letter if letter.is_ascii_alphabetic() => Some(letter),
+        ' ' | '0'..='9' if header.version < 300 => {
+            Some(if header.system == 'M' { 'G' } else { header.system })
+        }
+        _ => None,
+    }
+}
+
+/// The signals of one satellite, and how many of the values beside their pseudoranges cannot be read.
+struct Signals {
+    signals: Vec<MeasuredSignal>,
+    damaged: u64,
 }
 
 /// Returns the signals of one satellite that have a pseudorange; blank and zero mean none.
 ///
 /// # Errors
-/// A pseudorange is not a number with a decimal point, so that the fields after it may have moved.
-pub(super) fn signals(fields: &[Option<Field>], values: &str) -> Result<Signals> {
+/// A pseudorange that is no number with a decimal point, because what follows it may have moved.
+fn signals(fields: &[(usize, Field)], values: &str) -> Result<Signals> {
     let mut found = Signals { signals: Vec::new(), damaged: 0 };
-    let mut others: Vec<(Field, f64)> = Vec::new();
-    for (index, field) in fields.iter().enumerate() {
-        let (Some(field), column) = (field, 16 * index) else { continue };
+    for &(column, field) in fields {
         let text = columns(values, column, column + 14);
         let value = match (measured(text), field.quantity) {
             (Err(error), Quantity::Pseudorange) => return Err(error),
@@ -76,22 +120,19 @@ pub(super) fn signals(fields: &[Option<Field>], values: &str) -> Result<Signals>
             (Some(range_m), Quantity::Pseudorange) => {
                 found.signals.extend(field.signal(range_m, columns(values, column + 15, column + 16)));
             }
-            (Some(value), _) => others.push((*field, value)),
+            (Some(value), _) => found
+                .signals
+                .iter_mut()
+                .filter(|signal| field.belongs_to(signal))
+                .for_each(|signal| field.complete(signal, value)),
         }
-    }
-    for (field, value) in others {
-        found
-            .signals
-            .iter_mut()
-            .filter(|signal| field.belongs_to(signal))
-            .for_each(|signal| field.complete(signal, value));
     }
     Ok(found)
 }
 
 /// Reads a measured value, which always has a decimal point, because a number without one was cut.
 fn measured(text: &str) -> Result<Option<f64>> {
-    ensure!(text.is_empty() || text.contains('.'), "`{text}` has no decimal point");
+    ensure!(text.is_empty() || text.bytes().any(|byte| byte == b'.'), "`{text}` has no decimal point");
     number(text)
 }
 
@@ -106,7 +147,7 @@ enum Quantity {
 
 /// One field of a satellite's record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Field {
+struct Field {
     quantity: Quantity,
     band: u8,
     /// Attribute; `None` if RINEX 2 has a quantity per band only.

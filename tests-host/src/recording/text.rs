@@ -30,7 +30,6 @@ pub(super) struct Plain<R> {
     input: R,
     /// The error if the input cannot be read.
     failure: &'static str,
-    bytes: Vec<u8>,
     number: u64,
     is_open: bool,
     skipped: Skipped,
@@ -38,34 +37,34 @@ pub(super) struct Plain<R> {
 
 impl<R: BufRead + Send> Plain<R> {
     pub(super) fn new(input: R, failure: &'static str) -> Self {
-        Self { input, failure, bytes: Vec::new(), number: 0, is_open: false, skipped: Skipped::default() }
+        Self { input, failure, number: 0, is_open: false, skipped: Skipped::default() }
     }
 }
 
 impl<R: BufRead + Send> Source for Plain<R> {
     fn read(&mut self, line: &mut String) -> Result<Option<u64>> {
         const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
-        self.bytes.clear();
-        let read = self.input.by_ref().take(LINE_LIMIT).read_until(b'\n', &mut self.bytes);
+        let mut bytes = std::mem::take(line).into_bytes();
+        bytes.clear();
+        let read = self.input.by_ref().take(LINE_LIMIT).read_until(b'\n', &mut bytes);
         if read.context(self.failure)? == 0 {
             return Ok(None);
         }
         self.number += 1;
-        self.is_open = self.bytes.last() != Some(&b'\n');
+        self.is_open = bytes.last() != Some(&b'\n');
         ensure!(
-            !self.is_open || (self.bytes.len() as u64) < LINE_LIMIT,
+            !self.is_open || (bytes.len() as u64) < LINE_LIMIT,
             "line {} has {LINE_LIMIT} bytes or more, which no RINEX line has",
             self.number
         );
-        let mut bytes = self.bytes.as_slice();
-        if let Some(marked) = bytes.strip_prefix(BYTE_ORDER_MARK).filter(|_| self.number == 1) {
+        if self.number == 1 && bytes.starts_with(BYTE_ORDER_MARK) {
             self.skipped.note(Flaw::HeaderField, self.number);
-            bytes = marked;
+            bytes.drain(..BYTE_ORDER_MARK.len());
         }
-        bytes = bytes.strip_suffix(b"\n").unwrap_or(bytes);
-        bytes = bytes.strip_suffix(b"\r").unwrap_or(bytes);
-        line.clear();
-        line.extend(bytes.iter().map(|byte| if byte.is_ascii() { char::from(*byte) } else { '?' }));
+        bytes.pop_if(|last| *last == b'\n');
+        bytes.pop_if(|last| *last == b'\r');
+        bytes.iter_mut().filter(|byte| !byte.is_ascii()).for_each(|byte| *byte = b'?');
+        *line = String::from_utf8(bytes)?;
         Ok(Some(self.number))
     }
 
@@ -159,10 +158,11 @@ impl Lines {
     /// Returns true if the file ends inside a value of the next line. The fields begin at column
     /// `from`; each is `width` columns wide, of which the value takes the first `of_value`.
     pub(super) fn is_cut(&mut self, from: usize, width: usize, of_value: usize) -> bool {
-        self.look();
+        if self.peek().is_none() || !self.source.is_open() {
+            return false;
+        }
         let used = self.ahead.text.trim_end().len();
-        let is_inside = used < from || (1..of_value).contains(&((used - from) % width));
-        self.has_ahead && self.source.is_open() && is_inside
+        used < from || (1..of_value).contains(&((used - from) % width))
     }
 
     /// Returns true if every line was returned.
@@ -195,7 +195,7 @@ impl Lines {
 
 /// Returns columns `from..to` without the blanks around; empty beyond the end of the line.
 pub(super) fn columns(line: &str, from: usize, to: usize) -> &str {
-    line.get(from.min(line.len())..to.min(line.len())).unwrap_or("").trim()
+    line.get(from.min(line.len())..to.min(line.len())).unwrap_or("").trim_ascii()
 }
 
 /// Returns the label of a header line.
