@@ -1,4 +1,5 @@
-//! From one raw epoch to one report: satellite positions, corrected ranges, integrity verdict.
+//! The navigator: makes one report from one raw epoch, with satellite positions, corrected ranges
+//! and the integrity verdict.
 //!
 //! Corrections depend on the receiver's position, which they help to find. The last position is the
 //! first guess. Without one, a coarse fix without atmosphere gives it. If the position of an epoch

@@ -44,7 +44,7 @@ impl<'a> Sink<'a> {
         let style = ProgressStyle::with_template("{spinner} {msg} {pos} epochs {per_sec}");
         let bar = ProgressBar::new_spinner().with_message(place);
         Ok(Self {
-            truth: truth,
+            truth,
             tally: Tally::new(faults, truth.is_some()),
             bar: style.map(|style| bar.clone().with_style(style)).unwrap_or(bar),
             rows: rows.transpose()?,

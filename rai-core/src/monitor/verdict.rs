@@ -1,4 +1,4 @@
-//! From a judgement to a verdict: protected, alert or unavailable, with the reason.
+//! Conversion of a judgement to a verdict: protected, alert or unavailable, with the reason.
 
 use crate::integrity::raim::detection::threshold::policy::{NoThreshold, Policy};
 use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};

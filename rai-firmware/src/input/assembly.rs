@@ -1,16 +1,16 @@
-//! Messages of one instant become one epoch, whatever format they came in.
+//! Assembly of the messages of one instant to one epoch, in any format.
 //!
-//! An epoch is complete when a message says that none follows, or when a message of another instant arrives. It is
-//! dropped as a whole when its time is refused ([`super::calendar`]).
+//! An epoch is complete when a message states that none follows, or when a message of another
+//! instant arrives. If its time is refused, the whole epoch is dropped ([`super::calendar`]).
 //!
-//! | what may go wrong on the wire | what becomes of it |
+//! | flaw on the wire | effect |
 //! |---|---|
 //! | systems tag one instant differently, by less than [`SAME_INSTANT_MS`] | one epoch, at the first tag |
-//! | a system says that none follows, and another one follows | that one is late for this epoch; the word of the system that was wrong counts for nothing until it has been right [`FORGIVEN_AFTER`] times, and its epochs end with the next instant or a pause |
-//! | a message without satellites is tagged ahead | it moves no clock, for it vouches for nothing; far ahead it is passed over |
-//! | ranges come again under a new tag, bit for bit | the repeat is dropped: satellites move by metres in a millisecond, so it carries no news and a wrong tag |
+//! | a system states that none follows, and another one follows | the later one is left out of this epoch; the statement of the first is ignored until it has been right [`FORGIVEN_AFTER`] times, and the epochs end with the next instant or a pause |
+//! | a message without satellites is tagged ahead | it does not advance time, because it has no evidence; far ahead it is skipped |
+//! | ranges come again under a new tag, bit for bit | the repeat is dropped, because satellites move by metres in a millisecond, so that its tag is wrong |
 //! | bytes are lost | the epoch under way and the rest of the next one are dropped |
-//! | two receivers of one name share the line | what comes first is used; that an epoch came over again with other ranges is remembered ([`Assembly::take_rivalry`]) |
+//! | two receivers of one name share the line | the first ranges are used; the repetition with other ranges is noted ([`Assembly::take_rivalry`]) |
 
 use super::calendar::{Calendar, TimeError};
 use super::epoch_ranges::{Comparison, add, hash_of_ranges};
@@ -20,47 +20,49 @@ use crate::counters::count;
 use crate::raw::RawEpoch;
 use crate::time::{GpsTime, WEEK_MS};
 
-/// Tags that differ by less are of one instant, ms: receivers round each system's own time for itself.
+/// Difference below which tags are of one instant, ms, because receivers round each system's own
+/// time separately.
 const SAME_INSTANT_MS: u32 = 10;
 
-/// How often a system has to be right until its word counts again.
+/// Number of right statements after which a system's statement counts again.
 const FORGIVEN_AFTER: u8 = 3;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
-    /// Nothing is under way.
+    /// No epoch is open.
     Idle,
-    /// An epoch is under way. A series whose word does not count may have said that it is complete.
+    /// An epoch is open. A series whose statement is ignored may have stated that it is complete.
     Open(Option<Series>),
-    /// What is of this time of week, ms, is passed over.
+    /// Messages of this time of week, ms, are skipped.
     Dropping(u32),
-    /// The epoch of this time of week, ms, has been handed on because this series said that it was complete.
+    /// The epoch of this time of week, ms, was complete by the statement of this series.
     Complete(u32, Option<Series>),
-    /// Bytes were lost: whatever comes next is a part of something.
+    /// Bytes were lost, so that the next message may be a part of an epoch.
     Interrupted,
 }
 
-/// The epoch under way.
+/// Assembly of the open epoch.
 #[derive(Debug)]
 pub(super) struct Assembly {
     epoch: RawEpoch,
     came_ms: u64,
-    /// Whether the epoch has had a message with satellites: only then has the time gone on to it.
+    /// True if the epoch has had a message with satellites, and only then has time advanced to it.
     is_vouched: bool,
     phase: Phase,
-    /// The series that the epoch has had messages of, one bit each.
+    /// Series of the epoch's messages, one bit each.
     heard: u16,
-    /// How often each series still has to be right.
+    /// Number of right statements that each series still needs.
     distrust: [u8; 16],
-    /// The UTC that a message is tagged with for which no epoch is open, and when it came.
+    /// Tag of a UTC message without an open epoch, and its arrival, ms.
     utc_before: Option<(u32, u64)>,
-    /// Whether an epoch came over again with other ranges.
+    /// True if an epoch came again with other ranges.
     has_rival: bool,
-    /// The hash of the ranges of the last complete epoch.
+    /// Hash of the ranges of the last complete epoch.
     ranges_before: Option<u32>,
 }
 
-/// Messages of one instant come within, ms: a line that is so slow that this is too short tells no leap seconds by them.
+/// Longest time between messages of one instant, ms. On a slower line they do not determine the
+/// leap seconds.
 const BURST_MS: u64 = 100;
 
 impl Assembly {
@@ -80,12 +82,13 @@ impl Assembly {
         }
     }
 
-    /// Whether, since this was asked last, an epoch has come over again with other ranges.
+    /// Returns true if, since the last call, an epoch came again with other ranges.
     pub(super) const fn take_rivalry(&mut self) -> bool {
         core::mem::replace(&mut self.has_rival, false)
     }
 
-    /// Takes a message, the first byte of which came at `came_ms`, and tells of the epochs that it completes.
+    /// Takes a message whose first byte came at `came_ms`, and passes the epochs that it completes
+    /// to `tell`.
     pub(super) fn take(
         &mut self,
         ranges: &Ranges<'_>,
@@ -117,7 +120,7 @@ impl Assembly {
         }
     }
 
-    /// Two messages of one instant, of which one is tagged with UTC, tell how many leap seconds there are.
+    /// Infers the leap seconds from two messages of one instant, of which one is tagged with UTC.
     fn compare_tags(&mut self, ranges: &Ranges<'_>, came_ms: u64, calendar: &mut Calendar) {
         match (ranges.of_utc_ms, self.phase) {
             (Some(utc_ms), Phase::Open(_)) => calendar.infer_leap(self.epoch.time.tow_ms, utc_ms),
@@ -132,8 +135,8 @@ impl Assembly {
         }
     }
 
-    /// Returns true if a message is tagged with a UTC that may be wrong by a leap second: it does not fit the epoch under way, or there
-    /// is none that it could be compared with.
+    /// Returns true if the UTC tag of a message may be wrong by a leap second: it does not fit the
+    /// open epoch, or there is none to compare it with.
     fn is_unsure(&self, ranges: &Ranges<'_>, tow_ms: u32, calendar: &Calendar) -> bool {
         ranges.of_utc_ms.is_some_and(|utc_ms| match self.phase {
             Phase::Open(_) => !is_same(tow_ms, self.epoch.time.tow_ms) && calendar.is_step_due(),
@@ -141,12 +144,13 @@ impl Assembly {
         })
     }
 
-    /// Moves the epoch under way to the week of the present.
+    /// Moves the open epoch to the week of the present.
     pub(super) fn redate(&mut self, present: GpsTime) {
         self.epoch.time = GpsTime::nearest(self.epoch.time.tow_ms, present);
     }
 
-    /// The line pauses: whoever said that the epoch is complete was right.
+    /// Completes an epoch that a series stated as complete, because the line pauses and the
+    /// statement was thus right.
     pub(super) fn pause(&mut self, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
         if let Phase::Open(Some(series)) = self.phase {
             self.forgive(series);
@@ -154,7 +158,7 @@ impl Assembly {
         }
     }
 
-    /// Bytes were lost.
+    /// Drops the open epoch, because bytes were lost.
     pub(super) fn interrupt(&mut self, counters: &mut Counters) {
         if matches!(self.phase, Phase::Open(_)) {
             count(&mut counters.epochs_broken);
@@ -162,8 +166,8 @@ impl Assembly {
         self.phase = Phase::Interrupted;
     }
 
-    /// Whether a message of this time belongs to the open epoch. Opens one where none is open; one of another time is
-    /// complete.
+    /// Returns true if a message of this time belongs to the open epoch. If none is open, opens
+    /// one; completes an open one of another time.
     fn admits(
         &mut self,
         ranges: &Ranges<'_>,
@@ -197,7 +201,7 @@ impl Assembly {
             }
             Phase::Complete(complete_ms, ended) if is_same(tow_ms, complete_ms) => {
                 if self.has_heard(ranges.series) {
-                    // The epoch over again: nobody was wrong about its end.
+                    // The epoch comes again, so that the statement of its end was right.
                     count(&mut counters.epochs_backwards);
                     self.take_all(ranges, true, &mut Counters::default());
                 } else {
@@ -228,7 +232,7 @@ impl Assembly {
         self.begin(foreseen, tow_ms, counters)
     }
 
-    /// Whether what is under way, or what was last, is of this time.
+    /// Returns true if the open or the last epoch is of this time.
     fn is_at(&self, tow_ms: u32) -> bool {
         match self.phase {
             Phase::Open(_) => is_same(tow_ms, self.epoch.time.tow_ms),
@@ -237,7 +241,7 @@ impl Assembly {
         }
     }
 
-    /// The epoch has satellites: time goes on to it, or it is dropped.
+    /// Advances time to the epoch, which has satellites, or drops it.
     fn vouch(
         &mut self,
         tow_ms: u32,
@@ -251,7 +255,7 @@ impl Assembly {
             tell(Event::Redated(present));
         }
         self.is_vouched = time.is_ok();
-        // What is empty may come before its time.
+        // A message without satellites may come before its time.
         self.came_ms = came_ms;
         self.begin(time, tow_ms, counters)
     }
@@ -270,8 +274,8 @@ impl Assembly {
         time.is_ok()
     }
 
-    /// Adds the ranges of a message, or holds them against those of the epoch that was handed on. Both in one, since what reads
-    /// a message is compiled for whoever takes its ranges.
+    /// Adds the ranges of a message, or compares them with those of the last complete epoch. Both
+    /// are one function, because the reader of a message is compiled for each caller.
     #[inline(never)]
     fn take_all(&mut self, ranges: &Ranges<'_>, is_again: bool, counters: &mut Counters) {
         let earlier = self.epoch.satellites.len();
@@ -287,19 +291,19 @@ impl Assembly {
         *has_rival |= comparison.end();
     }
 
-    /// A message says that none follows.
+    /// Takes the statement of a message that none follows.
     fn end(&mut self, series: Option<Series>, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
         match (self.phase, series) {
             (Phase::Open(_), Some(series)) if self.distrust_of(series) > 0 => {
                 self.phase = Phase::Open(Some(series));
             }
             (Phase::Open(_), _) => self.complete(series, counters, tell),
-            // What is left of a dropped epoch is dropped too.
+            // The rest of a dropped epoch is dropped, too.
             (Phase::Idle | Phase::Dropping(_) | Phase::Complete(..) | Phase::Interrupted, _) => {}
         }
     }
 
-    /// Hands the epoch on, unless it repeats the one before.
+    /// Completes the epoch, unless it repeats the one before.
     fn complete(&mut self, series: Option<Series>, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
         self.phase = Phase::Complete(self.epoch.time.tow_ms, series);
         let ranges = hash_of_ranges(&self.epoch);
@@ -332,12 +336,12 @@ impl Assembly {
     }
 }
 
-/// The bit of a series; none where a message speaks for all.
+/// Returns the bit of a series; 0 if the message covers all.
 fn bit(series: Option<Series>) -> u16 {
     series.map_or(0, |series| 1_u16.checked_shl(u32::from(series)).unwrap_or(0))
 }
 
-/// Whether two times of week are of one instant; the week's end lies between no two of them.
+/// Returns true if two times of week are of one instant, across the end of the week as well.
 fn is_same(a_ms: u32, b_ms: u32) -> bool {
     let apart_ms = a_ms.abs_diff(b_ms);
     apart_ms.min(WEEK_MS.saturating_sub(apart_ms)) < SAME_INSTANT_MS

@@ -1,46 +1,50 @@
-//! Whose ranges are used, where a receiver sends the same in two formats, or another station's share its line.
+//! Choice of the source of ranges, if a receiver sends them in two formats, or another station
+//! shares its line.
 //!
-//! Those of the source whose ranges came first: a format, and in RTCM the number of a station. Two antennas in one epoch would be one
-//! place that is neither. Where it has been missing for [`PATIENCE_MS`], and for [`PATIENCE`] epochs of another, that one stands in:
-//! a receiver that is told to change its format while it starts must not silence the module. It does so until the first is back,
-//! from whose next epoch on the first is used again.
+//! The source whose ranges came first is used: a format, and in RTCM the number of a station.
+//! Ranges of two antennas in one epoch would give the position of neither. If the source has been
+//! missing for [`PATIENCE_MS`], and for more than [`PATIENCE`] epochs of another, that other one
+//! replaces it, because a receiver that changes its format at start must not silence the module.
+//! When the first returns, it is used again from its next epoch on.
 //!
-//! Once ranges of a source have agreed with orbits it is the receiver ([`Preference::settle`]), and nobody stands in for it until the
-//! host says so: a receiver in a tunnel is silent while the corrections for it go on, and a base is near enough to be taken for it. It is
-//! there while it sends anything, ranges or none.
+//! After ranges of a source have agreed with orbits, it is the receiver ([`Preference::settle`]),
+//! and no other source replaces it until `FORGET`. A receiver in a tunnel is silent while its
+//! corrections continue, and a base is near enough to be mistaken for it. A source is present while
+//! it sends messages of ranges, even without satellites.
 //!
-//! **Limit.** Where another station's ranges are the first to come, it is theirs that are used: corrections are to come on a line of
-//! their own.
+//! **Limit.** If another station's ranges are the first to come, they are used. Corrections must
+//! therefore come on a separate line.
 
 use super::Format;
 use crate::time::WEEK_MS;
 
-/// Epochs of another source without one of the first, and the time by their tags, ms.
+/// Epochs of another source without one of the first, and the time by their tags, ms, before the
+/// other one replaces it.
 const PATIENCE: u8 = 3;
 const PATIENCE_MS: u32 = 30_000;
 
-/// Who sends ranges.
+/// Source of ranges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Source {
     pub(super) format: Format,
-    /// Number of the station, 0 in a format that has none.
+    /// Number of the station; 0 if the format has none.
     pub(super) station: u16,
 }
 
-/// The source in use, and what came of others since.
+/// The source in use, and the epochs of others since.
 #[derive(Debug)]
 pub(super) struct Preference {
     first: Option<Source>,
     used: Option<Source>,
-    /// Whether nobody stands in for it.
+    /// True if no other source may replace it.
     is_settled: bool,
-    /// When it was there last, by the time of week of a message of any source.
+    /// Time of week, ms, at which the source in use was last present.
     used_ms: Option<u32>,
-    /// Epochs of others in a row.
+    /// Number of consecutive epochs of others.
     others: u8,
-    /// The time of week of the last epoch of any.
+    /// Time of week of the last epoch of any source, ms.
     last_ms: Option<u32>,
-    /// The epoch in which another stood in for the last time: the rest of it is nobody's.
+    /// Time of week, ms, of the last epoch from a replacement; the rest of that epoch is not used.
     spent_ms: Option<u32>,
 }
 
@@ -59,12 +63,13 @@ impl Preference {
         }
     }
 
-    /// The ranges that are used agreed with orbits: theirs is the receiver.
+    /// Settles on the source in use as the receiver, because its ranges agreed with orbits.
     pub(super) fn settle(&mut self) {
         (self.first, self.is_settled) = (self.used, true);
     }
 
-    /// Whether ranges of this source are used, of an epoch at this time of week, if it can be told.
+    /// Returns true if ranges of this source are used in an epoch at this time of week, if that is
+    /// known.
     pub(super) fn takes(&mut self, source: Source, tow_ms: Option<u32>, is_empty: bool) -> bool {
         if self.used.is_none_or(|used| used == source) {
             (self.others, self.used_ms) = (0, tow_ms.or(self.used_ms));
@@ -78,7 +83,8 @@ impl Preference {
             if source == first {
                 self.spent_ms = self.last_ms;
             } else {
-                // Another message of the same epoch is not one without the first, nor is one whose time cannot be told.
+                // Only a message of a new epoch with a known time counts as an epoch without the
+                // first source.
                 self.others =
                     self.others.saturating_add(u8::from(tow_ms.is_some() && tow_ms != self.last_ms));
                 if self.is_settled || self.others <= PATIENCE || !self.is_missing(tow_ms) {
@@ -93,12 +99,13 @@ impl Preference {
         tow_ms.is_none() || tow_ms != self.spent_ms
     }
 
-    /// Returns true if epochs of others come in place of a settled source, which only the host can give up.
+    /// Returns true if epochs of others come in place of a settled source, which only the host can
+    /// release.
     pub(super) const fn hears_others(&self) -> bool {
         self.is_settled && self.others > PATIENCE
     }
 
-    /// Whether the source in use has said nothing for long.
+    /// Returns true if the source in use has been missing for [`PATIENCE_MS`].
     fn is_missing(&self, tow_ms: Option<u32>) -> bool {
         let since_ms = |(now_ms, then_ms): (u32, u32)| (now_ms + WEEK_MS).saturating_sub(then_ms) % WEEK_MS;
         tow_ms.zip(self.used_ms).map(since_ms).is_none_or(|since_ms| since_ms >= PATIENCE_MS)
@@ -122,7 +129,7 @@ mod tests {
         let mut preference = Preference::new();
         for second in 0..10 {
             assert!(takes(&mut preference, RECEIVER, second));
-            // Several messages an epoch.
+            // An epoch has several messages.
             assert!(!takes(&mut preference, SAME, second));
             assert!(!takes(&mut preference, SAME, second));
         }

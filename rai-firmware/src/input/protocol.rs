@@ -147,8 +147,9 @@ macro_rules! formats {
                 false
             }
 
-            /// Returns true if a frame of some format may begin with one of the four bytes of a word: a byte is
-            /// zero if a borrow goes through it that its highest bit does not explain.
+            /// Returns true if a frame of some format may begin with one of the four bytes of a
+            /// word: a byte is zero if a borrow goes through it that its highest bit does not
+            /// explain.
             fn may_begin_within(word: u32) -> bool {
                 const ONES: u32 = 0x0101_0101;
                 $($(#[$condition])*

@@ -201,8 +201,8 @@ fn cn0(signal: &MeasuredSignal) -> Option<f64> {
     signal.cn0_dbhz.filter(|cn0_dbhz| *cn0_dbhz >= 0.0625).map(|cn0_dbhz| cn0_dbhz.min(63.9375))
 }
 
-/// Parts the rows so that each part fits into one message. The size of its cell mask is that of the part times the number of
-/// its different signals.
+/// Parts the rows so that each part fits into one message. The size of its cell mask is that of the
+/// part times the number of its different signals.
 fn parts(rows: Vec<Row>) -> Vec<Vec<Row>> {
     let (mut parts, mut part, mut signals) = (Vec::new(), Vec::new(), Vec::new());
     for row in rows {

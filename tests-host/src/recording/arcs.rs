@@ -23,7 +23,7 @@ pub(super) struct Satellite {
 #[derive(Clone, Debug)]
 struct Arc {
     order: usize,
-    /// How many differences are known by now.
+    /// Number of differences known by now.
     known: usize,
     differences: [i64; ORDER_LIMIT + 1],
 }
@@ -45,7 +45,7 @@ impl Arc {
     }
 }
 
-/// What a word does to an arc.
+/// Effect of a word on an arc.
 enum Step {
     End,
     Begin(Arc),
@@ -65,10 +65,12 @@ impl Step {
 }
 
 impl Satellite {
-    /// Takes one coded line: as many observations as there are kinds, then the differences of their flags.
+    /// Takes one coded line: as many observations as there are kinds, then the differences of their
+    /// flags.
     ///
-    /// Returns the number of flaws. A word that cannot be read ends all arcs, because the words after it may have moved;
-    /// a difference without an arc, which is what damage leaves behind, is no observation.
+    /// Returns the number of flaws. A word that cannot be read ends all arcs, because the words
+    /// after it may have moved; a difference without an arc, which is what damage leaves behind, is
+    /// no observation.
     pub(super) fn update(&mut self, line: &str, kinds: usize) -> usize {
         self.arcs.resize(kinds, None);
         let mut rest = line;
@@ -103,8 +105,8 @@ impl Satellite {
         self.arcs.iter().all(Option::is_none)
     }
 
-    /// Appends the RINEX lines of the satellite, of at most so many observations each. Where all are in one line, it begins
-    /// with the satellite's name.
+    /// Appends the RINEX lines of the satellite, of at most so many observations each. Where all
+    /// are in one line, it begins with the satellite's name.
     pub(super) fn write(
         &self,
         name: &str,

@@ -8,7 +8,8 @@
 //!   of order `m` at the value `v`; a bare number is the newest difference; nothing means no
 //!   observation and ends the arc.
 //!
-//! Versions 1 (RINEX 2) and 3 (RINEX 3 and 4). Receiver clock offsets on the second line of an epoch are skipped.
+//! Versions 1 (RINEX 2) and 3 (RINEX 3 and 4). Receiver clock offsets on the second line of an
+//! epoch are skipped.
 //!
 //! Damage in a satellite's line costs that satellite until each of its arcs begins again. A line
 //! that is missing or one too many would give each following satellite the ranges of its neighbour.

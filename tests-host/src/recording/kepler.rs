@@ -1,7 +1,7 @@
 //! Records of Kepler elements to messages.
 //!
-//! Read row by row a record is
-//! `[af0 af1 af2 | row 1 | row 2 | …]` with four numbers in each row; which is which depends on the system:
+//! Read row by row a record is `[af0 af1 af2 | row 1 | row 2 | …]` with four numbers in each row;
+//! which is which depends on the system:
 //!
 //! | row | GPS LNAV | Galileo I/NAV, F/NAV | `BeiDou` D1, D2 |
 //! |---|---|---|---|
@@ -13,12 +13,13 @@
 //! | 6 | accuracy, health, TGD, IODC | accuracy, health, BGD E5a, BGD E5b | accuracy, health, TGD1, TGD2 |
 //! | 7 | sent at, fit interval | sent at | sent at, AODC |
 //!
-//! RINEX has radians where messages have semicircles, metres where they have accuracy indices. Weeks are taken from
-//! the date of the time of clock, which is unambiguous, and not from row 5, where files differ in what they count
-//! from. Times that a file does not know (0.9999e9 s) or that are half a week off are replaced by the time of clock.
+//! RINEX has radians where messages have semicircles, metres where they have accuracy indices.
+//! Weeks are taken from the date of the time of clock, which is unambiguous, and not from row 5,
+//! where files differ in what they count from. Times that a file does not know (0.9999e9 s) or that
+//! are half a week off are replaced by the time of clock.
 //!
-//! QZSS has the rows of GPS.
-//! References: [RINEX-2.11] table A4, [RINEX-3.05] tables A6, A8, A14, [RINEX-4.01] tables A8 to A18.
+//! QZSS has the rows of GPS. References: [RINEX-2.11] table A4, [RINEX-3.05] tables A6, A8, A14,
+//! [RINEX-4.01] tables A8 to A18.
 //!
 //! [RINEX-2.11]: crate#references
 //! [RINEX-3.05]: crate#references
@@ -36,8 +37,8 @@ use crate::measurement::{Ephemeris, TimedEphemeris};
 
 /// Largest magnitudes by row and column that any of the messages has room for, in the file's units.
 ///
-/// The bits and scale factors are those of [IS-GPS-200] tables 20-I and 20-III, [Galileo-OS-SIS-ICD] tables 60 and 63 and
-/// [BDS-SIS-ICD] tables 5-8 and 5-10; the widest counts.
+/// The bits and scale factors are those of [IS-GPS-200] tables 20-I and 20-III,
+/// [Galileo-OS-SIS-ICD] tables 60 and 63 and [BDS-SIS-ICD] tables 5-8 and 5-10; the widest counts.
 ///
 /// [IS-GPS-200]: crate#references
 /// [Galileo-OS-SIS-ICD]: crate#references
@@ -79,7 +80,8 @@ impl Record {
         self.at(row, column) / PI
     }
 
-    /// Checks that the fields of the messages have room for the numbers: a larger one was not broadcast.
+    /// Checks that the fields of the messages have room for the numbers: a larger one was not
+    /// broadcast.
     fn check(&self) -> Result<()> {
         for (row, column, limit) in LIMITS {
             let value = self.at(row, column);
@@ -103,10 +105,11 @@ impl Record {
         Ok(TimedEphemeris { satellite: self.satellite, toe, sent: self.sent(), message: self.message(toe) })
     }
 
-    /// When the satellite sent it.
+    /// Returns the time at which the satellite sent the set.
     fn sent(&self) -> GpsTime {
         const WEEK_S: f64 = 604_800.0;
-        // Message times of the week before the week of the reference time are written negative by some.
+        // Message times of the week before the week of the reference time are written negative by
+        // some.
         let known = Some(self.at(7, 0)).filter(|tow_s| (-WEEK_S..=WEEK_S).contains(tow_s) && *tow_s != 0.0);
         known.and_then(|tow_s| calendar::nearest_week(tow_s, self.toc, self.system)).unwrap_or(self.toc)
     }
@@ -183,7 +186,7 @@ impl Record {
         )
     }
 
-    /// As GPS, but that the fit interval is a flag: 1 beyond two hours.
+    /// Makes the message of QZSS: that of GPS, with a flag for a fit interval beyond two hours.
     fn qzss(&self, toe: GpsTime) -> Msg1044T {
         message!(Msg1044T of self, qzss_satellite_id, clock: [af0_s, af1_s_s, af2_s_s2],
             qzss_week_number: toe.week % 1024,
@@ -239,7 +242,8 @@ impl Record {
     }
 }
 
-/// The index of a user range accuracy in metres: the first class whose upper bound holds it ([IS-GPS-200] 20.3.3.3.1.3).
+/// The index of a user range accuracy in metres: the first class whose upper bound holds it
+/// ([IS-GPS-200] 20.3.3.3.1.3).
 ///
 /// [IS-GPS-200]: crate#references
 fn ura_index(accuracy_m: f64) -> u8 {
@@ -249,7 +253,8 @@ fn ura_index(accuracy_m: f64) -> u8 {
     class.unwrap_or(UPPER_M.len()) as u8
 }
 
-/// The index of a signal-in-space accuracy in metres ([Galileo-OS-SIS-ICD] §5.1.12); 255 where there is no prediction.
+/// The index of a signal-in-space accuracy in metres ([Galileo-OS-SIS-ICD] §5.1.12); 255 where
+/// there is no prediction.
 ///
 /// [Galileo-OS-SIS-ICD]: crate#references
 fn sisa_index(accuracy_m: f64) -> u8 {

@@ -1,8 +1,8 @@
 //! Navigation records of RINEX 2, 3 and 4, converted to broadcast ephemerides.
 //!
-//! A record is a line that names satellite and time of clock, followed by indented lines. What their rows hold depends on
-//! the system: Kepler elements ([`kepler`](super::kepler)) or, for GLONASS, a state vector ([`glonass`]), in RINEX 2 in a
-//! file of its own.
+//! A record is a line that names satellite and time of clock, followed by indented lines. What
+//! their rows hold depends on the system: Kepler elements ([`kepler`](super::kepler)) or, for
+//! GLONASS, a state vector ([`glonass`]), in RINEX 2 in a file of its own.
 //!
 //! An unreadable record is counted and skipped, and so is one with a number that does not fit its
 //! message. Unread kinds are counted separately: the modernised messages of RINEX 4 (CNAV and its

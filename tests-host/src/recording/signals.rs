@@ -13,8 +13,9 @@ use super::header::Header;
 use super::text::{columns, number};
 use crate::measurement::{MeasuredSatellite, MeasuredSignal};
 
-/// The fields that are read of the records of each system, by the system's letter, and the column of each. Pseudoranges come
-/// first, because the other quantities complete the signals that they begin.
+/// The fields that are read of the records of each system, by the system's letter, and the column
+/// of each. Pseudoranges come first, because the other quantities complete the signals that they
+/// begin.
 pub(super) struct Fields(Vec<(char, Vec<(usize, Field)>)>);
 
 impl Fields {
@@ -52,9 +53,9 @@ impl Fields {
     }
 }
 
-/// What came of a satellite's record.
+/// Result of reading a satellite's record.
 pub(super) enum Read {
-    /// What was measured, and how many values beside the pseudoranges cannot be read.
+    /// Measured signals, and the number of values beside the pseudoranges that cannot be read.
     Satellite(MeasuredSatellite, u64),
     /// A system that RAI does not know.
     OtherSystem,
@@ -82,7 +83,8 @@ pub(super) fn satellite(name: &str, values: &str, header: &Header, fields: &Fiel
     }
 }
 
-/// The letter of a satellite's system; RINEX 2 may leave it blank where the header names the only one.
+/// The letter of a satellite's system; RINEX 2 may leave it blank where the header names the only
+/// one.
 fn system(name: &str, header: &Header) -> Option<char> {
     match name.chars().next()? {
         letter if letter.is_ascii_alphabetic() => Some(letter),
@@ -93,7 +95,8 @@ fn system(name: &str, header: &Header) -> Option<char> {
     }
 }
 
-/// The signals of one satellite, and how many of the values beside their pseudoranges cannot be read.
+/// The signals of one satellite, and how many of the values beside their pseudoranges cannot be
+/// read.
 struct Signals {
     signals: Vec<MeasuredSignal>,
     damaged: u64,

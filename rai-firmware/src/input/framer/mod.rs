@@ -48,7 +48,8 @@ pub(super) struct Framer {
     old_ms: u64,
     credit: usize,
     nested: Nested,
-    /// Position of an incomplete candidate, and the length of the buffer below which it stays incomplete.
+    /// Position of an incomplete candidate, and the length of the buffer below which it stays
+    /// incomplete.
     awaited: (usize, usize),
 }
 
