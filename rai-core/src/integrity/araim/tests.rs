@@ -2,6 +2,7 @@
 //! least squares.
 
 mod random_skies;
+mod systems_apart;
 
 use std::ops::ControlFlow;
 use std::prelude::rust_2024::*;
