@@ -235,7 +235,7 @@ fn check_numbers<T: Real>(sky: &[Sighted]) -> Result<(), TestCaseError> {
     let Ok(judged) = judge(&mut snapshot, &priors, &allocation()) else { return Ok(()) };
     let excluded = match &judged.outcome {
         AraimOutcome::Excluded { finding, .. } => Some(finding),
-        AraimOutcome::Passed | AraimOutcome::NotIsolated => None,
+        AraimOutcome::Passed | AraimOutcome::NotIsolated | AraimOutcome::Ambiguous => None,
     };
     for finding in [Some(&judged.whole), excluded].into_iter().flatten() {
         let numbers = [

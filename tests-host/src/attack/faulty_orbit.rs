@@ -59,7 +59,7 @@ fn attempt(seed: u64) -> Result<Tally> {
 }
 
 /// Moves a satellite along its orbit.
-fn move_ahead(ephemeris: &mut TimedEphemeris, along_m: f64) {
+pub(super) fn move_ahead(ephemeris: &mut TimedEphemeris, along_m: f64) {
     let turned_sc = |sqrt_a_sqrt_m: f64| along_m / (sqrt_a_sqrt_m * sqrt_a_sqrt_m * PI);
     match &mut ephemeris.message {
         Ephemeris::Gps(message) => message.m0_sc = wrapped(message.m0_sc + turned_sc(message.sqrt_a_sqrt_m)),

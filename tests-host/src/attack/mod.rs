@@ -21,6 +21,8 @@
 //! | [`several_faults`] | two to four satellites wrong at once |
 //! | [`reflections`] | all low satellites of one side late |
 //! | [`shifted_system`] | all satellites of a system wrong at once, in agreement |
+//! | [`two_truths`] | counterfeit signals of one system beside genuine ones of another |
+//! | [`poor_ranges`] | all ranges noisier than their sigmas, beside wrong orbits, or rounded |
 //! | [`early_ephemeris`] | ephemerides that are hours early, and crowds of absent satellites |
 //! | [`ionosphere`] | one frequency under a dense ionosphere; forged coefficients |
 //! | [`health`] | signals that one message calls healthy and another out of service |
@@ -55,6 +57,7 @@ mod ionosphere;
 mod leap;
 mod learned_sigmas;
 mod odd_ranges;
+mod poor_ranges;
 mod recordings;
 mod reflections;
 mod settings;
@@ -63,6 +66,7 @@ mod shifted_system;
 mod single_fault;
 mod suspicions;
 mod two_stations;
+mod two_truths;
 mod unsaid_delays;
 mod unsaid_strength;
 mod upheaval;
@@ -118,6 +122,10 @@ pub const ATTACKS: &[&Attack] = &[
     &reflections::ATTACK,
     &shifted_system::WHOLE,
     &shifted_system::FEW,
+    &two_truths::ATTACK,
+    &poor_ranges::NOISE,
+    &poor_ranges::ORBITS,
+    &poor_ranges::ROUNDED,
     &early_ephemeris::EARLY,
     &early_ephemeris::ABSENT,
     &early_ephemeris::CROWD,

@@ -195,7 +195,7 @@ fn excluded<T: Real>(line: &Line, outcome: &AraimOutcome<T>, after: &Snapshot<'_
     let level = |finding: &Finding<T>, level: fn(&Finding<T>) -> T| Some(wide(level(finding)));
     match outcome {
         AraimOutcome::Passed => None,
-        AraimOutcome::NotIsolated => {
+        AraimOutcome::NotIsolated | AraimOutcome::Ambiguous => {
             Some(Excluded { excl: None, hpl_excl: None, vpl_excl: None, x_excl: None, p_nm_excl: None })
         }
         AraimOutcome::Excluded { excluded, finding, .. } => Some(Excluded {

@@ -68,7 +68,7 @@ fn blames_the_time<T: Real>(
     let left = solution.snapshot().sse();
     let gone = match &judged.outcome {
         AraimOutcome::Excluded { rows, .. } => *rows,
-        AraimOutcome::Passed | AraimOutcome::NotIsolated => 0,
+        AraimOutcome::Passed | AraimOutcome::NotIsolated | AraimOutcome::Ambiguous => 0,
     };
     if gone != 0 {
         solution.take_back_all(gone);
@@ -121,10 +121,13 @@ fn judgement<T: Real>(
         AraimOutcome::NotIsolated => {
             (ExclusionOutcome::NotIsolated(Unidentified::NoSet), None, &judged.whole)
         }
+        AraimOutcome::Ambiguous => {
+            (ExclusionOutcome::NotIsolated(Unidentified::Ambiguous), None, &judged.whole)
+        }
     };
     let lost = match &judged.outcome {
         AraimOutcome::Excluded { excluded, .. } => excluded.constellations,
-        AraimOutcome::Passed | AraimOutcome::NotIsolated => 0,
+        AraimOutcome::Passed | AraimOutcome::NotIsolated | AraimOutcome::Ambiguous => 0,
     };
     let snapshot = solution.snapshot();
     // At most [`MAX_EXCLUDED`] satellites of a constellation; the ARAIM part of the report names it

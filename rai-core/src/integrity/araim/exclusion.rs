@@ -5,6 +5,11 @@
 //! alarm is taken. Each is judged by all modes that were chosen with all satellites in view,
 //! restricted to the remaining ones, so that a wrong exclusion is within the risk.
 //!
+//! Without one of two satellites of a constellation, the clock takes whatever the other measures.
+//! Therefore leaving out either of them counts as leaving out their constellation. Nothing is left
+//! out if two satellites explain the data equally, or two constellations of which one has two
+//! satellites ([`rivals`]).
+//!
 //! Judging a candidate costs as much as judging the epoch, so that at most one satellite and one
 //! constellation are judged. Most candidates need no judgement, because another satellite is still
 //! so far off that its own test alarms. That test is algebra on the all-in-view solution:
@@ -20,6 +25,8 @@
 //! References: [MAAST] for the order and the shares.
 //!
 //! [MAAST]: crate#references
+
+mod rivals;
 
 use heapless::Vec;
 use nalgebra::Vector3;
@@ -53,6 +60,8 @@ pub enum AraimOutcome<T> {
     },
     /// A test alarms with every single satellite or constellation left out, or exclusion is off.
     NotIsolated,
+    /// A test alarms, and several exclusions explain that equally.
+    Ambiguous,
 }
 
 /// Result of the judgement.
@@ -224,6 +233,17 @@ impl ExclusionOptions {
         bits.filter(|bit| self.constellations & bit != 0).map(Hypothesis::of_constellations)
     }
 
+    /// Replaces two satellites that are alone in their constellation by that constellation.
+    fn with_pairs_as_one<T: Real>(mut self, monitored: &MonitoredModes<'_, T>) -> Self {
+        for (id, members) in monitored.modes.members.iter().enumerate() {
+            if count_of(members & self.satellites) == 2 {
+                self.satellites &= !members;
+                self.constellations |= 1 << id;
+            }
+        }
+        self
+    }
+
     fn count(&self) -> usize {
         count_of(self.satellites) + self.constellations.count_ones() as usize
     }
@@ -249,13 +269,12 @@ fn exclude<T: Real>(
     options: ExclusionOptions,
     factors: [T; 3],
 ) -> Result<AraimOutcome<T>, AraimError> {
-    let mut left = options;
+    let mut left = options.with_pairs_as_one(monitored);
     let limits = Vector3::from(factors.map(|factor| factor * factor * T::narrow(1.0 + MARGIN)));
     for _ in 0..MOST_TRIED {
-        let Some(excluded) = next(monitored, solving, View::of(epoch.snapshot()), priors, &left, &limits)
-        else {
-            break;
-        };
+        let view = View::of(epoch.snapshot());
+        let Some(choice) = next(monitored, solving, view, priors, &left, &limits) else { break };
+        let excluded = choice.option;
         let rows = monitored.modes.taken_by(excluded);
         left.satellites = 0;
         left.constellations &= !excluded.constellations;
@@ -264,12 +283,23 @@ fn exclude<T: Real>(
         }
         let finding =
             describe(monitored, solving, View::of(epoch.snapshot()), priors, rows, Purpose::Accept)?;
-        if !finding.alarm {
+        if !finding.alarm && !choice.is_rivalled {
             return Ok(AraimOutcome::Excluded { excluded, rows, finding });
         }
         epoch.take_back_all(rows);
+        if !finding.alarm {
+            return Ok(AraimOutcome::Ambiguous);
+        }
     }
     Ok(AraimOutcome::NotIsolated)
+}
+
+/// The option to judge next.
+#[derive(Clone, Copy, Debug)]
+struct Choice {
+    option: Hypothesis,
+    /// True if another option explains the data equally.
+    is_rivalled: bool,
 }
 
 /// Returns the option that leaves the smallest SSE, of those that no single satellite contradicts.
@@ -281,29 +311,24 @@ fn next<T: Real>(
     priors: &[Prior<T>],
     left: &ExclusionOptions,
     limits: &Vector3<T>,
-) -> Option<Hypothesis> {
+) -> Option<Choice> {
     let mut solutions = SubsetSolutions::of(view, &mut solving.own);
     solutions.prepare_without_biases(priors);
-    let mut agreeing = |option: Hypothesis, least: Option<T>| {
+    // In single precision no smaller difference of two sums is known.
+    let tie = view.sse * T::TIE;
+    let mut agreeing = |option: Hypothesis, limit: Option<T>| {
         let taken = monitored.modes.taken_by(option);
         let is_left = monitored.leaves_enough(taken, 1);
         let sse = if is_left { solutions.sse_without(view.sse, option)? } else { return None };
-        let is_better = least.is_none_or(|least| sse < least);
-        (is_better && !solutions.contradict(option, monitored.singles(taken), limits))
-            .then_some((sse, option))
+        let is_close = limit.is_none_or(|limit| sse < limit);
+        (is_close && !solutions.contradict(option, monitored.singles(taken), limits)).then_some((sse, option))
     };
     let satellites = members(left.satellites).map(Hypothesis::of_row);
-    let satellite = last_of(satellites, &mut agreeing);
-    satellite.or_else(|| last_of(left.constellations(), &mut agreeing))
-}
-
-/// Returns the last option that is better than those before it.
-fn last_of<T: Real>(
-    options: impl Iterator<Item = Hypothesis>,
-    better: &mut impl FnMut(Hypothesis, Option<T>) -> Option<(T, Hypothesis)>,
-) -> Option<Hypothesis> {
-    let best = options.fold(None, |best: Option<(T, Hypothesis)>, option| {
-        better(option, best.map(|(least, _)| least)).or(best)
-    });
-    best.map(|(_, option)| option)
+    if let Some(best) = rivals::best(satellites, tie, &mut agreeing) {
+        return Some(best);
+    }
+    // The prior probabilities of constellations differ, so that their sums need not.
+    let best = rivals::best(left.constellations(), T::zero(), &mut agreeing)?;
+    let is_rivalled = best.is_rivalled || rivals::is_pair_beside_one(monitored, best.option);
+    Some(Choice { is_rivalled, ..best })
 }

@@ -1,6 +1,9 @@
 //! Tests of internals: the worked example with every intermediate, and random skies against dense
 //! least squares.
 
+mod random_skies;
+mod systems_apart;
+
 use std::ops::ControlFlow;
 use std::prelude::rust_2024::*;
 use std::{format, println, vec};

@@ -417,7 +417,7 @@ impl Trial<'_> {
             let (left_out, levels_m) = match &judged.outcome {
                 AraimOutcome::Passed => (0, judged.whole.levels_m),
                 AraimOutcome::Excluded { rows, finding, .. } => (*rows, finding.levels_m),
-                AraimOutcome::NotIsolated => return Ok(0.0),
+                AraimOutcome::NotIsolated | AraimOutcome::Ambiguous => return Ok(0.0),
             };
             let counts = left_out == aim.left_out && self.is_beyond(position_m, levels_m);
             Ok(if counts { (half - aim.centre.dot(&drawn)).exp() } else { 0.0 })

@@ -12,8 +12,8 @@
 //! | `1/σ_k` | [`Term::inverse_sigma`] | 1/m |
 //! | `p_k` | [`Term::probability`] | – |
 //!
-//! Solved by Newton's method on `ln f`, held in a bracket. The result is a distance at which the
-//! sum was at most `R`, and at most 0.1 mm beyond the root.
+//! [`root`] solves it. The result is a distance at which the sum was at most `R`, and at most 0.1 mm
+//! beyond the root.
 //!
 //! A few dozen of hundreds of modes matter. Terms are classified at a distance below the root (the
 //! *reference*). A term whose bound `½ p exp(−u²/2)` is far below `R` is clear and not evaluated;
@@ -27,6 +27,7 @@
 //! [Blanch2015]: crate#references
 //! [MAAST]: crate#references
 
+mod root;
 mod screen;
 
 use heapless::Vec;
@@ -40,14 +41,6 @@ use crate::numeric::real::Real;
 
 /// Most terms that stay; beyond, the smallest are frozen.
 const TERMS: usize = 48;
-
-/// Most steps to the root; three to six are usual.
-const MAX_STEPS: usize = 60;
-
-/// Returns the step below which the iteration ends, m: 0.1 mm, in single precision 0.6 mm.
-fn settled_m<T: Real>() -> T {
-    T::narrow(1e-4) + T::narrow(4e3) * T::default_epsilon()
-}
 
 /// Returns the share of `R` that all clear terms together are charged; in single precision 2e-4
 /// more, which is 0.1 mm of a level for a `σ` of 2 m.
@@ -146,15 +139,6 @@ impl<T: Real> QuantileCache<T> {
         }
         self.latest.1
     }
-}
-
-/// Value of the sum at a distance.
-struct RiskSum<T> {
-    value: T,
-    /// Rate at which the sum falls, 1/m.
-    slope: T,
-    /// Mode of the largest term.
-    dominant: Hypothesis,
 }
 
 /// Value of a term at a distance.
@@ -294,20 +278,6 @@ impl<T: Real> Axis<T> {
         self.frozen = frozen;
     }
 
-    fn sum(&self, level_m: T) -> RiskSum<T> {
-        let mut sum = RiskSum { value: self.frozen, slope: T::zero(), dominant: Hypothesis::NONE };
-        let mut largest = T::zero();
-        for term in &self.terms {
-            let TermValue { value, slope } = term.at(level_m);
-            sum.value += value;
-            sum.slope += slope;
-            if value > largest {
-                (largest, sum.dominant) = (value, term.hypothesis);
-            }
-        }
-        sum
-    }
-
     /// Raises the reference to the distance at which one mode alone spends the risk, and freezes
     /// small terms.
     pub(super) fn raise_reference(&mut self, quantiles: &mut QuantileCache<T>) {
@@ -317,7 +287,7 @@ impl<T: Real> Axis<T> {
 
     /// Raises the reference by the modes so far, because more modes only raise the root.
     pub(super) fn refine_reference(&mut self) {
-        let below_m = self.solve().below_m;
+        let below_m = self.level().below_m;
         self.refer(below_m);
     }
 
@@ -357,66 +327,20 @@ impl<T: Real> Axis<T> {
 
     /// Returns the level with all modes.
     pub(super) fn finish(&self) -> AxisLevel<T> {
-        let level = self.solve();
+        let level = self.level();
         let below_m = if level.below_m > self.reference_m { level.below_m } else { self.reference_m };
         AxisLevel { below_m, ..level }
     }
 
     /// Returns true if another pass with a better reference is worth it.
     pub(super) fn exceeds_tolerance(level: &AxisLevel<T>) -> bool {
+        if !level.distance_m.is_finite() {
+            // The frozen terms alone spend the risk. Without risk nothing is known of the root.
+            return level.below_m > T::zero();
+        }
         let single = T::default_epsilon() * (T::narrow(2e4) + T::narrow(300.0) * level.distance_m);
         let limit = T::narrow(TOLERANCE_M) + single;
-        level.distance_m.is_finite() && level.distance_m - level.below_m > limit
-    }
-
-    /// Solves by Newton's method, starting at the reference.
-    #[inline(never)]
-    fn solve(&self) -> AxisLevel<T> {
-        let start_m = self.reference_m;
-        let unknown = AxisLevel { below_m: start_m, ..AxisLevel::none() };
-        let (mut low_m, mut high) = (start_m, None);
-        let mut at_m = start_m;
-        // Least step, doubled after each step without effect, so that the iteration always
-        // advances.
-        let mut least_m = settled_m::<T>();
-        for _ in 0..MAX_STEPS {
-            let sum = self.sum(at_m);
-            let step = (sum.value / self.risk).ln() * sum.value / sum.slope;
-            let settled = settled_m::<T>() + T::narrow(16.0) * T::default_epsilon() * at_m;
-            if sum.value <= self.risk {
-                let slack = self.frozen / sum.slope;
-                high = Some((at_m, slack, sum.dominant));
-                // If the sum does not fall, neither value is meaningful.
-                if step.abs() <= settled || at_m - low_m <= settled {
-                    break;
-                }
-            } else {
-                low_m = at_m;
-            }
-            if settled > least_m {
-                least_m = settled;
-            }
-            at_m = next(at_m, step, low_m, high.map(|(high_m, ..)| high_m), least_m);
-            least_m += least_m;
-        }
-        let Some((level_m, slack, dominant)) = high else { return unknown };
-        // The sum is convex beyond every offset: without the frozen terms it would reach the risk
-        // no earlier than here.
-        let below_m = level_m - slack - T::narrow(2.0) * settled_m::<T>();
-        let below_m = if slack.is_finite() && below_m > T::zero() { below_m } else { T::zero() };
-        AxisLevel { distance_m: level_m, below_m, dominant }
-    }
-}
-
-/// Returns Newton's step if it stays within the bracket, else a point inside it.
-fn next<T: Real>(at_m: T, step: T, low_m: T, high_m: Option<T>, least_m: T) -> T {
-    let wanted = at_m + step;
-    match high_m {
-        Some(high_m) if wanted > low_m && wanted < high_m => wanted,
-        Some(high_m) => (low_m + high_m) / T::narrow(2.0),
-        None if step > least_m && step.is_finite() => wanted,
-        None if step.is_finite() => at_m + least_m,
-        None => at_m + at_m + least_m,
+        level.distance_m - level.below_m > limit
     }
 }
 
