@@ -77,6 +77,7 @@ impl Named {
 }
 
 #[cfg(test)]
+#[allow(clippy::expect_used)]
 mod tests {
     use super::{Named, SATELLITES};
     use crate::satellite::{Constellation, SatelliteId};
