@@ -10,18 +10,27 @@
 //! | a message without satellites is tagged ahead | it moves no clock, for it vouches for nothing; far ahead it is passed over |
 //! | ranges come again under a new tag, bit for bit | the repeat is dropped: satellites move by metres in a millisecond, so it carries no news and a wrong tag |
 //! | bytes are lost | the epoch under way and the rest of the next one are dropped |
-//! | two receivers of one name share the line | what comes first is used; that an epoch came over again with other ranges is remembered ([`Assembly::take_rivalry`]) |
+//! | two receivers of one name share the line | what comes first is used; a range that comes twice and is another is told ([`Rivalry`]), as is a turn of the ranges ([`super::turns`]) |
+//! | a system tags its ranges by tens of milliseconds wrong | two epochs of one instant, which no satellite is common to: told before either is judged ([`HALVES_MS`]) |
 
 use super::calendar::{Calendar, TimeError};
 use super::epoch_ranges::{Comparison, add, hash_of_ranges};
 use super::leap_seconds::LeapSource;
-use super::{Counters, Event, Ranges, Series};
+use super::turns::Turns;
+use super::{Counters, Event, Ranges, Rivalry, Series};
 use crate::counters::count;
 use crate::raw::RawEpoch;
 use crate::time::{GpsTime, WEEK_MS};
 
 /// Tags that differ by less are of one instant, ms: receivers round each system's own time for itself.
 const SAME_INSTANT_MS: u32 = 10;
+
+/// Epochs of different systems whose tags differ by less are halves of one instant, ms: a receiver that measures so often
+/// sends its systems together.
+const HALVES_MS: u32 = 500;
+
+/// Most that a range changes in a millisecond, m: 1,000 m/s of satellite, vehicle and clock.
+const RATE_M_MS: f64 = 1.0;
 
 /// How often a system has to be right until its word counts again.
 const FORGIVEN_AFTER: u8 = 3;
@@ -54,8 +63,9 @@ pub(super) struct Assembly {
     distrust: [u8; 16],
     /// The UTC that a message is tagged with for which no epoch is open, and when it came.
     utc_before: Option<(u32, u64)>,
-    /// Whether an epoch came over again with other ranges.
+    /// Whether a rival of this epoch has been told.
     has_rival: bool,
+    turns: Turns,
     /// The hash of the ranges of the last complete epoch.
     ranges_before: Option<u32>,
 }
@@ -76,13 +86,9 @@ impl Assembly {
             distrust: [0; 16],
             utc_before: None,
             has_rival: false,
+            turns: Turns::new(),
             ranges_before: None,
         }
-    }
-
-    /// Whether, since this was asked last, an epoch has come over again with other ranges.
-    pub(super) const fn take_rivalry(&mut self) -> bool {
-        core::mem::replace(&mut self.has_rival, false)
     }
 
     /// Takes a message, the first byte of which came at `came_ms`, and tells of the epochs that it completes.
@@ -108,7 +114,7 @@ impl Assembly {
             Some(tow_ms) => {
                 if self.admits(ranges, tow_ms, came_ms, calendar, counters, tell) {
                     self.heard |= bit(ranges.series);
-                    self.take_all(ranges, false, counters);
+                    self.take_all(ranges, tow_ms, false, counters, tell);
                 }
             }
         }
@@ -181,6 +187,9 @@ impl Assembly {
             count(reason.counter(counters));
             return false;
         }
+        if !is_empty && self.is_half(ranges.series, tow_ms, came_ms) {
+            tell(Event::Rivalry(Rivalry::Halves));
+        }
         match self.phase {
             Phase::Open(ended) if is_same(tow_ms, self.epoch.time.tow_ms) => {
                 if let Some(series) = ended {
@@ -199,17 +208,22 @@ impl Assembly {
                 if self.has_heard(ranges.series) {
                     // The epoch over again: nobody was wrong about its end.
                     count(&mut counters.epochs_backwards);
-                    self.take_all(ranges, true, &mut Counters::default());
                 } else {
                     if let Some(series) = ended {
                         self.accuse(series);
                     }
                     count(&mut counters.observations_after_end);
                 }
+                self.take_all(ranges, tow_ms, true, &mut Counters::default(), tell);
                 self.phase = Phase::Dropping(complete_ms);
                 return false;
             }
-            Phase::Dropping(dropped_ms) if is_same(tow_ms, dropped_ms) => return false,
+            Phase::Dropping(dropped_ms) if is_same(tow_ms, dropped_ms) => {
+                if is_same(tow_ms, self.epoch.time.tow_ms) {
+                    self.take_all(ranges, tow_ms, true, &mut Counters::default(), tell);
+                }
+                return false;
+            }
             Phase::Interrupted => {
                 count(&mut counters.epochs_broken);
                 self.phase = Phase::Dropping(tow_ms);
@@ -220,6 +234,7 @@ impl Assembly {
         self.epoch.satellites.clear();
         self.came_ms = came_ms;
         self.heard = 0;
+        self.has_rival = false;
         if !is_empty {
             return self.vouch(tow_ms, came_ms, calendar, counters, tell);
         }
@@ -270,21 +285,45 @@ impl Assembly {
         time.is_ok()
     }
 
-    /// Adds the ranges of a message, or holds them against those of the epoch that was handed on. Both in one, since what reads
-    /// a message is compiled for whoever takes its ranges.
+    /// Adds the ranges of a message, or holds them against those of the epoch that was handed on. A range that has come before in
+    /// another message is compared with the first: one that continuity does not explain is of a second receiver. Both in one,
+    /// since what reads a message is compiled for whoever takes its ranges.
     #[inline(never)]
-    fn take_all(&mut self, ranges: &Ranges<'_>, is_again: bool, counters: &mut Counters) {
+    fn take_all(
+        &mut self,
+        ranges: &Ranges<'_>,
+        tow_ms: u32,
+        is_again: bool,
+        counters: &mut Counters,
+        tell: &mut dyn FnMut(Event<'_>),
+    ) {
         let earlier = self.epoch.satellites.len();
         let Self { epoch, has_rival, .. } = self;
-        let mut comparison = Comparison::default();
+        let mut comparison = Comparison::within(f64::from(apart_ms(tow_ms, epoch.time.tow_ms)) * RATE_M_MS);
         ranges.measured.each(counters, |satellite, signal, is_reference, counters| {
-            if is_again {
-                *has_rival |= comparison.differs(epoch, satellite, &signal);
-            } else {
-                add(epoch, satellite, signal, is_reference, earlier, counters);
+            if is_again || add(epoch, satellite, signal, is_reference, earlier, counters) {
+                comparison.add(epoch, satellite, &signal);
             }
         });
-        *has_rival |= comparison.end();
+        if comparison.finds_another() && !core::mem::replace(has_rival, true) {
+            tell(Event::Rivalry(if is_again { Rivalry::Receivers } else { Rivalry::Joined }));
+        }
+    }
+
+    /// Returns true if ranges of a system that the epoch has none of are tagged so shortly before or after it that both are of one
+    /// instant. After a complete epoch they must also have come sooner than the next instant could.
+    fn is_half(&self, series: Option<Series>, tow_ms: u32, came_ms: u64) -> bool {
+        let (instant_ms, is_complete) = match self.phase {
+            Phase::Open(_) => (self.epoch.time.tow_ms, false),
+            Phase::Complete(complete_ms, _) => (complete_ms, true),
+            Phase::Idle | Phase::Dropping(_) | Phase::Interrupted => return false,
+        };
+        let apart_ms = apart_ms(tow_ms, instant_ms);
+        let is_sooner = 4 * came_ms.saturating_sub(self.came_ms) < 3 * u64::from(apart_ms);
+        self.heard != 0
+            && !self.has_heard(series)
+            && (SAME_INSTANT_MS..HALVES_MS).contains(&apart_ms)
+            && (is_sooner || !is_complete)
     }
 
     /// A message says that none follows.
@@ -307,6 +346,9 @@ impl Assembly {
             return count(&mut counters.epochs_repeated);
         }
         self.ranges_before = ranges;
+        if let Some(rivalry) = self.turns.take(&self.epoch) {
+            tell(Event::Rivalry(rivalry));
+        }
         count(&mut counters.epochs);
         tell(Event::Epoch(&self.epoch, self.came_ms));
     }
@@ -339,6 +381,11 @@ fn bit(series: Option<Series>) -> u16 {
 
 /// Whether two times of week are of one instant; the week's end lies between no two of them.
 fn is_same(a_ms: u32, b_ms: u32) -> bool {
+    apart_ms(a_ms, b_ms) < SAME_INSTANT_MS
+}
+
+/// Returns the time between two times of week, ms.
+fn apart_ms(a_ms: u32, b_ms: u32) -> u32 {
     let apart_ms = a_ms.abs_diff(b_ms);
-    apart_ms.min(WEEK_MS.saturating_sub(apart_ms)) < SAME_INSTANT_MS
+    apart_ms.min(WEEK_MS.saturating_sub(apart_ms))
 }

@@ -16,6 +16,7 @@
 //! | `preference` | whose ranges are used where several send some |
 //! | `assembly` | messages of one instant become one epoch |
 //! | `epoch_ranges` | the ranges of one epoch |
+//! | `turns` | two receivers that take turns on one line |
 //! | `suspicion` | what a receiver says of jamming and spoofing |
 //! | `system` | how each system numbers its satellites |
 //! | `calendar`, `message_week`, `present_week`, `roll_over`, `week_votes` | the week of the present; time goes forward |
@@ -36,6 +37,7 @@
 //!     Event::Position(point) => drop(point.radius_m()),
 //!     Event::Ionosphere(constellation, coefficients) => drop((constellation, coefficients)),
 //!     Event::Jamming(jamming) => drop(jamming.spoofing),
+//!     Event::Rivalry(rivalry) => drop(rivalry),
 //! });
 //! ```
 //!
@@ -59,6 +61,7 @@ mod suspicion;
 mod system;
 #[cfg(test)]
 mod toy;
+mod turns;
 #[cfg(feature = "ubx")]
 pub mod ubx;
 mod week_votes;
@@ -101,6 +104,21 @@ pub enum Event<'a> {
     Ionosphere(Constellation, [f64; 8]),
     /// What the receiver says of jamming and spoofing.
     Jamming(Jamming),
+    /// Evidence that the ranges of the next epoch are not all of one antenna at one instant.
+    Rivalry(Rivalry),
+}
+
+/// Evidence against the ranges of an epoch, known before it is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rivalry {
+    /// Two receivers share the line: a range came twice, and the second is another.
+    Receivers,
+    /// The same, within the epoch that is judged next: one message may be forged, and the next epoch right.
+    Joined,
+    /// Two receivers may share the line: the ranges moved to and fro once.
+    Suspected,
+    /// One instant came as two epochs, of other systems each: the tag of one is wrong.
+    Halves,
 }
 
 /// What one message says, whatever format it came in.
@@ -233,11 +251,6 @@ impl Input {
     pub fn forget(&mut self) {
         self.calendar.forget();
         self.preference = Preference::new();
-    }
-
-    /// Whether, since this was asked last, an epoch has come over again with other ranges: two receivers share the line.
-    pub fn take_rivalry(&mut self) -> bool {
-        self.assembly.take_rivalry()
     }
 
     /// Returns true if epochs of other sources come since the settled one is missing: a receiver that returned with another station

@@ -10,7 +10,7 @@ use raim_core::single::ValidatedRequirements;
 use super::lateness::Lateness;
 use crate::counters::{count, counters};
 use crate::ephemeris::{Ephemeris, Insertion};
-use crate::input::{Event, Suspicions};
+use crate::input::{Event, Rivalry, Suspicions};
 use crate::navigator::Navigator;
 use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
 use crate::output::{Interference, Motion, Statement};
@@ -21,6 +21,13 @@ use crate::time::GpsTime;
 
 /// For how many epochs nothing is promised after one that came over again with other ranges.
 const RIVALLED_EPOCHS: u8 = 10;
+
+/// The same after one that may be a half, or of another receiver: it and the next.
+const DOUBTED_EPOCHS: u8 = 2;
+
+/// How often two receivers must have been told, each time before the last was forgotten, until only `FORGET` makes one of them
+/// the own one: the one that is left may be the other.
+const FIRM_RIVALRIES: u8 = 3;
 
 counters! {
     /// What the epochs came to.
@@ -74,6 +81,10 @@ pub(super) struct EpochLoop<P> {
     pub(super) interference: Suspicions,
     /// For how many epochs one that came over again with other ranges is remembered.
     rivalled: u8,
+    /// For how many epochs nothing is promised.
+    doubted: u8,
+    /// How often two receivers have been told in a row.
+    rivalries: u8,
     /// GPS time minus UTC, s: that of the image until somebody has said it.
     pub(super) gps_minus_utc_s: u8,
 }
@@ -109,6 +120,8 @@ impl<P: OutputPin> EpochLoop<P> {
             is_confirmed: true,
             interference: Suspicions::NONE,
             rivalled: 0,
+            doubted: 0,
+            rivalries: 0,
             gps_minus_utc_s: GPS_MINUS_UTC_S,
         })
     }
@@ -118,6 +131,7 @@ impl<P: OutputPin> EpochLoop<P> {
         self.navigator.forget_position();
         self.lateness.forget();
         self.interference = Suspicions::NONE;
+        (self.rivalled, self.doubted, self.rivalries) = (0, 0, 0);
     }
 
     /// Forgets how long epochs were on their way: those of another week say nothing of it.
@@ -125,11 +139,28 @@ impl<P: OutputPin> EpochLoop<P> {
         self.lateness.forget();
     }
 
-    /// Two receivers of one name share the line: whose ranges came first says nothing.
+    /// Remembers that ranges are not all of one antenna at one instant: whose came first says nothing.
     #[inline(never)]
-    pub(super) fn hear_rival(&mut self) {
-        self.rivalled = RIVALLED_EPOCHS;
+    fn hear_rival(&mut self, rivalry: Rivalry) {
+        let epochs = match rivalry {
+            Rivalry::Receivers => {
+                self.count_rivalry();
+                RIVALLED_EPOCHS
+            }
+            Rivalry::Joined => {
+                self.count_rivalry();
+                if self.rivalries > 1 { RIVALLED_EPOCHS } else { 1 }
+            }
+            Rivalry::Suspected | Rivalry::Halves => DOUBTED_EPOCHS,
+        };
+        self.doubted = self.doubted.max(epochs);
         self.drive_pin(false);
+    }
+
+    /// Counts two receivers that were told; those before them only if they are not forgotten.
+    fn count_rivalry(&mut self) {
+        self.rivalries = if self.rivalled > 0 { self.rivalries.saturating_add(1) } else { 1 };
+        self.rivalled = RIVALLED_EPOCHS;
     }
 
     /// Why no position is to be used, however well ranges agree.
@@ -137,7 +168,8 @@ impl<P: OutputPin> EpochLoop<P> {
         if self.interference.is_sure() {
             return Some(Alert::Spoofed);
         }
-        Some(Alert::Ambiguous).filter(|_| self.rivalled > 0)
+        let is_rivalled = self.doubted > 0 || self.rivalries >= FIRM_RIVALRIES;
+        Some(Alert::Ambiguous).filter(|_| is_rivalled)
     }
 
     /// Acts on what came in; says whether an epoch was judged.
@@ -163,6 +195,7 @@ impl<P: OutputPin> EpochLoop<P> {
                 self.interference.age(now_ms);
                 self.navigator.distrust(self.distrust());
                 self.rivalled = self.rivalled.saturating_sub(1);
+                self.doubted = self.doubted.saturating_sub(1);
                 let report = self.navigator.judge(raw, *came_ms, &self.configuration);
                 report.verdict = match report.verdict {
                     // It says more: that the position is wrong.
@@ -187,6 +220,7 @@ impl<P: OutputPin> EpochLoop<P> {
             Event::Ionosphere(constellation, coefficients) => {
                 self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
             }
+            Event::Rivalry(rivalry) => self.hear_rival(*rivalry),
             Event::Jamming(said) => {
                 self.interference.hear(said, now_ms);
                 if self.interference.is_sure() {

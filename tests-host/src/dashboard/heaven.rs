@@ -53,7 +53,11 @@ impl Heaven {
                 });
                 bodies = Some(seen.collect());
             }
-            Event::Redated(_) | Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
+            Event::Redated(_)
+            | Event::Position(_)
+            | Event::Ionosphere(..)
+            | Event::Jamming(_)
+            | Event::Rivalry(_) => {}
         });
         bodies
     }
