@@ -86,8 +86,6 @@ pub(super) struct Evidence {
 
 impl Evidence {
     /// Returns no evidence.
-    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
-    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { spans: Deque::new() }
     }

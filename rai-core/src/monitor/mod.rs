@@ -324,20 +324,14 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Adds an epoch, promised or not, to the evidence against sigmas and satellites.
     fn remember(&mut self, outcome: &EpochOutcome<N>) {
         let EpochOutcome { report, update, .. } = outcome;
-        if report.verdict == Verdict::Alert(Alert::Time) {
-            // A wrong time explains the alarms about it, in which it was not told from a fault.
-            self.evidence.restart();
-        } else if let Some(evidence) = update.evidence {
+        if let Some(evidence) = update.evidence {
             self.evidence.learn(update.time_s, evidence);
         }
         if update.is_refuting_scale {
             self.adaptation.restart();
         }
-        // An exclusion that nobody relied on names nobody: under an alert it may be the wrong one.
-        if matches!(report.verdict, Verdict::Protected(_)) {
-            for excluded in &report.excluded {
-                self.named.name(excluded.satellite);
-            }
+        for excluded in &report.excluded {
+            self.named.name(excluded.satellite);
         }
         if update.ratio.is_some() {
             self.named.agree(update.time_s, &report.used);

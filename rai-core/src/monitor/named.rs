@@ -29,8 +29,6 @@ pub(super) struct Named {
 
 impl Named {
     /// Returns the memory of no exclusion.
-    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
-    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { places: [None; SATELLITES], next: 0 }
     }

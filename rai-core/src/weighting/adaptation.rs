@@ -76,8 +76,6 @@ pub struct Adaptation {
 
 impl Adaptation {
     /// Returns an adaptation without residuals.
-    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
-    #[inline(always)]
     pub const fn new() -> Self {
         Self { minutes: Deque::new() }
     }
