@@ -10,14 +10,12 @@
 //! | a message without satellites is tagged ahead | it does not advance time, because it has no evidence; far ahead it is skipped |
 //! | ranges come again under a new tag, bit for bit | the repeat is dropped, because satellites move by metres in a millisecond, so that its tag is wrong |
 //! | bytes are lost | the epoch under way and the rest of the next one are dropped |
-//! | two receivers of one name share the line | what comes first is used; a range that comes twice and is another is told ([`Rivalry`]), as is a turn of the ranges ([`super::turns`]) |
-//! | a system tags its ranges by tens of milliseconds wrong | two epochs of one instant, which no satellite is common to: told before either is judged ([`HALVES_MS`]) |
+//! | two receivers of one name share the line | the first ranges are used; the repetition with other ranges is noted ([`Assembly::take_rivalry`]) |
 
 use super::calendar::{Calendar, TimeError};
 use super::epoch_ranges::{Comparison, add, hash_of_ranges};
 use super::leap_seconds::LeapSource;
-use super::turns::Turns;
-use super::{Counters, Event, Ranges, Rivalry, Series};
+use super::{Counters, Event, Ranges, Series};
 use crate::counters::count;
 use crate::raw::RawEpoch;
 use crate::time::{GpsTime, WEEK_MS};
@@ -26,14 +24,7 @@ use crate::time::{GpsTime, WEEK_MS};
 /// time separately.
 const SAME_INSTANT_MS: u32 = 10;
 
-/// Epochs of different systems whose tags differ by less are halves of one instant, ms: a receiver that measures so often
-/// sends its systems together.
-const HALVES_MS: u32 = 500;
-
-/// Most that a range changes in a millisecond, m: 1,000 m/s of satellite, vehicle and clock.
-const RATE_M_MS: f64 = 1.0;
-
-/// How often a system has to be right until its word counts again.
+/// Number of right statements after which a system's statement counts again.
 const FORGIVEN_AFTER: u8 = 3;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,10 +55,9 @@ pub(super) struct Assembly {
     distrust: [u8; 16],
     /// Tag of a UTC message without an open epoch, and its arrival, ms.
     utc_before: Option<(u32, u64)>,
-    /// Whether a rival of this epoch has been told.
+    /// True if an epoch came again with other ranges.
     has_rival: bool,
-    turns: Turns,
-    /// The hash of the ranges of the last complete epoch.
+    /// Hash of the ranges of the last complete epoch.
     ranges_before: Option<u32>,
 }
 
@@ -88,12 +78,17 @@ impl Assembly {
             distrust: [0; 16],
             utc_before: None,
             has_rival: false,
-            turns: Turns::new(),
             ranges_before: None,
         }
     }
 
-    /// Takes a message, the first byte of which came at `came_ms`, and tells of the epochs that it completes.
+    /// Returns true if, since the last call, an epoch came again with other ranges.
+    pub(super) const fn take_rivalry(&mut self) -> bool {
+        core::mem::replace(&mut self.has_rival, false)
+    }
+
+    /// Takes a message whose first byte came at `came_ms`, and passes the epochs that it completes
+    /// to `tell`.
     pub(super) fn take(
         &mut self,
         ranges: &Ranges<'_>,
@@ -116,7 +111,7 @@ impl Assembly {
             Some(tow_ms) => {
                 if self.admits(ranges, tow_ms, came_ms, calendar, counters, tell) {
                     self.heard |= bit(ranges.series);
-                    self.take_all(ranges, tow_ms, false, counters, tell);
+                    self.take_all(ranges, false, counters);
                 }
             }
         }
@@ -190,9 +185,6 @@ impl Assembly {
             count(reason.counter(counters));
             return false;
         }
-        if !is_empty && self.is_half(ranges.series, tow_ms, came_ms) {
-            tell(Event::Rivalry(Rivalry::Halves));
-        }
         match self.phase {
             Phase::Open(ended) if is_same(tow_ms, self.epoch.time.tow_ms) => {
                 if let Some(series) = ended {
@@ -211,22 +203,17 @@ impl Assembly {
                 if self.has_heard(ranges.series) {
                     // The epoch comes again, so that the statement of its end was right.
                     count(&mut counters.epochs_backwards);
+                    self.take_all(ranges, true, &mut Counters::default());
                 } else {
                     if let Some(series) = ended {
                         self.accuse(series);
                     }
                     count(&mut counters.observations_after_end);
                 }
-                self.take_all(ranges, tow_ms, true, &mut Counters::default(), tell);
                 self.phase = Phase::Dropping(complete_ms);
                 return false;
             }
-            Phase::Dropping(dropped_ms) if is_same(tow_ms, dropped_ms) => {
-                if is_same(tow_ms, self.epoch.time.tow_ms) {
-                    self.take_all(ranges, tow_ms, true, &mut Counters::default(), tell);
-                }
-                return false;
-            }
+            Phase::Dropping(dropped_ms) if is_same(tow_ms, dropped_ms) => return false,
             Phase::Interrupted => {
                 count(&mut counters.epochs_broken);
                 self.phase = Phase::Dropping(tow_ms);
@@ -237,7 +224,6 @@ impl Assembly {
         self.epoch.satellites.clear();
         self.came_ms = came_ms;
         self.heard = 0;
-        self.has_rival = false;
         if !is_empty {
             return self.vouch(tow_ms, came_ms, calendar, counters, tell);
         }
@@ -288,45 +274,21 @@ impl Assembly {
         time.is_ok()
     }
 
-    /// Adds the ranges of a message, or holds them against those of the epoch that was handed on. A range that has come before in
-    /// another message is compared with the first: one that continuity does not explain is of a second receiver. Both in one,
-    /// since what reads a message is compiled for whoever takes its ranges.
+    /// Adds the ranges of a message, or compares them with those of the last complete epoch. Both
+    /// are one function, because the reader of a message is compiled for each caller.
     #[inline(never)]
-    fn take_all(
-        &mut self,
-        ranges: &Ranges<'_>,
-        tow_ms: u32,
-        is_again: bool,
-        counters: &mut Counters,
-        tell: &mut dyn FnMut(Event<'_>),
-    ) {
+    fn take_all(&mut self, ranges: &Ranges<'_>, is_again: bool, counters: &mut Counters) {
         let earlier = self.epoch.satellites.len();
         let Self { epoch, has_rival, .. } = self;
-        let mut comparison = Comparison::within(f64::from(apart_ms(tow_ms, epoch.time.tow_ms)) * RATE_M_MS);
+        let mut comparison = Comparison::default();
         ranges.measured.each(counters, |satellite, signal, is_reference, counters| {
-            if is_again || add(epoch, satellite, signal, is_reference, earlier, counters) {
-                comparison.add(epoch, satellite, &signal);
+            if is_again {
+                *has_rival |= comparison.differs(epoch, satellite, &signal);
+            } else {
+                add(epoch, satellite, signal, is_reference, earlier, counters);
             }
         });
-        if comparison.finds_another() && !core::mem::replace(has_rival, true) {
-            tell(Event::Rivalry(if is_again { Rivalry::Receivers } else { Rivalry::Joined }));
-        }
-    }
-
-    /// Returns true if ranges of a system that the epoch has none of are tagged so shortly before or after it that both are of one
-    /// instant. After a complete epoch they must also have come sooner than the next instant could.
-    fn is_half(&self, series: Option<Series>, tow_ms: u32, came_ms: u64) -> bool {
-        let (instant_ms, is_complete) = match self.phase {
-            Phase::Open(_) => (self.epoch.time.tow_ms, false),
-            Phase::Complete(complete_ms, _) => (complete_ms, true),
-            Phase::Idle | Phase::Dropping(_) | Phase::Interrupted => return false,
-        };
-        let apart_ms = apart_ms(tow_ms, instant_ms);
-        let is_sooner = 4 * came_ms.saturating_sub(self.came_ms) < 3 * u64::from(apart_ms);
-        self.heard != 0
-            && !self.has_heard(series)
-            && (SAME_INSTANT_MS..HALVES_MS).contains(&apart_ms)
-            && (is_sooner || !is_complete)
+        *has_rival |= comparison.end();
     }
 
     /// Takes the statement of a message that none follows.
@@ -349,9 +311,6 @@ impl Assembly {
             return count(&mut counters.epochs_repeated);
         }
         self.ranges_before = ranges;
-        if let Some(rivalry) = self.turns.take(&self.epoch) {
-            tell(Event::Rivalry(rivalry));
-        }
         count(&mut counters.epochs);
         tell(Event::Epoch(&self.epoch, self.came_ms));
     }
@@ -384,11 +343,6 @@ fn bit(series: Option<Series>) -> u16 {
 
 /// Returns true if two times of week are of one instant, across the end of the week as well.
 fn is_same(a_ms: u32, b_ms: u32) -> bool {
-    apart_ms(a_ms, b_ms) < SAME_INSTANT_MS
-}
-
-/// Returns the time between two times of week, ms.
-fn apart_ms(a_ms: u32, b_ms: u32) -> u32 {
     let apart_ms = a_ms.abs_diff(b_ms);
-    apart_ms.min(WEEK_MS.saturating_sub(apart_ms))
+    apart_ms.min(WEEK_MS.saturating_sub(apart_ms)) < SAME_INSTANT_MS
 }

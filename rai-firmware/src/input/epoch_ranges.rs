@@ -38,66 +38,40 @@ pub(super) fn hash_of_ranges(epoch: &RawEpoch) -> Option<u32> {
     (!epoch.satellites.is_empty()).then_some(hash)
 }
 
-/// The ranges of a message, compared with those that an epoch keeps of the same satellites.
-///
-/// ```text
-/// of two receivers if  n(differ) > 0  and  n(differ) ≥ n(agree)
-/// ```
-///
-/// A satellite differs if no range of one of its bands is the one that is kept. A receiver that sends its ranges twice, one of them
-/// wrong, is one receiver: the fault is for the integrity test.
+/// Comparison of one satellite's signals with those stored in an epoch, as sets of bands.
+#[derive(Default)]
 pub(super) struct Comparison {
-    /// Most that two ranges of one antenna differ by, m.
-    most_m: f64,
     satellite: Option<SatelliteId>,
-    /// Bands of the satellite on which a range is the one that is kept.
+    /// Bands with a range that equals the stored one.
     agree: u16,
-    /// Bands of the satellite on which a range is another.
+    /// Bands with another range.
     differ: u16,
-    /// Number of satellites so far that agree, less those that differ.
-    balance: i16,
-    has_differed: bool,
 }
 
 impl Comparison {
-    /// Returns a comparison of ranges that may have changed by `moved_m` between their tags.
-    pub(super) const fn within(moved_m: f64) -> Self {
-        let most_m = APART_M + moved_m;
-        Self { most_m, satellite: None, agree: 0, differ: 0, balance: 0, has_differed: false }
-    }
-
-    /// Adds the next signal. Those of one satellite come one after the other.
-    pub(super) fn add(&mut self, epoch: &RawEpoch, satellite: SatelliteId, signal: &RawSignal) {
-        if self.satellite.is_some_and(|before| before != satellite) {
-            self.close();
-        }
+    /// Takes the next signal. Returns true if the satellite before, whose signals are complete, has
+    /// only other ranges on some band.
+    pub(super) fn differs(&mut self, epoch: &RawEpoch, satellite: SatelliteId, signal: &RawSignal) -> bool {
+        let is_next = self.satellite.is_some_and(|before| before != satellite);
+        let is_rival = is_next && self.end();
         self.satellite = Some(satellite);
         let known = epoch.satellites.iter().filter(|known| known.satellite == satellite);
         let band = signal.carrier.band;
         for known in known.flat_map(|known| &known.signals).filter(|known| known.carrier.band == band) {
-            let is_apart = (known.range_m - signal.range_m).abs() > self.most_m;
+            let is_apart = (known.range_m - signal.range_m).abs() > APART_M;
             *(if is_apart { &mut self.differ } else { &mut self.agree }) |= 1 << band as u16;
         }
+        is_rival
     }
 
-    /// Counts the satellite whose signals have all come.
-    fn close(&mut self) {
-        let is_other = self.differ & !self.agree != 0;
-        self.has_differed |= is_other;
-        if self.agree | self.differ != 0 {
-            self.balance = self.balance.saturating_add(if is_other { -1 } else { 1 });
-        }
-        (self.agree, self.differ) = (0, 0);
-    }
-
-    /// Returns true if the ranges are of a second receiver.
-    pub(super) fn finds_another(mut self) -> bool {
-        self.close();
-        self.has_differed && self.balance <= 0
+    /// Ends a satellite; returns true if on some band no range equals the stored one.
+    pub(super) fn end(&mut self) -> bool {
+        let Self { agree, differ, .. } = core::mem::take(self);
+        differ & !agree != 0
     }
 }
 
-/// Adds a signal of a message that began when the epoch held `earlier` satellites; returns true for a duplicate.
+/// Adds a signal of a message that began when the epoch had `earlier` satellites.
 ///
 /// A satellite of an earlier message of the epoch is a duplicate and keeps its first ranges.
 pub(super) fn add(
@@ -107,22 +81,17 @@ pub(super) fn add(
     is_reference: bool,
     earlier: usize,
     counters: &mut Counters,
-) -> bool {
+) {
     if !is_within(signal.range_m, &RANGE_M) {
-        count(&mut counters.ranges_out_of_bounds);
-        return false;
+        return count(&mut counters.ranges_out_of_bounds);
     }
     // The signals of a satellite are consecutive.
     let known = epoch.satellites.iter_mut().enumerate().rev().find(|(_, known)| known.satellite == satellite);
     match known {
-        Some((index, _)) if index < earlier => {
-            count(&mut counters.satellites_duplicate);
-            return true;
-        }
+        Some((index, _)) if index < earlier => count(&mut counters.satellites_duplicate),
         Some((_, known)) => add_signal(known, signal, is_reference, counters),
         None => open(epoch, satellite, signal, counters),
     }
-    false
 }
 
 fn open(epoch: &mut RawEpoch, satellite: SatelliteId, signal: RawSignal, counters: &mut Counters) {

@@ -55,11 +55,7 @@ impl Heaven {
                 });
                 bodies = Some(seen.collect());
             }
-            Event::Redated(_)
-            | Event::Position(_)
-            | Event::Ionosphere(..)
-            | Event::Jamming(_)
-            | Event::Rivalry(_) => {}
+            Event::Redated(_) | Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
         });
         bodies
     }

@@ -30,7 +30,6 @@ mod injection;
 mod merged_stream;
 mod moving_receiver;
 mod no_panic;
-mod own_evidence;
 mod parity;
 mod peers;
 mod pin_in_time;
