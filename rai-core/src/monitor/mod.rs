@@ -11,8 +11,7 @@
 //! under any policy; protection levels are those of the threshold in use.
 //!
 //! The state contains the last position, as the start of the next fix; a window of SSE/dof, which
-//! shows whether the sigmas are right; the residuals of the last minute and the satellites excluded
-//! lately, which take a promise back if they contradict it; with clock aiding, the receiver clocks of the epochs that
+//! shows whether the sigmas are right; with clock aiding, the receiver clocks of the epochs that
 //! passed; and the verdicts of the epochs before ([`crate::continuity`]).
 //!
 //! References: [Yang2015] §1 for the order of the decisions, [Lin2016] §2 for detection and
@@ -22,8 +21,6 @@
 //! [Lin2016]: crate#references
 
 mod description;
-mod evidence;
-mod named;
 mod validated;
 mod verdict;
 mod workspace;
@@ -36,21 +33,19 @@ use crate::epoch::{Aided, Epoch, EpochView};
 use crate::frame::Ecef;
 use crate::integrity::raim::detection::threshold::policy::Policy;
 use crate::integrity::raim::hypotheses::time_tag::RangeRates;
-use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, leaves_enough};
+use crate::integrity::raim::isolation::exclusion::ExclusionOutcome;
 use crate::integrity::raim::isolation::ransac::Subsets;
 use crate::integrity::raim::levels::Levels;
 use crate::integrity::{Criteria, Judgement, judge};
 use crate::least_squares::SnapshotError;
 use crate::least_squares::fix::{Fix, FixError};
 use crate::numeric::real::Real;
-use crate::report::{Alert, Protected, Report, Unavailable, Verdict};
+use crate::report::{Alert, Report, Unavailable, Verdict};
 use crate::requirements::Requirements;
 use crate::weighting::Ism;
-use crate::weighting::adaptation::{Adaptation, Residuals};
+use crate::weighting::adaptation::Adaptation;
 
 use description::{describe, residuals, suspects};
-use evidence::{Belief, Evidence, residuals_of_all};
-use named::Named;
 use workspace::Update;
 
 pub use crate::integrity::{Method, Search};
@@ -114,8 +109,6 @@ pub struct Monitor<T: Real, const N: usize> {
     subsets: Subsets,
     start: Ecef,
     ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
-    evidence: Evidence,
-    named: Named,
     continuity: Continuity,
     continuity_settings: Option<ContinuitySettings>,
 }
@@ -142,8 +135,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             subsets: Subsets::new(),
             start: Ecef::CENTRE,
             ratios: Deque::new(),
-            evidence: Evidence::new(),
-            named: Named::new(),
             continuity: Continuity::new(),
             continuity_settings: Some(ContinuitySettings::anywhere()),
         }
@@ -173,11 +164,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.strategy = strategy;
     }
 
-    /// Forgets the residuals of the adaptation and the evidence against the sigmas, because the
-    /// ranges are now made in another way or come from other satellites.
+    /// Forgets the residuals of the adaptation, because the ranges are now made in another way or
+    /// come from other satellites.
     pub fn forget_residuals(&mut self) {
         self.adaptation.restart();
-        self.evidence.restart();
     }
 
     /// Replaces the limits of the receiver's motion and the required agreement; the state stays.
@@ -285,9 +275,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
             Ok(fix) => {
                 let clock_row = fix.clock_row();
-                let mut judgement =
+                let judgement =
                     judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
-                self.assess(fix, &epoch.view(), &mut judgement, outcome);
+                self.assess(fix, &epoch.view(), &judgement, outcome);
             }
             Err(error) => self.assess_without_position(*error, epoch, outcome),
         }
@@ -301,9 +291,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// has one.
     #[inline(never)]
     pub fn learn(&mut self, outcome: &mut EpochOutcome<N>, own_clock_s: Option<f64>) {
-        self.remember(outcome);
         self.continue_from(outcome, own_clock_s);
-        let Update { time_s, start, ratio, clocks, residuals, .. } = &outcome.update;
+        let Update { time_s, start, ratio, clocks, residuals } = &outcome.update;
         if let Some(start) = *start {
             self.start = start;
         }
@@ -318,23 +307,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
         if let Some(residuals) = *residuals {
             self.adaptation.learn(*time_s, residuals);
-        }
-    }
-
-    /// Adds an epoch, promised or not, to the evidence against sigmas and satellites.
-    fn remember(&mut self, outcome: &EpochOutcome<N>) {
-        let EpochOutcome { report, update, .. } = outcome;
-        if let Some(evidence) = update.evidence {
-            self.evidence.learn(update.time_s, evidence);
-        }
-        if update.is_refuting_scale {
-            self.adaptation.restart();
-        }
-        for excluded in &report.excluded {
-            self.named.name(excluded.satellite);
-        }
-        if update.ratio.is_some() {
-            self.named.agree(update.time_s, &report.used);
         }
     }
 
@@ -385,19 +357,11 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         &self,
         fix: &Fix<'_, T>,
         epoch: &EpochView<'_>,
-        judgement: &mut Judgement<T>,
+        judgement: &Judgement<T>,
         outcome: &mut EpochOutcome<N>,
     ) {
         let excluded = suspects(judgement, fix, epoch);
-        let evidence = residuals_of_all(judgement, fix.snapshot(), epoch.observations().len());
-        let belief = self.belief(epoch.time_s(), evidence);
-        if let Belief::Scaled(factor) = belief {
-            judgement.scale_levels(factor);
-        }
-        let verdict = match self.verdict(judgement, excluded.is_empty()) {
-            Verdict::Protected(how) => self.supported(how, belief, fix, epoch, excluded.len()),
-            other => other,
-        };
+        let verdict = self.verdict(judgement, excluded.is_empty());
         let passed = !matches!(judgement.outcome, ExclusionOutcome::NotIsolated(_));
         // Under a policy above T1 a search can fail although its remaining rows pass: such an epoch
         // updates nothing.
@@ -411,9 +375,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             // A position under an alert is no start of the next fix.
             start: (!matches!(verdict, Verdict::Alert(_))).then(|| fix.position()),
             ratio,
-            evidence,
-            is_refuting_scale: self.scale(epoch.time_s()).is_some_and(|scale| scale < 1.0)
-                && judgement.outcome != ExclusionOutcome::Passed,
             clocks: teaches.then(|| SolvedClocks::of(fix.snapshot())),
             residuals: ratio.filter(|_| self.strategy.sigma_adapt).map(|_| residuals(fix.snapshot(), epoch)),
         };
@@ -421,44 +382,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         report.excluded = excluded;
         report.sigma_check = self.sigma_check(ratio);
         describe(fix, epoch, verdict, judgement, report);
-        if verdict == Verdict::Unavailable(Unavailable::Sigmas) {
-            // A level of refuted sigmas bounds nothing.
-            report.protection = None;
-        }
-    }
-
-    /// Returns the belief in the sigmas after an epoch with these residuals. Epochs that are judged
-    /// independently are no evidence against each other.
-    fn belief(&self, time_s: f64, latest: Option<Residuals>) -> Belief {
-        match self.continuity_settings {
-            Some(_) => self.evidence.belief(time_s, latest),
-            None => Belief::Sound,
-        }
-    }
-
-    /// Returns the verdict on a protected epoch in the light of the evidence of those before it.
-    fn supported(
-        &self,
-        how: Protected,
-        belief: Belief,
-        fix: &Fix<'_, T>,
-        epoch: &EpochView<'_>,
-        excluded: usize,
-    ) -> Verdict {
-        if belief == Belief::Refuted {
-            return Verdict::Unavailable(Unavailable::Sigmas);
-        }
-        if self.continuity_settings.is_none() || self.named.is_empty() {
-            return Verdict::Protected(how);
-        }
-        let used =
-            fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
-        let doubtful = used.filter(|(_, observation)| self.named.contains(observation.satellite)).count();
-        // A doubtful satellite takes its degree of freedom with it.
-        if !leaves_enough(excluded.max(1) + doubtful, fix.snapshot().dof()) {
-            return Verdict::Unavailable(Unavailable::Redundancy);
-        }
-        Verdict::Protected(how)
     }
 
     /// Returns the mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs, this one

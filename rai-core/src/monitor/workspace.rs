@@ -89,10 +89,6 @@ pub(super) struct Update {
     pub(super) start: Option<Ecef>,
     /// SSE/dof of a test that passed, because a detected fault has no information on sigma.
     pub(super) ratio: Option<f32>,
-    /// Residuals of every tracked satellite, alarms included.
-    pub(super) evidence: Option<Residuals>,
-    /// True if sigmas scaled below 1 made the epoch fail its test.
-    pub(super) is_refuting_scale: bool,
     /// Clocks of satellites that were protected without a forecast.
     pub(super) clocks: Option<SolvedClocks>,
     /// Residuals of a test that passed, by the sigmas of the epoch.
@@ -102,14 +98,6 @@ pub(super) struct Update {
 impl Update {
     /// Returns an update without effect.
     pub(super) const fn none(time_s: f64) -> Self {
-        Self {
-            time_s,
-            start: None,
-            ratio: None,
-            evidence: None,
-            is_refuting_scale: false,
-            clocks: None,
-            residuals: None,
-        }
+        Self { time_s, start: None, ratio: None, clocks: None, residuals: None }
     }
 }

@@ -3,7 +3,6 @@
 //! ```text
 //! s² = Σ SSE / χ²_α(Σ dof)         upper bound of the variance factor: it is larger with the probability α only
 //! scale = s, held within 0.5 and 3; 1 while Σ dof < 600
-//! scale ≥ 1 unless SSE_m ≤ s² χ²_{1−α}(dof_m) in every minute m
 //! ```
 //!
 //! | symbol | field | unit |
@@ -21,10 +20,6 @@
 //! residual error of the ionosphere model ([`Adaptation::sigma_m`]), because an error that stays
 //! for minutes leaves residuals that look like others. For the same reason the monitor allows no
 //! scale below 1 on sigmas of an integrity support message.
-//!
-//! A scale below 1 is a promise of quiet. It holds only while each of the ten minutes agrees with it,
-//! so that one noisy minute is not averaged away; and the monitor begins anew
-//! ([`Adaptation::restart`]) once an epoch with such sigmas does not pass its test.
 //!
 //! Assumes that the errors of ten minutes are independent. Multipath that repeats from epoch to
 //! epoch counts each time, and the bound is then tighter than its probability says; therefore the
@@ -126,11 +121,7 @@ impl Adaptation {
             return 1.0;
         }
         let sse: f64 = recent().map(|minute| minute.sse).sum();
-        let factor = sse / quantile(dof, -CONFIDENCE);
-        let agrees = |minute: &Minute| minute.sse <= factor * quantile(minute.dof, CONFIDENCE);
-        let is_quiet = factor < 1.0 && recent().all(agrees);
-        let least = if is_quiet { *SCALES.start() } else { 1.0 };
-        libm::sqrt(factor).clamp(least, *SCALES.end())
+        libm::sqrt(sse / lower_quantile(dof)).clamp(*SCALES.start(), *SCALES.end())
     }
 
     /// Returns a scaled sigma, m.
@@ -144,11 +135,10 @@ impl Adaptation {
     }
 }
 
-/// Returns a quantile of χ²: `ν (1 − 2/(9ν) + z √(2/(9ν)))³`, where `z` is that of the normal
-/// distribution. It is NaN without degrees of freedom, which agree with nothing.
-fn quantile(dof: u32, normal: f64) -> f64 {
+/// Returns `χ²_α(ν)`: `ν (1 − 2/(9ν) − z √(2/(9ν)))³`, `z = Q⁻¹(α)`.
+fn lower_quantile(dof: u32) -> f64 {
     let dof = f64::from(dof);
     let spread = 2.0 / (9.0 * dof);
-    let root = 1.0 - spread + normal * libm::sqrt(spread);
+    let root = 1.0 - spread - CONFIDENCE * libm::sqrt(spread);
     dof * root * root * root
 }

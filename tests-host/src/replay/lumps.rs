@@ -177,14 +177,14 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Iterator for Encoding<I> {
 
 /// Positions of the satellites as the module computes them, seen from the antenna position of the
 /// recording.
-pub(crate) struct Heaven {
+struct Heaven {
     encoder: Encoder,
     corrector: Corrector,
     antenna: Ecef,
 }
 
 impl Heaven {
-    pub(crate) fn of(broadcast: &Broadcast<'_>, selection: &Selection) -> Result<Self> {
+    fn of(broadcast: &Broadcast<'_>, selection: &Selection) -> Result<Self> {
         let antenna =
             broadcast.approximate_position.context("a shift needs the antenna's approximate position")?;
         Ok(Self {
@@ -195,7 +195,7 @@ impl Heaven {
     }
 
     /// Returns unit vectors from the antenna to the satellites of the next epoch.
-    pub(crate) fn directions(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<(SatelliteId, Enu)>> {
+    fn directions(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<(SatelliteId, Enu)>> {
         let frame = LocalFrame::at(self.antenna);
         let towards = |position: Ecef| {
             let difference = position - self.antenna;
