@@ -1,5 +1,5 @@
-//! Ranges that the error model does not describe, all satellites alike: no single fault, and nothing
-//! to exclude.
+//! Ranges that the error model does not describe, all satellites alike: no single fault, and
+//! nothing to exclude.
 //!
 //! | attack | error of every satellite |
 //! |---|---|
@@ -8,8 +8,8 @@
 //! | rounding | each range to the next multiple of 100 m |
 //!
 //! Levels assume the standard deviations. The global test sees larger errors only by chance in any
-//! one epoch, so that some epochs are promised beyond their level. The bounds are the rates of today
-//! and not a promise of the product.
+//! one epoch, so that some epochs are promised beyond their level. The bounds are the rates of
+//! today and not a promise of the product.
 
 use anyhow::Result;
 use rand::{Rng as _, SeedableRng as _};

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! The counterfeit group has more satellites, and its residuals vanish once the genuine group is
-//! left out. Without a third system nothing tells which group is genuine: ARAIM decides by the prior
-//! probabilities of its support message, unless the genuine group is of two satellites.
+//! left out. Without a third system nothing tells which group is genuine: ARAIM decides by the
+//! prior probabilities of its support message, unless the genuine group is of two satellites.
 
 use anyhow::Result;
 use raim_core::satellite::{Constellation, SatelliteId};

@@ -260,8 +260,8 @@ fn a_receiver_that_delays_channels_differently_is_worse_with_it() {
         "static1hz by UBX, m: {without:.3?} without GLONASS, {with:.3?} with it, {of_slope:.3?} less what goes with the \
          channel, {of_delays:.3?} less the delays"
     );
-    // The delays explain a part of what GLONASS adds to the horizontal error; what is proportional to
-    // the channel explains none of it by itself.
+    // The delays explain a part of what GLONASS adds to the horizontal error; what is proportional
+    // to the channel explains none of it by itself.
     assert!(with[0] > LARGER * without[0], "no longer worse: {with:?} m, {without:?} m without");
     assert!(of_delays[0] < with[0], "{of_delays:?} m less the delays");
 }

@@ -12,8 +12,8 @@
 //! | `1/σ_k` | [`Term::inverse_sigma`] | 1/m |
 //! | `p_k` | [`Term::probability`] | – |
 //!
-//! [`root`] solves it. The result is a distance at which the sum was at most `R`, and at most 0.1 mm
-//! beyond the root.
+//! [`root`] solves it. The result is a distance at which the sum was at most `R`, and at most 0.1
+//! mm beyond the root.
 //!
 //! A few dozen of hundreds of modes matter. Terms are classified at a distance below the root (the
 //! *reference*). A term whose bound `½ p exp(−u²/2)` is far below `R` is clear and not evaluated;

@@ -1,8 +1,8 @@
 //! Root of the sum: Newton's method on `ln f`, held in a bracket.
 //!
 //! The sum never rises with the distance, so that each evaluation moves one end of the bracket. A
-//! *plateau* is a range of distances on which it hardly falls, because the geometry of some modes is
-//! far poorer than that of the others. There the slope predicts nothing:
+//! *plateau* is a range of distances on which it hardly falls, because the geometry of some modes
+//! is far poorer than that of the others. There the slope predicts nothing:
 //!
 //! | point | rule |
 //! |---|---|

@@ -16,8 +16,8 @@ use crate::satellite::Constellation;
 /// Distance between the places, m.
 const APART_M: f64 = 4e5;
 
-/// Returns the outcome of a sky in which eight GPS satellites agree on another place than the others
-/// do, of which there are so many of Galileo and of `BeiDou`.
+/// Returns the outcome of a sky in which eight GPS satellites agree on another place than the
+/// others do, of which there are so many of Galileo and of `BeiDou`.
 fn outcome<T: Real>(seed: u64, galileo: usize, beidou: usize, odd_m: f64) -> AraimOutcome<T> {
     let mut dice = Dice(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let direction = dice.roll() * core::f64::consts::TAU;
