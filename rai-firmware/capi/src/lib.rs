@@ -48,7 +48,7 @@
 //!
 //! # Safety
 //!
-//! Of the shipped code, only this package and the board files contain `unsafe`. It holds no logic:
+//! Only this package and the board files contain `unsafe` in shipped code. It holds no logic:
 //! it checks pointers as far as possible, and converts them to references for the time of the call.
 //! The caller must ensure the rest: the memory behind a pointer has the stated length, and no other
 //! code writes to it during the call.

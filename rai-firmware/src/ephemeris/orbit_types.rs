@@ -16,7 +16,7 @@
 //! well within it. An inclination in semicircles read as radians, or the reverse, is far outside,
 //! but not always for a geostationary orbit. The elements of geostationary `BeiDou` satellites are
 //! written in a plane tilted by 5°, in which the inclination swings by twice that to the equator.
-//! What stays is the angle between orbit and equator, 0.7° to 3.3° in those sets, and it grows by
+//! The angle between orbit and equator is steadier: 0.7° to 3.3° in those sets, and it grows by
 //! up to 0.9° a year.
 //!
 //! [IS-GPS-200]: crate#references
