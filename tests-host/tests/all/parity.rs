@@ -4,12 +4,12 @@
 use std::time::Duration;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::sky::raw::Simulation;
 use raim_firmware::receiver::{Boot, Receiver};
-use tests_host::board::{EmulatedBoard, is_installed};
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::image::{self, CompiledFor};
-use tests_host::replay::is_said_by_the_clock;
-use tests_host::sky::raw::Simulation;
+use rig::board::{EmulatedBoard, is_installed};
+use rig::image::{self, CompiledFor};
+use rig::lockstep::is_said_by_the_clock;
 
 const PATIENCE: Duration = Duration::from_mins(1);
 /// Largest cost of an epoch of twenty satellites on the chip, instructions.
@@ -99,7 +99,7 @@ fn says_what_the_host_says_within(epoch_instructions: u64, compiled_for: Compile
     println!("instructions per epoch: {mean} in the mean, {worst} at most, over {}", cost.len());
     assert!(worst <= epoch_instructions, "{cost:?}");
     let stack =
-        board.log().iter().filter_map(tests_host::board::LogLine::stack_bytes).max().expect("a stack report");
+        board.log().iter().filter_map(rig::board::LogLine::stack_bytes).max().expect("a stack report");
     println!("stack high water: {stack} bytes");
     assert!(stack <= STACK_BYTES, "{stack} bytes");
     assert!(!board.log().iter().any(|line| line.text.contains("lost")), "{:?}", board.log());
