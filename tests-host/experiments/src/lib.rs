@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Nothing here is a second implementation of a method. Methods for comparison only (all minimal
-//! subsets, other clock predictors, exact tails) are in [`raim::second_opinion::ransac_traditional`],
-//! [`raim::signal::clock_models`] and [`raim::second_opinion::chi_square`].
+//! subsets, exact tails, other clock predictors) are in [`raim::second_opinion`] and
+//! [`raim::signal::clock_models`].
 //!
 //! Seeds are fixed: the same build gives the same numbers.
 

@@ -5,14 +5,14 @@
 //! ```
 //!
 //! One lump is the bytes of one epoch: the RTCM encoding of a recording, or the bytes of a receiver
-//! ([`crate::signal::capture`]). Lumps are encoded and played one by one, so that the length of a recording
-//! does not matter.
+//! ([`crate::signal::capture`]). Lumps are encoded and played one by one, so that the length of a
+//! recording does not matter.
 //!
 //! Time passes as it was recorded. If epochs are missing, the line is silent and the module must
 //! detect this. The host runs the firmware's library in process; the board is the emulated chip.
 //! Both receive the same bytes and are read only through their sentences, which are compared byte
 //! for byte. The board receives the next lump after its sentences for the last one, and thus has no
-//! silence.
+//! silence. It is in a package of its own, whose caller passes it to the [`command`].
 
 mod ahead;
 mod arguments;

@@ -8,8 +8,8 @@
 //! | Doppler frequency, positive when approaching | `doppler_hz` | Hz |
 //! | receiver's time tag | `time` | GPS time, whole ms |
 //!
-//! [`crate::signal::recording`] and [`crate::signal::sky`] make these values, [`crate::signal::fault`] changes them,
-//! [`crate::signal::encode`] sends them.
+//! [`recording`](super::recording) and [`sky`](super::sky) make these values,
+//! [`fault`](super::fault) changes them, [`encode`](super::encode) sends them.
 
 use raim_core::satellite::SatelliteId;
 use raim_firmware::time::GpsTime;

@@ -9,8 +9,8 @@
 //! | the station's experiment on a real recording | `station` |
 //!
 //! The core runs in `f32`, as on the target. The traditional method, which needs every minimal
-//! subset, is [`raim::second_opinion::ransac_traditional`]; if there are too many subsets a random sample of
-//! them votes.
+//! subset, is [`ransac_traditional`](raim::second_opinion::ransac_traditional); if there are too
+//! many subsets a random sample of them votes.
 
 mod flight;
 mod jfng;
