@@ -15,8 +15,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
-use raim::replay::host::{Module, Setup, check_answers, command, counters_of};
+use raim::replay::host::{Module, Setup, check_answers, counters_of};
 use raim::replay::{BoardRun, Lump};
+use raim::sentence::command;
 
 use crate::board::{EmulatedBoard, Monitor, MonitorSocket, Settings};
 

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use embedded_hal::digital::{ErrorType, OutputPin};
+use raim::pin::Pin;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::sky::raw::Simulation;
 use raim_firmware::receiver::{Boot, Receiver};
@@ -20,26 +20,6 @@ const EPOCH_INSTRUCTIONS_FOR_SIZE: u64 = 1_500_000;
 /// Largest stack, bytes: half of what the image must leave for it.
 const STACK_BYTES: u64 = image::STACK_BUDGET_BYTES / 2;
 
-/// A pin in memory.
-#[derive(Debug, Default)]
-struct Level(bool);
-
-impl ErrorType for Level {
-    type Error = core::convert::Infallible;
-}
-
-impl OutputPin for Level {
-    fn set_low(&mut self) -> Result<(), Self::Error> {
-        self.0 = false;
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Self::Error> {
-        self.0 = true;
-        Ok(())
-    }
-}
-
 /// Returns epochs of GPS and `BeiDou` above one place, a lump of bytes for each epoch.
 fn lumps(epochs: u32) -> Vec<Vec<u8>> {
     let recording = Simulation::above_xian(0.0, epochs, 7).record();
@@ -50,11 +30,11 @@ fn lumps(epochs: u32) -> Vec<Vec<u8>> {
 
 fn on_host(lumps: &[Vec<u8>]) -> (Vec<u8>, Vec<bool>) {
     let boot = Boot::on_host("parity");
-    let mut receiver = Receiver::new(Level::default(), boot).expect("a receiver");
+    let mut receiver = Receiver::new(Pin::default(), boot).expect("a receiver");
     let mut sentences = Vec::new();
     let levels = lumps.iter().map(|lump| {
         receiver.gnss(lump, 0, &mut sentences);
-        receiver.pin().0
+        receiver.pin().high
     });
     let levels = levels.collect();
     (sentences, levels)

@@ -1,6 +1,7 @@
 //! The simulated sky against published tables, closed forms and the geometry of well-known sites.
 
 use oracle::vectors;
+use raim::pin::Pin;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::sky::broadcast::SatelliteClock;
 use raim::signal::sky::linear::{Sigma, rows};
@@ -265,22 +266,6 @@ fn module_reads_the_simulated_orbits_and_clocks_from_the_messages() {
     }
 }
 
-/// A pin without effect.
-struct NoPin;
-
-impl embedded_hal::digital::ErrorType for NoPin {
-    type Error = std::convert::Infallible;
-}
-
-impl embedded_hal::digital::OutputPin for NoPin {
-    fn set_low(&mut self) -> Result<(), Self::Error> {
-        Ok(())
-    }
-    fn set_high(&mut self) -> Result<(), Self::Error> {
-        Ok(())
-    }
-}
-
 #[test]
 fn module_finds_the_site_under_the_simulated_sky() {
     let simulation = Simulation::above_xian(3600.0, 60, 1);
@@ -288,7 +273,7 @@ fn module_finds_the_site_under_the_simulated_sky() {
     let selection = Selection::new("GC", Frequency::Dual).unwrap();
     let mut encoder = Encoder::new(&recording.ephemerides, selection);
     let boot = Boot::on_host("test");
-    let mut receiver = Receiver::new(NoPin, boot).unwrap();
+    let mut receiver = Receiver::new(Pin::default(), boot).unwrap();
     let mut said: Vec<u8> = Vec::new();
     for (epoch, now_ms) in recording.epochs.iter().zip((0..).step_by(1000)) {
         receiver.gnss(&encoder.epoch(epoch).unwrap(), now_ms, &mut said);

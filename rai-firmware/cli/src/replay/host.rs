@@ -5,19 +5,13 @@ use raim_firmware::receiver::{Boot, Receiver};
 
 use super::ahead::Ahead;
 use crate::pin::Pin;
-use crate::sentence::{self, EpochOutput};
+use crate::sentence::{self, EpochOutput, command};
 use crate::signal::lump::Lump;
 use crate::signal::pieces;
 
 /// Bodies of the commands that configure the module before the first epoch, without `$PRAIC,` and
 /// checksum.
 pub type Setup = [String];
-
-/// Returns a command with its checksum and line end.
-pub fn command(body: &str) -> String {
-    let body = format!("PRAIC,{body}");
-    format!("${body}*{:02X}\r\n", body.bytes().fold(0u8, |sum, byte| sum ^ byte))
-}
 
 /// Checks that every answer is `OK`.
 ///
