@@ -198,8 +198,8 @@ impl Module {
             self.0.tick(now_ms + QUIET_MS, &mut said);
         }
         let text = sentence::sentences(&said)?;
-        if let Some(epoch) = sentence::epochs(&text)?.last() {
-            let agree = self.0.pin().high == epoch.state.is_protected();
+        if let Some(state) = last_state(&text) {
+            let agree = self.0.pin().high == (state == "P");
             ensure!(agree, "pin and verdict disagree at {now_ms} ms");
         }
         Ok(text)

@@ -116,6 +116,11 @@ impl<R: Read> Stream<R> {
         Ok(Some(Piece { kind, bytes }))
     }
 
+    /// Puts the piece of this length back that was returned last.
+    pub fn put_back(&mut self, length: usize) {
+        self.at = self.at.saturating_sub(length);
+    }
+
     /// Reads until the buffer holds more than the longest frame, or the source has ended.
     fn fill(&mut self) -> std::io::Result<()> {
         while !self.has_ended && self.buffer.len() - self.at <= LONGEST {

@@ -2,15 +2,16 @@
 //!
 //! The module's own input decides when an epoch is complete. Bytes that look like the beginning of
 //! a long frame may delay it. On a line they do so until it falls silent between two epochs. Here
-//! the line counts as silent behind a frame of ranges that states that it is the last. When the
-//! lump is replayed, the module has as long a silence.
+//! the line counts as silent behind a frame of ranges that states that it is the last, before
+//! ranges that are tagged more than [`SILENCE_MS`] later, and at the end. When the lump is
+//! replayed, the module has as long a silence.
 
 use std::collections::BTreeSet;
 
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::ephemeris::Ephemeris;
 use raim_firmware::input::{Event, Input};
-use raim_firmware::time::GpsTime;
+use raim_firmware::time::{GpsTime, WEEK_MS};
 
 use super::falsify::tow_ms;
 use crate::signal::pieces::{Kind, Piece};
@@ -37,7 +38,29 @@ pub(super) struct Cutter {
     pub(super) known: BTreeSet<SatelliteId>,
     ephemerides: Vec<Ephemeris>,
     ionosphere: Option<[f64; 8]>,
+    /// Tag of the ranges that opened the epoch under way.
+    opened: Option<Tag>,
 }
+
+/// Tag of a frame of ranges.
+#[derive(Clone, Copy)]
+struct Tag {
+    kind: Kind,
+    /// Bytes with the message number and the station.
+    station: [u8; 3],
+    /// Time of week, ms of GPS time.
+    tow_ms: u32,
+}
+
+impl Tag {
+    fn of(piece: &Piece<'_>) -> Option<Self> {
+        let &station = piece.bytes.get(3..)?.first_chunk()?;
+        Some(Self { kind: piece.kind, station, tow_ms: tow_ms(piece)? })
+    }
+}
+
+/// Silence after which the module completes an open epoch, ms.
+const SILENCE_MS: u32 = 500;
 
 impl Cutter {
     /// Returns a cutter that takes the week of the first epoch as given.
@@ -62,9 +85,43 @@ impl Cutter {
     /// Takes the next piece; returns the epoch that ends with it. If two epochs were delayed
     /// together, they are one here, because the module reports only the last verdict.
     pub(super) fn take(&mut self, piece: &Piece<'_>) -> Option<Cut> {
-        let Self { input, ranged, known, ephemerides, ionosphere } = self;
+        let time = self.hear(|input, hear| {
+            input.feed(piece.bytes, 0, &mut *hear);
+            if is_last_of_epoch(piece) {
+                input.silence(hear);
+            }
+        });
+        if !self.input.has_open_epoch() {
+            self.opened = None;
+        } else if time.is_some() || self.opened.is_none() {
+            self.opened = Tag::of(piece);
+        }
+        Some(self.cut(time?, tow_ms(piece)))
+    }
+
+    /// Returns the epoch that the silence before the next piece completes, by the tags of both.
+    pub(super) fn silence_before(&mut self, piece: &Piece<'_>) -> Option<Cut> {
+        let opened = self.opened?;
+        let tag = Tag::of(piece).filter(|tag| (tag.kind, tag.station) == (opened.kind, opened.station))?;
+        let passed_ms = (tag.tow_ms + WEEK_MS - opened.tow_ms) % WEEK_MS;
+        if passed_ms > SILENCE_MS { self.silence() } else { None }
+    }
+
+    /// Returns the epoch that a silence completes.
+    pub(super) fn silence(&mut self) -> Option<Cut> {
+        self.opened = None;
+        let time = self.hear(|input, hear| {
+            input.silence(&mut *hear);
+            input.end_epoch(hear);
+        });
+        Some(self.cut(time?, None))
+    }
+
+    /// Collects what the input tells; returns the time of the last epoch that it completes.
+    fn hear(&mut self, act: impl FnOnce(&mut Input, &mut dyn FnMut(Event<'_>))) -> Option<GpsTime> {
+        let Self { input, ranged, known, ephemerides, ionosphere, .. } = self;
         let mut ended = None;
-        let mut hear = |event: Event<'_>| match event {
+        act(input, &mut |event| match event {
             Event::Ephemeris(ephemeris) => {
                 known.insert(ephemeris.satellite());
                 ephemerides.push(ephemeris);
@@ -75,19 +132,18 @@ impl Cutter {
                 ranged.extend(epoch.satellites.iter().map(|satellite| satellite.satellite));
                 ended = Some(epoch.time);
             }
-        };
-        input.feed(piece.bytes, 0, &mut hear);
-        if is_last_of_epoch(piece) {
-            input.silence(&mut hear);
-        }
-        let time = ended?;
-        let ends_with_next = tow_ms(piece).is_some_and(|tow_ms| is_other(tow_ms, time));
-        Some(Cut {
+        });
+        ended
+    }
+
+    /// Returns the cut of an epoch that was complete with ranges of this time of week.
+    fn cut(&mut self, time: GpsTime, tow_ms: Option<u32>) -> Cut {
+        Cut {
             time,
             ephemerides: std::mem::take(&mut self.ephemerides),
             ionosphere: self.ionosphere.take(),
-            ends_with_next,
-        })
+            ends_with_next: tow_ms.is_some_and(|tow_ms| is_other(tow_ms, time)),
+        }
     }
 
     /// Returns the number of epochs that were refused because the week was unknown.

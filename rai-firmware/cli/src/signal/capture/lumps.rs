@@ -154,6 +154,11 @@ impl<R: Read> Lumps<R> {
     fn cut(&mut self) -> Result<Option<Cut>> {
         let Self { stream, cutter, week, stated, content, head, open, span, .. } = self;
         while let Some(piece) = stream.advance().context("cannot be read")? {
+            if let Some(cut) = cutter.silence_before(&piece) {
+                let length = piece.bytes.len();
+                stream.put_back(length);
+                return extended(span, cut, content.bytes()).map(Some);
+            }
             if head.len() < HEAD {
                 head.extend(piece.bytes.iter().take(HEAD - head.len()));
             }
@@ -170,15 +175,10 @@ impl<R: Read> Lumps<R> {
                 cut = pieces(open).filter_map(|piece| cutter.take(&piece)).last();
             }
             if let Some(cut) = cut {
-                let end = content.bytes();
-                match span {
-                    None => *span = Some(Span { first: cut.time, last: cut.time, end }),
-                    Some(span) => span.extend(cut.time, end)?,
-                }
-                return Ok(Some(cut));
+                return extended(span, cut, content.bytes()).map(Some);
             }
         }
-        Ok(None)
+        cutter.silence().map(|cut| extended(span, cut, content.bytes())).transpose()
     }
 
     /// Makes the lump of an epoch, if the window holds it.
@@ -268,6 +268,15 @@ impl Span {
         (self.last, self.end) = (time, end);
         Ok(())
     }
+}
+
+/// Returns the cut of the next epoch, which ends after `end` bytes and extends the span.
+fn extended(span: &mut Option<Span>, cut: Cut, end: u64) -> Result<Cut> {
+    match span {
+        None => *span = Some(Span { first: cut.time, last: cut.time, end }),
+        Some(span) => span.extend(cut.time, end)?,
+    }
+    Ok(cut)
 }
 
 /// Drops the older half if a lump is too large.

@@ -79,7 +79,7 @@ pub fn is_capture(path: &Path) -> bool {
 
 /// Number of bytes of a file that determine its week: minutes to hours, in which every system sends
 /// its sets.
-const WEEK_BYTES: u64 = 16 << 20;
+const WEEK_BYTES: u64 = 4 << 20;
 
 /// Returns the GPS week of the first epoch of a file, not rolled over. It is `None` if the module
 /// takes that week by itself, or if the source is not a file, because it can be read only once.

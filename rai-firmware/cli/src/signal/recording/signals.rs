@@ -10,7 +10,7 @@ use anyhow::{Result, ensure};
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::header::Header;
-use super::text::{columns, number};
+use super::text::{columns, decimal, number};
 use crate::signal::measurement::{MeasuredSatellite, MeasuredSignal};
 
 /// The fields that are read of the records of each system, by the system's letter, and the column
@@ -109,8 +109,7 @@ struct Signals {
 fn signals(fields: &[(usize, Field)], values: &str) -> Result<Signals> {
     let mut found = Signals { signals: Vec::new(), damaged: 0 };
     for &(column, field) in fields {
-        let text = columns(values, column, column + 14);
-        let value = match (measured(text), field.quantity) {
+        let value = match (value(values, column), field.quantity) {
             (Err(error), Quantity::Pseudorange) => return Err(error),
             (Err(_), _) => {
                 found.damaged += 1;
@@ -133,8 +132,15 @@ fn signals(fields: &[(usize, Field)], values: &str) -> Result<Signals> {
     Ok(found)
 }
 
-/// Reads a measured value, which always has a decimal point, because a number without one was cut.
-fn measured(text: &str) -> Result<Option<f64>> {
+/// Reads the measured value that begins in a column; `None` for blank columns. It always has a
+/// decimal point, because a number without one was cut.
+fn value(values: &str, column: usize) -> Result<Option<f64>> {
+    let Some(rest) = values.as_bytes().get(column..) else { return Ok(None) };
+    let plain = decimal(rest.get(..14).unwrap_or(rest));
+    if plain.is_some() {
+        return Ok(plain);
+    }
+    let text = columns(values, column, column + 14);
     ensure!(text.is_empty() || text.bytes().any(|byte| byte == b'.'), "`{text}` has no decimal point");
     number(text)
 }
