@@ -4,4 +4,5 @@
 //! pin go out. It runs the firmware's own [`Receiver`](raim_firmware::receiver::Receiver) in the
 //! firmware's own [epoch loop](raim_firmware::epoch_loop), so that it prints what the chip prints.
 
+pub mod configure;
 pub mod run;
