@@ -14,6 +14,7 @@ mod campaign;
 mod capi;
 mod capi_bits;
 mod capture;
+mod cmake;
 mod consumers;
 mod dashboard;
 mod demo;
