@@ -36,12 +36,11 @@ def target_of(flags, cpu):
 
 def build(env):
     """Builds the library and adds it to the program."""
-    folder = env["PROJECT_DIR"] if "PROJECT_DIR" in env else os.getcwd()
     here = env.Dir(".").srcnode().abspath
     flags = list(env.get("CCFLAGS", [])) + list(env.get("LINKFLAGS", []))
     target = env.GetProjectOption("custom_rai_target", "") or target_of(flags, env.BoardConfig().get("build.cpu", ""))
     features = env.GetProjectOption("custom_rai_features", "whole")
-    out = os.path.join(env.subst("$BUILD_DIR") or folder, "rai")
+    out = os.path.join(env.subst("$BUILD_DIR"), "rai")
     command = ["cargo", "rustc", "--package", "rai-capi", "--lib", "--crate-type", "staticlib"]
     command += ["--profile", "firmware", "--no-default-features", "--features", features + ",panic-handler"]
     command += ["--target", target, "--target-dir", out]

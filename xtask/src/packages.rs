@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result, ensure};
 use crate::cargo::{command, root, spawn};
 
 /// Packages in their order; the second needs the first.
-const PACKAGES: [&str; 2] = ["raim-core", "raim-firmware"];
+pub(crate) const PACKAGES: [&str; 2] = ["raim-core", "raim-firmware"];
 
 /// Separate workspace, so that cargo does not find ours. One library finds the other beside it, not
 /// in the registry, because ours are not published.
