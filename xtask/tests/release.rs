@@ -33,6 +33,7 @@ fn every_manifest_has_the_version_of_the_workspace() {
     let version = value(&text("Cargo.toml"), "version");
     let header = text("rai-firmware/capi/include/rai.h");
     assert!(header.contains(&format!("#define RAI_VERSION \"{version}\"")));
+    assert_eq!(value(&text("rai-firmware/python/pyproject.toml"), "version"), version);
     let platformio = text("rai-firmware/capi/library.json");
     assert!(platformio.contains(&format!("\"version\": \"{version}\"")));
 }

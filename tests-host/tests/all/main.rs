@@ -35,6 +35,7 @@ mod parity;
 mod peers;
 mod pin_in_time;
 mod precision;
+mod python;
 mod recordings;
 mod second_board;
 mod service;

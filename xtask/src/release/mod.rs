@@ -8,6 +8,7 @@
 //! | firmware images | fit the chip |
 //! | `rai` as a program and as a Debian package | prints its version; `dpkg-deb` reads the package |
 //! | `rai`, static | prints its version if this processor runs it |
+//! | Python wheel | installed into a fresh environment, imported |
 //! | bill of materials, `SHA256SUMS` | every file is listed |
 //!
 //! Files of a build have no time of their own, so that the same sources give the same bytes.
@@ -18,6 +19,7 @@ mod checksums;
 mod deb;
 mod files;
 mod sbom;
+mod wheel;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -54,13 +56,14 @@ enum Built {
 /// A part of the release: its name, and its build into a folder.
 type Part = (&'static str, fn(&Path) -> Result<Built>);
 
-const PARTS: [Part; 8] = [
+const PARTS: [Part; 9] = [
     ("packages", packages),
     ("header", header),
     ("C archives", |out| archives::build(out).map(Built::Files)),
     ("shared C library", archives::shared),
     ("images", images),
     ("rai and its Debian package", |out| binary::build(out).map(Built::Files)),
+    ("Python wheel", wheel::build),
     ("rai, static, x86-64", |out| binary::statically("x86_64-unknown-linux-musl", out)),
     ("rai, static, aarch64", |out| binary::statically("aarch64-unknown-linux-musl", out)),
 ];
