@@ -31,6 +31,10 @@ const _: () =
     assert!(size_of::<rai_counter_t>() == 44, "a field came or moved: raise RAI_ABI_VERSION if it moved");
 
 impl rai_counter_t {
+    #[allow(
+        clippy::cast_possible_wrap,
+        reason = "characters of C are signed here and there; names are ASCII"
+    )]
     fn of(name: &str, value: u32) -> Self {
         let mut counter = Self { size: size_of::<Self>() as u32, value, name: [0; RAI_COUNTER_NAME_SIZE] };
         // The last byte stays NUL.

@@ -309,7 +309,7 @@ fn a_setting_needs_no_checksum_and_a_refused_one_says_why() {
     let mut text = room.text();
     let mut memory = receiver(&mut text);
     let at = memory.as_mut_ptr();
-    let mut set = |key: &str, values: Option<&str>, text: &mut rai_text_t| {
+    let set = |key: &str, values: Option<&str>, text: &mut rai_text_t| {
         let (key, values) = (c(key), values.map(c));
         let values = values.as_ref().map_or(ptr::null(), |values| values.as_ptr());
         text.length = 0;

@@ -140,7 +140,7 @@ fn missing(library: &[u8]) -> Result<Vec<String>> {
     Ok(functions.filter(|name| !contains(name)).collect())
 }
 
-/// Builds the shared library of this system, with everything that CMake installs beside it.
+/// Builds the shared library of this system, with everything that `CMake` installs beside it.
 ///
 /// # Errors
 /// If it does not build or install.

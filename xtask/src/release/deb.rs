@@ -18,12 +18,17 @@ pub(super) struct Control<'c> {
 impl Control<'_> {
     /// Returns the file `control`; the installed size is in KiB.
     fn text(&self, installed_kib: u64) -> String {
-        let lines: String = self.description.iter().map(|line| format!(" {line}\n")).collect();
+        let lines: Vec<_> = self.description.iter().map(|line| format!(" {line}\n")).collect();
         format!(
             "Package: {}\nVersion: {}\nArchitecture: {}\nMaintainer: the RAI authors <rai@localhost>\n\
              Installed-Size: {installed_kib}\nDepends: {}\nSection: science\nPriority: optional\n\
-             Description: {}\n{lines}",
-            self.package, self.version, self.architecture, self.depends, self.summary
+             Description: {}\n{}",
+            self.package,
+            self.version,
+            self.architecture,
+            self.depends,
+            self.summary,
+            lines.concat()
         )
     }
 }
@@ -35,10 +40,10 @@ impl Control<'_> {
 pub(super) fn package(control: &Control<'_>, files: &[Entry]) -> Result<Vec<u8>> {
     let bytes: u64 = files.iter().map(|entry| entry.bytes.len() as u64).sum();
     let settings = files.iter().filter_map(|entry| entry.path.strip_prefix("etc/"));
-    let settings: String = settings.map(|path| format!("/etc/{path}\n")).collect();
+    let settings: Vec<_> = settings.map(|path| format!("/etc/{path}\n")).collect();
     let text =
         |path: &str, text: String| Entry { path: path.into(), bytes: text.into_bytes(), is_program: false };
-    let about = [text("control", control.text(bytes.div_ceil(1024))), text("conffiles", settings)];
+    let about = [text("control", control.text(bytes.div_ceil(1024))), text("conffiles", settings.concat())];
     archive(&[
         ("debian-binary", b"2.0\n".to_vec()),
         ("control.tar.gz", tar_gz(&about)?),

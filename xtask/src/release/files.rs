@@ -76,7 +76,8 @@ fn header(path: &str, bytes: u64, mode: u32, kind: tar::EntryType) -> Result<tar
     header.set_size(bytes);
     header.set_mode(mode);
     header.set_mtime(0);
-    (header.set_uid(0), header.set_gid(0));
+    header.set_uid(0);
+    header.set_gid(0);
     header.set_username("root")?;
     header.set_groupname("root")?;
     header.set_entry_type(kind);

@@ -42,7 +42,7 @@ pub(super) fn ask(port: &mut dyn Port, step: &Step) -> Result<Answer> {
     send(port, &step.bytes())?;
     let answer = match &step.command {
         Command::Ubx(identity, _) => wait(port, |bytes| acknowledged(bytes, *identity))?,
-        Command::Line(_) => wait(port, replied)?,
+        Command::Line(_) => wait(port, |bytes| replied(bytes))?,
     };
     Ok(answer.unwrap_or(Answer::Missing))
 }
@@ -126,7 +126,7 @@ fn acknowledged(bytes: &mut Vec<u8>, command: Identity) -> Option<Answer> {
 
 /// Finds the reply of a mosaic: `$R:` repeats an accepted command, `$R?` begins the reason of a
 /// refusal.
-fn replied(bytes: &mut Vec<u8>) -> Option<Answer> {
+fn replied(bytes: &[u8]) -> Option<Answer> {
     bytes.windows(3).find_map(|window| match window {
         b"$R:" => Some(Answer::Accepted),
         b"$R?" => Some(Answer::Refused),

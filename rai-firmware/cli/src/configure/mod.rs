@@ -95,11 +95,9 @@ fn wire(arguments: &Arguments) -> String {
 
 /// Returns the commands as a person types or pastes them.
 fn typed(receiver: Receiver, steps: &[Step]) -> String {
-    let mut text = format!("{receiver}:");
-    for step in steps {
-        text += &format!("\n  {:<48} {}", step.typed(), step.purpose);
-    }
-    text
+    let line = |step: &Step| format!("\n  {:<48} {}", step.typed(), step.purpose);
+    let lines: Vec<_> = steps.iter().map(line).collect();
+    format!("{receiver}:{}", lines.concat())
 }
 
 /// Returns a line for each step, and true if the module can work with the accepted ones.
