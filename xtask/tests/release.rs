@@ -1,4 +1,5 @@
-//! Facts that a release depends on: versions that agree, and a forge that tests what a person tests.
+//! Facts that a release depends on: versions that agree, and a forge that tests what a person
+//! tests.
 
 use std::fs;
 use std::path::Path;

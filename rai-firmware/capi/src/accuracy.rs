@@ -1,4 +1,4 @@
-//! Accuracy of a position: covariance, dilution of precision, clocks, and the size of the residuals.
+//! Accuracy of a position: covariance, dilution of precision, clocks, and size of the residuals.
 
 use raim_core::report::Report;
 use raim_core::satellite::Constellation;

@@ -1,5 +1,5 @@
-//! The C interface by `CMake`: built and installed, found by another project, cross-compiled, and as a
-//! module of Zephyr.
+//! The C interface by `CMake`: built and installed, found by another project, cross-compiled, and
+//! as a module of Zephyr.
 //!
 //! Zephyr itself is stubbed, because it takes gigabytes.
 

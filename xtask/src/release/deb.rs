@@ -1,4 +1,4 @@
-//! Debian package: an `ar` archive of a version, a description and the files, as `deb(5)` defines it.
+//! Debian package, as `deb(5)` defines it: an `ar` archive of a version, a description and files.
 
 use anyhow::{Result, ensure};
 

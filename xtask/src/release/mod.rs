@@ -1,5 +1,5 @@
-//! `cargo xtask release`: builds and checks every artefact of a release that this machine can build,
-//! and names the others with the reason.
+//! `cargo xtask release`: builds and checks every artefact of a release that this machine can
+//! build, and names the others with the reason.
 //!
 //! | artefact | check |
 //! |---|---|

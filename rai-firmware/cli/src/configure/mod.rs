@@ -16,8 +16,8 @@
 //!   (`UBX_CONFIG_DATABASE`), and the table `u-blox_config_keys.h` of the `SparkFun` u-blox GNSS
 //!   library, version 3, which agree. Both restate u-blox, Interface description ZED-F9P, HPG 1.32.
 //! - UBX-CFG-VALSET (06 8A), UBX-CFG-MSG (06 01), UBX-CFG-CFG (06 09), UBX-MON-VER (0A 04),
-//!   UBX-ACK-ACK (05 01), UBX-ACK-NAK (05 00): u-blox 8 / M8 Receiver description including protocol
-//!   specification; `pyubx2` encodes the frames of the tests.
+//!   UBX-ACK-ACK (05 01), UBX-ACK-NAK (05 00): u-blox 8 / M8 Receiver description including
+//!   protocol specification; `pyubx2` encodes the frames of the tests.
 //! - `setDataInOut`, `setRTCMv3Interval`, `setRTCMv3Output`: Septentrio, command line reference, as
 //!   in the `PolaRx5TR` Reference Guide, firmware 5.5.0.
 
@@ -77,7 +77,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Returns the receiver's name of the port, as the user gives it or as the port's own name suggests.
+/// Returns the receiver's name of the port, as the user gives it or as the system's name of the
+/// port suggests.
 fn wire(arguments: &Arguments) -> String {
     if let Some(wire) = &arguments.wire {
         return wire.to_uppercase();
