@@ -184,6 +184,11 @@ impl Navigator {
         &self.room.memory.outcome().report
     }
 
+    /// Returns the corrected ranges of the last epoch.
+    pub fn epoch(&self) -> &Epoch<CAPACITY> {
+        &self.room.epoch
+    }
+
     /// Returns the scratch memory for equations, which is free between epochs.
     pub(crate) fn workspace(&mut self) -> &mut Workspace {
         self.room.memory.workspace()

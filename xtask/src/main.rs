@@ -16,6 +16,7 @@ mod miri;
 mod mutants;
 mod nightly;
 mod packages;
+mod release;
 mod replay;
 mod reproduce;
 mod setup;
@@ -75,6 +76,10 @@ enum Command {
     Tables(tables::Arguments),
     /// Generates the header of the C interface.
     Header(header::Arguments),
+    /// Builds the library for C for every processor: Cortex-M0+, M4F, M7, M33 and RV32.
+    Archives(release::ArchiveArguments),
+    /// Builds and checks every artefact of a release, with checksums and a bill of materials.
+    Release(release::Arguments),
     /// Writes the image to a chip, or checks that it fits.
     Flash(flash::Arguments),
     /// Shows the state of a module on a serial port.
@@ -110,6 +115,8 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Tables(arguments) => tables::run(&arguments),
         Command::Header(arguments) => header::run(&arguments),
+        Command::Archives(arguments) => release::build_archives(&arguments),
+        Command::Release(arguments) => release::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Monitor(arguments) => raim::monitor::command::run(&arguments, Some(&rig::demo::watched)),
     }

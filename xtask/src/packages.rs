@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result, ensure};
 use crate::cargo::{command, root, spawn};
 
 /// Packages in their order; each needs those before it.
-const PACKAGES: [&str; 3] = ["raim-core", "raim-firmware", "raim"];
+pub(crate) const PACKAGES: [&str; 3] = ["raim-core", "raim-firmware", "raim"];
 
 /// Separate workspace, so that cargo does not find ours. One package finds the others beside it, not
 /// in the registry, because ours are not published.

@@ -60,6 +60,8 @@ pub mod signal;
 #[cfg(feature = "commands")]
 pub mod campaign;
 #[cfg(feature = "commands")]
+pub mod configure;
+#[cfg(feature = "commands")]
 pub mod evaluate;
 #[cfg(feature = "commands")]
 pub mod exit;

@@ -14,6 +14,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Makes a receiver send what the module reads, or prints the commands that do.
+    Configure(raim::configure::Arguments),
     /// Runs the integrity module on a receiver's bytes until it is stopped.
     Run(Box<raim::run::Arguments>),
     /// Replays a recording through the module.
@@ -29,6 +31,7 @@ enum Command {
 fn main() -> ExitCode {
     let Arguments { command } = Arguments::parse();
     raim::exit::code_of(|| match command {
+        Command::Configure(arguments) => raim::configure::run(&arguments),
         Command::Run(arguments) => raim::run::run(*arguments),
         Command::Replay(arguments) => raim::replay::command::run(&arguments, None),
         Command::Monitor(arguments) => raim::monitor::command::run(&arguments, None),

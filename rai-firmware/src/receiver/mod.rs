@@ -31,6 +31,7 @@ mod lateness;
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
+use raim_core::epoch::Epoch;
 use raim_core::monitor::MonitorError;
 use raim_core::report::{Report, Verdict};
 use raim_core::velocity::Velocity;
@@ -42,7 +43,7 @@ use crate::correction::CAPACITY;
 use crate::counters::{at, count_many};
 use crate::input::{Input, LeapSecond, Suspicion};
 use crate::output::nmea::{Losses, write_answer, write_counters, write_refusal, write_version};
-use crate::settings::{Action, CommandPort, Configuration, Order, Unsealed};
+use crate::settings::{Action, CommandPort, Configuration, Heard, Order, Refusal, Unsealed};
 
 /// Facts that the board knows at start.
 #[derive(Clone, Debug)]
@@ -259,11 +260,33 @@ impl<P: OutputPin> Receiver<P> {
     /// only while [`Self::has_more_to_say`] is false.
     pub fn command_byte<W: Write>(&mut self, byte: u8, host: &mut W) -> bool {
         let heard = self.commands.push(byte, &mut self.epochs.configuration, host);
+        self.carry_out(&heard, host);
+        heard.action.is_some()
+    }
+
+    /// Obeys a command that did not come over a wire, and writes complete answers: a key, and its
+    /// values with commas between them. `None` asks for the value in force.
+    ///
+    /// Key and values must be text that a sentence may contain: printable ASCII without `$` and
+    /// `*`, at most [`MAX_LINE`](crate::settings::MAX_LINE) characters.
+    ///
+    /// # Errors
+    /// [`Refusal`] names the reason; nothing has changed then.
+    #[inline(never)]
+    pub fn set<W: Write>(&mut self, key: &str, values: Option<&str>, host: &mut W) -> Result<(), Refusal> {
+        let heard = self.commands.set(key, values, &mut self.epochs.configuration, host);
+        self.carry_out(&heard, host);
+        while self.has_more_to_say() {
+            self.go_on(host);
+        }
+        heard.refusal.map_or(Ok(()), Err)
+    }
+
+    fn carry_out<E, W: Write>(&mut self, heard: &Heard<E>, host: &mut W) {
         self.epochs.sent(heard.answered.is_ok());
         if let Some(action) = heard.action {
             self.act(action, host);
         }
-        heard.action.is_some()
     }
 
     /// Returns true if the answer to the last command is incomplete.
@@ -332,6 +355,11 @@ impl<P: OutputPin> Receiver<P> {
         self.epochs.has_report.then(|| self.epochs.navigator.report())
     }
 
+    /// Returns the corrected ranges of the last epoch; `None` after a verdict without an epoch.
+    pub fn last_epoch(&self) -> Option<&Epoch<CAPACITY>> {
+        self.epochs.has_report.then(|| self.epochs.navigator.epoch())
+    }
+
     /// Returns the velocity of the last epoch, if it passed its test.
     pub fn velocity(&self) -> Option<&Velocity> {
         self.epochs.navigator.velocity()
@@ -367,9 +395,10 @@ impl<P: OutputPin> Receiver<P> {
         (first..).map_while(|number| self.statistic(number))
     }
 
-    /// Returns the counter with this number.
+    /// Returns name and value of the counter with this number, counted from 0; `None` beyond the
+    /// last.
     #[inline(never)]
-    fn statistic(&self, mut number: usize) -> Option<(&'static str, u32)> {
+    pub fn statistic(&self, mut number: usize) -> Option<(&'static str, u32)> {
         let number = &mut number;
         let sigma_check =
             self.epochs.sigma_check.map(|mean| ("sigma_check_pct", libm::round(mean * 100.0) as u32));

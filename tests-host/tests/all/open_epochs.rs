@@ -1,16 +1,16 @@
 //! Streams in which every message announces that more of its epoch follow, as casters of a single
 //! system send them: a silent line completes the epoch.
 
+use raim::pin::Pin;
+use raim::replay::{self, Pace, Window};
+use raim::sentence::{self, EpochOutput};
+use raim::signal::capture::Capture;
+use raim::signal::checksum::crc24q;
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::pieces::pieces;
+use raim::signal::sky::Fleet;
+use raim::signal::sky::raw::Simulation;
 use raim_firmware::receiver::{Boot, Receiver};
-use tests_host::capture::Capture;
-use tests_host::checksum::crc24q;
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::pin::Pin;
-use tests_host::replay::pieces::pieces;
-use tests_host::replay::{self, Pace, Window};
-use tests_host::sentence::{self, EpochOutput};
-use tests_host::sky::Fleet;
-use tests_host::sky::raw::Simulation;
 
 /// Interval between two ticks of the module, ms.
 const TICK_MS: u64 = 100;

@@ -219,6 +219,7 @@ fn corrections() {
         Navigator::redate as fn(_, _) -> _,
         Navigator::distrust as fn(_, _),
         Navigator::velocity as fn(_) -> _,
+        Navigator::epoch as fn(_) -> _,
         Navigator::rate_tally as fn(_) -> _,
         Rates::new as fn() -> _,
         <Rates as Default>::default as fn() -> _,
@@ -320,6 +321,7 @@ fn commands() {
         Configuration::write::<Host> as fn(_, _) -> _,
         CommandPort::new as fn() -> _,
         CommandPort::push::<Host> as fn(_, _, _, _) -> _,
+        CommandPort::set::<Host> as fn(_, _, _, _, _) -> _,
         (|port| exhaust(CommandPort::counters(port))) as fn(_),
     );
 }
@@ -344,6 +346,7 @@ fn the_loop() {
         Receiver::<Pin>::tick::<Host> as fn(_, _, _) -> _,
         Receiver::<Pin>::command::<Host> as fn(_, _, _),
         Receiver::<Pin>::command_byte::<Host> as fn(_, _, _) -> _,
+        Receiver::<Pin>::set::<Host> as fn(_, _, _, _) -> _,
         Receiver::<Pin>::has_more_to_say as fn(_) -> _,
         Receiver::<Pin>::go_on::<Host> as fn(_, _),
         EpochLoop::new as fn() -> _,
@@ -358,6 +361,8 @@ fn the_loop() {
         Receiver::<Pin>::interference as fn(_) -> _,
         Receiver::<Pin>::leap_second as fn(_) -> _,
         Receiver::<Pin>::velocity as fn(_) -> _,
+        Receiver::<Pin>::last_epoch as fn(_) -> _,
+        Receiver::<Pin>::statistic as fn(_, _) -> _,
         Receiver::<Pin>::pin as fn(_) -> _,
         (|receiver| exhaust(Receiver::<Pin>::statistics(receiver))) as fn(_),
         selftest::run as fn(_) -> _,

@@ -13,9 +13,9 @@ use std::f64::consts::TAU;
 use std::ffi::CStr;
 
 use rai::{
-    RAI_MONITOR_WORDS, RAI_REASON_NONE, RAI_RECEIVER_WORDS, RAI_STATE_ALERT, RAI_STATE_PROTECTED,
-    RAI_STATE_UNAVAILABLE, RAI_STATUS_OK, rai_monitor_t, rai_range_t, rai_receiver_t, rai_settings_t,
-    rai_text_t, rai_verdict_t,
+    RAI_MAX_SATELLITES, RAI_MONITOR_WORDS, RAI_REASON_NONE, RAI_RECEIVER_WORDS, RAI_STATE_ALERT,
+    RAI_STATE_PROTECTED, RAI_STATE_UNAVAILABLE, RAI_STATUS_OK, rai_monitor_t, rai_range_t, rai_receiver_t,
+    rai_settings_t, rai_text_t, rai_verdict_t,
 };
 
 use super::tape::Tape;
@@ -179,9 +179,13 @@ impl Objects {
 
     fn obey_or_wait(&mut self, tape: &mut Tape<'_>) -> u8 {
         let receiver = self.receiver(tape);
-        if tape.byte() < 128 {
+        let choice = tape.byte();
+        if choice < 128 {
             let count = usize::from(tape.byte()).min(tape.left());
-            let bytes: Vec<u8> = (0..count).map(|_| tape.byte()).collect();
+            let mut bytes: Vec<u8> = (0..count).map(|_| tape.byte()).collect();
+            if choice < 32 {
+                return set(receiver, &mut bytes, tape);
+            }
             return Said::during(tape, |text| {
                 // SAFETY: as many bytes as stated; the text is as long as stated.
                 unsafe { rai::rai_receiver_command(receiver, bytes.as_ptr(), bytes.len(), text) }
@@ -214,10 +218,57 @@ impl Objects {
         );
         if status == RAI_STATUS_OK {
             assert_eq!((given.verdict().state, given.verdict().reason), (state, reason));
+            if given.size == size_of::<rai_verdict_t>() {
+                explain(receiver, &given.verdict());
+            }
         }
         given.check(status);
         status
     }
+}
+
+/// Sets by a key and values cut from the bytes at the first NUL.
+fn set(receiver: *mut rai_receiver_t, bytes: &mut Vec<u8>, tape: &mut Tape<'_>) -> u8 {
+    bytes.extend([0, 0]);
+    let mut texts = bytes.splitn(2, |byte| *byte == 0).map(<[u8]>::as_ptr);
+    let (key, values) = (texts.next().expect("a key").cast(), texts.next().expect("values").cast());
+    // SAFETY: a NUL ends each text; the text for the answer is as long as stated.
+    Said::during(tape, |text| unsafe { rai::rai_receiver_set(receiver, key, values, text) })
+}
+
+/// Checks that the explanations of an epoch agree with its verdict.
+fn explain(receiver: *const rai_receiver_t, verdict: &rai_verdict_t) {
+    // SAFETY: the fields are integers and doubles, of which zeros are values.
+    let (mut accuracy, mut velocity): (rai::rai_accuracy_t, rai::rai_velocity_t) =
+        unsafe { (std::mem::zeroed(), std::mem::zeroed()) };
+    accuracy.size = size_of_val(&accuracy) as u32;
+    velocity.size = size_of_val(&velocity) as u32;
+    let mut residuals =
+        [const { std::mem::MaybeUninit::<rai::rai_residual_t>::uninit() }; RAI_MAX_SATELLITES];
+    let mut count = 0;
+    // SAFETY: an object; every struct has the size that it states.
+    let statuses = unsafe {
+        [
+            rai::rai_receiver_accuracy(receiver, &raw mut accuracy),
+            rai::rai_receiver_velocity(receiver, &raw mut velocity),
+            rai::rai_receiver_residuals(
+                receiver,
+                residuals.as_mut_ptr().cast(),
+                residuals.len(),
+                &raw mut count,
+            ),
+        ]
+    };
+    assert_eq!(statuses, [RAI_STATUS_OK; 3]);
+    // SAFETY: so many have been written.
+    let written = residuals.iter().take(count).map(|residual| unsafe { residual.assume_init() });
+    let used = written.filter(|residual| residual.is_used == 1).inspect(|residual| {
+        assert!(residual.residual_m.is_finite(), "{residual:?}");
+    });
+    assert_eq!(used.count(), if verdict.x_m.is_nan() { 0 } else { verdict.used.into() });
+    assert_eq!(accuracy.hdop.is_nan(), verdict.x_m.is_nan());
+    let numbers = [velocity.east_m_s, velocity.up_m_s, velocity.threshold];
+    assert!(numbers.iter().all(|number| number.is_finite() != velocity.north_m_s.is_nan()), "{velocity:?}");
 }
 
 /// Returns settings of a phase, with any values in them.

@@ -51,6 +51,11 @@ impl Calls {
         self.add(b'f', &[]);
     }
 
+    /// Asks a monitor for accuracy and residuals.
+    pub fn explain(&mut self) {
+        self.add(b'n', &[]);
+    }
+
     /// Makes a receiver.
     pub fn start(&mut self) {
         self.add(b'i', &[]);
@@ -69,6 +74,16 @@ impl Calls {
     /// Sends bytes to the host port.
     pub fn command(&mut self, bytes: &[u8]) {
         self.add(b'c', &[bytes]);
+    }
+
+    /// Sets by key and values; asks with empty values.
+    pub fn set(&mut self, key: &str, values: &str) {
+        self.add(b'k', &[key.as_bytes(), &[0], values.as_bytes(), &[0]]);
+    }
+
+    /// Asks a receiver for accuracy, velocity, residuals and counters.
+    pub fn explain_receiver(&mut self) {
+        self.add(b'a', &[]);
     }
 
     /// Returns all calls, encoded for the program.
@@ -101,6 +116,9 @@ impl Answer {
             b'g' => "rai_receiver_gnss",
             b't' => "rai_receiver_tick",
             b'c' => "rai_receiver_command",
+            b'k' => "rai_receiver_set",
+            b'n' => "rai_monitor_residuals",
+            b'a' => "rai_receiver_residuals",
             _ => "",
         }
     }

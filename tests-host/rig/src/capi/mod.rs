@@ -45,7 +45,7 @@ pub fn header() -> anyhow::Result<String> {
         .generate()
         .context("the header cannot be generated from the sources of the C interface")?
         .write(&mut header);
-    Ok(String::from_utf8(header)?)
+    Ok(String::from_utf8(header)?.replace("@VERSION@", env!("CARGO_PKG_VERSION")))
 }
 
 /// Target of the boards.
