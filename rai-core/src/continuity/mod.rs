@@ -31,6 +31,10 @@
 //! that is there from the start. A time tag that leaps ahead makes everything reachable unless the
 //! caller has its own clock.
 
+mod motion;
+
+pub use motion::Motion;
+
 use crate::frame::Ecef;
 use crate::report::{Alert, Protected, ProtectionLevels, Report, Unavailable, Verdict};
 
