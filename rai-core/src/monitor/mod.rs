@@ -335,7 +335,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         {
             report.verdict = Verdict::Alert(contradiction);
         }
-        report.verdict = self.continuity.conclude(settings, update.time_s, own_clock_s, report);
+        let speed_m_s = velocity.map(Velocity::speed_m_s);
+        report.verdict = self.continuity.conclude(settings, update.time_s, own_clock_s, report, speed_m_s);
         match report.verdict {
             Verdict::Alert(Alert::Jump | Alert::Clock | Alert::Track) => {
                 report.protection = None;
