@@ -16,6 +16,7 @@
 //! | after | the position is protected again |
 //! |---|---|
 //! | an alert, a jump, an impossible place | when the satellites have agreed for [`Recovery`]: epochs and seconds, at positions that are within reach of each other; for [`WEAK`] if an epoch of them had one degree of freedom |
+//! | a contradiction between ranges and their rates (`CLOCK`, `TRACK`) | when they have agreed for [`WEAK`] |
 //! | a jump | also when time has made the position reachable, or after [`Continuity::forget`]; or when the contradicting epochs have agreed for [`WEAK`], and those that led to the anchor had not |
 //!
 //! **After a silence** longer than the time to alert, the first position must be where the receiver
@@ -282,6 +283,8 @@ pub struct Continuity {
     speed_m_s: Option<f64>,
     /// Agreement required because of a silence, s.
     wait_s: f64,
+    /// True after rates contradicted position or clock, until a promise.
+    is_doubted: bool,
 }
 
 impl Default for Continuity {
@@ -300,6 +303,7 @@ impl Continuity {
             latest_s: None,
             speed_m_s: None,
             wait_s: 0.0,
+            is_doubted: false,
         }
     }
 
@@ -307,7 +311,7 @@ impl Continuity {
     /// required.
     pub fn forget(&mut self) {
         (self.anchor, self.agreement) = (None, None);
-        (self.speed_m_s, self.wait_s) = (None, 0.0);
+        (self.speed_m_s, self.wait_s, self.is_doubted) = (None, 0.0, false);
         self.interrupt();
     }
 
@@ -401,11 +405,12 @@ impl Continuity {
             self.agree(settings, how, place, is_weak);
             let waited = Recovery { epochs: 1, seconds: self.wait_s };
             let wanted = settings.recovery.at_least(waited);
+            let wanted = if self.is_doubted { wanted.at_least(WEAK) } else { wanted };
             if !self.agreement.is_some_and(|agreement| agreement.suffices(wanted)) {
                 return Verdict::Unavailable(Unavailable::Recovering);
             }
         }
-        self.wait_s = 0.0;
+        (self.wait_s, self.is_doubted) = (0.0, false);
         let implied_m_s = self.anchor.map(|anchor| {
             place.distance_m(&anchor.last) / place.instant.since_s(anchor.last.instant).max(1.0)
         });
@@ -456,6 +461,7 @@ impl Continuity {
 
     /// Records the loss of protection, which then requires an agreement.
     fn lose(&mut self, verdict: Verdict) -> Verdict {
+        self.is_doubted |= matches!(verdict, Verdict::Alert(Alert::Clock | Alert::Track));
         (self.standing, self.agreement) = (Standing::Lost, None);
         verdict
     }

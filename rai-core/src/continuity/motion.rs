@@ -37,6 +37,9 @@
 //! three means, so that a growing error needs minutes to widen its own bound, and none widens that
 //! of a leap. Epochs under an alert teach nothing.
 //!
+//! **Ends.** A leap begins anew at the new place and clock, so that it is one alert, and an agreement
+//! must follow it. A drift is an alert until it has ended for a minute.
+//!
 //! **Gaps.** A step longer than [`LONGEST_STEP_S`] begins anew. Across a gap of up to
 //! [`LONGEST_GAP_S`] the clock must still be within [`WANDER_M_S`] of its drift. An unknown
 //! acceleration widens the position's bound by `a Δt²/8` for each step longer than
@@ -254,7 +257,12 @@ impl Motion {
             self.begin(&now, solution.position, level_m);
             return None;
         };
-        self.compare(time_s, &discrepancy)
+        let leap = self.leap(time_s, &discrepancy);
+        if leap.is_some() {
+            self.begin(&now, solution.position, level_m);
+            return leap;
+        }
+        self.drift(time_s, &discrepancy)
     }
 
     /// Returns the clock of the constellation that is compared, m. Another one begins anew.
@@ -304,19 +312,12 @@ impl Motion {
         })
     }
 
-    /// Compares a discrepancy with the marks, and learns from it if it contradicts none.
-    fn compare(&mut self, time_s: f64, now: &Discrepancy) -> Option<Alert> {
-        let now_s = (time_s - self.path.as_ref()?.origin_s) as f32;
+    /// Returns the contradiction between a discrepancy and a mark that is beyond both levels.
+    fn leap(&mut self, time_s: f64, now: &Discrepancy) -> Option<Alert> {
+        let now_s = self.since_origin_s(time_s)?;
         while self.marks.front().is_some_and(|mark| now_s - mark.time_s > WINDOW_S as f32) {
             self.marks.pop_front();
         }
-        let contradiction = self.leap(now).or_else(|| self.drift(now_s, now));
-        self.mark(now_s, now, contradiction.is_none());
-        contradiction
-    }
-
-    /// Returns the contradiction between a discrepancy and a mark that is beyond both levels.
-    fn leap(&self, now: &Discrepancy) -> Option<Alert> {
         let [track, clock] = self.marks.iter().fold([true; 2], |[track, clock], mark| {
             let level_m = now.level_m + mark.discrepancy.level_m;
             let [away_m, apart_m] = now.from(&mark.discrepancy);
@@ -326,8 +327,17 @@ impl Motion {
         alert(!track, !clock)
     }
 
-    /// Returns the contradiction of a change along a straight line.
-    fn drift(&self, now_s: f32, now: &Discrepancy) -> Option<Alert> {
+    /// Returns the contradiction of a change along a straight line, and learns from an epoch without
+    /// one.
+    fn drift(&mut self, time_s: f64, now: &Discrepancy) -> Option<Alert> {
+        let now_s = self.since_origin_s(time_s)?;
+        let contradiction = self.line(now_s, now);
+        self.mark(now_s, now, contradiction.is_none());
+        contradiction
+    }
+
+    /// Returns the contradiction between the marks and a position or a clock at rest.
+    fn line(&self, now_s: f32, now: &Discrepancy) -> Option<Alert> {
         let (oldest, age_s) = self.oldest(now_s)?;
         if self.marks.len() < LINE {
             return None;
@@ -346,6 +356,10 @@ impl Motion {
             self.position.is_drift(away_m, scatter_m, floor_m),
             self.clock.is_drift(apart_m, clock_scatter_m, clock_floor_m),
         )
+    }
+
+    fn since_origin_s(&self, time_s: f64) -> Option<f32> {
+        Some((time_s - self.path.as_ref()?.origin_s) as f32)
     }
 
     /// Returns the oldest mark and its age, s, if it shows a minute.
