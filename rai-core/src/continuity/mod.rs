@@ -16,7 +16,13 @@
 //! | after | the position is protected again |
 //! |---|---|
 //! | an alert, a jump, an impossible place | when the satellites have agreed for [`Recovery`]: epochs and seconds, at positions that are within reach of each other; for [`WEAK`] if an epoch of them had one degree of freedom |
+//! | a contradiction between ranges and their rates (`CLOCK`, `TRACK`) | when they have agreed for [`WEAK`] |
 //! | a jump | also when time has made the position reachable, or after [`Continuity::forget`]; or when the contradicting epochs have agreed for [`WEAK`], and those that led to the anchor had not |
+//!
+//! **After a silence** longer than the time to alert, the first position must be where the receiver
+//! can be expected: within `(1.5 u + 10 m/s) Δt` of the anchor, `u` the last speed. A position
+//! farther away must first agree for as long as the way to it takes at `v`: ten minutes of silence
+//! would otherwise make a place 300 km away good enough at once.
 //!
 //! An epoch that agrees only after an exclusion, with one degree of freedom left, does not count,
 //! because among many satellites that disagree some pair always remains that agrees. A first epoch
@@ -31,6 +37,10 @@
 //! that is there from the start. A time tag that leaps ahead makes everything reachable unless the
 //! caller has its own clock.
 
+mod motion;
+
+pub use motion::Motion;
+
 use crate::frame::Ecef;
 use crate::report::{Alert, Protected, ProtectionLevels, Report, Unavailable, Verdict};
 
@@ -42,6 +52,12 @@ pub const ANCHOR_AGE_S: f64 = 86_400.0;
 /// Longest gap in an agreement that continues, s: three epochs of a logger with one epoch in five
 /// minutes.
 pub const GAP_S: f64 = 900.0;
+
+/// Speed that is expected of a receiver beyond its last one, m/s, and the factor on that.
+const EXPECTED_M_S: (f64, f64) = (10.0, 1.5);
+
+/// Speed that is expected of a receiver whose velocity was never known, m/s.
+const UNKNOWN_SPEED_M_S: f64 = 50.0;
 
 /// Largest variation of the delay from an epoch to the caller's clock, s.
 pub const DELAY_S: f64 = 1.0;
@@ -191,6 +207,25 @@ impl BoundedPosition {
     }
 }
 
+impl BoundedPosition {
+    /// Returns the distance to an earlier position, m.
+    fn distance_m(&self, from: &Self) -> f64 {
+        across_m(self.position - from.position, 0.0)
+    }
+
+    /// Returns how long this position must agree after a silence, s: 0 if the receiver is expected
+    /// here, otherwise the time of the way at the highest speed.
+    fn wait_s(&self, from: &Self, speed_m_s: f64, max_speed_m_s: f64) -> f64 {
+        let (beyond_m_s, factor) = EXPECTED_M_S;
+        let expected_m_s = (factor * speed_m_s + beyond_m_s).min(max_speed_m_s);
+        if self.is_within_reach_of(from, expected_m_s) {
+            return 0.0;
+        }
+        // A highest speed of zero makes the wait infinite or NaN, which the age of an anchor ends.
+        self.distance_m(from) / max_speed_m_s
+    }
+}
+
 /// Returns the horizontal part of the way between two points, m. Metres suffice, because levels are
 /// no smaller.
 fn across_m(way: Ecef, climb_m: f64) -> f64 {
@@ -244,6 +279,12 @@ pub struct Continuity {
     anchor: Option<Agreement>,
     agreement: Option<Agreement>,
     latest_s: Option<f64>,
+    /// Speed at the anchor, m/s.
+    speed_m_s: Option<f64>,
+    /// Agreement required because of a silence, s.
+    wait_s: f64,
+    /// True after rates contradicted position or clock, until a promise.
+    is_doubted: bool,
 }
 
 impl Default for Continuity {
@@ -255,13 +296,22 @@ impl Default for Continuity {
 impl Continuity {
     /// Returns the state before the first epoch.
     pub const fn new() -> Self {
-        Self { standing: Standing::New, anchor: None, agreement: None, latest_s: None }
+        Self {
+            standing: Standing::New,
+            anchor: None,
+            agreement: None,
+            latest_s: None,
+            speed_m_s: None,
+            wait_s: 0.0,
+            is_doubted: false,
+        }
     }
 
     /// Forgets the last position, so that the next may be anywhere. Recovery from an alert is still
     /// required.
     pub fn forget(&mut self) {
         (self.anchor, self.agreement) = (None, None);
+        (self.speed_m_s, self.wait_s, self.is_doubted) = (None, 0.0, false);
         self.interrupt();
     }
 
@@ -279,13 +329,15 @@ impl Continuity {
     /// Returns the verdict on an epoch in the light of those before it.
     ///
     /// `time_s` is the epoch's time. `own_clock_s` is the time of its arrival by the caller's own
-    /// clock, which no signal can set. A time that is not finite counts as the last one.
+    /// clock, which no signal can set. A time that is not finite counts as the last one. `speed_m_s`
+    /// is that of the epoch, if its range rates gave one.
     pub fn conclude<const N: usize>(
         &mut self,
         settings: &ContinuitySettings,
         time_s: f64,
         own_clock_s: Option<f64>,
         report: &Report<N>,
+        speed_m_s: Option<f64>,
     ) -> Verdict {
         let own_s = own_clock_s.filter(|clock_s| clock_s.is_finite());
         let instant = self.pass_time(Instant { epoch_s: time_s, own_s });
@@ -298,7 +350,7 @@ impl Continuity {
             });
         let dof = report.test.map_or(0, |test| test.dof);
         match (report.verdict, place) {
-            (Verdict::Protected(how), Some(place)) => self.promise(settings, how, place, dof),
+            (Verdict::Protected(how), Some(place)) => self.promise(settings, how, place, dof, speed_m_s),
             // A missing position is never protected.
             (Verdict::Protected(_), None) => Verdict::Unavailable(Unavailable::NoFix),
             (Verdict::Alert(reason), _) => self.lose(Verdict::Alert(reason)),
@@ -327,6 +379,7 @@ impl Continuity {
         how: Protected,
         place: BoundedPosition,
         dof: u8,
+        speed_m_s: Option<f64>,
     ) -> Verdict {
         let is_weak = dof <= 1;
         let from = self.anchor.map(|anchor| anchor.last);
@@ -336,23 +389,43 @@ impl Continuity {
                 self.standing = Standing::Lost;
                 return Verdict::Alert(Alert::Jump);
             }
-            self.anchor = None;
+            (self.anchor, self.wait_s) = (None, 0.0);
         }
         // NaN fails this comparison, so that it counts as outside.
         if !(settings.min_height_m..=settings.max_height_m).contains(&place.height_m) {
             return self.lose(Verdict::Unavailable(Unavailable::Place));
         }
+        if self.standing == Standing::New || self.wait_s > 0.0 {
+            self.wait_s = self.wait_at(&place, settings.max_speed_m_s);
+        }
+        if self.wait_s > 0.0 {
+            self.standing = Standing::Lost;
+        }
         if self.standing == Standing::Lost || self.standing == Standing::New && is_weak {
             self.agree(settings, how, place, is_weak);
-            if !self.agreement.is_some_and(|agreement| agreement.suffices(settings.recovery)) {
+            let waited = Recovery { epochs: 1, seconds: self.wait_s };
+            let wanted = settings.recovery.at_least(waited);
+            let wanted = if self.is_doubted { wanted.at_least(WEAK) } else { wanted };
+            if !self.agreement.is_some_and(|agreement| agreement.suffices(wanted)) {
                 return Verdict::Unavailable(Unavailable::Recovering);
             }
         }
+        (self.wait_s, self.is_doubted) = (0.0, false);
+        let implied_m_s = self.anchor.map(|anchor| {
+            place.distance_m(&anchor.last) / place.instant.since_s(anchor.last.instant).max(1.0)
+        });
+        self.speed_m_s = speed_m_s.or(implied_m_s).or(self.speed_m_s);
         // An anchor within reach makes this epoch as firm as it was.
         let agreement = self.agreement.take().unwrap_or_else(|| Agreement::begun(place, is_weak));
         self.anchor = Some(self.anchor.map_or(agreement, |anchor| anchor.extended(place, is_weak)));
         self.standing = Standing::Good;
         Verdict::Protected(how)
+    }
+
+    /// Returns the agreement that a place requires after a silence, s.
+    fn wait_at(&self, place: &BoundedPosition, max_speed_m_s: f64) -> f64 {
+        let speed_m_s = self.speed_m_s.unwrap_or(UNKNOWN_SPEED_M_S);
+        self.anchor.map_or(0.0, |anchor| place.wait_s(&anchor.last, speed_m_s, max_speed_m_s))
     }
 
     /// Returns true if epochs out of the anchor's reach have agreed for [`WEAK`], while those that
@@ -388,6 +461,7 @@ impl Continuity {
 
     /// Records the loss of protection, which then requires an agreement.
     fn lose(&mut self, verdict: Verdict) -> Verdict {
+        self.is_doubted |= matches!(verdict, Verdict::Alert(Alert::Clock | Alert::Track));
         (self.standing, self.agreement) = (Standing::Lost, None);
         verdict
     }
