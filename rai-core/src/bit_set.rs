@@ -23,18 +23,10 @@ pub(crate) fn count_of(set: u64) -> usize {
     set.count_ones() as usize
 }
 
-// Not inlined, so that its many callers share one copy.
-/// Returns the lowest member, or 64 of an empty set.
-// The processor has no instruction for it, so that it is compiled once.
-#[inline(never)]
-fn lowest(set: u64) -> usize {
-    set.trailing_zeros() as usize
-}
-
 /// Iterates over the members of a set, ascending.
 pub(crate) fn members(mut set: u64) -> impl Iterator<Item = usize> + Clone {
     core::iter::from_fn(move || {
-        let index = lowest(set);
+        let index = set.trailing_zeros() as usize;
         set &= set.wrapping_sub(1);
         (index < u64::BITS as usize).then_some(index)
     })

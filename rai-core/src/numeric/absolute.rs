@@ -109,8 +109,6 @@ const _: () = assert!(Grid::LONGEST_M * ((1 << Grid::COARSE_DIGITS) as f64) < i3
 
 impl Absolute<f32> for Grid {
     /// Rounds to the nearest multiple, halves away from 0.
-    // Not inlined, so that its many callers share one copy.
-    #[inline(never)]
     fn of(metres: f64) -> Self {
         const MANTISSA_BITS: i32 = 52;
         const BIAS: i32 = 1023;
