@@ -75,6 +75,8 @@ pub use receiver::*;
 pub use settings::*;
 pub use status::*;
 pub use storage::*;
+#[cfg(feature = "receiver")]
+pub use text::rai_text_t;
 pub use verdict::*;
 
 /// Version of this interface. It grows by one with every change that would break a program compiled

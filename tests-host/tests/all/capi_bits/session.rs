@@ -1,6 +1,8 @@
 //! A session run twice: as calls for the C program, and in Rust, whose results are laid out by the
 //! header.
 
+use raim::pin::Pin;
+use raim::sentence;
 use raim_core::continuity::ContinuitySettings;
 use raim_core::epoch::Epoch;
 use raim_core::integrity::Method;
@@ -11,9 +13,7 @@ use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::single::{self, CAPACITY, Monitor};
 use raim_firmware::receiver::{Boot, Receiver};
-use tests_host::capi::{self, calls::Calls};
-use tests_host::pin::Pin;
-use tests_host::sentence;
+use rig::capi::{self, calls::Calls};
 
 /// Calls, and the wanted result of each.
 pub(crate) struct Session {
