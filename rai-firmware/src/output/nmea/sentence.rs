@@ -149,7 +149,6 @@ impl Sentence {
     /// Appends one or several fields that have no reserved character except the commas between
     /// them.
     // Not inlined, so that its many callers share one copy.
-    #[inline(never)]
     pub(crate) fn ready(&mut self, fields: &[u8]) -> &mut Self {
         self.push_one(b',');
         self.push(fields);
