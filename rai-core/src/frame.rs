@@ -93,6 +93,8 @@ impl Ecef {
 
 impl core::ops::Add for Ecef {
     type Output = Self;
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     fn add(self, other: Self) -> Self {
         Self::new(self.x_m + other.x_m, self.y_m + other.y_m, self.z_m + other.z_m)
     }
@@ -100,6 +102,8 @@ impl core::ops::Add for Ecef {
 
 impl core::ops::Sub for Ecef {
     type Output = Self;
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     fn sub(self, other: Self) -> Self {
         Self::new(self.x_m - other.x_m, self.y_m - other.y_m, self.z_m - other.z_m)
     }
@@ -360,6 +364,8 @@ impl<T: Real> LinearisationPoint<T> {
     }
 
     /// Returns the point at an offset of east, north, up, m.
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     pub(crate) fn beside(&self, vector: &Vector3<T>) -> Ecef {
         let away = transposed_product(&self.axes, vector);
         self.point + Ecef::new(away.x.widen(), away.y.widen(), away.z.widen())

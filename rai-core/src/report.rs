@@ -191,6 +191,8 @@ impl ProtectionLevels {
 
     /// Returns the larger of each; NaN counts as the largest.
     #[must_use]
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     pub fn or_larger(&self, other: &Self) -> Self {
         let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
         Self { hpl_m: larger(self.hpl_m, other.hpl_m), vpl_m: larger(self.vpl_m, other.vpl_m) }

@@ -42,6 +42,8 @@ impl GpsTime {
     }
 
     /// Returns the milliseconds from `earlier` to `self`; negative if `self` is before it.
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     pub const fn since_ms(self, earlier: Self) -> i64 {
         self.to_ms().cast_signed() - earlier.to_ms().cast_signed()
     }
@@ -89,6 +91,8 @@ impl GpsTime {
     /// Returns the instant at `tow_ms` of the week that lies within half a week of `reference`.
     ///
     /// A time of week that has just rolled over thus still follows the one before it.
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     pub const fn nearest(tow_ms: u32, reference: Self) -> Self {
         let half_ms = WEEK_MS / 2;
         let week = if tow_ms > reference.tow_ms.saturating_add(half_ms) {

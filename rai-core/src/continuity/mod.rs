@@ -177,6 +177,8 @@ struct Instant {
 
 impl Instant {
     /// Returns the time since an earlier instant, s; 0 if it goes back.
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     fn since_s(self, earlier: Self) -> f64 {
         let by_epochs_s = (self.epoch_s - earlier.epoch_s).max(0.0);
         match self.own_s.zip(earlier.own_s) {

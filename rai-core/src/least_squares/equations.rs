@@ -230,6 +230,8 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
     ///
     /// # Errors
     /// [`RowError`] names the invalid value; nothing is added then.
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     pub fn satellite(
         &mut self,
         constellation: Constellation,

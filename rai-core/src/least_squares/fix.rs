@@ -120,6 +120,8 @@ impl<'r, T: Real> Fix<'r, T> {
     }
 
     /// Returns the rows of weight 0, as a bit set.
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     fn left_out(&self) -> u64 {
         let rows = self.snapshot.equations().iter().enumerate();
         rows.fold(0, |set, (index, row)| if row.weight > T::zero() { set } else { set | bit(index) })

@@ -314,6 +314,8 @@ impl<T: Real> Snapshot<'_, T> {
 
     /// Returns the receiver clock of a constellation times the speed of light, m, or `None` if no
     /// row of it takes part.
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     pub fn clock_m(&self, constellation: Constellation) -> Option<f64> {
         let group = self.solved.estimate.groups.of_clock(constellation)?;
         let relative = group.residual - dot(&group.design, &self.solved.estimate.correction);

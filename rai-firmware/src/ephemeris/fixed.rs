@@ -79,6 +79,8 @@ pub(super) const fn nearest(value: f64, exponent: i32) -> i64 {
 }
 
 /// Returns the same as [`nearest`], limited to 32 bits.
+// Not inlined, so that its many callers share one copy.
+#[inline(never)]
 pub(super) const fn nearest_i32(value: f64, exponent: i32) -> i32 {
     let units = nearest(value, exponent);
     if units > i32::MAX as i64 {

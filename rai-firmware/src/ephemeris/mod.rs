@@ -291,6 +291,8 @@ impl Ephemeris {
     }
 
     /// Returns true if the elements are too far from their reference time.
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     fn is_stale(&self, time: GpsTime) -> bool {
         time.since_ms(self.toe).unsigned_abs() > self.source.age_limit_ms()
     }

@@ -350,6 +350,8 @@ impl Entry {
 }
 
 /// Returns true if a set is stale now; false without a time.
+// Not inlined, so that its many callers share one copy.
+#[inline(never)]
 fn is_stale(ephemeris: &Ephemeris, now: Option<GpsTime>) -> bool {
     now.is_some_and(|now| ephemeris.is_stale(now))
 }

@@ -72,6 +72,8 @@ impl<'a, T: Real> MonitoredModes<'a, T> {
 
     /// Returns true if the remaining satellites determine position and clocks, and `more` exceed
     /// that.
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     pub(super) fn leaves_enough(&self, taken: RowSet, more: u32) -> bool {
         let left = (self.modes.satellites & !taken).count_ones();
         // Mostly enough for a clock of every constellation.

@@ -124,6 +124,8 @@ pub(crate) fn is_field_character(byte: u8) -> bool {
 
 impl Sentence {
     /// Begins a sentence with its address (talker and formatter).
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     pub fn new(address: &str) -> Self {
         let mut sentence = Self { bytes: Vec::new(), overflown: false };
         sentence.push_one(b'$');
@@ -146,6 +148,7 @@ impl Sentence {
 
     /// Appends one or several fields that have no reserved character except the commas between
     /// them.
+    // Not inlined, so that its many callers share one copy.
     pub(crate) fn ready(&mut self, fields: &[u8]) -> &mut Self {
         self.push_one(b',');
         self.push(fields);

@@ -351,6 +351,8 @@ impl<'r, T: Real> Modes<'r, T> {
     }
 
     /// Returns the rows that a hypothesis takes, all satellites in view.
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
     pub(super) fn taken_by(&self, hypothesis: Hypothesis) -> RowSet {
         let rows = hypothesis.rows().fold(0, |set, index| set | row(index));
         rows | self.rows_of(usize::from(hypothesis.constellations))

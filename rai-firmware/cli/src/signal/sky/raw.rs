@@ -156,9 +156,11 @@ impl Simulation {
             ReceiverClock::new(self.oscillator, self.step_s, CLOCK_AT_START_S, self.seed ^ u64::MAX);
         let mut raw_epoch = |epoch: u32| {
             let tag_s = self.start_s + f64::from(epoch) * self.step_s;
+            let before_s = clock.offset_s();
             let clock_s = clock.advance();
+            let drift_m_s = SPEED_OF_LIGHT_M_S * (clock_s - before_s) / self.step_s;
             let seen = sights(&self.satellites, &self.site, tag_s - clock_s, self.mask_rad);
-            let raw = |sight: &Sight| self.raw_satellite(sight, clock_s, &noise, u64::from(epoch));
+            let raw = |sight: &Sight| self.raw_satellite(sight, clock_s, drift_m_s, &noise, u64::from(epoch));
             MeasuredEpoch { time: self.time_at(tag_s), satellites: seen.iter().filter_map(raw).collect() }
         };
         (0..self.epochs).map(&mut raw_epoch).collect()
@@ -172,6 +174,7 @@ impl Simulation {
         &self,
         sight: &Sight,
         clock_s: f64,
+        drift_m_s: f64,
         noise: &Noise,
         epoch: u64,
     ) -> Option<MeasuredSatellite> {
@@ -186,6 +189,7 @@ impl Simulation {
             + troposphere_m(sin_elevation, self.site.frame.height_m());
         let received_s = sight.sent_s + sight.range_m / SPEED_OF_LIGHT_M_S;
         let rate_m_s = self.has_range_rates.then(|| self.range_rate_m_s(satellite, received_s)).flatten();
+        let rate_m_s = rate_m_s.map(|rate_m_s| rate_m_s + drift_m_s);
         let signal = |(channel, signal): (u8, &Signal)| MeasuredSignal {
             band: signal.band,
             attribute: signal.attribute,

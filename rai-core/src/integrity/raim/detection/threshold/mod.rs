@@ -149,6 +149,8 @@ impl<'t> Thresholds<'t> {
 }
 
 /// Returns a row's element, counted from one.
+// Not inlined, so that its many callers share one copy.
+#[inline(never)]
 fn element<T: Real>(row: &[TableScalar], number: usize) -> Option<T> {
     row.get(number.checked_sub(1)?).map(|element| T::narrow(element.widen()))
 }
