@@ -108,15 +108,15 @@ fn receiver(wire: &Arc<Wire>) -> Result<Receiver<Pin>> {
     Ok(receiver)
 }
 
-/// Gives the module the settings of the plan, as the commands that a host would send.
+/// Gives the module the settings of the plan, by the parser of the commands that a host sends.
 fn apply(plan: &Plan, receiver: &mut Receiver<Pin>) -> Result<()> {
     for (key, value) in &plan.settings {
-        let mut answer = Vec::new();
-        let body = if value.is_empty() { format!("PRAIC,{key}") } else { format!("PRAIC,{key},{value}") };
-        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-        receiver.command(format!("${body}*{sum:02X}\r\n").as_bytes(), &mut answer);
+        let (mut answer, values) = (Vec::new(), (!value.is_empty()).then_some(value.as_str()));
+        if receiver.set(key, values, &mut answer).is_ok() {
+            continue;
+        }
         let answer = String::from_utf8_lossy(&answer);
-        let Some((_, why)) = answer.split_once(",ERR,") else { continue };
+        let (_, why) = answer.split_once(",ERR,").unwrap_or_default();
         let why = why.split('*').next().unwrap_or_default();
         bail!("the module refuses {key} = \"{value}\": {why} (INTERFACES.md lists every key and its values)");
     }
