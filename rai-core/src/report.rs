@@ -66,6 +66,11 @@ pub enum Alert {
     /// The position moved farther than it can since it was last protected: the satellites that
     /// agree on it agree by chance, or are counterfeit.
     Jump,
+    /// The receiver clock moved otherwise than its measured drift: a second receiver, a repeater or
+    /// counterfeit signals.
+    Clock,
+    /// The position moved otherwise than its measured velocity.
+    Track,
     /// No epoch of the receiver in use came within the time to alert, and epochs of another station
     /// or in another format did. The receiver around the core sets it.
     Source,

@@ -28,7 +28,7 @@ mod workspace;
 use heapless::Deque;
 
 use crate::clock::{Clocks, SolvedClocks};
-use crate::continuity::{Continuity, ContinuityError, ContinuitySettings};
+use crate::continuity::{Continuity, ContinuityError, ContinuitySettings, Motion};
 use crate::epoch::{Aided, Epoch, EpochView};
 use crate::frame::Ecef;
 use crate::integrity::raim::detection::threshold::policy::Policy;
@@ -42,6 +42,7 @@ use crate::least_squares::fix::{Fix, FixError};
 use crate::numeric::real::Real;
 use crate::report::{Alert, Report, Unavailable, Verdict};
 use crate::requirements::Requirements;
+use crate::velocity::Velocity;
 use crate::weighting::Ism;
 use crate::weighting::adaptation::Adaptation;
 
@@ -109,6 +110,7 @@ pub struct Monitor<T: Real, const N: usize> {
     subsets: Subsets,
     start: Ecef,
     ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
+    motion: Motion,
     continuity: Continuity,
     continuity_settings: Option<ContinuitySettings>,
 }
@@ -135,6 +137,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             subsets: Subsets::new(),
             start: Ecef::CENTRE,
             ratios: Deque::new(),
+            motion: Motion::new(),
             continuity: Continuity::new(),
             continuity_settings: Some(ContinuitySettings::anywhere()),
         }
@@ -168,6 +171,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// come from other satellites.
     pub fn forget_residuals(&mut self) {
         self.adaptation.restart();
+        self.motion.restart();
     }
 
     /// Replaces the limits of the receiver's motion and the required agreement; the state stays.
@@ -194,6 +198,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Forgets the last position, so that the next may be anywhere.
     pub fn forget_position(&mut self) {
         self.continuity.forget();
+        self.motion.restart();
     }
 
     /// Restarts the continuity after a gap longer than the time to alert: the next epoch is judged
@@ -246,7 +251,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
         self.judge(epoch, self.start, Search::Anew, None, &mut memory);
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
-        self.learn(&mut memory.outcome, None);
+        self.learn(&mut memory.outcome, None, None);
         memory.outcome.report
     }
 
@@ -288,10 +293,15 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// clocks. Then makes the report's verdict final in the light of the epochs before.
     ///
     /// `own_clock_s` is the arrival of the epoch by a clock that no signal can set, if the caller
-    /// has one.
+    /// has one. `velocity` is that of the epoch, if its range rates gave one.
     #[inline(never)]
-    pub fn learn(&mut self, outcome: &mut EpochOutcome<N>, own_clock_s: Option<f64>) {
-        self.continue_from(outcome, own_clock_s);
+    pub fn learn(
+        &mut self,
+        outcome: &mut EpochOutcome<N>,
+        own_clock_s: Option<f64>,
+        velocity: Option<&Velocity>,
+    ) {
+        self.continue_from(outcome, own_clock_s, velocity);
         let Update { time_s, start, ratio, clocks, residuals } = &outcome.update;
         if let Some(start) = *start {
             self.start = start;
@@ -312,12 +322,23 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Applies continuity to an epoch. An epoch that loses its protection by it updates no state
     /// either.
-    fn continue_from(&mut self, outcome: &mut EpochOutcome<N>, own_clock_s: Option<f64>) {
+    fn continue_from(
+        &mut self,
+        outcome: &mut EpochOutcome<N>,
+        own_clock_s: Option<f64>,
+        velocity: Option<&Velocity>,
+    ) {
         let Some(settings) = &self.continuity_settings else { return };
         let EpochOutcome { report, update, .. } = outcome;
-        report.verdict = self.continuity.conclude(settings, update.time_s, own_clock_s, report);
+        if !matches!(report.verdict, Verdict::Alert(_))
+            && let Some(contradiction) = self.motion.judge(update.time_s, report, velocity)
+        {
+            report.verdict = Verdict::Alert(contradiction);
+        }
+        let speed_m_s = velocity.map(Velocity::speed_m_s);
+        report.verdict = self.continuity.conclude(settings, update.time_s, own_clock_s, report, speed_m_s);
         match report.verdict {
-            Verdict::Alert(Alert::Jump) => {
+            Verdict::Alert(Alert::Jump | Alert::Clock | Alert::Track) => {
                 report.protection = None;
                 *update = Update::none(update.time_s);
             }

@@ -283,6 +283,16 @@
 #define RAI_REASON_SOURCE 38
 
 /**
+ * Alert: the receiver clock moved otherwise than its measured drift.
+ */
+#define RAI_REASON_CLOCK 39
+
+/**
+ * Alert: the position moved otherwise than its measured velocity.
+ */
+#define RAI_REASON_TRACK 40
+
+/**
  * Unavailable: too few satellites for a position, or the fix did not converge.
  */
 #define RAI_REASON_NOFIX 64

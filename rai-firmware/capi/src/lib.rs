@@ -90,6 +90,7 @@ pub use settings::*;
 pub use status::*;
 pub use storage::*;
 #[cfg(feature = "receiver")]
+pub use text::rai_text_t;
 pub use velocity::*;
 pub use verdict::*;
 

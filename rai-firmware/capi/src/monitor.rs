@@ -217,7 +217,7 @@ fn judge(watch: &mut Watch, time_s: f64, ranges: &[rai_range_t]) -> Result<rai_v
     }
     let start = monitor.start();
     let assessment = single::judge(monitor, &watch.epoch, start, Search::Anew, None, &mut watch.memory);
-    monitor.learn(assessment, None);
+    monitor.learn(assessment, None, None);
     Ok(rai_verdict_t { refused_count, refused_status, ..rai_verdict_t::of(&assessment.report) })
 }
 

@@ -13,7 +13,7 @@ use crate::settings::refusal_of;
 #[allow(clippy::wildcard_imports)] // The statuses are all of the module.
 use crate::status::*;
 use crate::storage::{RAI_RECEIVER_SIZE, RAI_RECEIVER_WORDS};
-use crate::text::{Lines, words};
+use crate::text::{Lines, rai_text_t, words};
 use crate::verdict::{RAI_REASON_NONE, RAI_STATE_NONE, rai_verdict_t, reason_of, state_of};
 
 /// Memory of a receiver. Its contents are private to the library; only its size and alignment
@@ -83,21 +83,6 @@ impl OutputPin for Level {
         self.is_high = true;
         Ok(())
     }
-}
-
-/// Memory of the caller for sentences, with the number of bytes used.
-#[repr(C)]
-#[derive(Debug)]
-pub struct rai_text_t {
-    /// Memory for sentences.
-    pub bytes: *mut u8,
-    /// Length of the memory, bytes; 2,048 hold the sentences of any epoch.
-    pub capacity: usize,
-    /// Bytes used. A call appends to them; the caller sets it to 0 after sending the text.
-    pub length: usize,
-    /// Number of sentences without room since the caller last set it to 0. A sentence is written
-    /// whole or not at all.
-    pub lost: usize,
 }
 
 /// Makes a receiver in memory of the caller, and writes sentences with its version and the result

@@ -7,7 +7,6 @@ use core::mem::MaybeUninit;
 use embedded_io::{ErrorKind, ErrorType, Write};
 use raim_firmware::settings::MAX_LINE;
 
-use crate::receiver::rai_text_t;
 use crate::status::{
     RAI_STATUS_COUNT, RAI_STATUS_MISALIGNED, RAI_STATUS_NULL, RAI_STATUS_TEXT, rai_status_t,
 };
@@ -37,6 +36,21 @@ pub(crate) unsafe fn words<'a>(text: *const c_char) -> Result<&'a str, rai_statu
         }
     }
     Err(RAI_STATUS_TEXT)
+}
+
+/// Memory of the caller for sentences, with the number of bytes used.
+#[repr(C)]
+#[derive(Debug)]
+pub struct rai_text_t {
+    /// Memory for sentences.
+    pub bytes: *mut u8,
+    /// Length of the memory, bytes; 2,048 hold the sentences of any epoch.
+    pub capacity: usize,
+    /// Bytes used. A call appends to them; the caller sets it to 0 after sending the text.
+    pub length: usize,
+    /// Number of sentences without room since the caller last set it to 0. A sentence is written
+    /// whole or not at all.
+    pub lost: usize,
 }
 
 /// A caller's text for the time of one call.

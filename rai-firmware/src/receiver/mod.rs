@@ -71,8 +71,8 @@ impl Boot {
     }
 }
 
-/// Pause of the line that never occurs inside a frame, ms; shorter than the second between two
-/// epochs.
+/// Pause of the line that never occurs inside a frame, and hardly inside an epoch, ms; shorter than
+/// the second between two epochs.
 const SILENCE_MS: u64 = 500;
 
 /// Pause of the line that never occurs inside a burst, ms.
@@ -171,9 +171,7 @@ impl<P: OutputPin> Receiver<P> {
         let Self { input, epochs, .. } = self;
         let mut judged = false;
         input.feed(bytes, came_ms, |event| judged |= epochs.handle(&event, is_behind, now_ms, host));
-        if let Some((time, came_ms)) = epochs.agreed.take() {
-            input.confirm(time, came_ms);
-        }
+        confirm(input, epochs);
         if input.take_rivalry() {
             epochs.hear_rival();
         }
@@ -208,15 +206,16 @@ impl<P: OutputPin> Receiver<P> {
         &self.losses
     }
 
-    /// Checks the clock: after a pause a cut frame delays nothing any more, and a line that is
-    /// silent for the time to alert raises an alert. Returns true if an epoch was judged or an
-    /// alert raised.
+    /// Checks the clock: after a pause a cut frame delays nothing any more and an open epoch is
+    /// complete, and a line that is silent for the time to alert raises an alert. Returns true if
+    /// an epoch was judged or an alert raised.
     #[inline(never)]
     pub fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
         let Self { input, epochs, .. } = self;
         let mut judged = false;
         let silent_ms = self.last_byte_ms.map(|last_ms| now_ms.saturating_sub(last_ms));
-        if silent_ms.is_some_and(|silent_ms| silent_ms >= SILENCE_MS) {
+        let is_silent = silent_ms.is_some_and(|silent_ms| silent_ms >= SILENCE_MS);
+        if is_silent {
             self.last_byte_ms = None;
             input.silence(|event| judged |= epochs.handle(&event, false, now_ms, host));
         }
@@ -224,6 +223,10 @@ impl<P: OutputPin> Receiver<P> {
             self.has_paused = true;
             input.pause(|event| judged |= epochs.handle(&event, false, now_ms, host));
         }
+        if is_silent {
+            input.end_epoch(|event| judged |= epochs.handle(&event, false, now_ms, host));
+        }
+        confirm(input, epochs);
         judged |= epochs.tick(now_ms, input.hears_others(), host);
         let losses = self.losses_to_say();
         self.epochs.repeat(now_ms, &losses, host);
@@ -413,6 +416,13 @@ impl<P: OutputPin> Receiver<P> {
             .or_else(|| tally.ranges.at(number))
             .or_else(|| self.epochs.navigator.rate_tally().at(number))
             .or_else(|| self.commands.counter(*number))
+    }
+}
+
+/// Confirms the last epoch whose ranges agreed with orbits.
+fn confirm<P>(input: &mut Input, epochs: &mut EpochLoop<P>) {
+    if let Some((time, came_ms)) = epochs.agreed.take() {
+        input.confirm(time, came_ms);
     }
 }
 

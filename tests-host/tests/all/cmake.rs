@@ -7,9 +7,9 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use tests_host::capi::program::{ARM, STRICT};
-use tests_host::capi::{folder, run};
-use tests_host::skip;
+use rig::capi::program::{ARM, STRICT};
+use rig::capi::{folder, run};
+use rig::skip;
 
 fn root() -> PathBuf {
     folder().join("../..").canonicalize().expect("the repository")

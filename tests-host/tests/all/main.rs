@@ -31,6 +31,7 @@ mod injection;
 mod merged_stream;
 mod moving_receiver;
 mod no_panic;
+mod open_epochs;
 mod parity;
 mod peers;
 mod pin_in_time;

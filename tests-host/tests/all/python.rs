@@ -3,11 +3,11 @@
 
 use std::process::Command;
 
-use tests_host::capi::{Kind, folder, library, run};
-use tests_host::encode::{Frequency, Selection};
-use tests_host::replay::{self, Window};
-use tests_host::skip;
-use tests_host::sky::raw::Simulation;
+use raim::replay::{self, Window};
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::sky::raw::Simulation;
+use rig::capi::{Kind, folder, library, run};
+use rig::skip;
 
 /// Epochs of the recording.
 const EPOCHS: usize = 20;

@@ -97,7 +97,7 @@ fn archive(processor: &Processor, out: &Path) -> Result<PathBuf> {
         processor.name, processor.c_flags
     );
     let mut entries = vec![
-        Entry::of(format!("{folder}include/rai.h"), &tests_host::capi::header_path())?,
+        Entry::of(format!("{folder}include/rai.h"), &rig::capi::header_path())?,
         Entry { path: format!("{folder}lib/librai.a"), bytes, is_program: false },
         Entry { path: format!("{folder}README"), bytes: about.into_bytes(), is_program: false },
     ];
@@ -125,7 +125,7 @@ fn library(processor: &Processor) -> Result<PathBuf> {
 
 /// Returns the functions of the header that a library does not contain by name.
 fn missing(library: &[u8]) -> Result<Vec<String>> {
-    let header = fs::read_to_string(tests_host::capi::header_path())?;
+    let header = fs::read_to_string(rig::capi::header_path())?;
     let functions = header.lines().filter_map(|line| {
         let (declared, _) = line.split_once('(')?;
         let is_code =
@@ -154,7 +154,7 @@ pub(super) fn shared(out: &Path) -> Result<Built> {
         ensure!(status.success(), "cmake fails");
         Ok(())
     };
-    let source = tests_host::capi::folder();
+    let source = rig::capi::folder();
     cmake(&[
         "-S".as_ref(),
         source.as_os_str(),

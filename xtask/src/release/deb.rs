@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn package_is_read_by_dpkg() {
         if Command::new("dpkg-deb").arg("--version").output().is_err() {
-            tests_host::skip::say("the program dpkg-deb");
+            rig::skip::say("the program dpkg-deb");
             return;
         }
         let folder = tempfile::tempdir().unwrap();

@@ -25,7 +25,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
-use tests_host::image::{self, Chip, CompiledFor, Image};
+use rig::image::{self, Chip, CompiledFor, Image};
 
 use crate::cargo::root;
 pub(crate) use archives::{Arguments as ArchiveArguments, run as build_archives};
@@ -106,10 +106,9 @@ fn packages(out: &Path) -> Result<Built> {
 }
 
 fn header(out: &Path) -> Result<Built> {
-    let (committed, header) =
-        (fs::read_to_string(tests_host::capi::header_path())?, tests_host::capi::header()?);
-    ensure!(committed == header, "{}", tests_host::capi::STALE_HEADER);
-    Ok(Built::Files(vec![files::copy(&tests_host::capi::header_path(), &out.join("rai.h"))?]))
+    let (committed, header) = (fs::read_to_string(rig::capi::header_path())?, rig::capi::header()?);
+    ensure!(committed == header, "{}", rig::capi::STALE_HEADER);
+    Ok(Built::Files(vec![files::copy(&rig::capi::header_path(), &out.join("rai.h"))?]))
 }
 
 /// Builds the images for speed and for size.

@@ -97,6 +97,8 @@ fn wire() {
         (|input, bytes, came_ms, tell| Input::feed(input, bytes, came_ms, tell)) as fn(_, _, _, Tell),
         (|input, tell| Input::silence(input, tell)) as fn(_, Tell),
         (|input, tell| Input::pause(input, tell)) as fn(_, Tell),
+        (|input, tell| Input::end_epoch(input, tell)) as fn(_, Tell),
+        Input::has_open_epoch as fn(_) -> _,
         Input::interrupt as fn(_),
         Input::confirm as fn(_, _, _),
         Input::take_rivalry as fn(_) -> _,

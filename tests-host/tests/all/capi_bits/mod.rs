@@ -5,13 +5,16 @@
 
 mod session;
 
+use raim::signal::capture;
+use rig::bench::workload::{self, Stream, Wrong};
+use rig::board;
+use rig::board::Machine;
+use rig::capi::calls::Answer;
+use rig::capi::program::{ARM, Language, SANITISED, classic_on_board, on_board, on_host};
+use rig::capi::run;
+use rig::shared;
+use rig::skip;
 use session::Session;
-use tests_host::bench::workload::{self, Stream, Wrong};
-use tests_host::board::Machine;
-use tests_host::capi::calls::Answer;
-use tests_host::capi::program::{ARM, Language, SANITISED, classic_on_board, on_board, on_host};
-use tests_host::capi::run;
-use tests_host::{board, capture, shared, skip};
 
 /// Largest stack of a call, bytes: as the library's documentation states it, and no more than a
 /// task of 8 KiB has.

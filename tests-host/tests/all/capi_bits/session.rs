@@ -1,6 +1,8 @@
 //! A session run twice: as calls for the C program, and in Rust, whose results are laid out by the
 //! header.
 
+use raim::pin::Pin;
+use raim::sentence;
 use raim_core::continuity::ContinuitySettings;
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::integrity::Method;
@@ -12,9 +14,7 @@ use raim_core::requirements::Requirements;
 use raim_core::single::{self, CAPACITY, Monitor};
 use raim_core::velocity::Velocity;
 use raim_firmware::receiver::{Boot, Receiver};
-use tests_host::capi::{self, calls::Calls};
-use tests_host::pin::Pin;
-use tests_host::sentence;
+use rig::capi::{self, calls::Calls};
 
 /// Calls, and the wanted result of each.
 pub(crate) struct Session {
