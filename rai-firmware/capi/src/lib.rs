@@ -7,6 +7,10 @@
 //! | `rai_monitor_*` | corrected ranges and satellite positions of one instant | verdict, position, protection levels, satellites left out |
 //! | `rai_receiver_*` | bytes of a GNSS receiver, the time, commands | sentences, pin, verdict |
 //!
+//! `rai_receiver_set` takes a command as a key and its values, without a checksum. Both levels
+//! explain their last epoch: `…_accuracy` (covariance, dilutions, clocks) and `…_residuals` (one
+//! for each satellite), the receiver also `rai_receiver_velocity` and `rai_receiver_counter`.
+//!
 //! `cargo xtask header` makes the header `include/rai.h` from these files, with this documentation.
 //!
 //! # Contract

@@ -36,7 +36,6 @@ use raim_firmware::board::SEALED_BYTES;
 use raim_firmware::epoch_loop::EpochLoop;
 use raim_firmware::receiver::{Boot, Receiver};
 
-use crate::sentence::command;
 use board::Computer;
 use guard::Guard;
 use inbox::Inbox;
@@ -109,14 +108,15 @@ fn receiver(wire: &Arc<Wire>) -> Result<Receiver<Pin>> {
     Ok(receiver)
 }
 
-/// Gives the module the settings of the plan, as the commands that a host would send.
+/// Gives the module the settings of the plan, by the parser of the commands that a host sends.
 fn apply(plan: &Plan, receiver: &mut Receiver<Pin>) -> Result<()> {
     for (key, value) in &plan.settings {
-        let mut answer = Vec::new();
-        let text = if value.is_empty() { key.clone() } else { format!("{key},{value}") };
-        receiver.command(command(&text).as_bytes(), &mut answer);
+        let (mut answer, values) = (Vec::new(), (!value.is_empty()).then_some(value.as_str()));
+        if receiver.set(key, values, &mut answer).is_ok() {
+            continue;
+        }
         let answer = String::from_utf8_lossy(&answer);
-        let Some((_, why)) = answer.split_once(",ERR,") else { continue };
+        let (_, why) = answer.split_once(",ERR,").unwrap_or_default();
         let why = why.split('*').next().unwrap_or_default();
         bail!("the module refuses {key} = \"{value}\": {why} (INTERFACES.md lists every key and its values)");
     }
