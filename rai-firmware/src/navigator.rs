@@ -327,12 +327,11 @@ impl Navigator {
         // cost time.
         let report = &memory.outcome().report;
         let place = found(report).filter(|_| !matches!(report.verdict, Verdict::Alert(_)));
-        self.velocity = self.rates.velocity(raw, sky, place, &self.monitor, memory.workspace());
+        let velocity = self.rates.velocity(raw, sky, place, &self.monitor, memory.workspace());
         let came_s = came_ms as f64 * 1e-3;
-        self.monitor.learn(memory.outcome_mut(), Some(came_s), self.velocity.as_ref());
-        if matches!(memory.outcome().report.verdict, Verdict::Alert(_)) {
-            self.velocity = None;
-        }
+        self.monitor.learn(memory.outcome_mut(), Some(came_s), velocity.as_ref().map_err(|error| *error));
+        let is_alert = matches!(memory.outcome().report.verdict, Verdict::Alert(_));
+        self.velocity = velocity.ok().filter(|_| !is_alert);
         let report = &mut memory.outcome_mut().report;
         if report.solution.is_none() && refused_a_range {
             report.verdict = Verdict::Unavailable(Unavailable::Input);

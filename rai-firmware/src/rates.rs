@@ -197,7 +197,11 @@ impl Rates {
         &self.tally
     }
 
-    /// Returns the velocity of a receiver at a place, if the rates of this epoch agree on one.
+    /// Returns the velocity of a receiver at a place.
+    ///
+    /// # Errors
+    /// [`VelocityError`] if the rates of this epoch give none. Rates that agree again, not yet for long
+    /// enough, are a [`VelocityError::Fault`] too.
     #[inline(never)]
     pub fn velocity(
         &mut self,
@@ -206,12 +210,15 @@ impl Rates {
         place: Option<Ecef>,
         monitor: &Monitor,
         workspace: &mut Workspace,
-    ) -> Option<Velocity> {
+    ) -> Result<Velocity, VelocityError> {
         let elapsed_ms = raw.time.since_ms(self.time);
         self.time = raw.time;
         let is_near = (1..=LONGEST_MS).contains(&elapsed_ms);
         let place = place.filter(|_| is_near);
-        let velocity = place.and_then(|place| self.judge(raw, sky, place, elapsed_ms, monitor, workspace));
+        let velocity = match place {
+            Some(place) => self.judge(raw, sky, place, elapsed_ms, monitor, workspace),
+            None => Err(VelocityError::Redundancy),
+        };
         if place.is_none() {
             self.trust.interrupt();
         }
@@ -240,7 +247,7 @@ impl Rates {
         elapsed_ms: i64,
         monitor: &Monitor,
         workspace: &mut Workspace,
-    ) -> Option<Velocity> {
+    ) -> Result<Velocity, VelocityError> {
         let Self { last, trust, tally, .. } = self;
         let horizon = Horizon::at(place, &LocalFrame::at(place));
         let since = Since { last, raw, horizon, elapsed_s: elapsed_ms as f32 * 1e-3 };
@@ -257,11 +264,11 @@ impl Rates {
         match agree_on(1.0) {
             Ok(velocity) => {
                 if settings.is_some_and(|settings| !trust.agree(settings, raw.time, &velocity)) {
-                    return None;
+                    return Err(VelocityError::Fault);
                 }
                 count(&mut tally.velocities);
                 count_many(&mut tally.rates_excluded, velocity.excluded.len());
-                Some(velocity)
+                Ok(velocity)
             }
             Err(VelocityError::Fault) => {
                 trust.lose();
@@ -269,11 +276,11 @@ impl Rates {
                 if agree_on(-1.0).is_ok() {
                     count(&mut tally.rates_of_wrong_sign);
                 }
-                None
+                Err(VelocityError::Fault)
             }
-            Err(VelocityError::Redundancy | VelocityError::Geometry) => {
+            Err(error @ (VelocityError::Redundancy | VelocityError::Geometry)) => {
                 trust.interrupt();
-                None
+                Err(error)
             }
         }
     }

@@ -7,7 +7,7 @@
 //! δ_k = [p_k − Σ ½ (v_j + v_{j−1}) Δt_j,   b_k − Σ ½ (ḋ_j + ḋ_{j−1}) Δt_j]        j ≤ k
 //!
 //! leap    |δ_k − δ_m| > L_k + L_m                               for a mark m of the last minute
-//! drift   |δ_k − δ_1| > max(floor, 6 s)  and  |δ_k − δ_1| > 6 e    for the oldest mark, 1
+//! drift   |δ_k − δ_1| > max(floor, 6 s)  and  |δ_k − δ_1| > 6 e    for the first mark of 20, 30 or 60 s, 1
 //! e²      = mean of |δ_m − δ_1 − (δ_k − δ_1) (t_m − t_1)/(t_k − t_1)|²
 //! ```
 //!
@@ -20,25 +20,30 @@
 //! | `e` | scatter of the marks about a straight line | m |
 //! | `s` | [`Spread`]: mean of `|δ_k − δ_1|` of the epochs so far | m |
 //!
-//! A contradiction of the position is [`Alert::Track`], one of the clock [`Alert::Clock`]. The clock
-//! shows a second receiver, a repeater, and most counterfeit skies in one epoch. Within a minute it
-//! also shows a drag-off that all ranges have in common, to which every test of one epoch is blind.
+//! A contradiction of the position is [`Alert::Track`], one of the clock [`Alert::Clock`]. The
+//! clock shows a second receiver, a repeater, and most counterfeit skies in one epoch. Within a
+//! minute it also shows a drag-off that all ranges have in common, to which every test of one epoch
+//! is blind.
 //!
-//! Reflections move `δ` too, in streets by 200 m within levels of 300 m. They do not move it along a
-//! straight line, so that only a drift is held against what the receiver has shown before.
+//! Reflections move `δ` too, in streets by 200 m within levels of 300 m. They do not move it along
+//! a straight line, so that only a drift is held against what the receiver has shown before.
 //!
 //! **Figures.** Eleven replays of seven recordings with Doppler frequencies have no contradiction.
 //! Median and largest `|δ_k − δ_1|`: at rest at 1 Hz 0.4 to 0.8 m and 2.7 m of the clock, 0.6 to
 //! 1.0 m and 3.7 m of the position; an oscillator sampled every 30 s 2.3 m and 12.5 m; in streets 5
-//! to 10 m and 192 m of the clock, 8 to 13 m and 229 m of the position. A drift of 0.2 m/s added to
-//! the four at rest is found within 51 s, in the position and in the clock.
+//! to 10 m and 192 m of the clock, 8 to 13 m and 229 m of the position. A drift added to the four
+//! at rest is found in 12 s at 1 m/s and within 51 s at 0.2 m/s, in the position and in the clock.
 //!
 //! **Learning.** A drift is looked for once [`LEARNED`] marks are known. A value counts as at most
 //! three means, so that a growing error needs minutes to widen its own bound, and none widens that
 //! of a leap. Epochs under an alert teach nothing.
 //!
-//! **Ends.** A leap begins anew at the new place and clock, so that it is one alert, and an agreement
-//! must follow it. A drift is an alert until it has ended for a minute.
+//! **Refused rates.** Far from the true place, true rates fit no velocity. A position whose rates
+//! contradict each other must therefore be where the last velocity leads, within both levels and
+//! 40 m/s, for as long as [`LONGEST_GAP_S`].
+//!
+//! **Ends.** A leap begins anew at the new place and clock, so that it is one alert, and an
+//! agreement must follow it. A drift is an alert until it has ended for a minute.
 //!
 //! **Gaps.** A step longer than [`LONGEST_STEP_S`] begins anew. Across a gap of up to
 //! [`LONGEST_GAP_S`] the clock must still be within [`WANDER_M_S`] of its drift. An unknown
@@ -54,7 +59,7 @@ use nalgebra::Vector3;
 use crate::frame::{Ecef, SPEED_OF_LIGHT_M_S, earth_fixed};
 use crate::report::{Alert, Report};
 use crate::satellite::Constellation;
-use crate::velocity::Velocity;
+use crate::velocity::{Velocity, VelocityError};
 
 /// Age of the oldest mark, s.
 const WINDOW_S: f64 = 60.0;
@@ -83,6 +88,9 @@ const SMOOTH_STEP_S: f64 = 2.0;
 /// Largest acceleration between two epochs, m/s²: that of a vehicle.
 const ACCELERATION_M_S2: f64 = 5.0;
 
+/// Largest change of speed while the rates contradict each other, m/s: that of a car.
+const FASTER_M_S: f32 = 40.0;
+
 /// Number of marks from which a spread is known: two minutes of them.
 const LEARNED: u16 = 24;
 
@@ -92,8 +100,8 @@ const MEMORY: u16 = 120;
 /// Least ratio of a drift to the mean discrepancy and to the scatter, dimensionless.
 const DRIFT: f32 = 6.0;
 
-/// Least number of marks that show a straight line.
-const LINE: usize = 8;
+/// Windows in which a straight line is looked for, s.
+const WINDOWS_S: [f32; 3] = [20.0, 30.0, WINDOW_S as f32];
 
 /// Ratio of the largest value that teaches to the mean, dimensionless.
 const TEACHING_BOUND: f32 = 3.0;
@@ -179,6 +187,8 @@ impl Discrepancy {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Moment {
     time_s: f64,
+    position: Ecef,
+    level_m: f32,
     clock_m: f64,
     velocity_m_s: Vector3<f32>,
     drift_m_s: f64,
@@ -233,19 +243,25 @@ impl Motion {
 
     /// Compares an epoch that passed its own test with those before it. Returns the contradiction.
     ///
-    /// An epoch without position, levels or velocity is not compared.
+    /// An epoch without position, levels or range rates is not compared. If its rates contradict each
+    /// other, the position is compared with the last one that had a velocity.
     pub fn judge<const N: usize>(
         &mut self,
         time_s: f64,
         report: &Report<N>,
-        velocity: Option<&Velocity>,
+        velocity: Result<&Velocity, VelocityError>,
     ) -> Option<Alert> {
         let (solution, levels) = report.solution.as_ref().zip(report.protection)?;
-        let velocity = velocity?;
+        let level_m = (levels.hpl_m + levels.vpl_m) as f32;
+        let velocity = match velocity {
+            Ok(velocity) => velocity,
+            Err(VelocityError::Fault) => return self.without_velocity(time_s, solution.position, level_m),
+            Err(VelocityError::Redundancy | VelocityError::Geometry) => return None,
+        };
         let clock_m = self.clock_m(&solution.clocks_m, &report.used)?;
         let velocity_m_s = earth_fixed(solution.position, velocity.east_north_up_m_s);
-        let now = Moment { time_s, clock_m, velocity_m_s, drift_m_s: velocity.drift_m_s };
-        let level_m = (levels.hpl_m + levels.vpl_m) as f32;
+        let drift_m_s = velocity.drift_m_s;
+        let now = Moment { time_s, position: solution.position, level_m, clock_m, velocity_m_s, drift_m_s };
         let last = self.last.replace(now)?;
         let elapsed_s = time_s - last.time_s;
         // NaN fails this comparison too.
@@ -263,6 +279,23 @@ impl Motion {
             return leap;
         }
         self.drift(time_s, &discrepancy)
+    }
+
+    /// Compares a position whose rates contradict each other with the last one that had a velocity.
+    fn without_velocity(&self, time_s: f64, position: Ecef, level_m: f32) -> Option<Alert> {
+        let last = self.last.as_ref()?;
+        let elapsed_s = time_s - last.time_s;
+        if !(0.0..=LONGEST_GAP_S).contains(&elapsed_s) {
+            return None;
+        }
+        let elapsed_s = elapsed_s as f32;
+        let way_m = last.velocity_m_s * elapsed_s;
+        let away = position - last.position;
+        let away_m = Vector3::new(away.x_m as f32, away.y_m as f32, away.z_m as f32) - way_m;
+        let faster_m_s = (0.5 * ACCELERATION_M_S2 as f32 * elapsed_s).min(FASTER_M_S);
+        let bound_m = level_m + last.level_m + faster_m_s * elapsed_s;
+        // NaN fails this comparison, so that it counts as a contradiction.
+        alert(!(away_m.norm_squared() <= bound_m * bound_m), false)
     }
 
     /// Returns the clock of the constellation that is compared, m. Another one begins anew.
@@ -327,8 +360,8 @@ impl Motion {
         alert(!track, !clock)
     }
 
-    /// Returns the contradiction of a change along a straight line, and learns from an epoch without
-    /// one.
+    /// Returns the contradiction of a change along a straight line, and learns from an epoch
+    /// without one.
     fn drift(&mut self, time_s: f64, now: &Discrepancy) -> Option<Alert> {
         let now_s = self.since_origin_s(time_s)?;
         let contradiction = self.line(now_s, now);
@@ -336,20 +369,28 @@ impl Motion {
         contradiction
     }
 
-    /// Returns the contradiction between the marks and a position or a clock at rest.
+    /// Returns the contradiction of a straight line through the marks of one of the windows.
     fn line(&self, now_s: f32, now: &Discrepancy) -> Option<Alert> {
-        let (oldest, age_s) = self.oldest(now_s)?;
-        if self.marks.len() < LINE {
+        WINDOWS_S.into_iter().find_map(|window_s| self.line_of(window_s, now_s, now))
+    }
+
+    /// Returns the contradiction of a straight line through the marks of a window, if it is full.
+    fn line_of(&self, window_s: f32, now_s: f32, now: &Discrepancy) -> Option<Alert> {
+        let marks = || self.marks.iter().filter(|mark| now_s - mark.time_s <= window_s);
+        let oldest = marks().next()?;
+        let (age_s, count) = (now_s - oldest.time_s, marks().count());
+        // One mark may be missing at each end.
+        let is_full = (count + 1) as f32 * SPACING_S as f32 >= window_s;
+        if !is_full || age_s <= window_s - 1.2 * SPACING_S as f32 {
             return None;
         }
-        let squares = self.marks.iter().fold([0.0; 2], |[track, clock], mark| {
+        let squares = marks().fold([0.0; 2], |[track, clock], mark| {
             let line = oldest.discrepancy.towards(now, (mark.time_s - oldest.time_s) / age_s);
             let off_m = mark.discrepancy.position - line.position;
             let apart_m = mark.discrepancy.clock_m - line.clock_m;
             [track + off_m.norm_squared(), clock + apart_m * apart_m]
         });
-        let count = self.marks.len() as f32;
-        let [scatter_m, clock_scatter_m] = squares.map(|square| libm::sqrtf(square / count));
+        let [scatter_m, clock_scatter_m] = squares.map(|square| libm::sqrtf(square / count as f32));
         let [away_m, apart_m] = now.from(&oldest.discrepancy);
         let [floor_m, clock_floor_m] = FLOORS_M;
         alert(

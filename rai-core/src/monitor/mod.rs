@@ -42,7 +42,7 @@ use crate::least_squares::fix::{Fix, FixError};
 use crate::numeric::real::Real;
 use crate::report::{Alert, Report, Unavailable, Verdict};
 use crate::requirements::Requirements;
-use crate::velocity::Velocity;
+use crate::velocity::{Velocity, VelocityError};
 use crate::weighting::Ism;
 use crate::weighting::adaptation::Adaptation;
 
@@ -251,7 +251,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
         self.judge(epoch, self.start, Search::Anew, None, &mut memory);
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
-        self.learn(&mut memory.outcome, None, None);
+        self.learn(&mut memory.outcome, None, Err(VelocityError::Redundancy));
         memory.outcome.report
     }
 
@@ -293,13 +293,13 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// clocks. Then makes the report's verdict final in the light of the epochs before.
     ///
     /// `own_clock_s` is the arrival of the epoch by a clock that no signal can set, if the caller
-    /// has one. `velocity` is that of the epoch, if its range rates gave one.
+    /// has one. `velocity` is that of the epoch, or the reason why its range rates gave none.
     #[inline(never)]
     pub fn learn(
         &mut self,
         outcome: &mut EpochOutcome<N>,
         own_clock_s: Option<f64>,
-        velocity: Option<&Velocity>,
+        velocity: Result<&Velocity, VelocityError>,
     ) {
         self.continue_from(outcome, own_clock_s, velocity);
         let Update { time_s, start, ratio, clocks, residuals } = &outcome.update;
@@ -326,7 +326,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         &mut self,
         outcome: &mut EpochOutcome<N>,
         own_clock_s: Option<f64>,
-        velocity: Option<&Velocity>,
+        velocity: Result<&Velocity, VelocityError>,
     ) {
         let Some(settings) = &self.continuity_settings else { return };
         let EpochOutcome { report, update, .. } = outcome;
@@ -335,7 +335,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         {
             report.verdict = Verdict::Alert(contradiction);
         }
-        let speed_m_s = velocity.map(Velocity::speed_m_s);
+        let speed_m_s = velocity.ok().map(Velocity::speed_m_s);
         report.verdict = self.continuity.conclude(settings, update.time_s, own_clock_s, report, speed_m_s);
         match report.verdict {
             Verdict::Alert(Alert::Jump | Alert::Clock | Alert::Track) => {

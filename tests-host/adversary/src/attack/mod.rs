@@ -28,6 +28,7 @@
 //! | [`health`] | signals that one message calls healthy and another out of service |
 //! | [`held_back`] | epochs that a line delays more and more; a recording that is replayed |
 //! | [`false_rates`] | range rates with the wrong sign, and random range rates |
+//! | [`rates_apart`] | ranges that move while their rates do not; a counterfeit sky after a silence |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`forged_frames`] | frames with another time, week or place, or other leap seconds |
 //! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it; the end of a cycle of weeks |
@@ -58,6 +59,7 @@ mod leap;
 mod learned_sigmas;
 mod odd_ranges;
 mod poor_ranges;
+mod rates_apart;
 mod recordings;
 mod reflections;
 mod settings;
@@ -141,6 +143,9 @@ pub const ATTACKS: &[&Attack] = &[
     &held_back::WEEK_OLD,
     &false_rates::NEGATED,
     &false_rates::RANDOM,
+    &rates_apart::WALK,
+    &rates_apart::DRAG,
+    &rates_apart::SILENCE,
     &odd_ranges::APART,
     &odd_ranges::WEEK,
     &forged_frames::MOVED,
