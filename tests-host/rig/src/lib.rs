@@ -18,6 +18,7 @@
 //! |---|---|
 //! | `ARMv7-M` | ARM DDI 0403, *ARMv7-M Architecture Reference Manual* |
 //! | `DS8626` | STMicroelectronics, *STM32F405xx STM32F407xx*, data sheet |
+//! | `RM0090` | STMicroelectronics, RM0090, *STM32F405/415, STM32F407/417, STM32F427/437 and STM32F429/439 advanced Arm-based 32-bit MCUs*, reference manual |
 
 pub mod bench;
 pub mod board;

@@ -6,9 +6,9 @@ use raim::signal::sky::raw::Simulation;
 use raim_firmware::bit_rate::{PATIENCE_MS, RATES};
 use rig::paced::{Costs, Lines, Outcome, run, search};
 
-/// Slowest clock of the board, Hz, and cost of an epoch, instructions.
+/// Slowest clock of the board, Hz, and cost of an epoch, cycles.
 const INTERNAL_HZ: u64 = 16_000_000;
-const EPOCH: u64 = 1_100_000;
+const EPOCH: u64 = 2_200_000;
 const COSTS: Costs = Costs::measured(INTERNAL_HZ, EPOCH);
 
 const SECONDS: u32 = 20;

@@ -28,6 +28,7 @@ mod gpsd;
 mod host_and_target;
 mod hostile;
 mod injection;
+mod memory_routines;
 mod merged_stream;
 mod moving_receiver;
 mod no_panic;

@@ -17,6 +17,8 @@
 #[cfg(target_os = "none")]
 mod answer;
 #[cfg(target_os = "none")]
+mod copies;
+#[cfg(target_os = "none")]
 mod epochs;
 #[cfg(target_os = "none")]
 #[path = "../../board/arm/memory.rs"]

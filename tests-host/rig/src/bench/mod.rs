@@ -5,8 +5,9 @@
 //! which it may not grow, and beside the target of its stage. The stages of an epoch also run on
 //! the second board, which shows the gain of a processor with doubles.
 //!
-//! Cost is never time: a second differs between machines, an instruction does not. On the chip one
-//! takes a cycle or a few; at 168 MHz a million of them take about 7 ms.
+//! A count of instructions is no time. For the usual epoch and the worst ones, a model of the
+//! processor and its flash bounds the cycles from below and from above
+//! ([`crate::laboratory::cycles`]); [`time`] turns them into milliseconds.
 
 pub mod budget;
 mod figure;
@@ -14,6 +15,7 @@ pub mod library;
 pub mod memory;
 pub mod peers;
 pub mod stages;
+pub mod time;
 pub mod workload;
 pub mod worst;
 
@@ -44,6 +46,8 @@ pub struct Measurement {
     pub figures: Vec<Figure>,
     /// Circumstances of the worst-case epochs.
     pub worst: Vec<String>,
+    /// Times of the usual epoch and of the worst-case ones.
+    pub times: Vec<String>,
 }
 
 impl Measurement {
@@ -60,11 +64,15 @@ impl Measurement {
         let worst = [worst::search(Place::Later)?, worst::search(Place::First)?];
         let targets = [2_500_000, 3_000_000];
         figures.extend(worst.iter().zip(targets).map(|(found, target)| found.figure(target)));
+        progress("cycles of the usual and the worst-case epochs");
+        let cycles = [stages::cycles()?, worst[0].cycles()?, worst[1].cycles()?];
+        figures.extend(cycles.iter().flat_map(|(name, cycles)| time::figures(name, cycles)));
+        let times = cycles.iter().map(|(name, cycles)| time::text(name, cycles)).collect();
         progress("memory of the shipped image");
         figures.extend(memory::measure()?);
         progress("flash and objects of the library for C");
         figures.extend(library::measure()?);
-        Ok(Self { figures, worst: worst.iter().map(Found::circumstances).collect() })
+        Ok(Self { figures, worst: worst.iter().map(Found::circumstances).collect(), times })
     }
 
     /// Returns the figures that exceed their budget.
@@ -101,6 +109,6 @@ impl fmt::Display for Measurement {
                 figure.value, figure.name
             )?;
         }
-        self.worst.iter().try_for_each(|found| writeln!(formatter, "{found}"))
+        self.worst.iter().chain(&self.times).try_for_each(|found| writeln!(formatter, "{found}"))
     }
 }

@@ -9,6 +9,7 @@ use raim_core::frame::Ecef;
 use super::figure::{self, Figure};
 use super::workload::{Stream, Wrong, epoch, site, start};
 use crate::board::Machine;
+use crate::laboratory::cycles::Cycles;
 use crate::laboratory::profile::Profile;
 use crate::laboratory::{Answer, Bench, Scalar, Stage, epoch_bytes, point_bytes};
 
@@ -81,6 +82,21 @@ pub fn profile(words: &str) -> Result<(String, Profile)> {
     let mut bench = Bench::default();
     bench.request(case.stage, case.scalar, &case.input);
     Ok((case.name.clone(), bench.profile(case.epochs - 1)?))
+}
+
+/// Name of the usual epoch, without its number of satellites.
+const WHOLE: &str = "whole epoch, bytes in to bytes out";
+
+/// Bounds the cycles of the usual epoch.
+///
+/// # Errors
+/// As [`measure`].
+pub fn cycles() -> Result<(String, Cycles)> {
+    let cases = wire()?;
+    let whole = cases.iter().find(|case| case.name.starts_with(WHOLE)).context("no whole epoch")?;
+    let mut bench = Bench::default();
+    bench.request(whole.stage, whole.scalar, &whole.input);
+    Ok((whole.name.clone(), bench.cycles(0)?))
 }
 
 fn cases() -> Result<Vec<Case>> {
@@ -296,7 +312,7 @@ fn wire() -> Result<Vec<Case>> {
         case("orbits and clocks", Stage::Locate, all.clone(), Some(100_000)),
         case("atmosphere and sigmas", Stage::Correct, [here, all.clone()].concat(), Some(40_000)),
         case("sentences", Stage::Speak, all, Some(45_000)),
-        case("whole epoch, bytes in to bytes out", Stage::Whole, whole(&[], &before, last), Some(340_000)),
+        case(WHOLE, Stage::Whole, whole(&[], &before, last), Some(340_000)),
         case(
             "whole epoch without range rates, bytes in to bytes out",
             Stage::Whole,

@@ -25,6 +25,7 @@ use anyhow::{Context, Result};
 use super::figure::Figure;
 use super::stages::{METHODS, whole};
 use super::workload::{Stream, Wrong};
+use crate::laboratory::cycles::Cycles;
 use crate::laboratory::profile::Profile;
 use crate::laboratory::{Bench, Scalar, Stage};
 
@@ -89,6 +90,20 @@ impl Found {
         Figure { name: self.place.words().to_owned(), value: self.instructions, target: Some(target) }
     }
 
+    /// Bounds the cycles of the epoch under the same name.
+    ///
+    /// # Errors
+    /// As [`search`].
+    pub fn cycles(&self) -> Result<(String, Cycles)> {
+        Ok((self.place.words().to_owned(), self.bench()?.cycles(0)?))
+    }
+
+    fn bench(&self) -> Result<Bench> {
+        let mut bench = Bench::default();
+        bench.request(Stage::Whole, Scalar::Single, &input(self.place, &self.point)?);
+        Ok(bench)
+    }
+
     /// Returns the circumstances as text.
     pub fn circumstances(&self) -> String {
         let each = words(&self.point).map(|(name, value)| format!("{name} {value}"));
@@ -136,9 +151,7 @@ pub fn profile(wanted: &str) -> Result<Option<(String, Profile)>> {
         return Ok(None);
     };
     let found = search(place)?;
-    let mut bench = Bench::default();
-    bench.request(Stage::Whole, Scalar::Single, &input(place, &found.point)?);
-    Ok(Some((found.circumstances(), bench.profile(0)?)))
+    Ok(Some((found.circumstances(), found.bench()?.profile(0)?)))
 }
 
 fn with(mut point: Point, axis: usize, value: usize) -> Point {

@@ -12,7 +12,7 @@
 //! answer formats.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{ChildStderr, Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
 use raim_core::epoch::Epoch;
@@ -21,8 +21,10 @@ use raim_core::frame::Ecef;
 use crate::board::Machine;
 use crate::image;
 
+pub mod cycles;
 pub mod profile;
 
+use cycles::{Code, Cycles, Model};
 use profile::Profile;
 
 /// A stage that the image can run. The number is the request's.
@@ -56,6 +58,8 @@ pub enum Stage {
     Whole = 12,
     /// ARAIM on a snapshot: tests and levels.
     Separate = 13,
+    /// Copies, fills and comparisons of memory, beside plain loops.
+    Memory = 14,
 }
 
 /// Scalar type of the core.
@@ -125,6 +129,27 @@ impl Bench {
     /// # Errors
     /// As [`Self::run`].
     pub fn profile(&self, number: usize) -> Result<Profile> {
+        self.logged(|image, log| Profile::read(image, log, number))
+    }
+
+    /// Bounds the cycles of the `number`th of all epochs in the requests, counted from 0.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn cycles(&self, number: usize) -> Result<Cycles> {
+        self.logged(|image, log| {
+            let bytes = std::fs::read(image)?;
+            let elf = object::File::parse(bytes.as_slice())?;
+            let code = Code::of(&elf)?;
+            let mut model = Model::new(&code);
+            profile::executed(&profile::Map::of(&elf)?, log, number, |address| model.execute(address))?;
+            ensure!(model.cycles().instructions > 0, "the stage was never reached");
+            Ok(model.cycles())
+        })
+    }
+
+    /// Runs the requests with a log of every instruction, which `read` takes as far as it wants.
+    fn logged<R>(&self, read: impl FnOnce(&Path, ChildStderr) -> Result<R>) -> Result<R> {
         let folder = Folder::new()?;
         let image = build(Machine::Stm32f405)?;
         let mut emulator = self
@@ -134,11 +159,11 @@ impl Bench {
             .spawn()
             .context(MISSING)?;
         let log = emulator.stderr.take().context("the emulator has no log")?;
-        let profile = Profile::read(&image, log, number);
+        let have = read(&image, log);
         // The rest of the run is not needed.
         emulator.kill()?;
         emulator.wait()?;
-        profile
+        have
     }
 
     /// Returns the emulator's command, with the measuring image and the requests in its folder.

@@ -69,25 +69,36 @@ impl Profile {
     pub fn read(image: &Path, log: impl std::io::Read, number: usize) -> Result<Self> {
         let bytes = std::fs::read(image)?;
         let elf = object::File::parse(bytes.as_slice())?;
-        let mut reader = Reader {
-            map: Map::of(&elf)?,
-            profile: Self::default(),
-            known: HashMap::new(),
-            last: String::new(),
-        };
-        let mut window = Window::new(number);
-        for line in BufReader::new(log).split(b'\n') {
-            let line = line?;
-            let Some(address) = program_counter(&line) else { continue };
-            match window.moves(&reader.map, address) {
-                Place::Before => {}
-                Place::Inside => reader.take(address)?,
-                Place::Behind => break,
-            }
-        }
+        let mut reader = Reader { profile: Self::default(), known: HashMap::new(), last: String::new() };
+        let map = Map::of(&elf)?;
+        executed(&map, log, number, |address| reader.take(&map, address))?;
         anyhow::ensure!(!reader.profile.functions.is_empty(), "the stage was never reached");
         Ok(reader.profile)
     }
+}
+
+/// Passes on each address between the first and the last instruction of the stopwatch's `number`th
+/// use, counted from 0.
+///
+/// # Errors
+/// If the log cannot be read, or `take` fails.
+pub(super) fn executed(
+    map: &Map<'_>,
+    log: impl std::io::Read,
+    number: usize,
+    mut take: impl FnMut(u64) -> Result<()>,
+) -> Result<()> {
+    let mut window = Window::new(number);
+    for line in BufReader::new(log).split(b'\n') {
+        let line = line?;
+        let Some(address) = program_counter(&line) else { continue };
+        match window.moves(map, address) {
+            Place::Before => {}
+            Place::Inside => take(address)?,
+            Place::Behind => break,
+        }
+    }
+    Ok(())
 }
 
 /// Returns the address in a line `Trace 0: … [cs/pc/flags/…]` of the log.
@@ -98,14 +109,14 @@ fn program_counter(line: &[u8]) -> Option<u64> {
 }
 
 /// Functions of an image, by address.
-struct Map<'a> {
+pub(super) struct Map<'a> {
     /// End address and name, by start address.
     functions: BTreeMap<u64, (u64, String)>,
     lines: Lines<'a>,
 }
 
 impl<'a> Map<'a> {
-    fn of(elf: &object::File<'a>) -> Result<Self> {
+    pub(super) fn of(elf: &object::File<'a>) -> Result<Self> {
         let mut functions = BTreeMap::new();
         for symbol in elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0) {
             let (address, name) = (symbol.address() & !1, symbol.name().unwrap_or_default());
@@ -171,8 +182,7 @@ impl Window {
 }
 
 /// A profile under construction.
-struct Reader<'a> {
-    map: Map<'a>,
+struct Reader {
     profile: Profile,
     /// Innermost function of ours at an instruction, if there is one.
     known: HashMap<u64, Option<String>>,
@@ -180,23 +190,23 @@ struct Reader<'a> {
     last: String,
 }
 
-impl Reader<'_> {
-    fn take(&mut self, address: u64) -> Result<()> {
+impl Reader {
+    fn take(&mut self, map: &Map<'_>, address: u64) -> Result<()> {
         if !self.known.contains_key(&address) {
-            self.known.insert(address, self.map.own_function(address)?);
+            self.known.insert(address, map.own_function(address)?);
         }
         match self.known.get(&address).cloned().flatten() {
             Some(function) => {
                 self.profile.functions.entry(function.clone()).or_default().own += 1;
                 self.last = function;
             }
-            None => self.take_runtime(address),
+            None => self.take_runtime(map, address),
         }
         Ok(())
     }
 
-    fn take_runtime(&mut self, address: u64) {
-        let Some((start, symbol)) = self.map.function(address) else { return };
+    fn take_runtime(&mut self, map: &Map<'_>, address: u64) {
+        let Some((start, symbol)) = map.function(address) else { return };
         let calls = u64::from(address == start);
         let (instructions, entered) = self.profile.runtime.entry(symbol.to_owned()).or_default();
         (*instructions, *entered) = (*instructions + 1, *entered + calls);

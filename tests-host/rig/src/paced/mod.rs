@@ -5,13 +5,13 @@
 //! chip, runs on a board of which every call costs time:
 //!
 //! ```text
-//! t += instructions / f_core          a byte comes 10/baud after the one before it
+//! t += cycles / f_core                a byte comes 10/baud after the one before it
 //! ```
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `f_core` | [`Costs::core_hz`] | Hz, one instruction a cycle |
-//! | instructions | the other fields of [`Costs`] | 1 |
+//! | `f_core` | [`Costs::core_hz`] | Hz |
+//! | cycles | the other fields of [`Costs`] | 1 |
 //! | baud | [`Lines`] | bit/s, 10 bits a byte |
 //!
 //! The cost of an epoch is charged when the pin is driven, so that the pin is as late as on the
@@ -39,7 +39,7 @@ use raim_firmware::timed_ring::{Taken, TimedRing};
 
 use wire::{Sent, Wire, byte_ns};
 
-/// Costs of the module's work, in instructions.
+/// Costs of the module's work, in cycles.
 #[derive(Clone, Copy, Debug)]
 pub struct Costs {
     /// Frequency of the core, Hz.
@@ -57,14 +57,15 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// Returns the costs that `bench` measures, rounded up: 39 k for an epoch's 900 bytes of RTCM,
-    /// 41 k for its 600 bytes of sentences.
+    /// Returns the costs beside an epoch of so many cycles, rounded up from the instructions that
+    /// `bench` counts: 39 k for an epoch's 900 bytes of RTCM, 41 k for its 600 bytes of sentences.
+    /// Each instruction takes two cycles, which is above the upper bound of a whole epoch.
     pub const fn measured(core_hz: u64, epoch: u64) -> Self {
-        Self { core_hz, gnss_byte: 50, epoch, sentence_byte: 75, command_byte: 400, pass: 1000 }
+        Self { core_hz, gnss_byte: 100, epoch, sentence_byte: 150, command_byte: 800, pass: 2000 }
     }
 
-    const fn nanoseconds(&self, instructions: u64) -> u64 {
-        instructions * 1_000_000_000 / self.core_hz
+    const fn nanoseconds(&self, cycles: u64) -> u64 {
+        cycles * 1_000_000_000 / self.core_hz
     }
 }
 
@@ -208,8 +209,8 @@ struct Model<'l> {
 }
 
 impl Model<'_> {
-    fn spend(&mut self, instructions: u64) {
-        self.clock.borrow_mut().now_ns += self.costs.nanoseconds(instructions);
+    fn spend(&mut self, cycles: u64) {
+        self.clock.borrow_mut().now_ns += self.costs.nanoseconds(cycles);
         self.catch_up();
     }
 

@@ -6,8 +6,8 @@ use raim::signal::sky::raw::Simulation;
 use rig::paced::{Costs, Lines, run};
 
 const FULL_HZ: u64 = 168_000_000;
-/// Cost of an epoch, instructions.
-const EPOCH: u64 = 1_100_000;
+/// Cost of an epoch, cycles.
+const EPOCH: u64 = 2_200_000;
 /// Longest time from an epoch's last byte to the pin, ms, as without false beginnings.
 const BOUND_MS: f64 = 20.0;
 
