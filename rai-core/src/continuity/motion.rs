@@ -20,12 +20,13 @@
 //! | `e` | scatter of the marks about a straight line | m |
 //! | `s` | [`Spread`]: mean of `|δ_k − δ_1|` of the epochs so far | m |
 //!
-//! A contradiction of the position is [`Alert::Track`], one of the clock [`Alert::Clock`]. The clock
-//! shows a second receiver, a repeater, and most counterfeit skies in one epoch. Within a minute it
-//! also shows a drag-off that all ranges have in common, to which every test of one epoch is blind.
+//! A contradiction of the position is [`Alert::Track`], one of the clock [`Alert::Clock`]. The
+//! clock shows a second receiver, a repeater, and most counterfeit skies in one epoch. Within a
+//! minute it also shows a drag-off that all ranges have in common, to which every test of one epoch
+//! is blind.
 //!
-//! Reflections move `δ` too, in streets by 200 m within levels of 300 m. They do not move it along a
-//! straight line, so that only a drift is held against what the receiver has shown before.
+//! Reflections move `δ` too, in streets by 200 m within levels of 300 m. They do not move it along
+//! a straight line, so that only a drift is held against what the receiver has shown before.
 //!
 //! **Figures.** Eleven replays of seven recordings with Doppler frequencies have no contradiction.
 //! Median and largest `|δ_k − δ_1|`: at rest at 1 Hz 0.4 to 0.8 m and 2.7 m of the clock, 0.6 to
@@ -37,8 +38,8 @@
 //! three means, so that a growing error needs minutes to widen its own bound, and none widens that
 //! of a leap. Epochs under an alert teach nothing.
 //!
-//! **Ends.** A leap begins anew at the new place and clock, so that it is one alert, and an agreement
-//! must follow it. A drift is an alert until it has ended for a minute.
+//! **Ends.** A leap begins anew at the new place and clock, so that it is one alert, and an
+//! agreement must follow it. A drift is an alert until it has ended for a minute.
 //!
 //! **Gaps.** A step longer than [`LONGEST_STEP_S`] begins anew. Across a gap of up to
 //! [`LONGEST_GAP_S`] the clock must still be within [`WANDER_M_S`] of its drift. An unknown
@@ -144,9 +145,9 @@ struct Mark {
 /// Discrepancy between measured and integrated motion, m, relative to the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Discrepancy {
-    /// Of the position, earth-fixed, m.
+    /// Discrepancy of the position, earth-fixed, m.
     position: Vector3<f32>,
-    /// Of the clock, m.
+    /// Discrepancy of the clock, m.
     clock_m: f32,
     /// Possible displacement by unknown accelerations since the origin, m.
     unknown_m: f32,
@@ -327,8 +328,8 @@ impl Motion {
         alert(!track, !clock)
     }
 
-    /// Returns the contradiction of a change along a straight line, and learns from an epoch without
-    /// one.
+    /// Returns the contradiction of a change along a straight line, and learns from an epoch
+    /// without one.
     fn drift(&mut self, time_s: f64, now: &Discrepancy) -> Option<Alert> {
         let now_s = self.since_origin_s(time_s)?;
         let contradiction = self.line(now_s, now);
