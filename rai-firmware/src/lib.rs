@@ -69,6 +69,7 @@
 //! | `BDS-SIS-B1I` | China Satellite Navigation Office, *`BeiDou` navigation satellite system signal in space interface control document, open service signal B1I*, version 3.0, 2019 |
 //! | `BDS-SIS-B3I` | China Satellite Navigation Office, *`BeiDou` navigation satellite system signal in space interface control document, open service signal B3I*, version 1.0, 2018 |
 //! | `BDS-SIS-ICD` | these two documents, where they agree |
+//! | `Blanch2015` | see the crate [`raim_core`] |
 //! | `CMSDK` | Arm DDI 0479, *Cortex-M System Design Kit technical reference manual* |
 //! | `DO-229` | RTCA DO-229, *Minimum operational performance standards for global positioning system/wide area augmentation system airborne equipment* |
 //! | `DO-260B` | RTCA DO-260B, *Minimum operational performance standards for 1090 MHz extended squitter ADS-B and TIS-B* |

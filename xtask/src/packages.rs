@@ -11,8 +11,8 @@ use crate::cargo::{command, root, spawn};
 /// Packages in their order; each needs those before it.
 pub(crate) const PACKAGES: [&str; 3] = ["raim-core", "raim-firmware", "raim"];
 
-/// Separate workspace, so that cargo does not find ours. One package finds the others beside it, not
-/// in the registry, because ours are not published.
+/// Separate workspace, so that cargo does not find ours. One package finds the others beside it,
+/// not in the registry, because ours are not published.
 const WORKSPACE: &str = "[workspace]
 resolver = \"3\"
 members = [\"raim-core\", \"raim-firmware\", \"raim\"]

@@ -331,8 +331,8 @@ impl Continuity {
     /// Returns the verdict on an epoch in the light of those before it.
     ///
     /// `time_s` is the epoch's time. `own_clock_s` is the time of its arrival by the caller's own
-    /// clock, which no signal can set. A time that is not finite counts as the last one. `speed_m_s`
-    /// is that of the epoch, if its range rates gave one.
+    /// clock, which no signal can set. A time that is not finite counts as the last one.
+    /// `speed_m_s` is that of the epoch, if its range rates gave one.
     pub fn conclude<const N: usize>(
         &mut self,
         settings: &ContinuitySettings,

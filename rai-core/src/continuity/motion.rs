@@ -152,9 +152,9 @@ struct Mark {
 /// Discrepancy between measured and integrated motion, m, relative to the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Discrepancy {
-    /// Of the position, earth-fixed, m.
+    /// Discrepancy of the position, earth-fixed, m.
     position: Vector3<f32>,
-    /// Of the clock, m.
+    /// Discrepancy of the clock, m.
     clock_m: f32,
     /// Possible displacement by unknown accelerations since the origin, m.
     unknown_m: f32,

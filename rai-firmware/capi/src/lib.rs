@@ -91,6 +91,7 @@ pub use status::*;
 pub use storage::*;
 #[cfg(feature = "receiver")]
 pub use text::rai_text_t;
+#[cfg(feature = "receiver")]
 pub use velocity::*;
 pub use verdict::*;
 

@@ -5,6 +5,9 @@
 //! | a probability, from a count of hits | [Wilson1927]: the values that the count does not contradict |
 //! | an expected count | [Garwood1936]: exact, from the χ² distribution |
 //! | a mean | the normal distribution and the sample's deviation |
+//!
+//! [Garwood1936]: crate#references
+//! [Wilson1927]: crate#references
 
 use raim::second_opinion::chi_square;
 

@@ -13,6 +13,15 @@
 //! [`raim::signal::clock_models`].
 //!
 //! Seeds are fixed: the same build gives the same numbers.
+//!
+//! # References
+//!
+//! Those of [`raim_core`], and:
+//!
+//! | tag | source |
+//! |---|---|
+//! | `Garwood1936` | F. Garwood, *Fiducial limits for the Poisson distribution*, Biometrika 28(3/4), 1936 |
+//! | `Wilson1927` | E. B. Wilson, *Probable inference, the law of succession, and statistical inference*, J. Am. Stat. Assoc. 22, 1927 |
 
 mod araim;
 mod chen2009;
