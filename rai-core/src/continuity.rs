@@ -254,6 +254,8 @@ impl Default for Continuity {
 
 impl Continuity {
     /// Returns the state before the first epoch.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub const fn new() -> Self {
         Self { standing: Standing::New, anchor: None, agreement: None, latest_s: None }
     }

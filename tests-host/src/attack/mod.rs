@@ -39,6 +39,7 @@
 //! | [`unsaid_delays`] | group delays that the navigation message does not carry |
 //! | [`unsaid_strength`] | noisy signals whose strength the receiver does not report |
 //! | [`upheaval`] | leaps of place and time, a failing line, wrong ranges and commands, all at random |
+//! | [`streets`] | real recordings between walls that block low satellites or reflect them late |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
 
 pub mod tally;
@@ -64,6 +65,7 @@ mod settings;
 pub mod several_faults;
 mod shifted_system;
 mod single_fault;
+mod streets;
 mod suspicions;
 mod two_stations;
 mod two_truths;
@@ -168,6 +170,7 @@ pub const ATTACKS: &[&Attack] = &[
     &upheaval::ATTACK,
     &recordings::NOMINAL,
     &recordings::URBAN,
+    &streets::ATTACK,
 ];
 
 /// Bound of a figure.

@@ -177,14 +177,14 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Iterator for Encoding<I> {
 
 /// Positions of the satellites as the module computes them, seen from the antenna position of the
 /// recording.
-struct Heaven {
+pub(crate) struct Heaven {
     encoder: Encoder,
     corrector: Corrector,
     antenna: Ecef,
 }
 
 impl Heaven {
-    fn of(broadcast: &Broadcast<'_>, selection: &Selection) -> Result<Self> {
+    pub(crate) fn of(broadcast: &Broadcast<'_>, selection: &Selection) -> Result<Self> {
         let antenna =
             broadcast.approximate_position.context("a shift needs the antenna's approximate position")?;
         Ok(Self {
@@ -195,7 +195,7 @@ impl Heaven {
     }
 
     /// Returns unit vectors from the antenna to the satellites of the next epoch.
-    fn directions(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<(SatelliteId, Enu)>> {
+    pub(crate) fn directions(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<(SatelliteId, Enu)>> {
         let frame = LocalFrame::at(self.antenna);
         let towards = |position: Ecef| {
             let difference = position - self.antenna;

@@ -31,6 +31,7 @@ mod truth;
 pub use corrected::corrected;
 pub use host::{HostRun, Pace, Playback, Said, Setup, on_host};
 pub use lump::Lump;
+pub(crate) use lumps::Heaven;
 pub use lumps::{Broadcast, Encoding, Window, encode};
 pub use page::Report;
 pub use settings::{command_for, every, words};

