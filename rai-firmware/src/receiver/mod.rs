@@ -173,9 +173,6 @@ impl<P: OutputPin> Receiver<P> {
         if let Some((time, came_ms)) = epochs.agreed.take() {
             input.confirm(time, came_ms);
         }
-        if input.take_rivalry() {
-            epochs.hear_rival();
-        }
         if let Some(leap) = input.leap_second().filter(|leap| leap.seconds != epochs.gps_minus_utc_s) {
             epochs.gps_minus_utc_s = leap.seconds;
             epochs.navigator.correct_utc();

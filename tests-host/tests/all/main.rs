@@ -30,6 +30,7 @@ mod injection;
 mod merged_stream;
 mod moving_receiver;
 mod no_panic;
+mod own_evidence;
 mod parity;
 mod peers;
 mod pin_in_time;

@@ -99,7 +99,6 @@ fn wire() {
         (|input, tell| Input::pause(input, tell)) as fn(_, Tell),
         Input::interrupt as fn(_),
         Input::confirm as fn(_, _, _),
-        Input::take_rivalry as fn(_) -> _,
         Input::assume as fn(_, _),
         Input::hears_others as fn(_) -> _,
         Input::forget as fn(_),
