@@ -34,7 +34,7 @@ use crate::raw::{Band, RawEpoch};
 use crate::time::GpsTime;
 
 /// Most satellites whose bends are compared.
-const TRACKS: usize = 12;
+const TRACKS: usize = 16;
 
 /// Least number of satellites for a detection.
 const LEAST_TRACKS: usize = 5;
