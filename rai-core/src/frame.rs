@@ -366,6 +366,15 @@ impl<T: Real> LinearisationPoint<T> {
     }
 }
 
+/// Rotates east, north, up at a point into the earth-fixed frame, in single precision.
+pub(crate) fn earth_fixed(point: Ecef, east_north_up: [f64; 3]) -> Vector3<f32> {
+    let position = Vector3::new(point.x_m as f32, point.y_m as f32, point.z_m as f32);
+    let directions =
+        Directions::at(&position).map_or_else(Directions::of_origin, |(directions, _)| directions);
+    let [east, north, up] = east_north_up.map(|component| component as f32);
+    transposed_product(&directions.axes(), &Vector3::new(east, north, up))
+}
+
 fn coordinates<T: Real>(point: Ecef) -> [T::Absolute; 3] {
     [point.x_m, point.y_m, point.z_m].map(T::Absolute::of)
 }

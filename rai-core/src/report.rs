@@ -6,7 +6,10 @@
 
 use heapless::Vec;
 
-use crate::frame::{Ecef, Geodetic};
+use crate::epoch::Observation;
+use crate::frame::{Ecef, Geodetic, LinearisationPoint};
+use crate::numeric::absolute::Absolute as _;
+use crate::numeric::real::Real;
 use crate::satellite::{Constellation, SatelliteId};
 
 /// Most satellites that may be left out of one epoch ([Tian2024] treats no more than 3 faults, nor
@@ -63,6 +66,11 @@ pub enum Alert {
     /// The position moved farther than it can since it was last protected: the satellites that
     /// agree on it agree by chance, or are counterfeit.
     Jump,
+    /// The receiver clock moved otherwise than its measured drift: a second receiver, a repeater or
+    /// counterfeit signals.
+    Clock,
+    /// The position moved otherwise than its measured velocity.
+    Track,
     /// No epoch of the receiver in use came within the time to alert, and epochs of another station
     /// or in another format did. The receiver around the core sets it.
     Source,
@@ -130,6 +138,20 @@ pub struct Solution {
 }
 
 impl Solution {
+    /// Returns the residual of a range at this position, m: the range minus the distance and the
+    /// receiver clock. `None` if the satellite's constellation has no clock.
+    ///
+    /// A positive residual is a range that is too long. The residual of an excluded satellite is
+    /// its bias. `T` is the scalar for directions, as in [`Monitor`](crate::Monitor).
+    pub fn residual_m<T: Real>(&self, observation: &Observation) -> Option<f64> {
+        let constellation = observation.satellite.constellation();
+        let clock_m = (*self.clocks_m.get(constellation as usize)?)?;
+        let sight = LinearisationPoint::<T>::at(self.position).sight(observation.position);
+        let longer = T::Absolute::of(observation.range_m).less(sight.distance.whole);
+        let rest = longer.less(T::Absolute::of(clock_m)).narrow();
+        Some((rest - (sight.distance.rest + sight.rotation)).widen())
+    }
+
     /// Returns the position dilution of precision, dimensionless.
     pub fn pdop(&self) -> f64 {
         let (hdop, vdop) = (self.hdop as f32, self.vdop as f32);

@@ -79,6 +79,12 @@ pub struct Velocity {
 }
 
 impl Velocity {
+    /// Returns the speed, m/s.
+    pub fn speed_m_s(&self) -> f64 {
+        let [east, north, up] = self.east_north_up_m_s.map(|component_m_s| component_m_s as f32);
+        f64::from(libm::sqrtf(east * east + north * north + up * up))
+    }
+
     /// Returns true if a receiver with this maximum speed can have the velocity, over the ground
     /// and in height, each with its level.
     ///

@@ -184,6 +184,11 @@ impl Navigator {
         &self.room.memory.outcome().report
     }
 
+    /// Returns the corrected ranges of the last epoch.
+    pub fn epoch(&self) -> &Epoch<CAPACITY> {
+        &self.room.epoch
+    }
+
     /// Returns the scratch memory for equations, which is free between epochs.
     pub(crate) fn workspace(&mut self) -> &mut Workspace {
         self.room.memory.workspace()
@@ -318,12 +323,16 @@ impl Navigator {
         if let Some(reason) = self.distrusted {
             memory.outcome_mut().override_alert(reason);
         }
-        self.monitor.learn(memory.outcome_mut(), Some(came_ms as f64 * 1e-3));
         // Under an alert no velocity is reported, and computing one at a wrong place would only
         // cost time.
         let report = &memory.outcome().report;
         let place = found(report).filter(|_| !matches!(report.verdict, Verdict::Alert(_)));
         self.velocity = self.rates.velocity(raw, sky, place, &self.monitor, memory.workspace());
+        let came_s = came_ms as f64 * 1e-3;
+        self.monitor.learn(memory.outcome_mut(), Some(came_s), self.velocity.as_ref());
+        if matches!(memory.outcome().report.verdict, Verdict::Alert(_)) {
+            self.velocity = None;
+        }
         let report = &mut memory.outcome_mut().report;
         if report.solution.is_none() && refused_a_range {
             report.verdict = Verdict::Unavailable(Unavailable::Input);

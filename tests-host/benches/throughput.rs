@@ -7,7 +7,7 @@
 //! | `module` | an epoch of RTCM bytes, through the whole module, to its sentences |
 //!
 //! Times depend on the machine as much as on the program, so they have no budget. The cost of the
-//! module is counted in instructions of the target (`tests_host::bench`).
+//! module is counted in instructions of the target (`rig::bench`).
 #![allow(missing_docs, reason = "what the macros of criterion write has no words")]
 
 use std::hint::black_box;
@@ -16,14 +16,14 @@ use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
     measurement::WallTime,
 };
+use raim::replay::{Lump, Pace, on_host};
 use raim_core::integrity::raim::isolation::parity;
 use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::numeric::real::Real;
 use raim_core::requirements::Requirements;
 use raim_firmware::correction::CAPACITY;
 use raim_firmware::time::GpsTime;
-use tests_host::bench::workload::{Stream, Wrong, epoch, site};
-use tests_host::replay::{Lump, Pace, on_host};
+use rig::bench::workload::{Stream, Wrong, epoch, site};
 
 /// Numbers of satellites.
 const SIZES: [usize; 3] = [8, 20, 40];

@@ -4,9 +4,9 @@
 use std::process::Command;
 use std::time::Instant;
 
+use adversary::attack::several_faults::{self, Passing};
+use adversary::attack::{ATTACKS, Attack, Effort};
 use anyhow::{Context as _, ensure};
-use tests_host::attack::several_faults::{self, Passing};
-use tests_host::attack::{ATTACKS, Attack, Effort};
 
 /// Arguments of the command.
 #[derive(clap::Args)]

@@ -1,10 +1,11 @@
 //! `cargo xtask bench`: the cost of the module on the chip.
 
 use anyhow::{Context as _, ensure};
-use tests_host::bench::peers::Comparison;
-use tests_host::bench::peers::sources::Sources;
-use tests_host::bench::{self, Measurement, budget};
-use tests_host::{board, setup};
+use rig::bench::peers::Comparison;
+use rig::bench::peers::sources::Sources;
+use rig::bench::{self, Measurement, budget};
+use rig::board;
+use rig::setup;
 
 /// Arguments of the command.
 #[derive(clap::Args, Default)]

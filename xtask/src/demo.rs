@@ -3,10 +3,12 @@
 use std::path::Path;
 
 use anyhow::Context;
-use tests_host::demo::{Live, Plan, View};
-use tests_host::report::canvas::Ground;
-use tests_host::report::page::write_file;
-use tests_host::{fault, image, setup};
+use raim::page::canvas::Ground;
+use raim::page::html::write_file;
+use raim::signal::fault;
+use rig::demo::{Live, Plan, View};
+use rig::image;
+use rig::setup;
 
 /// Folder of the report.
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/rai-demo");

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::ensure;
-use tests_host::image::{self, Chip, Image};
+use rig::image::{self, Chip, Image};
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -28,7 +28,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn fresh() -> anyhow::Result<PathBuf> {
-    tests_host::setup::ensure()?;
+    rig::setup::ensure()?;
     image::build()
 }
 

@@ -6,8 +6,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use adversary::fuzzing::{TARGETS, Target, replay, seeds};
 use anyhow::{Context as _, ensure};
-use tests_host::fuzzing::{TARGETS, Target, replay, seeds};
 
 /// Longest input, bytes: an epoch of many satellites with their ephemerides.
 const LONGEST: usize = 4096;

@@ -2,7 +2,7 @@
 //! with the sources.
 
 use anyhow::{Context as _, ensure};
-use tests_host::capi;
+use rig::capi;
 
 /// Arguments of the command.
 #[derive(clap::Args)]

@@ -1,5 +1,5 @@
-//! The two libraries as users receive them: packed, unpacked, compiled, with the examples of their
-//! documentation run.
+//! The packages as users receive them: packed, unpacked and compiled, with the examples of the two
+//! libraries' documentation run.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,28 +8,32 @@ use anyhow::{Context as _, Result, ensure};
 
 use crate::cargo::{command, root, spawn};
 
-/// Packages in their order; the second needs the first.
-const PACKAGES: [&str; 2] = ["raim-core", "raim-firmware"];
+/// Packages in their order; each needs those before it.
+pub(crate) const PACKAGES: [&str; 3] = ["raim-core", "raim-firmware", "raim"];
 
-/// Separate workspace, so that cargo does not find ours. One library finds the other beside it, not
+/// Separate workspace, so that cargo does not find ours. One package finds the others beside it, not
 /// in the registry, because ours are not published.
 const WORKSPACE: &str = "[workspace]
 resolver = \"3\"
-members = [\"raim-core\", \"raim-firmware\"]
+members = [\"raim-core\", \"raim-firmware\", \"raim\"]
 
 [patch.crates-io]
 raim-core = { path = \"raim-core\" }
+raim-firmware = { path = \"raim-firmware\" }
 ";
 
-/// Packs both libraries, and tests the result.
+/// Packs all packages, and tests the result. The command is only checked, because it compiles for
+/// minutes and its documentation has no examples.
 pub(crate) fn verify() -> Result<()> {
     pack()?;
     let unpacked = unpack()?;
     check_names(&unpacked)?;
     let manifest = unpacked.join("Cargo.toml").display().to_string();
     let folder = unpacked.join("target").display().to_string();
-    let doc = ["test", "--quiet", "--doc", "--workspace", "--manifest-path"];
-    spawn(command(&doc).args([manifest.as_str(), "--target-dir", folder.as_str()]))
+    let place = ["--manifest-path", manifest.as_str(), "--target-dir", folder.as_str()];
+    let [core, firmware, command_line] = PACKAGES;
+    spawn(command(&["test", "--quiet", "--doc", "-p", core, "-p", firmware]).args(place))?;
+    spawn(command(&["check", "--quiet", "-p", command_line]).args(place))
 }
 
 /// Checks that every name of ours resolves to our own package. A registry may give a name to
@@ -54,9 +58,10 @@ fn check_names(unpacked: &Path) -> Result<()> {
 /// Packs without compiling, because the examples compile later, and without a lock file, which a
 /// library does not need.
 fn pack() -> Result<()> {
-    eprintln!("$ cargo package --package {} --package {}", PACKAGES[0], PACKAGES[1]);
+    let which = PACKAGES.map(|package| format!("--package={package}"));
+    eprintln!("$ cargo package {}", which.join(" "));
     let how = ["package", "--allow-dirty", "--no-verify", "--exclude-lockfile"];
-    let output = command(&how).args(["--package", PACKAGES[0], "--package", PACKAGES[1]]).output()?;
+    let output = command(&how).args(which).output()?;
     ensure!(output.status.success(), "`cargo package` failed:\n{}", String::from_utf8_lossy(&output.stderr));
     Ok(())
 }

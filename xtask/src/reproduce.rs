@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context as _, ensure};
 use experiments::{EXPERIMENTS, Effort, Experiment, Outcome, page};
 use indicatif::{ProgressBar, ProgressStyle};
-use tests_host::report::page::write_file;
+use raim::page::html::write_file;
 
 /// Arguments of the command.
 #[derive(clap::Args)]

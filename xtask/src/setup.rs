@@ -1,7 +1,7 @@
 //! `cargo xtask setup`: installs the requirements beyond the Rust toolchain.
 
 use anyhow::ensure;
-use tests_host::setup::{Machine, Step, consumers, ensure_all, plan};
+use rig::setup::{Machine, Step, consumers, ensure_all, plan};
 
 /// Arguments of the command.
 #[derive(clap::Args)]

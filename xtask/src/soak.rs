@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use adversary::soak::{self, Outcome, Plan, page::page, table::table};
 use anyhow::ensure;
 use indicatif::{ProgressBar, ProgressStyle};
-use tests_host::soak::{self, Outcome, Plan, page::page, table::table};
-use tests_host::{image, setup};
+use rig::image;
+use rig::setup;
 
 /// Arguments of the command.
 #[derive(clap::Args)]

@@ -1,7 +1,8 @@
 //! `cargo xtask tables`: regenerates the threshold tables, or checks the committed ones.
 
 use anyhow::{Context as _, ensure};
-use tests_host::{tables, vectors};
+use oracle::tables;
+use oracle::vectors;
 
 /// Arguments of the command.
 #[derive(clap::Args)]

@@ -210,7 +210,7 @@ fn help_lists_the_values_of_an_option() {
 #[test]
 fn every_setting_and_every_word_of_the_module_is_obeyed() {
     let files = Files::new("settings");
-    for setting in tests_host::replay::every() {
+    for setting in raim::replay::every() {
         let output = files.run(&["replay", "--obs", "day.obs", "--nav", "day.nav", "--set", &setting]);
         let errors = String::from_utf8(output.stderr).unwrap();
         // Two satellites have no position; the command finds nothing else wrong.

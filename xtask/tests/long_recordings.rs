@@ -13,11 +13,11 @@ use std::time::Duration;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use tests_host::encode::{Encoder, Frequency, Selection, ubx};
-use tests_host::measurement::{Ephemeris, MeasuredEpoch};
-use tests_host::recording::Recording;
-use tests_host::sky::Fleet;
-use tests_host::sky::raw::Simulation;
+use raim::signal::encode::{Encoder, Frequency, Selection, ubx};
+use raim::signal::measurement::{Ephemeris, MeasuredEpoch};
+use raim::signal::recording::Recording;
+use raim::signal::sky::Fleet;
+use raim::signal::sky::raw::Simulation;
 
 /// Satellites of every epoch.
 const SATELLITES: usize = 28;
@@ -183,7 +183,7 @@ fn replay(arguments: &[String]) -> (String, u64) {
 #[test]
 fn memory_does_not_grow_with_the_recording() {
     if !Path::new("/proc/self/status").exists() {
-        return tests_host::skip::say("memory of a child (/proc)");
+        return rig::skip::say("memory of a child (/proc)");
     }
     let few: u32 = std::env::var("RAI_EPOCHS").ok().and_then(|few| few.parse().ok()).unwrap_or(EPOCHS);
     let folder = folder("memory");

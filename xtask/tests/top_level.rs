@@ -10,11 +10,21 @@ const PRESCRIBED: [&str; 8] =
     [".cargo", "Cargo.toml", "README.md", "memory.x", "rai-core", "rai-firmware", "tests-host", "xtask"];
 
 /// Entries that a tool looks for at the top level.
-const FOR_TOOLS: [&str; 6] =
-    [".ci", ".gitignore", "Cargo.lock", "deny.toml", "rust-toolchain.toml", "rustfmt.toml"];
+///
+/// West takes a project for a module of Zephyr only by `zephyr/module.yml` at its root.
+const FOR_TOOLS: [&str; 8] = [
+    ".ci",
+    ".github",
+    ".gitignore",
+    "Cargo.lock",
+    "deny.toml",
+    "rust-toolchain.toml",
+    "rustfmt.toml",
+    "zephyr",
+];
 
 /// Documents that a reader looks for at the top level.
-const FOR_READERS: [&str; 10] = [
+const FOR_READERS: [&str; 11] = [
     "ARCHITECTURE.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
@@ -24,6 +34,7 @@ const FOR_READERS: [&str; 10] = [
     "LICENSE-MIT",
     "LIMITS.md",
     "RESULTS.md",
+    "SECURITY.md",
     "results",
 ];
 

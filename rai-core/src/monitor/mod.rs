@@ -31,7 +31,7 @@ mod workspace;
 use heapless::Deque;
 
 use crate::clock::{Clocks, SolvedClocks};
-use crate::continuity::{Continuity, ContinuityError, ContinuitySettings};
+use crate::continuity::{Continuity, ContinuityError, ContinuitySettings, Motion};
 use crate::epoch::{Aided, Epoch, EpochView};
 use crate::frame::Ecef;
 use crate::integrity::raim::detection::threshold::policy::Policy;
@@ -45,6 +45,7 @@ use crate::least_squares::fix::{Fix, FixError};
 use crate::numeric::real::Real;
 use crate::report::{Alert, Protected, Report, Unavailable, Verdict};
 use crate::requirements::Requirements;
+use crate::velocity::Velocity;
 use crate::weighting::Ism;
 use crate::weighting::adaptation::Adaptation;
 use crate::weighting::residuals::Residuals;
@@ -117,6 +118,7 @@ pub struct Monitor<T: Real, const N: usize> {
     ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
     evidence: Evidence,
     named: Named,
+    motion: Motion,
     continuity: Continuity,
     continuity_settings: Option<ContinuitySettings>,
 }
@@ -145,6 +147,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             ratios: Deque::new(),
             evidence: Evidence::new(),
             named: Named::new(),
+            motion: Motion::new(),
             continuity: Continuity::new(),
             continuity_settings: Some(ContinuitySettings::anywhere()),
         }
@@ -179,6 +182,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     pub fn forget_residuals(&mut self) {
         self.adaptation.restart();
         self.evidence.restart();
+        self.motion.restart();
     }
 
     /// Replaces the limits of the receiver's motion and the required agreement; the state stays.
@@ -205,6 +209,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Forgets the last position, so that the next may be anywhere.
     pub fn forget_position(&mut self) {
         self.continuity.forget();
+        self.motion.restart();
     }
 
     /// Restarts the continuity after a gap longer than the time to alert: the next epoch is judged
@@ -257,7 +262,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
         self.judge(epoch, self.start, Search::Anew, None, &mut memory);
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
-        self.learn(&mut memory.outcome, None);
+        self.learn(&mut memory.outcome, None, None);
         memory.outcome.report
     }
 
@@ -299,11 +304,16 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// clocks. Then makes the report's verdict final in the light of the epochs before.
     ///
     /// `own_clock_s` is the arrival of the epoch by a clock that no signal can set, if the caller
-    /// has one.
+    /// has one. `velocity` is that of the epoch, if its range rates gave one.
     #[inline(never)]
-    pub fn learn(&mut self, outcome: &mut EpochOutcome<N>, own_clock_s: Option<f64>) {
+    pub fn learn(
+        &mut self,
+        outcome: &mut EpochOutcome<N>,
+        own_clock_s: Option<f64>,
+        velocity: Option<&Velocity>,
+    ) {
         self.remember(outcome);
-        self.continue_from(outcome, own_clock_s);
+        self.continue_from(outcome, own_clock_s, velocity);
         // Under an alert and while satellites recover from it, the exclusion may be the wrong one.
         if matches!(outcome.report.verdict, Verdict::Protected(_)) {
             for excluded in &outcome.report.excluded {
@@ -347,12 +357,23 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Applies continuity to an epoch. An epoch that loses its protection by it updates no state
     /// either.
-    fn continue_from(&mut self, outcome: &mut EpochOutcome<N>, own_clock_s: Option<f64>) {
+    fn continue_from(
+        &mut self,
+        outcome: &mut EpochOutcome<N>,
+        own_clock_s: Option<f64>,
+        velocity: Option<&Velocity>,
+    ) {
         let Some(settings) = &self.continuity_settings else { return };
         let EpochOutcome { report, update, .. } = outcome;
-        report.verdict = self.continuity.conclude(settings, update.time_s, own_clock_s, report);
+        if !matches!(report.verdict, Verdict::Alert(_))
+            && let Some(contradiction) = self.motion.judge(update.time_s, report, velocity)
+        {
+            report.verdict = Verdict::Alert(contradiction);
+        }
+        let speed_m_s = velocity.map(Velocity::speed_m_s);
+        report.verdict = self.continuity.conclude(settings, update.time_s, own_clock_s, report, speed_m_s);
         match report.verdict {
-            Verdict::Alert(Alert::Jump) => {
+            Verdict::Alert(Alert::Jump | Alert::Clock | Alert::Track) => {
                 report.protection = None;
                 *update = Update::none(update.time_s);
             }

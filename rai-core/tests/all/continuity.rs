@@ -70,7 +70,7 @@ fn series(epochs: &[(f64, Said)]) -> std::vec::Vec<Verdict> {
     let settings = ContinuitySettings::anywhere();
     epochs
         .iter()
-        .map(|(time_s, said)| continuity.conclude(&settings, *time_s, None, &report(*said)))
+        .map(|(time_s, said)| continuity.conclude(&settings, *time_s, None, &report(*said), None))
         .collect()
 }
 
@@ -175,7 +175,7 @@ fn leap_in_height_is_a_jump_too() {
 fn host_that_says_forget_allows_any_place() {
     let (mut continuity, settings) = (Continuity::new(), ContinuitySettings::anywhere());
     let conclude = |continuity: &mut Continuity, time_s, said| {
-        continuity.conclude(&settings, time_s, None, &report(said))
+        continuity.conclude(&settings, time_s, None, &report(said), None)
     };
     assert_eq!(conclude(&mut continuity, 0.0, HERE), OK);
     continuity.forget();
@@ -219,11 +219,11 @@ fn longer_recovery_takes_nothing_from_what_was_firm() {
     let mut continuity = Continuity::new();
     let start = ContinuitySettings::anywhere();
     for second in 0..=11 {
-        assert_eq!(continuity.conclude(&start, f64::from(second), None, &report(HERE)), OK);
+        assert_eq!(continuity.conclude(&start, f64::from(second), None, &report(HERE), None), OK);
     }
     let longer = ContinuitySettings { recovery: Recovery { epochs: 20, seconds: 30.0 }, ..start };
     for second in 12..120 {
-        let said = continuity.conclude(&longer, f64::from(second), None, &report(north(400e3)));
+        let said = continuity.conclude(&longer, f64::from(second), None, &report(north(400e3)), None);
         assert_eq!(said, JUMP, "{second} s");
     }
 }
@@ -257,7 +257,7 @@ fn time_that_is_no_number_stands_still() {
 fn clock_of_the_callers_own_bounds_what_a_leap_of_the_time_tag_makes_reachable() {
     let (mut continuity, settings) = (Continuity::new(), ContinuitySettings::anywhere());
     let mut conclude =
-        |time_s, own_s, said| continuity.conclude(&settings, time_s, Some(own_s), &report(said));
+        |time_s, own_s, said| continuity.conclude(&settings, time_s, Some(own_s), &report(said), None);
     assert_eq!(conclude(0.0, 100.0, HERE), OK);
     assert_eq!(conclude(3600.0, 101.0, north(400e3)), JUMP);
     assert_eq!(conclude(3600.0 + 86_401.0, 102.0, north(400e3)), JUMP, "nor is the place forgotten");
@@ -269,10 +269,10 @@ fn epochs_that_come_at_once_are_no_seconds_of_agreement() {
     let settings = ContinuitySettings::anywhere();
     let judge = |own_step_s: f64| {
         let mut continuity = Continuity::new();
-        let _ = continuity.conclude(&settings, 0.0, Some(0.0), &report(verdict(FAULT)));
+        let _ = continuity.conclude(&settings, 0.0, Some(0.0), &report(verdict(FAULT)), None);
         let conclude = |second: u32| {
             let second = f64::from(second);
-            continuity.conclude(&settings, second, Some(second * own_step_s), &report(HERE))
+            continuity.conclude(&settings, second, Some(second * own_step_s), &report(HERE), None)
         };
         (1..=5).map(conclude).collect::<std::vec::Vec<_>>()
     };
@@ -285,8 +285,8 @@ fn place_is_forgotten_after_a_day_and_agreement_after_a_gap() {
     let settings = ContinuitySettings { max_speed_m_s: 0.0, ..ContinuitySettings::anywhere() };
     let judge = |time_s: f64| {
         let mut continuity = Continuity::new();
-        let _ = continuity.conclude(&settings, 0.0, None, &report(HERE));
-        continuity.conclude(&settings, time_s, None, &report(north(1000.0)))
+        let _ = continuity.conclude(&settings, 0.0, None, &report(HERE), None);
+        continuity.conclude(&settings, time_s, None, &report(north(1000.0)), None)
     };
     assert_eq!(judge(86_399.0), JUMP);
     assert_eq!(judge(86_401.0), OK);
@@ -301,11 +301,11 @@ fn receiver_that_is_slower_than_the_time_to_alert_recovers() {
     let settings = ContinuitySettings::anywhere();
     for step_s in [30.0, 300.0] {
         let mut continuity = Continuity::new();
-        let _ = continuity.conclude(&settings, 0.0, Some(0.0), &report(verdict(FAULT)));
+        let _ = continuity.conclude(&settings, 0.0, Some(0.0), &report(verdict(FAULT)), None);
         let conclude = |epoch: u32| {
             continuity.interrupt();
             let time_s = f64::from(epoch) * step_s;
-            continuity.conclude(&settings, time_s, Some(time_s), &report(HERE))
+            continuity.conclude(&settings, time_s, Some(time_s), &report(HERE), None)
         };
         let said: std::vec::Vec<Verdict> = (1..=4).map(conclude).collect();
         assert_eq!(said, [RECOVERING, RECOVERING, OK, OK], "{step_s} s");
@@ -316,7 +316,7 @@ fn receiver_that_is_slower_than_the_time_to_alert_recovers() {
 fn protected_without_a_position_is_not_said() {
     let mut nowhere = report(HERE);
     nowhere.solution = None;
-    let said = Continuity::new().conclude(&ContinuitySettings::anywhere(), 0.0, None, &nowhere);
+    let said = Continuity::new().conclude(&ContinuitySettings::anywhere(), 0.0, None, &nowhere, None);
     assert_eq!(said, Verdict::Unavailable(Unavailable::NoFix));
 }
 
@@ -336,4 +336,53 @@ fn settings_are_checked_by_name() {
         let have = ContinuitySettings { recovery, ..start }.validate();
         assert!(matches!(have, Err(ContinuityError::Recovery(_))), "{recovery:?}");
     }
+}
+
+/// Returns the verdicts of epochs each second after a silence from 0 s on, at a distance to the
+/// north of the last position; the receiver's speed before was `speed_m_s`.
+fn after_silence(
+    silence_s: f64,
+    north_m: f64,
+    speed_m_s: Option<f64>,
+    seconds: u32,
+) -> std::vec::Vec<Verdict> {
+    let mut continuity = Continuity::new();
+    let settings = ContinuitySettings::anywhere();
+    let _ = continuity.conclude(&settings, 0.0, None, &report(HERE), speed_m_s);
+    continuity.interrupt();
+    (0..seconds)
+        .map(|second| {
+            let time_s = silence_s + f64::from(second);
+            continuity.conclude(&settings, time_s, None, &report(north(north_m)), Some(0.0))
+        })
+        .collect()
+}
+
+#[test]
+fn a_silence_makes_no_place_good_that_the_receiver_is_not_expected_at() {
+    // 300 km in 600 s are within 515 m/s; a receiver at rest is not expected there. It must agree
+    // for the 300 km / 515 m/s = 583 s of the way.
+    let at_rest = after_silence(600.0, 300e3, Some(0.0), 600);
+    assert!(at_rest[..580].iter().all(|verdict| *verdict == RECOVERING));
+    assert_eq!(at_rest[590], OK);
+    // An aircraft at 250 m/s is expected there, and a car 1 km away after ten minutes.
+    assert_eq!(after_silence(900.0, 300e3, Some(250.0), 1), [OK]);
+    assert_eq!(after_silence(600.0, 1e3, Some(0.0), 1), [OK]);
+    // Of a receiver without Doppler frequencies 50 m/s are expected, and 10 more.
+    assert_eq!(after_silence(600.0, 40e3, None, 1), [OK]);
+    assert_eq!(after_silence(600.0, 80e3, None, 1), [RECOVERING]);
+}
+
+#[test]
+fn true_place_after_a_counterfeit_one_waits_for_nothing() {
+    let mut continuity = Continuity::new();
+    let settings = ContinuitySettings::anywhere();
+    assert_eq!(continuity.conclude(&settings, 0.0, None, &report(HERE), Some(0.0)), OK);
+    continuity.interrupt();
+    let mut conclude =
+        |time_s: f64, said: Said| continuity.conclude(&settings, time_s, None, &report(said), Some(0.0));
+    assert_eq!(conclude(600.0, north(300e3)), RECOVERING);
+    let back: std::vec::Vec<Verdict> =
+        (1..6).map(|second| conclude(600.0 + f64::from(second), HERE)).collect();
+    assert_eq!(back, [RECOVERING, RECOVERING, RECOVERING, OK, OK]);
 }

@@ -19,6 +19,7 @@ mod kept_subsets;
 mod least_squares;
 mod monitor;
 mod monitor_limits;
+mod motion;
 mod multiple_faults;
 mod noise;
 mod normal;

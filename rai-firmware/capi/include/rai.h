@@ -15,7 +15,7 @@
  *   rai_receiver_init                                               8
  *   rai_receiver_gnss                                               8
  *   rai_receiver_tick, which may end an epoch                       8
- *   rai_receiver_command                                            5
+ *   rai_receiver_command, rai_receiver_set                          5
  *   all others                                          1     1     1
  */
 
@@ -26,6 +26,9 @@
 
 #include <stddef.h>
 #include <stdint.h>
+/* Version of the package that this header came with; rai_version() returns that of the library. */
+#define RAI_VERSION "0.2.0"
+
 /* A condition that must hold when this is compiled, whatever the standard. */
 #if defined(__cplusplus)
 #define RAI_ASSERT(condition, name) static_assert(condition, #name)
@@ -42,6 +45,11 @@
  * with a new meaning.
  */
 #define RAI_ABI_VERSION 2
+
+/**
+ * Bytes of a counter's name, with the NUL at its end.
+ */
+#define RAI_COUNTER_NAME_SIZE 36
 
 /**
  * En route: HAL 3,704 m.
@@ -275,6 +283,16 @@
 #define RAI_REASON_SOURCE 38
 
 /**
+ * Alert: the receiver clock moved otherwise than its measured drift.
+ */
+#define RAI_REASON_CLOCK 39
+
+/**
+ * Alert: the position moved otherwise than its measured velocity.
+ */
+#define RAI_REASON_TRACK 40
+
+/**
  * Unavailable: too few satellites for a position, or the fix did not converge.
  */
 #define RAI_REASON_NOFIX 64
@@ -399,6 +417,97 @@ typedef struct {
      */
     uint64_t opaque[RAI_MONITOR_WORDS];
 } rai_monitor_t;
+
+/**
+ * Accuracy of the position of an epoch. An undefined number is NaN.
+ */
+typedef struct {
+    /**
+     * `sizeof(rai_accuracy_t)`, set by the caller.
+     */
+    uint32_t size;
+    /**
+     * System of the satellite used with the largest w-test, `RAI_SYSTEM_…`; 0 if there is none.
+     */
+    uint8_t suspect_system;
+    /**
+     * Number of that satellite within the system.
+     */
+    uint8_t suspect_number;
+    /**
+     * Reserved for later use.
+     */
+    uint8_t reserved[2];
+    /**
+     * W-test of that satellite, in standard deviations, with its sign.
+     */
+    double suspect_w_test;
+    /**
+     * Covariance of east, north and up in this order: EE, EN, EU, NN, NU, UU, m².
+     */
+    double covariance_m2[6];
+    /**
+     * Horizontal dilution of precision.
+     */
+    double hdop;
+    /**
+     * Vertical dilution of precision.
+     */
+    double vdop;
+    /**
+     * Root mean square of the residuals of the satellites used, m.
+     */
+    double residual_rms_m;
+    /**
+     * Mean of SSE/dof over the last 60 tested epochs: about 1 if the sigmas are right.
+     */
+    double sigma_check;
+    /**
+     * Receiver clock of GPS and QZSS times the speed of light, m.
+     */
+    double gps_clock_m;
+    /**
+     * Receiver clock of GLONASS times the speed of light, m.
+     */
+    double glonass_clock_m;
+    /**
+     * Receiver clock of Galileo times the speed of light, m.
+     */
+    double galileo_clock_m;
+    /**
+     * Receiver clock of `BeiDou` times the speed of light, m.
+     */
+    double beidou_clock_m;
+} rai_accuracy_t;
+
+/**
+ * Memory of a receiver. Its contents are private to the library; only its size and alignment
+ * matter.
+ */
+typedef struct {
+    /**
+     * Private contents.
+     */
+    uint64_t opaque[RAI_RECEIVER_WORDS];
+} rai_receiver_t;
+
+/**
+ * Counter of a receiver.
+ */
+typedef struct {
+    /**
+     * `sizeof(rai_counter_t)`, set by the caller.
+     */
+    uint32_t size;
+    /**
+     * Count since start; it stays at its largest value.
+     */
+    uint32_t value;
+    /**
+     * Name, as in the answer to the command `STATS`, with a NUL at its end.
+     */
+    char name[RAI_COUNTER_NAME_SIZE];
+} rai_counter_t;
 
 /**
  * Requirements on a position, and the strategy that monitors it. Fill it with
@@ -623,17 +732,6 @@ typedef struct {
 } rai_verdict_t;
 
 /**
- * Memory of a receiver. Its contents are private to the library; only its size and alignment
- * matter.
- */
-typedef struct {
-    /**
-     * Private contents.
-     */
-    uint64_t opaque[RAI_RECEIVER_WORDS];
-} rai_receiver_t;
-
-/**
  * Memory of the caller for sentences, with the number of bytes used.
  */
 typedef struct {
@@ -655,6 +753,95 @@ typedef struct {
      */
     size_t lost;
 } rai_text_t;
+
+/**
+ * Residual of one satellite's range.
+ */
+typedef struct {
+    /**
+     * Range minus distance and receiver clock, m: positive for a range that is too long; NaN if no
+     * satellite of its system is used. The residual of an excluded satellite is its bias.
+     */
+    double residual_m;
+    /**
+     * Standard deviation of the range, m.
+     */
+    double sigma_m;
+    /**
+     * System of the satellite, a letter: `RAI_SYSTEM_…`.
+     */
+    uint8_t system;
+    /**
+     * Number of the satellite within the system.
+     */
+    uint8_t number;
+    /**
+     * True (1) if the satellite is part of the position, else 0.
+     */
+    uint8_t is_used;
+    /**
+     * Reserved for later use.
+     */
+    uint8_t reserved[5];
+} rai_residual_t;
+
+/**
+ * Velocity at an epoch. All numbers are NaN if the range rates gave none that passed its test.
+ */
+typedef struct {
+    /**
+     * `sizeof(rai_velocity_t)`, set by the caller.
+     */
+    uint32_t size;
+    /**
+     * Degrees of freedom of the test of the range rates.
+     */
+    uint8_t dof;
+    /**
+     * Number of satellites whose range rate was left out.
+     */
+    uint8_t excluded_count;
+    /**
+     * Reserved for later use.
+     */
+    uint8_t reserved[2];
+    /**
+     * Velocity to the east, m/s.
+     */
+    double east_m_s;
+    /**
+     * Velocity to the north, m/s.
+     */
+    double north_m_s;
+    /**
+     * Velocity upwards, m/s.
+     */
+    double up_m_s;
+    /**
+     * Covariance of east, north and up in this order: EE, EN, EU, NN, NU, UU, m²/s².
+     */
+    double covariance_m2_s2[6];
+    /**
+     * Drift of the receiver clock times the speed of light, m/s.
+     */
+    double clock_drift_m_s;
+    /**
+     * Bound on the horizontal error, m/s.
+     */
+    double horizontal_level_m_s;
+    /**
+     * Bound on the vertical error, m/s.
+     */
+    double vertical_level_m_s;
+    /**
+     * Statistic of the test, `√(SSE/dof)`.
+     */
+    double statistic;
+    /**
+     * Threshold of the test.
+     */
+    double threshold;
+} rai_velocity_t;
 
 /**
  * Success.
@@ -695,6 +882,12 @@ typedef struct {
  * A count or length is out of bounds.
  */
 #define RAI_STATUS_COUNT 7
+
+/**
+ * A text must be printable ASCII without `$` and `*`, and of at most 192 characters; a key has no
+ * comma.
+ */
+#define RAI_STATUS_TEXT 8
 
 /**
  * The phase of flight is unknown.
@@ -786,6 +979,46 @@ typedef struct {
  */
 #define RAI_STATUS_FULL 37
 
+/**
+ * No setting and no order has this key.
+ */
+#define RAI_STATUS_KEY 48
+
+/**
+ * The key needs a value more.
+ */
+#define RAI_STATUS_VALUE_MISSING 49
+
+/**
+ * The key takes fewer values.
+ */
+#define RAI_STATUS_VALUE_EXTRA 50
+
+/**
+ * The value must be one of the key's words.
+ */
+#define RAI_STATUS_WORD 51
+
+/**
+ * The library was built without this key or word.
+ */
+#define RAI_STATUS_NOT_IN_BUILD 52
+
+/**
+ * The value must be a decimal number.
+ */
+#define RAI_STATUS_NUMBER 53
+
+/**
+ * Ionospheric coefficients must not all be zero.
+ */
+#define RAI_STATUS_ALL_ZERO 54
+
+/**
+ * The probability must be in the committed tables; the answer names the nearest.
+ */
+#define RAI_STATUS_PROBABILITY 55
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -795,6 +1028,43 @@ extern "C" {
  * `RAI_ABI_VERSION` of a matching header.
  */
 uint32_t rai_abi_version(void);
+
+/**
+ * Returns the version of the library, equal to `RAI_VERSION` of the header that came with it; a
+ * string that lives as long as the program.
+ */
+const char *rai_version(void);
+
+/**
+ * Writes the accuracy of the position that the last call of `rai_monitor_judge` has found.
+ *
+ * # Safety
+ * `monitor` is null or points to memory of that size with initialised contents, not used elsewhere
+ * during the call. `accuracy` is null or points to a struct of the size that it begins with.
+ */
+rai_status_t rai_monitor_accuracy(const rai_monitor_t *monitor, rai_accuracy_t *accuracy);
+
+/**
+ * Writes the accuracy of the position of the last epoch. After a silence all numbers are NaN.
+ *
+ * # Safety
+ * As for `rai_receiver_pin`; `accuracy` is null or points to a struct of the size that it begins
+ * with.
+ */
+rai_status_t rai_receiver_accuracy(const rai_receiver_t *receiver, rai_accuracy_t *accuracy);
+
+/**
+ * Writes the counter with this number, counted from 0. Refuses numbers beyond the last with
+ * `RAI_STATUS_COUNT`, so that a loop ends there.
+ *
+ * The numbers are those of one build of the library; a program that wants one counter compares the
+ * names.
+ *
+ * # Safety
+ * As for `rai_receiver_pin`; `counter` is null or points to a struct of the size that it begins
+ * with.
+ */
+rai_status_t rai_receiver_counter(const rai_receiver_t *receiver, size_t number, rai_counter_t *counter);
 
 /**
  * Makes a monitor without a position in memory of the caller.
@@ -904,6 +1174,19 @@ rai_status_t rai_receiver_command(rai_receiver_t *receiver,
                                   rai_text_t *out);
 
 /**
+ * Obeys one command, given as its key and its values: `"PHASE", "LPV200"` or `"OUTPUT", "RMC,1"`.
+ * Null for `values` asks for the value in force. Set the pin after each call.
+ *
+ * Keys and values are those of `rai_receiver_command`, without address and checksum. The answer is
+ * written to `out`. A refused command has changed nothing; `rai_status_text` has the reason.
+ *
+ * # Safety
+ * As for `rai_receiver_gnss`; `key` is null or points to a text that ends with NUL, and so is
+ * `values`.
+ */
+rai_status_t rai_receiver_set(rai_receiver_t *receiver, const char *key, const char *values, rai_text_t *out);
+
+/**
  * Returns the level of the integrity pin: 1 while the position of the last epoch may be used, else
  * 0, also for an invalid handle.
  *
@@ -957,6 +1240,37 @@ size_t rai_receiver_size(void);
 size_t rai_receiver_align(void);
 
 /**
+ * Writes the residuals of the epoch that the last call of `rai_monitor_judge` has judged, and
+ * their number to `count`. Without a position there are none.
+ *
+ * Refuses a `capacity` below the number of satellites; `RAI_MAX_SATELLITES` is always enough.
+ *
+ * # Safety
+ * `monitor` is null or points to memory of that size with initialised contents, not used elsewhere
+ * during the call. `residuals` is null or points to `capacity` residuals, `count` is null or
+ * points to a number.
+ */
+rai_status_t rai_monitor_residuals(const rai_monitor_t *monitor,
+                                   rai_residual_t *residuals,
+                                   size_t capacity,
+                                   size_t *count);
+
+/**
+ * Writes the residuals of the last epoch, after all corrections, and their number to `count`.
+ * Without a position, and after a silence, there are none.
+ *
+ * Refuses a `capacity` below the number of satellites; `RAI_MAX_SATELLITES` is always enough.
+ *
+ * # Safety
+ * As for `rai_receiver_pin`; `residuals` is null or points to `capacity` residuals, `count` is
+ * null or points to a number.
+ */
+rai_status_t rai_receiver_residuals(const rai_receiver_t *receiver,
+                                    rai_residual_t *residuals,
+                                    size_t capacity,
+                                    size_t *count);
+
+/**
  * Fills settings with those of a phase of flight, `RAI_PHASE_…`, and the default method of the
  * module.
  *
@@ -971,6 +1285,15 @@ rai_status_t rai_settings_preset(rai_settings_t *settings, uint8_t phase);
  * Returns a status in lower-case words, a string that lives as long as the program.
  */
 const char *rai_status_text(rai_status_t status);
+
+/**
+ * Writes the velocity at the last epoch.
+ *
+ * # Safety
+ * As for `rai_receiver_pin`; `velocity` is null or points to a struct of the size that it begins
+ * with.
+ */
+rai_status_t rai_receiver_velocity(const rai_receiver_t *receiver, rai_velocity_t *velocity);
 
 /**
  * Returns the word of a reason in the sentences, a string that lives as long as the program; `?`
@@ -988,5 +1311,9 @@ const char *rai_reason_text(uint8_t reason);
 RAI_ASSERT(sizeof(rai_settings_t) == 80, rai_settings_t_has_another_layout);
 RAI_ASSERT(sizeof(rai_range_t) == 48, rai_range_t_has_another_layout);
 RAI_ASSERT(sizeof(rai_verdict_t) == 168, rai_verdict_t_has_another_layout);
+RAI_ASSERT(sizeof(rai_accuracy_t) == 128, rai_accuracy_t_has_another_layout);
+RAI_ASSERT(sizeof(rai_velocity_t) == 120, rai_velocity_t_has_another_layout);
+RAI_ASSERT(sizeof(rai_residual_t) == 24, rai_residual_t_has_another_layout);
+RAI_ASSERT(sizeof(rai_counter_t) == 44, rai_counter_t_has_another_layout);
 RAI_ASSERT(sizeof(rai_monitor_t) == RAI_MONITOR_SIZE, rai_monitor_t_has_another_layout);
 RAI_ASSERT(sizeof(rai_receiver_t) == RAI_RECEIVER_SIZE, rai_receiver_t_has_another_layout);

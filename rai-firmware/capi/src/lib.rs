@@ -56,26 +56,41 @@
 // These are the names of the header.
 #![allow(non_camel_case_types)]
 
+mod accuracy;
+#[cfg(feature = "receiver")]
+mod counter;
 mod monitor;
 #[cfg(all(target_os = "none", feature = "panic-handler"))]
 mod panic;
 mod pointer;
 #[cfg(feature = "receiver")]
 mod receiver;
+mod residual;
 mod settings;
 mod status;
 mod storage;
 #[cfg(feature = "receiver")]
 mod text;
+#[cfg(feature = "receiver")]
+mod velocity;
 mod verdict;
 
+pub use accuracy::*;
+#[cfg(feature = "receiver")]
+pub use counter::*;
 pub use monitor::*;
 #[cfg(feature = "receiver")]
 pub use receiver::*;
+pub use residual::*;
 pub use settings::*;
 pub use status::*;
 pub use storage::*;
+#[cfg(feature = "receiver")]
+pub use text::rai_text_t;
+pub use velocity::*;
 pub use verdict::*;
+
+use core::ffi::{CStr, c_char};
 
 /// Version of this interface. It grows by one with every change that would break a program compiled
 /// against an older header. Such changes are a field that moved, a size that grew, and a constant
@@ -87,4 +102,16 @@ pub const RAI_ABI_VERSION: u32 = 2;
 #[unsafe(no_mangle)]
 pub extern "C" fn rai_abi_version() -> u32 {
     RAI_ABI_VERSION
+}
+
+/// Returns the version of the library, equal to `RAI_VERSION` of the header that came with it; a
+/// string that lives as long as the program.
+#[unsafe(no_mangle)]
+pub extern "C" fn rai_version() -> *const c_char {
+    const VERSION: &CStr =
+        match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+            Ok(version) => version,
+            Err(_) => panic!("the version has no NUL but the last"),
+        };
+    VERSION.as_ptr()
 }

@@ -3,6 +3,7 @@
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::Ecef;
 use raim_core::monitor::{MonitorError, Search};
+use raim_core::report::Report;
 use raim_core::satellite::SatelliteId;
 use raim_core::single::{self, CAPACITY, Monitor, MonitorWorkspace};
 
@@ -38,6 +39,19 @@ impl Watch {
     fn monitor(&mut self) -> Result<&mut Monitor, rai_status_t> {
         self.made.as_mut().map_err(|&mut error| refusal_of(error))
     }
+}
+
+/// Returns the last epoch of a monitor and its report.
+///
+/// # Safety
+/// As for `Stored::at`.
+#[allow(unsafe_code)]
+pub(crate) unsafe fn last<'a>(
+    handle: *const rai_monitor_t,
+) -> Result<(&'a Epoch<CAPACITY>, &'a Report<CAPACITY>), rai_status_t> {
+    // SAFETY: guaranteed by the caller.
+    let watch = unsafe { Stored::at(handle.cast_mut().cast()) }?;
+    Ok((&watch.epoch, &watch.memory.outcome().report))
 }
 
 const _: () = assert!(
@@ -203,7 +217,7 @@ fn judge(watch: &mut Watch, time_s: f64, ranges: &[rai_range_t]) -> Result<rai_v
     }
     let start = monitor.start();
     let assessment = single::judge(monitor, &watch.epoch, start, Search::Anew, None, &mut watch.memory);
-    monitor.learn(assessment, None);
+    monitor.learn(assessment, None, None);
     Ok(rai_verdict_t { refused_count, refused_status, ..rai_verdict_t::of(&assessment.report) })
 }
 

@@ -201,6 +201,33 @@ pub(crate) unsafe fn slice<'a, E>(pointer: *const E, count: usize) -> Result<&'a
     Ok(unsafe { core::slice::from_raw_parts(pointer, count) })
 }
 
+/// Returns a caller's array to write to; null is allowed for one without elements.
+///
+/// # Safety
+/// `pointer` is null or points to `count` elements of any contents that no other code uses during
+/// the call.
+#[allow(unsafe_code)]
+pub(crate) unsafe fn places<'a, E>(
+    pointer: *mut E,
+    count: usize,
+) -> Result<&'a mut [MaybeUninit<E>], rai_status_t> {
+    if count == 0 {
+        return Ok(&mut []);
+    }
+    if pointer.is_null() {
+        return Err(RAI_STATUS_NULL);
+    }
+    if !pointer.is_aligned() {
+        return Err(RAI_STATUS_MISALIGNED);
+    }
+    if count > isize::MAX as usize / size_of::<E>().max(1) {
+        return Err(crate::status::RAI_STATUS_COUNT);
+    }
+    // SAFETY: not null, aligned, no longer than memory can be, of any contents, and not shared, as
+    // guaranteed by the caller.
+    Ok(unsafe { core::slice::from_raw_parts_mut(pointer.cast(), count) })
+}
+
 /// Converts a result to a status.
 pub(crate) fn status_of(result: Result<(), rai_status_t>) -> rai_status_t {
     result.err().unwrap_or(crate::status::RAI_STATUS_OK)

@@ -1,8 +1,8 @@
 //! The receiver: bytes of a GNSS receiver in, sentences and pin out.
 
-use core::mem::MaybeUninit;
-
 use core::convert::Infallible;
+use core::ffi::c_char;
+use core::mem::MaybeUninit;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
 use raim_core::monitor::MonitorError;
@@ -13,7 +13,7 @@ use crate::settings::refusal_of;
 #[allow(clippy::wildcard_imports)] // The statuses are all of the module.
 use crate::status::*;
 use crate::storage::{RAI_RECEIVER_SIZE, RAI_RECEIVER_WORDS};
-use crate::text::Lines;
+use crate::text::{Lines, rai_text_t, words};
 use crate::verdict::{RAI_REASON_NONE, RAI_STATE_NONE, rai_verdict_t, reason_of, state_of};
 
 /// Memory of a receiver. Its contents are private to the library; only its size and alignment
@@ -41,7 +41,7 @@ fn make(place: &mut MaybeUninit<Made>) {
 /// # Safety
 /// As for `Stored::at`.
 #[allow(unsafe_code)]
-unsafe fn at<'a>(handle: *const rai_receiver_t) -> Result<&'a mut Receiver<Level>, rai_status_t> {
+pub(crate) unsafe fn at<'a>(handle: *const rai_receiver_t) -> Result<&'a mut Receiver<Level>, rai_status_t> {
     // SAFETY: guaranteed by the caller.
     unsafe { Stored::at(handle.cast_mut().cast()) }?.as_mut().map_err(|&mut error| refusal_of(error))
 }
@@ -65,7 +65,7 @@ const LAST_MS: u64 = u64::MAX / 2;
 
 /// Level of a pin that the caller drives.
 #[derive(Debug)]
-struct Level {
+pub(crate) struct Level {
     is_high: bool,
 }
 
@@ -83,21 +83,6 @@ impl OutputPin for Level {
         self.is_high = true;
         Ok(())
     }
-}
-
-/// Memory of the caller for sentences, with the number of bytes used.
-#[repr(C)]
-#[derive(Debug)]
-pub struct rai_text_t {
-    /// Memory for sentences.
-    pub bytes: *mut u8,
-    /// Length of the memory, bytes; 2,048 hold the sentences of any epoch.
-    pub capacity: usize,
-    /// Bytes used. A call appends to them; the caller sets it to 0 after sending the text.
-    pub length: usize,
-    /// Number of sentences without room since the caller last set it to 0. A sentence is written
-    /// whole or not at all.
-    pub lost: usize,
 }
 
 /// Makes a receiver in memory of the caller, and writes sentences with its version and the result
@@ -197,6 +182,36 @@ pub unsafe extern "C" fn rai_receiver_command(
     status_of(receiver.and_then(|receiver| {
         receiver.command(bytes?, &mut lines?);
         Ok(())
+    }))
+}
+
+/// Obeys one command, given as its key and its values: `"PHASE", "LPV200"` or `"OUTPUT", "RMC,1"`.
+/// Null for `values` asks for the value in force. Set the pin after each call.
+///
+/// Keys and values are those of `rai_receiver_command`, without address and checksum. The answer is
+/// written to `out`. A refused command has changed nothing; `rai_status_text` has the reason.
+///
+/// # Safety
+/// As for `rai_receiver_gnss`; `key` is null or points to a text that ends with NUL, and so is
+/// `values`.
+#[allow(unsafe_code)]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rai_receiver_set(
+    receiver: *mut rai_receiver_t,
+    key: *const c_char,
+    values: *const c_char,
+    out: *mut rai_text_t,
+) -> rai_status_t {
+    // SAFETY: guaranteed by the caller.
+    let (receiver, key, lines) = unsafe { (at(receiver), words(key), Lines::at(out)) };
+    // SAFETY: guaranteed by the caller.
+    let values = if values.is_null() { Ok(None) } else { unsafe { words(values) }.map(Some) };
+    status_of(receiver.and_then(|receiver| {
+        let key = key?;
+        if key.contains(',') {
+            return Err(RAI_STATUS_TEXT);
+        }
+        receiver.set(key, values?, &mut lines?).map_err(of_refused_command)
     }))
 }
 

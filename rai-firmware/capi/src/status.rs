@@ -3,6 +3,8 @@
 use core::ffi::{CStr, c_char};
 
 use raim_core::epoch::EpochError;
+#[cfg(feature = "receiver")]
+use raim_firmware::settings::Refusal;
 
 /// Status of a call: `RAI_STATUS_OK`, or the reason of its refusal.
 pub type rai_status_t = u8;
@@ -23,6 +25,9 @@ pub const RAI_STATUS_SIZE: rai_status_t = 5;
 pub const RAI_STATUS_TIME: rai_status_t = 6;
 /// A count or length is out of bounds.
 pub const RAI_STATUS_COUNT: rai_status_t = 7;
+/// A text must be printable ASCII without `$` and `*`, and of at most 192 characters; a key has no
+/// comma.
+pub const RAI_STATUS_TEXT: rai_status_t = 8;
 /// The phase of flight is unknown.
 pub const RAI_STATUS_PHASE: rai_status_t = 16;
 /// The horizontal alert limit must be in (0, 1e6] m.
@@ -59,6 +64,22 @@ pub const RAI_STATUS_SIGMA: rai_status_t = 35;
 pub const RAI_STATUS_DUPLICATE: rai_status_t = 36;
 /// The epoch has more satellites than the library was built for.
 pub const RAI_STATUS_FULL: rai_status_t = 37;
+/// No setting and no order has this key.
+pub const RAI_STATUS_KEY: rai_status_t = 48;
+/// The key needs a value more.
+pub const RAI_STATUS_VALUE_MISSING: rai_status_t = 49;
+/// The key takes fewer values.
+pub const RAI_STATUS_VALUE_EXTRA: rai_status_t = 50;
+/// The value must be one of the key's words.
+pub const RAI_STATUS_WORD: rai_status_t = 51;
+/// The library was built without this key or word.
+pub const RAI_STATUS_NOT_IN_BUILD: rai_status_t = 52;
+/// The value must be a decimal number.
+pub const RAI_STATUS_NUMBER: rai_status_t = 53;
+/// Ionospheric coefficients must not all be zero.
+pub const RAI_STATUS_ALL_ZERO: rai_status_t = 54;
+/// The probability must be in the committed tables; the answer names the nearest.
+pub const RAI_STATUS_PROBABILITY: rai_status_t = 55;
 
 fn text(status: rai_status_t) -> &'static CStr {
     match status {
@@ -70,6 +91,7 @@ fn text(status: rai_status_t) -> &'static CStr {
         RAI_STATUS_SIZE => c"unknown size at the start of a struct",
         RAI_STATUS_TIME => c"time not finite",
         RAI_STATUS_COUNT => c"count out of bounds",
+        RAI_STATUS_TEXT => c"text too long, or with a character that no command has",
         RAI_STATUS_PHASE => c"unknown phase",
         RAI_STATUS_HAL => c"horizontal alert limit outside (0, 1e6] m",
         RAI_STATUS_VAL => c"vertical alert limit outside (0, 1e6] m",
@@ -88,6 +110,14 @@ fn text(status: rai_status_t) -> &'static CStr {
         RAI_STATUS_SIGMA => c"sigma not finite or out of bounds",
         RAI_STATUS_DUPLICATE => c"satellite appears twice",
         RAI_STATUS_FULL => c"more satellites than the library was built for",
+        RAI_STATUS_KEY => c"unknown key",
+        RAI_STATUS_VALUE_MISSING => c"missing value",
+        RAI_STATUS_VALUE_EXTRA => c"extra value",
+        RAI_STATUS_WORD => c"unknown value",
+        RAI_STATUS_NOT_IN_BUILD => c"not in this build",
+        RAI_STATUS_NUMBER => c"not a number",
+        RAI_STATUS_ALL_ZERO => c"coefficients all zero",
+        RAI_STATUS_PROBABILITY => c"probability not in the tables",
         _ => c"unknown status",
     }
 }
@@ -106,6 +136,24 @@ pub(crate) fn of_refused_range(error: EpochError) -> rai_status_t {
         EpochError::Sigma { .. } => RAI_STATUS_SIGMA,
         EpochError::Duplicate => RAI_STATUS_DUPLICATE,
         EpochError::Full => RAI_STATUS_FULL,
+    }
+}
+
+/// Returns the status of a module's refusal of a command.
+#[cfg(feature = "receiver")]
+pub(crate) fn of_refused_command(refusal: Refusal) -> rai_status_t {
+    match refusal {
+        // A call has no checksum, and its text has been measured.
+        Refusal::Checksum | Refusal::TooLong => RAI_STATUS_TEXT,
+        Refusal::UnknownKey => RAI_STATUS_KEY,
+        Refusal::MissingValue => RAI_STATUS_VALUE_MISSING,
+        Refusal::ExtraValue => RAI_STATUS_VALUE_EXTRA,
+        Refusal::UnknownValue => RAI_STATUS_WORD,
+        Refusal::NotInBuild => RAI_STATUS_NOT_IN_BUILD,
+        Refusal::NotANumber => RAI_STATUS_NUMBER,
+        Refusal::OutOfRange => RAI_STATUS_SETTING,
+        Refusal::AllZero => RAI_STATUS_ALL_ZERO,
+        Refusal::NotInTables { .. } => RAI_STATUS_PROBABILITY,
     }
 }
 

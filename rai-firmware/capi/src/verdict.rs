@@ -36,6 +36,10 @@ pub const RAI_REASON_SPOOFED: u8 = 36;
 pub const RAI_REASON_TIME: u8 = 37;
 /// Alert: epochs of another station or format came, and none of the receiver in use.
 pub const RAI_REASON_SOURCE: u8 = 38;
+/// Alert: the receiver clock moved otherwise than its measured drift.
+pub const RAI_REASON_CLOCK: u8 = 39;
+/// Alert: the position moved otherwise than its measured velocity.
+pub const RAI_REASON_TRACK: u8 = 40;
 /// Unavailable: too few satellites for a position, or the fix did not converge.
 pub const RAI_REASON_NOFIX: u8 = 64;
 /// Unavailable: no redundancy to test the position with.
@@ -77,6 +81,8 @@ fn text(reason: u8) -> &'static CStr {
         RAI_REASON_AMBIGUOUS => c"AMBIGUOUS",
         RAI_REASON_STALE => c"STALE",
         RAI_REASON_JUMP => c"JUMP",
+        RAI_REASON_CLOCK => c"CLOCK",
+        RAI_REASON_TRACK => c"TRACK",
         RAI_REASON_SPOOFED => c"SPOOFED",
         RAI_REASON_TIME => c"TIME",
         RAI_REASON_SOURCE => c"SOURCE",
@@ -109,6 +115,8 @@ pub(crate) fn reason_of(verdict: Verdict) -> u8 {
         Verdict::Alert(Alert::Ambiguous) => RAI_REASON_AMBIGUOUS,
         Verdict::Alert(Alert::Stale) => RAI_REASON_STALE,
         Verdict::Alert(Alert::Jump) => RAI_REASON_JUMP,
+        Verdict::Alert(Alert::Clock) => RAI_REASON_CLOCK,
+        Verdict::Alert(Alert::Track) => RAI_REASON_TRACK,
         Verdict::Alert(Alert::Spoofed) => RAI_REASON_SPOOFED,
         Verdict::Alert(Alert::Time) => RAI_REASON_TIME,
         Verdict::Alert(Alert::Source) => RAI_REASON_SOURCE,

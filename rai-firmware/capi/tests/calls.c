@@ -8,10 +8,13 @@
  *   'p'   phase, method, policy, clock aiding                   the settings
  *   'm'   time (8), ranges                                      the verdict
  *   'f'
+ *   'n'                                                         accuracy, residuals of the monitor
  *   'i'                                                         sentences
  *   'g'   time (8), bytes                                       judged, pin, state, reason, the report, sentences
  *   't'   time (8)                                              the same
  *   'c'   bytes                                                 the same
+ *   'k'   key, NUL, values, NUL                                 the same
+ *   'a'                                                         accuracy, velocity, residuals of the receiver, counters
  *
  * With MONITOR_ALONE it is a program for a library without the receiver.
  */
@@ -22,6 +25,7 @@
 
 static rai_monitor_t monitor;
 static rai_range_t ranges[RAI_MAX_SATELLITES];
+static rai_residual_t residuals[RAI_MAX_SATELLITES];
 static uint8_t payload[MOST];
 #ifndef MONITOR_ALONE
 static rai_receiver_t receiver;
@@ -121,6 +125,24 @@ static void forget(void)
     answer('f', status, stack, 0);
 }
 
+static void explain(void)
+{
+    static rai_accuracy_t accuracy;
+    size_t count = 0;
+    rai_status_t status;
+    uint32_t stack;
+    accuracy.size = (uint32_t)sizeof accuracy;
+    port_paint_stack();
+    status = rai_monitor_accuracy(&monitor, &accuracy);
+    if (status == RAI_STATUS_OK) {
+        status = rai_monitor_residuals(&monitor, residuals, RAI_MAX_SATELLITES, &count);
+    }
+    stack = port_stack_bytes();
+    answer('n', status, stack, sizeof accuracy + count * sizeof residuals[0]);
+    port_write((const uint8_t *)&accuracy, sizeof accuracy);
+    port_write((const uint8_t *)residuals, count * sizeof residuals[0]);
+}
+
 #ifndef MONITOR_ALONE
 static void start(void)
 {
@@ -152,6 +174,11 @@ static void hear(uint8_t kind, uint32_t length)
         status = rai_receiver_gnss(&receiver, payload + 8, length - 8u, now_ms, &text, &facts[0]);
     } else if (kind == 't') {
         status = rai_receiver_tick(&receiver, now_ms, &text);
+    } else if (kind == 'k') {
+        const char *key = (const char *)payload, *values = key;
+        while (*values++ != 0) {
+        }
+        status = rai_receiver_set(&receiver, key, *values == 0 ? NULL : values, &text);
     } else {
         status = rai_receiver_command(&receiver, payload, length, &text);
     }
@@ -166,6 +193,40 @@ static void hear(uint8_t kind, uint32_t length)
     port_write(facts, sizeof facts);
     port_write((const uint8_t *)&report, sizeof report);
     port_write(sentences, text.length);
+}
+
+static void explain_receiver(void)
+{
+    static rai_accuracy_t accuracy;
+    static rai_velocity_t velocity;
+    static rai_counter_t counters[256];
+    size_t count = 0, counted = 0;
+    rai_status_t status;
+    uint32_t stack;
+    accuracy.size = (uint32_t)sizeof accuracy;
+    velocity.size = (uint32_t)sizeof velocity;
+    port_paint_stack();
+    status = rai_receiver_accuracy(&receiver, &accuracy);
+    if (status == RAI_STATUS_OK) {
+        status = rai_receiver_velocity(&receiver, &velocity);
+    }
+    if (status == RAI_STATUS_OK) {
+        status = rai_receiver_residuals(&receiver, residuals, RAI_MAX_SATELLITES, &count);
+    }
+    while (counted < sizeof counters / sizeof counters[0]) {
+        counters[counted].size = (uint32_t)sizeof counters[0];
+        if (rai_receiver_counter(&receiver, counted, &counters[counted]) != RAI_STATUS_OK) {
+            break;
+        }
+        counted++;
+    }
+    stack = port_stack_bytes();
+    answer('a', status, stack,
+           sizeof accuracy + sizeof velocity + count * sizeof residuals[0] + counted * sizeof counters[0]);
+    port_write((const uint8_t *)&accuracy, sizeof accuracy);
+    port_write((const uint8_t *)&velocity, sizeof velocity);
+    port_write((const uint8_t *)residuals, count * sizeof residuals[0]);
+    port_write((const uint8_t *)counters, counted * sizeof counters[0]);
 }
 #endif
 
@@ -190,11 +251,14 @@ int program(void)
         case 'p': prepare(); break;
         case 'm': judge(length); break;
         case 'f': forget(); break;
+        case 'n': explain(); break;
 #ifndef MONITOR_ALONE
         case 'i': start(); break;
         case 'g':
         case 't':
+        case 'k':
         case 'c': hear(head[0], length); break;
+        case 'a': explain_receiver(); break;
 #endif
         default: return 1;
         }

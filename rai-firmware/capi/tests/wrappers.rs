@@ -4,6 +4,7 @@
 //! Under Miri (`cargo xtask miri`) this also proves that no call has undefined behaviour.
 #![allow(unsafe_code)]
 
+use std::ffi::CString;
 use std::mem::MaybeUninit;
 use std::ptr;
 
@@ -295,4 +296,171 @@ fn sentences_without_room_are_counted_and_none_is_cut() {
         let beside = (&raw mut text).wrapping_byte_add(1);
         assert_eq!(rai_receiver_tick(at, 0, beside), RAI_STATUS_MISALIGNED);
     }
+}
+
+/// Returns a text of C.
+fn c(text: &str) -> CString {
+    CString::new(text).expect("no NUL")
+}
+
+#[test]
+fn a_setting_needs_no_checksum_and_a_refused_one_says_why() {
+    let mut room = Room::new(8192);
+    let mut text = room.text();
+    let mut memory = receiver(&mut text);
+    let at = memory.as_mut_ptr();
+    let set = |key: &str, values: Option<&str>, text: &mut rai_text_t| {
+        let (key, values) = (c(key), values.map(c));
+        let values = values.as_ref().map_or(ptr::null(), |values| values.as_ptr());
+        text.length = 0;
+        // SAFETY: the object is valid, both texts end with NUL, and the text has the stated size.
+        unsafe { rai_receiver_set(at, key.as_ptr(), values, text) }
+    };
+    assert_eq!(set("PHASE", Some("LPV200"), &mut text), RAI_STATUS_OK);
+    assert!(room.said(&text).starts_with("$PRAIA,PHASE,LPV200,OK*"), "{}", room.said(&text));
+    assert_eq!(set("VAL", None, &mut text), RAI_STATUS_OK);
+    assert!(room.said(&text).starts_with("$PRAIA,VAL,35,OK*"), "{}", room.said(&text));
+    assert_eq!(set("OUTPUT", Some("RMC,1"), &mut text), RAI_STATUS_OK);
+    assert_eq!(set("STATS", None, &mut text), RAI_STATUS_OK);
+    assert!(room.said(&text).contains(",cmd_ok,"), "{}", room.said(&text));
+    let long = "1".repeat(193);
+    for (key, values, want) in [
+        ("phase", Some("NPA"), RAI_STATUS_KEY),
+        ("PHASE", Some("LPV300"), RAI_STATUS_WORD),
+        ("MASK", Some("ninety"), RAI_STATUS_NUMBER),
+        ("MASK", Some("91"), RAI_STATUS_SETTING),
+        ("MASK", Some("5,6"), RAI_STATUS_VALUE_EXTRA),
+        ("MASK", Some(""), RAI_STATUS_VALUE_MISSING),
+        ("PFA", Some("2e-4"), RAI_STATUS_PROBABILITY),
+        ("IONO", Some("0,0,0,0,0,0,0,0"), RAI_STATUS_ALL_ZERO),
+        // Nothing that would end a sentence, or begin one, gets into an answer.
+        ("MASK*00\r\n$PRAIC,HAL", Some("40"), RAI_STATUS_TEXT),
+        ("MASK", Some("5*00"), RAI_STATUS_TEXT),
+        ("MASK,5", None, RAI_STATUS_TEXT),
+        ("MASK", Some(&long), RAI_STATUS_TEXT),
+        ("Ma\u{df}ke", Some("5"), RAI_STATUS_TEXT),
+    ] {
+        assert_eq!(set(key, values, &mut text), want, "{key},{values:?}");
+    }
+    // SAFETY: a refused argument is not read.
+    unsafe {
+        let key = c("MASK");
+        assert_eq!(rai_receiver_set(at, ptr::null(), ptr::null(), &raw mut text), RAI_STATUS_NULL);
+        assert_eq!(rai_receiver_set(at, key.as_ptr(), ptr::null(), ptr::null_mut()), RAI_STATUS_NULL);
+        assert_eq!(
+            rai_receiver_set(ptr::null_mut(), key.as_ptr(), ptr::null(), &raw mut text),
+            RAI_STATUS_NULL
+        );
+    }
+}
+
+#[test]
+fn a_setting_in_the_middle_of_a_line_leaves_the_line_as_it_is() {
+    let mut room = Room::new(4096);
+    let mut text = room.text();
+    let mut memory = receiver(&mut text);
+    let at = memory.as_mut_ptr();
+    let (first, second, key, value) = (b"$PRAIC,HA", b"L,40*08\r\n", c("MASK"), c("7"));
+    // SAFETY: the object is valid, there are as many bytes as stated, and texts end with NUL.
+    unsafe {
+        assert_eq!(rai_receiver_command(at, first.as_ptr(), first.len(), &raw mut text), RAI_STATUS_OK);
+        assert_eq!(rai_receiver_set(at, key.as_ptr(), value.as_ptr(), &raw mut text), RAI_STATUS_OK);
+        text.length = 0;
+        assert_eq!(rai_receiver_command(at, second.as_ptr(), second.len(), &raw mut text), RAI_STATUS_OK);
+    }
+    assert!(room.said(&text).starts_with("$PRAIA,HAL,40,OK*"), "{}", room.said(&text));
+}
+
+/// Returns a struct of zeros with its size.
+fn sized<S: Copy>() -> S {
+    // SAFETY: zeros are a value of integers and doubles, and all of these structs begin with a
+    // `u32`.
+    unsafe {
+        let mut given = MaybeUninit::<S>::zeroed();
+        given.as_mut_ptr().cast::<u32>().write(size_of::<S>() as u32);
+        given.assume_init()
+    }
+}
+
+#[test]
+fn residuals_and_accuracy_are_those_of_the_last_epoch() {
+    let mut monitor = monitor();
+    let at = monitor.as_mut_ptr();
+    let mut accuracy: rai_accuracy_t = sized();
+    let mut residuals = [MaybeUninit::<rai_residual_t>::uninit(); 7];
+    let (place, mut count) = (residuals.as_mut_ptr().cast::<rai_residual_t>(), 9);
+    // SAFETY: the object is valid and the array has the stated length.
+    unsafe {
+        // Before the first epoch there is nothing.
+        assert_eq!(rai_monitor_residuals(at, ptr::null_mut(), 0, &raw mut count), RAI_STATUS_OK);
+        assert_eq!(rai_monitor_accuracy(at, &raw mut accuracy), RAI_STATUS_OK);
+    }
+    assert!(count == 0 && accuracy.covariance_m2[0].is_nan() && accuracy.residual_rms_m.is_nan());
+    let verdict = judge(&mut monitor, &ranges());
+    assert_is_the_example(&verdict);
+    // SAFETY: as above.
+    unsafe {
+        let at = monitor.as_mut_ptr();
+        assert_eq!(rai_monitor_residuals(at, place, 6, &raw mut count), RAI_STATUS_SHORT);
+        assert_eq!(count, 0, "a refused call has written nothing");
+        assert_eq!(rai_monitor_residuals(at, place, 7, ptr::null_mut()), RAI_STATUS_NULL);
+        assert_eq!(rai_monitor_residuals(at, place, 7, &raw mut count), RAI_STATUS_OK);
+        assert_eq!(rai_monitor_accuracy(at, &raw mut accuracy), RAI_STATUS_OK);
+    }
+    assert_eq!(count, 7);
+    // SAFETY: all have been written.
+    let residuals = residuals.map(|residual| unsafe { residual.assume_init() });
+    for (range, residual) in ranges().iter().zip(&residuals) {
+        assert_eq!((range.system, range.number), (residual.system, residual.number));
+        let is_faulty = residual.number == 5;
+        assert_eq!(residual.is_used, u8::from(!is_faulty));
+        // The satellites' positions are rounded to a decimetre.
+        let want = if is_faulty { 80.0 } else { 0.0 };
+        assert!((residual.residual_m - want).abs() < 0.5, "{residual:?}");
+    }
+    let used = residuals.iter().filter(|residual| residual.is_used == 1);
+    let squares: f64 = used.map(|residual| residual.residual_m * residual.residual_m).sum();
+    assert!((accuracy.residual_rms_m - (squares / 6.0).sqrt()).abs() < 1e-3, "{accuracy:?}");
+    // The dilutions of precision are roots of the covariance over the sigma of all ranges, 2 m.
+    let [ee, _, _, nn, _, uu] = accuracy.covariance_m2;
+    assert!(((ee + nn).sqrt() / 2.0 - accuracy.hdop).abs() < 1e-4, "{accuracy:?}");
+    assert!((uu.sqrt() / 2.0 - accuracy.vdop).abs() < 1e-4, "{accuracy:?}");
+    assert!(accuracy.gps_clock_m.is_finite() && accuracy.galileo_clock_m.is_nan());
+}
+
+#[test]
+fn a_receiver_without_an_epoch_has_counters_and_no_numbers() {
+    let mut room = Room::new(4096);
+    let mut text = room.text();
+    let mut memory = receiver(&mut text);
+    let at = memory.as_mut_ptr();
+    let (mut velocity, mut accuracy): (rai_velocity_t, rai_accuracy_t) = (sized(), sized());
+    let (mut counter, mut count): (rai_counter_t, _) = (sized(), 9);
+    let mut names = std::collections::BTreeSet::new();
+    // SAFETY: the object is valid and each struct has the size that it states.
+    unsafe {
+        assert_eq!(rai_receiver_velocity(at, &raw mut velocity), RAI_STATUS_OK);
+        assert_eq!(rai_receiver_accuracy(at, &raw mut accuracy), RAI_STATUS_OK);
+        assert_eq!(rai_receiver_residuals(at, ptr::null_mut(), 0, &raw mut count), RAI_STATUS_OK);
+        assert_eq!(rai_receiver_counter(at, usize::MAX, &raw mut counter), RAI_STATUS_COUNT);
+        for number in 0.. {
+            if rai_receiver_counter(at, number, &raw mut counter) == RAI_STATUS_COUNT {
+                break;
+            }
+            let name = std::ffi::CStr::from_ptr(counter.name.as_ptr()).to_str().expect("ASCII").to_owned();
+            assert_eq!(counter.value, 0, "{name}");
+            assert!(names.insert(name), "each name once");
+        }
+    }
+    assert!(velocity.east_m_s.is_nan() && accuracy.hdop.is_nan() && count == 0);
+    assert!(names.contains("epochs_protected") && names.contains("cmd_ok"), "{names:?}");
+}
+
+#[test]
+fn the_version_is_that_of_the_package() {
+    // SAFETY: the string lives as long as the program.
+    let version = unsafe { std::ffi::CStr::from_ptr(rai_version()) };
+    assert_eq!(version.to_str(), Ok(env!("CARGO_PKG_VERSION")));
+    let header = include_str!("../include/rai.h");
+    assert!(header.contains(&format!("#define RAI_VERSION \"{}\"", env!("CARGO_PKG_VERSION"))));
 }

@@ -14,20 +14,28 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Makes a receiver send what the module reads, or prints the commands that do.
+    Configure(raim::configure::Arguments),
     /// Runs the integrity module on a receiver's bytes until it is stopped.
     Run(Box<raim::run::Arguments>),
+    /// Replays a recording through the module.
+    Replay(Box<raim::replay::command::Arguments>),
+    /// Shows the state of a module on a serial port.
+    Monitor(raim::monitor::command::Arguments),
+    /// Evaluates linearised epochs: JSON lines in, JSON lines out.
+    Evaluate(raim::evaluate::command::Arguments),
+    /// Computes availability and integrity over places and times: maps, curves, tables.
+    Campaign(Box<raim::campaign::command::Arguments>),
 }
 
 fn main() -> ExitCode {
     let Arguments { command } = Arguments::parse();
-    let result = match command {
+    raim::exit::code_of(|| match command {
+        Command::Configure(arguments) => raim::configure::run(&arguments),
         Command::Run(arguments) => raim::run::run(*arguments),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
-    }
+        Command::Replay(arguments) => raim::replay::command::run(&arguments, None),
+        Command::Monitor(arguments) => raim::monitor::command::run(&arguments, None),
+        Command::Evaluate(arguments) => raim::evaluate::command::run(arguments),
+        Command::Campaign(arguments) => raim::campaign::command::run(&arguments),
+    })
 }

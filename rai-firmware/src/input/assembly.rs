@@ -1,12 +1,14 @@
 //! Assembly of the messages of one instant to one epoch, in any format.
 //!
-//! An epoch is complete when a message states that none follows, or when a message of another
-//! instant arrives. If its time is refused, the whole epoch is dropped ([`super::calendar`]).
+//! An epoch is complete when a message states that none follows, when a message of another instant
+//! arrives, or when the line is silent. If its time is refused, the whole epoch is dropped
+//! ([`super::calendar`]).
 //!
 //! | flaw on the wire | effect |
 //! |---|---|
 //! | systems tag one instant differently, by less than [`SAME_INSTANT_MS`] | one epoch, at the first tag |
 //! | a system states that none follows, and another one follows | the later one is left out of this epoch; the statement of the first is ignored until it has been right [`FORGIVEN_AFTER`] times, and the epochs end with the next instant or a pause |
+//! | every message states that more follow, and the next epoch comes a minute later | the epoch is complete when the line is silent; a message that comes after all is left out, and the silence is ignored as a wrong statement is |
 //! | a message without satellites is tagged ahead | it does not advance time, because it has no evidence; far ahead it is skipped |
 //! | ranges come again under a new tag, bit for bit | the repeat is dropped, because satellites move by metres in a millisecond, so that its tag is wrong |
 //! | bytes are lost | the epoch under way and the rest of the next one are dropped |
@@ -35,6 +37,10 @@ const RATE_M_MS: f64 = 1.0;
 
 /// Number of right statements after which a system's statement counts again.
 const FORGIVEN_AFTER: u8 = 3;
+
+/// Series that stands for a silent line, which says as a message does that none follows. RTCM has
+/// none of this number.
+const SILENCE: Series = 15;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
@@ -158,15 +164,30 @@ impl Assembly {
     /// Completes an epoch that a series stated as complete, because the line pauses and the
     /// statement was thus right.
     pub(super) fn pause(&mut self, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
-        if let Phase::Open(Some(series)) = self.phase {
+        if let Phase::Open(Some(series)) = self.phase
+            && series != SILENCE
+        {
             self.forgive(series);
             self.complete(Some(series), counters, tell);
         }
     }
 
+    /// Completes the open epoch if it has ranges, because the line is silent.
+    pub(super) fn silence(&mut self, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
+        self.pause(counters, tell);
+        if !self.epoch.satellites.is_empty() {
+            self.end(Some(SILENCE), counters, tell);
+        }
+    }
+
+    /// Returns true if an epoch is open.
+    pub(super) const fn is_open(&self) -> bool {
+        matches!(self.phase, Phase::Open(_))
+    }
+
     /// Drops the open epoch, because bytes were lost.
     pub(super) fn interrupt(&mut self, counters: &mut Counters) {
-        if matches!(self.phase, Phase::Open(_)) {
+        if self.is_open() {
             count(&mut counters.epochs_broken);
         }
         self.phase = Phase::Interrupted;

@@ -234,6 +234,21 @@ impl Input {
         self.assembly.pause(&mut self.counters, &mut tell);
     }
 
+    /// Completes the open epoch, if it has ranges, because the line has been silent for longer than
+    /// any pause inside an epoch.
+    ///
+    /// Some casters announce in every message that more follow. If the next epoch comes only after
+    /// the time to alert, its first message would complete this one too late. A slow line, which
+    /// is busy until the next epoch, is never silent.
+    pub fn end_epoch(&mut self, mut tell: impl FnMut(Event<'_>)) {
+        self.assembly.silence(&mut self.counters, &mut tell);
+    }
+
+    /// Returns true if an epoch is open.
+    pub fn has_open_epoch(&self) -> bool {
+        self.assembly.is_open()
+    }
+
     /// Discards incomplete frames and the rest of the next epoch, because bytes were lost.
     pub fn interrupt(&mut self) {
         self.framer.forget(&mut self.counters);

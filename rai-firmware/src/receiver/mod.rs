@@ -31,6 +31,7 @@ mod lateness;
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
+use raim_core::epoch::Epoch;
 use raim_core::monitor::MonitorError;
 use raim_core::report::{Report, Verdict};
 use raim_core::velocity::Velocity;
@@ -42,7 +43,7 @@ use crate::correction::CAPACITY;
 use crate::counters::{at, count_many};
 use crate::input::{Input, LeapSecond, Suspicion};
 use crate::output::nmea::{Losses, write_answer, write_counters, write_refusal, write_version};
-use crate::settings::{Action, CommandPort, Configuration, Order, Unsealed};
+use crate::settings::{Action, CommandPort, Configuration, Heard, Order, Refusal, Unsealed};
 
 /// Facts that the board knows at start.
 #[derive(Clone, Debug)]
@@ -70,8 +71,8 @@ impl Boot {
     }
 }
 
-/// Pause of the line that never occurs inside a frame, ms; shorter than the second between two
-/// epochs.
+/// Pause of the line that never occurs inside a frame, and hardly inside an epoch, ms; shorter than
+/// the second between two epochs.
 const SILENCE_MS: u64 = 500;
 
 /// Pause of the line that never occurs inside a burst, ms.
@@ -170,9 +171,7 @@ impl<P: OutputPin> Receiver<P> {
         let Self { input, epochs, .. } = self;
         let mut judged = false;
         input.feed(bytes, came_ms, |event| judged |= epochs.handle(&event, is_behind, now_ms, host));
-        if let Some((time, came_ms)) = epochs.agreed.take() {
-            input.confirm(time, came_ms);
-        }
+        confirm(input, epochs);
         if let Some(leap) = input.leap_second().filter(|leap| leap.seconds != epochs.gps_minus_utc_s) {
             epochs.gps_minus_utc_s = leap.seconds;
             epochs.navigator.correct_utc();
@@ -204,15 +203,16 @@ impl<P: OutputPin> Receiver<P> {
         &self.losses
     }
 
-    /// Checks the clock: after a pause a cut frame delays nothing any more, and a line that is
-    /// silent for the time to alert raises an alert. Returns true if an epoch was judged or an
-    /// alert raised.
+    /// Checks the clock: after a pause a cut frame delays nothing any more and an open epoch is
+    /// complete, and a line that is silent for the time to alert raises an alert. Returns true if
+    /// an epoch was judged or an alert raised.
     #[inline(never)]
     pub fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
         let Self { input, epochs, .. } = self;
         let mut judged = false;
         let silent_ms = self.last_byte_ms.map(|last_ms| now_ms.saturating_sub(last_ms));
-        if silent_ms.is_some_and(|silent_ms| silent_ms >= SILENCE_MS) {
+        let is_silent = silent_ms.is_some_and(|silent_ms| silent_ms >= SILENCE_MS);
+        if is_silent {
             self.last_byte_ms = None;
             input.silence(|event| judged |= epochs.handle(&event, false, now_ms, host));
         }
@@ -220,6 +220,10 @@ impl<P: OutputPin> Receiver<P> {
             self.has_paused = true;
             input.pause(|event| judged |= epochs.handle(&event, false, now_ms, host));
         }
+        if is_silent {
+            input.end_epoch(|event| judged |= epochs.handle(&event, false, now_ms, host));
+        }
+        confirm(input, epochs);
         judged |= epochs.tick(now_ms, input.hears_others(), host);
         let losses = self.losses_to_say();
         self.epochs.repeat(now_ms, &losses, host);
@@ -253,11 +257,33 @@ impl<P: OutputPin> Receiver<P> {
     /// only while [`Self::has_more_to_say`] is false.
     pub fn command_byte<W: Write>(&mut self, byte: u8, host: &mut W) -> bool {
         let heard = self.commands.push(byte, &mut self.epochs.configuration, host);
+        self.carry_out(&heard, host);
+        heard.action.is_some()
+    }
+
+    /// Obeys a command that did not come over a wire, and writes complete answers: a key, and its
+    /// values with commas between them. `None` asks for the value in force.
+    ///
+    /// Key and values must be text that a sentence may contain: printable ASCII without `$` and
+    /// `*`, at most [`MAX_LINE`](crate::settings::MAX_LINE) characters.
+    ///
+    /// # Errors
+    /// [`Refusal`] names the reason; nothing has changed then.
+    #[inline(never)]
+    pub fn set<W: Write>(&mut self, key: &str, values: Option<&str>, host: &mut W) -> Result<(), Refusal> {
+        let heard = self.commands.set(key, values, &mut self.epochs.configuration, host);
+        self.carry_out(&heard, host);
+        while self.has_more_to_say() {
+            self.go_on(host);
+        }
+        heard.refusal.map_or(Ok(()), Err)
+    }
+
+    fn carry_out<E, W: Write>(&mut self, heard: &Heard<E>, host: &mut W) {
         self.epochs.sent(heard.answered.is_ok());
         if let Some(action) = heard.action {
             self.act(action, host);
         }
-        heard.action.is_some()
     }
 
     /// Returns true if the answer to the last command is incomplete.
@@ -326,6 +352,11 @@ impl<P: OutputPin> Receiver<P> {
         self.epochs.has_report.then(|| self.epochs.navigator.report())
     }
 
+    /// Returns the corrected ranges of the last epoch; `None` after a verdict without an epoch.
+    pub fn last_epoch(&self) -> Option<&Epoch<CAPACITY>> {
+        self.epochs.has_report.then(|| self.epochs.navigator.epoch())
+    }
+
     /// Returns the velocity of the last epoch, if it passed its test.
     pub fn velocity(&self) -> Option<&Velocity> {
         self.epochs.navigator.velocity()
@@ -361,9 +392,10 @@ impl<P: OutputPin> Receiver<P> {
         (first..).map_while(|number| self.statistic(number))
     }
 
-    /// Returns the counter with this number.
+    /// Returns name and value of the counter with this number, counted from 0; `None` beyond the
+    /// last.
     #[inline(never)]
-    fn statistic(&self, mut number: usize) -> Option<(&'static str, u32)> {
+    pub fn statistic(&self, mut number: usize) -> Option<(&'static str, u32)> {
         let number = &mut number;
         let sigma_check =
             self.epochs.sigma_check.map(|mean| ("sigma_check_pct", libm::round(mean * 100.0) as u32));
@@ -381,6 +413,13 @@ impl<P: OutputPin> Receiver<P> {
             .or_else(|| tally.ranges.at(number))
             .or_else(|| self.epochs.navigator.rate_tally().at(number))
             .or_else(|| self.commands.counter(*number))
+    }
+}
+
+/// Confirms the last epoch whose ranges agreed with orbits.
+fn confirm<P>(input: &mut Input, epochs: &mut EpochLoop<P>) {
+    if let Some((time, came_ms)) = epochs.agreed.take() {
+        input.confirm(time, came_ms);
     }
 }
 

@@ -15,8 +15,9 @@ pub(super) fn cut(text: &str, at: [char; 2]) -> Option<(&str, &str)> {
 pub(super) struct Fields<'t>(Option<&'t str>);
 
 impl<'t> Fields<'t> {
-    pub(super) const fn of(text: &'t str) -> Self {
-        Self(Some(text))
+    /// Returns the fields of a text; none without a text.
+    pub(super) const fn between_commas(text: Option<&'t str>) -> Self {
+        Self(text)
     }
 }
 
@@ -39,7 +40,7 @@ mod tests {
     #[test]
     fn fields_are_what_stands_between_commas() {
         for text in ["", ",", "MASK", "MASK,5", ",,5,", "IONO,1e-8,-2,,"] {
-            assert!(Fields::of(text).eq(text.split(',')), "{text}");
+            assert!(Fields::between_commas(Some(text)).eq(text.split(',')), "{text}");
         }
     }
 }

@@ -79,15 +79,25 @@ pub(super) struct Line<'l> {
     body: &'l str,
     /// Text after the star; empty without one.
     checksum: &'l str,
-    /// Key and values.
-    fields: &'l str,
+    key: &'l str,
+    /// Values behind the key, with commas between them; `None` without a comma behind the key.
+    values: Option<&'l str>,
 }
 
 impl<'l> Line<'l> {
     fn new(text: &'l str) -> Result<Self, LineError> {
         let (body, checksum) = cut(text, ['*', '*']).unwrap_or((text, ""));
         let (address, fields) = cut(body, [',', ',']).unwrap_or((body, ""));
-        if address == ADDRESS { Ok(Self { body, checksum, fields }) } else { Err(LineError::Foreign) }
+        if address != ADDRESS {
+            return Err(LineError::Foreign);
+        }
+        let (key, values) = cut(fields, [',', ',']).map_or((fields, None), |(key, rest)| (key, Some(rest)));
+        Ok(Self { body, checksum, key, values })
+    }
+
+    /// Returns a line that did not come over a wire, and so has no checksum.
+    pub(super) const fn without_checksum(key: &'l str, values: Option<&'l str>) -> Self {
+        Self { body: "", checksum: "", key, values }
     }
 
     pub(super) fn checksum_matches(&self) -> bool {
@@ -98,17 +108,15 @@ impl<'l> Line<'l> {
     }
 
     pub(super) fn key(&self) -> &'l str {
-        Fields::of(self.fields).next().unwrap_or_default()
+        self.key
     }
 
     /// Returns the key, cut so that it fits into any answer.
     pub(super) fn short_key(&self) -> &'l str {
-        self.key().get(..KEY_WIDTH).unwrap_or(self.key())
+        self.key.get(..KEY_WIDTH).unwrap_or(self.key)
     }
 
     pub(super) fn values(&self) -> Fields<'l> {
-        let mut fields = Fields::of(self.fields);
-        let _ = fields.next();
-        fields
+        Fields::between_commas(self.values)
     }
 }

@@ -21,11 +21,13 @@ pub enum Action {
 ///
 /// Action and answer are separate, because a command is obeyed even if the host does not read its
 /// answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[must_use]
 pub struct Heard<E> {
     /// Action left to the receiver.
     pub action: Option<Action>,
+    /// Reason of a command that was refused.
+    pub refusal: Option<Refusal>,
     /// Result of writing the answer; `Ok` if no answer was due.
     pub answered: Result<(), E>,
 }
@@ -88,9 +90,27 @@ impl CommandPort {
                 count(&mut counters.too_long);
                 Refusal::TooLong.answer("", host)
             }
+            Some(Ok(line)) if !line.checksum_matches() => {
+                count(&mut counters.checksum);
+                return refuse(Refusal::Checksum, line, counters, host);
+            }
             Some(Ok(line)) => return obey(line, counters, configuration, host),
         };
-        Heard { action: None, answered }
+        Heard { action: None, refusal: None, answered }
+    }
+
+    /// Obeys or refuses a command that did not come over a wire, and answers it as [`Self::push`]
+    /// does. `values` have commas between them; `None` asks for the value in force.
+    ///
+    /// Key and values must be text that a sentence may contain. A line that is not complete stays.
+    pub fn set<W: Write>(
+        &mut self,
+        key: &str,
+        values: Option<&str>,
+        configuration: &mut Configuration,
+        host: &mut W,
+    ) -> Heard<W::Error> {
+        obey(Line::without_checksum(key, values), &mut self.counters, configuration, host)
     }
 
     /// Returns the counters by name: commands obeyed and refused (wrong checksums and unknown keys
@@ -125,13 +145,13 @@ fn obey<W: Write>(
     match understand(line, configuration) {
         Ok(Understood::Question(setting)) => {
             count(&mut counters.obeyed);
-            Heard { action: None, answered: configuration.answer(setting, host) }
+            Heard { action: None, refusal: None, answered: configuration.answer(setting, host) }
         }
         Ok(Understood::Change(setting)) => {
             count(&mut counters.obeyed);
             let warning = (setting.row().warning)(configuration);
             let answered = write_answer(line.key(), line.values(), warning, host);
-            Heard { action: Some(Action::Reconfigured), answered }
+            Heard { action: Some(Action::Reconfigured), refusal: None, answered }
         }
         Ok(Understood::Order(order)) => {
             count(&mut counters.obeyed);
@@ -141,19 +161,26 @@ fn obey<W: Write>(
                 }
                 Order::Statistics | Order::SelfTest => Ok(()),
             };
-            Heard { action: Some(Action::Order(order)), answered }
+            Heard { action: Some(Action::Order(order)), refusal: None, answered }
         }
         Err(refusal) => {
-            count(&mut counters.refused);
-            if refusal == Refusal::Checksum {
-                count(&mut counters.checksum);
-            }
             if refusal == Refusal::UnknownKey {
                 count(&mut counters.unknown_key);
             }
-            Heard { action: None, answered: refusal.answer(line.short_key(), host) }
+            refuse(refusal, line, counters, host)
         }
     }
+}
+
+/// Counts and answers a command that is refused.
+fn refuse<W: Write>(
+    refusal: Refusal,
+    line: Line<'_>,
+    counters: &mut Counters,
+    host: &mut W,
+) -> Heard<W::Error> {
+    count(&mut counters.refused);
+    Heard { action: None, refusal: Some(refusal), answered: refusal.answer(line.short_key(), host) }
 }
 
 /// Line that was accepted, by the work that is left.
@@ -163,11 +190,8 @@ enum Understood {
     Order(Order),
 }
 
-/// Checks, parses and applies a line.
+/// Parses and applies a line.
 fn understand(line: Line<'_>, configuration: &mut Configuration) -> Result<Understood, Refusal> {
-    if !line.checksum_matches() {
-        return Err(Refusal::Checksum);
-    }
     let (key, mut values) = (line.key(), line.values());
     if let Some(order) = Order::read(key, values.clone()) {
         return order.map(Understood::Order);

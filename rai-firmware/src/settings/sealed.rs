@@ -142,7 +142,7 @@ fn obey(text: &[u8]) -> Option<Configuration> {
 }
 
 fn obey_line(line: &str, settings: &mut Configuration) -> Option<()> {
-    let mut fields = Fields::of(line);
+    let mut fields = Fields::between_commas(Some(line));
     let setting = Setting::named(fields.next()?)?;
     settings.change(setting, &mut fields).ok()
 }

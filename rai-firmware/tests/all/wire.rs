@@ -272,6 +272,13 @@ pub(crate) fn silence(input: &mut Input) -> Vec<Seen> {
     seen
 }
 
+/// Reports a silence beyond any pause inside an epoch, and collects all events.
+pub(crate) fn end_epoch(input: &mut Input) -> Vec<Seen> {
+    let mut seen = Vec::new();
+    input.end_epoch(|event| seen.push(Seen::from(event)));
+    seen
+}
+
 impl From<Event<'_>> for Seen {
     fn from(event: Event<'_>) -> Self {
         match event {

@@ -6,7 +6,7 @@
 //! | an expected count | [Garwood1936]: exact, from the χ² distribution |
 //! | a mean | the normal distribution and the sample's deviation |
 
-use tests_host::chi_square;
+use raim::second_opinion::chi_square;
 
 /// Two-sided 95 % point of the normal distribution.
 const NORMAL: f64 = 1.959_963_984_540_054;

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Nothing here is a second implementation of a method. Methods for comparison only (all minimal
-//! subsets, other clock predictors, exact tails) are in [`tests_host::ransac_traditional`],
-//! [`tests_host::clock_models`] and [`tests_host::chi_square`].
+//! subsets, exact tails, other clock predictors) are in [`raim::second_opinion`] and
+//! [`raim::signal::clock_models`].
 //!
 //! Seeds are fixed: the same build gives the same numbers.
 

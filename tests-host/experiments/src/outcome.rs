@@ -3,10 +3,10 @@
 use std::fmt;
 
 use anyhow::Result;
+use raim::page::html::Page;
 use serde_json::{Value, json};
 
 use super::{Finding, Row};
-use tests_host::report::page::Page;
 
 /// A table with a title, or part of one.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,9 +38,9 @@ impl Picture {
     pub fn draw(
         name: &str,
         caption: &str,
-        draw: impl Fn(tests_host::report::canvas::Ground) -> Result<String>,
+        draw: impl Fn(raim::page::canvas::Ground) -> Result<String>,
     ) -> Result<Self> {
-        use tests_host::report::canvas::Ground;
+        use raim::page::canvas::Ground;
         let (sheet, inline) = (draw(Ground::Sheet)?, draw(Ground::Page)?);
         Ok(Self { name: name.to_owned(), caption: caption.to_owned(), sheet, inline })
     }

@@ -1,4 +1,4 @@
 //! Lines of the host port.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|input: &[u8]| tests_host::fuzzing::command::run(input));
+libfuzzer_sys::fuzz_target!(|input: &[u8]| adversary::fuzzing::command::run(input));

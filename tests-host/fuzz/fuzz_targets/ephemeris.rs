@@ -1,4 +1,4 @@
 //! Fields of an ephemeris.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|input: &[u8]| tests_host::fuzzing::ephemeris::run(input));
+libfuzzer_sys::fuzz_target!(|input: &[u8]| adversary::fuzzing::ephemeris::run(input));

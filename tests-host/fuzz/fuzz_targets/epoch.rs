@@ -1,4 +1,4 @@
 //! Epochs of the core.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|input: &[u8]| tests_host::fuzzing::epoch::run(input));
+libfuzzer_sys::fuzz_target!(|input: &[u8]| adversary::fuzzing::epoch::run(input));

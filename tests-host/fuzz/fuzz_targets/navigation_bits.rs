@@ -1,4 +1,4 @@
 //! Navigation bits with correct parities.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|input: &[u8]| tests_host::fuzzing::navigation_bits::run(input));
+libfuzzer_sys::fuzz_target!(|input: &[u8]| adversary::fuzzing::navigation_bits::run(input));

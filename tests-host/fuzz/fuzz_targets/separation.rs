@@ -1,4 +1,4 @@
 //! Linearised epochs under ARAIM.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|input: &[u8]| tests_host::fuzzing::separation::run(input));
+libfuzzer_sys::fuzz_target!(|input: &[u8]| adversary::fuzzing::separation::run(input));

@@ -1,4 +1,4 @@
 //! Bytes of the GNSS port.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|input: &[u8]| tests_host::fuzzing::stream::run(input));
+libfuzzer_sys::fuzz_target!(|input: &[u8]| adversary::fuzzing::stream::run(input));

@@ -2,9 +2,9 @@
 //!
 //! The bounds are those of an independent program on the same data, rounded up.
 
-use tests_host::encode::{Frequency, Selection};
-use tests_host::replay::{self, Pace, Summary, Truth, Window};
-use tests_host::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
+use raim::replay::{self, Pace, Summary, Truth, Window};
+use raim::signal::encode::{Frequency, Selection};
+use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
 fn summary(station: &Station, systems: &str, frequency: Frequency) -> Option<Summary> {
     let recording = station.load()?;

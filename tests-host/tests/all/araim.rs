@@ -10,13 +10,13 @@ use std::io::{BufRead, BufReader};
 
 use flate2::read::GzDecoder;
 use nalgebra::Vector3;
+use oracle::vectors;
+use raim::evaluate::{self, Part, Scalar};
 use raim_core::integrity::araim::{Allocation, AraimOutcome, Prior, Priors, ROWS, judge};
 use raim_core::least_squares::Workspace;
 use raim_core::least_squares::equations::LinearEpoch;
 use raim_core::satellite::Constellation;
 use serde_json::Value;
-use tests_host::evaluate::{self, Part, Scalar};
-use tests_host::vectors;
 
 const VECTORS: &str = "araim.jsonl.gz";
 

@@ -7,15 +7,15 @@
 //! with its prior of 1e-8, may not: a shift of GPS is taken for one of the others, and is not
 //! monitored, unless a command gives GPS a larger prior.
 
+use raim::replay::{self, Moment, Pace, Summary, Track, Truth, Window};
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::fault::Fault;
+use raim::signal::recording::Recording;
+use raim::signal::sky::raw::Simulation;
+use raim::signal::sky::{Fleet, Site};
 use raim_core::frame::Ecef;
 use raim_firmware::time::GpsTime;
-use tests_host::encode::{Frequency, Selection};
-use tests_host::fault::Fault;
-use tests_host::recording::Recording;
-use tests_host::replay::{self, Moment, Pace, Summary, Track, Truth, Window};
-use tests_host::sky::raw::Simulation;
-use tests_host::sky::{Fleet, Site};
-use tests_host::stations::ESBC;
+use rig::stations::ESBC;
 
 /// Shifts by 60 m: east, north, up.
 const SIDEWAYS: &str = "60,0,0";

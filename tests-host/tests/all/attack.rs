@@ -2,7 +2,7 @@
 //!
 //! `cargo xtask attack --long` runs them at length.
 
-use tests_host::attack::{ATTACKS, Effort};
+use adversary::attack::{ATTACKS, Effort};
 
 fn hold(name: &str) {
     let attack = ATTACKS.iter().find(|attack| attack.name == name).expect("an attack of that name");

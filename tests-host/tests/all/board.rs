@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use tests_host::board::{EmulatedBoard, Pace, Settings, is_installed};
-use tests_host::image::{self, Chip, Image};
+use rig::board::{EmulatedBoard, Pace, Settings, is_installed};
+use rig::image::{self, Chip, Image};
 
 /// Patience for a machine with other work.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -89,7 +89,7 @@ fn dropped_board_leaves_no_process() {
     let pid = board.process_id();
     let process = PathBuf::from(format!("/proc/{pid}"));
     if !process.parent().is_some_and(|folder| folder.join("self").exists()) {
-        return tests_host::skip::say("/proc");
+        return rig::skip::say("/proc");
     }
     assert!(process.exists(), "the emulator runs");
     drop(board);

@@ -3,15 +3,15 @@
 //! More than a minute of the whole sky fills the clock's window; then all but a few satellites of
 //! GPS are lost. The wanted results are the injected faults: the faulty satellite, and its time.
 
+use raim::replay::{self, Lump, Pace, Window};
+use raim::sentence::{EpochOutput, epochs};
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::fault::Fault;
+use raim::signal::sky::raw::Simulation;
 use raim_core::frame::Ecef;
 use raim_core::satellite::Constellation;
-use tests_host::board::is_installed;
-use tests_host::encode::{Frequency, Selection};
-use tests_host::fault::Fault;
-use tests_host::image;
-use tests_host::replay::{self, Lump, Pace, Window};
-use tests_host::sentence::{EpochOutput, epochs};
-use tests_host::sky::raw::Simulation;
+use rig::board::is_installed;
+use rig::{image, lockstep};
 
 /// Time at which the sky empties, s: the window holds 60 values.
 const EMPTY_S: u32 = 75;
@@ -90,7 +90,7 @@ fn judged_on_board(lumps: &[Lump]) -> Option<Vec<EpochOutput>> {
     let image = image::build().expect("the image builds");
     let mut said = String::new();
     let source = lumps.iter().cloned().map(Ok);
-    let board = replay::on_board(&image, source, &commands, |heard| said.push_str(&heard.board));
+    let board = lockstep::on_board(&image, source, &commands, |heard| said.push_str(&heard.board));
     assert_eq!(board.expect("both judge").difference, None, "board and host");
     let outputs = epochs(&said).expect("sentences");
     assert_eq!(outputs.len(), END_S as usize, "one verdict a second");

@@ -3,19 +3,19 @@
 
 use std::time::Duration;
 
+use oracle::gpsd::Gpsd;
+use raim::replay::{self, BoardRun, Lump, Pace, Window};
+use raim::sentence;
+use raim::signal::capture::{self, Capture};
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::fault::Fault;
+use raim::signal::sky::Sight;
+use raim::signal::sky::raw::Simulation;
 use raim_core::frame::LocalFrame;
-use tests_host::board::is_installed;
-use tests_host::capture::{self, Capture};
-use tests_host::encode::{Frequency, Selection};
-use tests_host::fault::Fault;
-use tests_host::gpsd::Gpsd;
-use tests_host::image;
-use tests_host::replay::{self, BoardRun, Lump, Pace, Window};
-use tests_host::sentence;
-use tests_host::shared;
-use tests_host::sky::Sight;
-use tests_host::sky::raw::Simulation;
-use tests_host::stations::{ESBC, STATIC_BASE};
+use rig::board::is_installed;
+use rig::shared;
+use rig::stations::{ESBC, STATIC_BASE};
+use rig::{image, lockstep};
 
 /// Command that changes nothing.
 const AS_IT_STARTS: &str = "PHASE,NPA";
@@ -35,7 +35,7 @@ fn on_both(lumps: &[Lump], command: &str) -> Both {
     let (mut host, mut board) = (String::new(), String::new());
     let image = image::build().expect("the image builds");
     let source = lumps.iter().cloned().map(Ok);
-    let run = replay::on_board(&image, source, &[command.to_owned()], |heard| {
+    let run = lockstep::on_board(&image, source, &[command.to_owned()], |heard| {
         host.push_str(&heard.host);
         board.push_str(&heard.board);
     });

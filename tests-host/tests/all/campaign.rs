@@ -4,12 +4,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use raim::campaign::almanac;
+use raim::campaign::spec::Spec;
+use raim::campaign::{Campaign, Share, Table, merge, write_report};
+use raim::signal::sky::Fleet;
 use raim_core::satellite::Constellation;
-use tests_host::campaign::almanac;
-use tests_host::campaign::spec::Spec;
-use tests_host::campaign::{Campaign, Share, Table, merge, write_report};
-use tests_host::shared;
-use tests_host::sky::Fleet;
+use rig::shared;
 
 /// A specification with a coarse grid, noise, every kind of fault, two masks, and methods of both
 /// kinds.
@@ -241,7 +241,7 @@ fn points_tracks_and_almanacs_are_read() {
 /// Returns the built-in GPS of 2020 in the operator's format, with the epoch at the beginning of a
 /// week.
 fn yuma() -> String {
-    let block = |satellite: &tests_host::sky::Satellite| {
+    let block = |satellite: &raim::signal::sky::Satellite| {
         let orbit = satellite.orbit;
         format!(
             "******** Week 40 almanac for PRN-{0:02} ********\nID:                         {0:02}\nHealth:                     000\n\

@@ -5,14 +5,14 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use raim::pin::Pin;
+use raim::replay::{self, Window};
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::sky::raw::Simulation;
 use raim_firmware::receiver::{Boot, Receiver};
-use tests_host::capi::program::{STRICT, SYSTEM};
-use tests_host::capi::{self, Kind, folder, library, run};
-use tests_host::encode::{Frequency, Selection};
-use tests_host::pin::Pin;
-use tests_host::replay::{self, Window};
-use tests_host::skip;
-use tests_host::sky::raw::Simulation;
+use rig::capi::program::{STRICT, SYSTEM};
+use rig::capi::{self, Kind, folder, library, run};
+use rig::skip;
 
 fn example(name: &str) -> PathBuf {
     folder().join("examples/c").join(name)

@@ -26,8 +26,9 @@ use raim_firmware::output::nmea::{GPS_MINUS_UTC_S, write_epoch};
 use raim_firmware::output::schedule::{Due, Item, Schedule};
 use raim_firmware::output::{Interference, Motion, Statement};
 use raim_firmware::time::GpsTime;
+use rig::setup;
+use rig::skip;
 use serde_json::Value;
-use tests_host::{setup, skip};
 
 /// Time of the reports: 2026-01-06, 12:00:00 UTC.
 const NOON: GpsTime = GpsTime { week: 2400, tow_ms: (2 * 86_400 + 12 * 3600 + 18) * 1000 };

@@ -1,11 +1,11 @@
 //! Picture of the dashboard at common sizes: an alert, a satellite left out, and no input yet.
 
+use raim::monitor::heaven::Body;
+use raim::monitor::{Dashboard, draw};
+use raim::signal::checksum::nmea_line;
 use raim_core::satellite::{Constellation, SatelliteId};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
-use tests_host::checksum::nmea_line;
-use tests_host::dashboard::heaven::Body;
-use tests_host::dashboard::{Dashboard, draw};
 
 const SIZES: [(u16, u16); 2] = [(80, 24), (120, 40)];
 

@@ -1,11 +1,11 @@
 //! The demonstration: its refusals, and its result on the emulated board.
 
-use tests_host::board::is_installed;
-use tests_host::demo::{Live, Plan, View};
-use tests_host::fault::satellite;
-use tests_host::image;
-use tests_host::report::canvas::Ground;
-use tests_host::report::{Moment, Verdict};
+use raim::page::canvas::Ground;
+use raim::page::{Moment, Verdict};
+use raim::signal::fault::satellite;
+use rig::board::is_installed;
+use rig::demo::{Live, Plan, View};
+use rig::image;
 
 /// Returns the plan of `cargo xtask demo` without options.
 fn shown_by_default() -> Plan {

@@ -1,8 +1,8 @@
 //! Lines that are not epochs, and implausible epochs: each receives an answer, and the run
 //! continues.
 
+use raim::evaluate::{self, Part, Scalar, Summary};
 use serde_json::{Value, json};
-use tests_host::evaluate::{self, Part, Scalar, Summary};
 
 /// Returns six satellites of one constellation: two degrees of freedom.
 fn epoch() -> Value {

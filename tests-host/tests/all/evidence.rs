@@ -14,11 +14,11 @@ use std::io::Read as _;
 use std::path::Path;
 
 use flate2::read::GzDecoder;
+use raim::signal::checksum::crc24q;
+use raim::signal::encode::ubx;
+use raim::signal::pieces::{Kind, pieces};
 use raim_firmware::input::{Counters, Event, Input};
-use tests_host::checksum::crc24q;
-use tests_host::encode::ubx;
-use tests_host::replay::pieces::{Kind, pieces};
-use tests_host::shared;
+use rig::shared;
 
 /// A rule of a wire format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

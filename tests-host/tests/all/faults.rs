@@ -1,8 +1,8 @@
 //! Faults: their effect on ranges, and the errors for wrong texts.
 
+use raim::signal::fault::{Directions, Fault, Injector, Kind, Measured, Target, satellite};
 use raim_core::frame::Enu;
 use raim_core::satellite::{Constellation, SatelliteId};
-use tests_host::fault::{Directions, Fault, Injector, Kind, Measured, Target, satellite};
 
 /// The simplest epoch: a range per satellite.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,12 +1,12 @@
 //! A sky with more satellites than an epoch can hold: those low above the horizon are replaced by
 //! usable ones.
 
+use adversary::attack::victim::{Seen, Victim};
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::fault::Measured;
+use raim::signal::sky::Fleet;
+use raim::signal::sky::raw::Simulation;
 use raim_firmware::correction::CAPACITY;
-use tests_host::attack::victim::{Seen, Victim};
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::fault::Measured;
-use tests_host::sky::Fleet;
-use tests_host::sky::raw::Simulation;
 
 /// Returns the module, its report on the last of some epochs down to an elevation, and the number
 /// of satellites in it.

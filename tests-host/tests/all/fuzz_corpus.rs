@@ -1,6 +1,6 @@
 //! The corpus of fuzzing, and random changes of it, on the stable toolchain.
 
-use tests_host::fuzzing::{TARGETS, replay};
+use adversary::fuzzing::{TARGETS, replay};
 
 /// Number of changed inputs for each target; the seeds make them the same each time.
 const MUTATIONS: usize = 2000;

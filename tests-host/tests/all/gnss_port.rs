@@ -1,10 +1,10 @@
 //! The GNSS port at the rates of receivers: the input is read, and an unknown rate is found.
 
+use raim::signal::encode::{Frequency, Selection, ubx};
+use raim::signal::recording::Recording;
+use raim::signal::sky::raw::Simulation;
 use raim_firmware::bit_rate::{PATIENCE_MS, RATES};
-use tests_host::encode::{Frequency, Selection, ubx};
-use tests_host::paced::{Costs, Lines, Outcome, run, search};
-use tests_host::recording::Recording;
-use tests_host::sky::raw::Simulation;
+use rig::paced::{Costs, Lines, Outcome, run, search};
 
 /// Slowest clock of the board, Hz, and cost of an epoch, instructions.
 const INTERNAL_HZ: u64 = 16_000_000;
@@ -117,7 +117,7 @@ fn every_rate_is_found_within_the_time_that_the_tries_before_it_take() {
 #[test]
 fn a_rate_that_a_command_fixes_is_set_at_once() {
     let lumps = lumps(10, 1);
-    let command = tests_host::sentence::command("BAUD,230400");
+    let command = raim::sentence::command("BAUD,230400");
     // The command comes once, followed by nothing that the module could read.
     let flood = [command.as_bytes(), vec![b' '; 300_000].as_slice()].concat();
     let have = search(&lumps, Lines { flood: &flood, ..lines(230_400, 1) }, COSTS);

@@ -7,6 +7,8 @@
 use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, Result};
+use oracle::chrony::{self, Chronyd, Source};
+use oracle::gpsd::Gpsd;
 use raim_core::frame::Geodetic;
 use raim_core::report::{
     Alert, Protected, ProtectionLevels, Report, Solution, Suspect, TestStatistic, Unavailable, Verdict,
@@ -17,10 +19,8 @@ use raim_firmware::output::nmea::{GPS_MINUS_UTC_S, write_epoch};
 use raim_firmware::output::schedule::Schedule;
 use raim_firmware::output::{Interference, Motion, Statement};
 use raim_firmware::time::GpsTime;
+use rig::skip;
 use serde_json::Value;
-use tests_host::chrony::{self, Chronyd, Source};
-use tests_host::gpsd::Gpsd;
-use tests_host::skip;
 
 const LATITUDE_DEG: f64 = 55.493_712_345;
 const LONGITUDE_DEG: f64 = -8.456_789_012;

@@ -17,8 +17,8 @@ use raim_firmware::correction::CAPACITY;
 use rand::Rng;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use tests_host::board::is_installed;
-use tests_host::laboratory::{Bench, Scalar, Stage, epoch_bytes, point_bytes};
+use rig::board::is_installed;
+use rig::laboratory::{Bench, Scalar, Stage, epoch_bytes, point_bytes};
 
 /// Methods in the order of the image's numbers.
 const METHODS: [Method; 8] = [

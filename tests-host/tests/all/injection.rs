@@ -4,16 +4,16 @@
 //! satellite counts as testable if its smallest detectable bias, `σ √(λ/S_ii)` of the fault-free
 //! epoch, is below 100 m; `S_ii` comes from the dense oracle and not from the core.
 
+use raim::replay::{self, Lump, Moment, Pace, Summary, Track, Truth, Window};
+use raim::second_opinion::dense::{self, Range};
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::fault::Fault;
+use raim::signal::recording::Recording;
 use raim_core::frame::{Ecef, Enu, LocalFrame};
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::numeric::probability::Probability;
 use raim_core::satellite::SatelliteId;
-use tests_host::encode::{Frequency, Selection};
-use tests_host::fault::Fault;
-use tests_host::oracle::{self, Range};
-use tests_host::recording::Recording;
-use tests_host::replay::{self, Lump, Moment, Pace, Summary, Track, Truth, Window};
-use tests_host::stations::ESBC;
+use rig::stations::ESBC;
 
 const TRUTH: Ecef = ESBC.truth;
 const BIAS_M: f64 = 100.0;
@@ -52,7 +52,7 @@ fn biases_of(observations: &[raim_core::epoch::Observation]) -> Vec<(SatelliteId
         Range { line_of_sight, constellation, residual_m: 0.0, sigma_m: observation.sigma_m }
     };
     let ranges: Vec<Range> = observations.iter().map(range).collect();
-    let Some(dense) = oracle::solve(&ranges).filter(|dense| dense.dof > 0) else { return Vec::new() };
+    let Some(dense) = dense::solve(&ranges).filter(|dense| dense.dof > 0) else { return Vec::new() };
     let thresholds =
         Thresholds::from_tables(Probability::new(3.33e-7).unwrap(), Probability::new(1e-3).unwrap()).unwrap();
     let lambda: f64 = thresholds.lambda(dense.dof).unwrap();

@@ -4,16 +4,16 @@
 
 use std::collections::BTreeMap;
 
+use adversary::attack::victim::{Seen, Victim};
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
+use raim::signal::recording::Recording;
+use raim::signal::sky::Fleet;
+use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::SatelliteId;
 use raim_firmware::ephemeris::CAPACITY;
 use raim_firmware::time::GpsTime;
-use tests_host::attack::victim::{Seen, Victim};
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
-use tests_host::recording::Recording;
-use tests_host::sky::Fleet;
-use tests_host::sky::raw::Simulation;
-use tests_host::stations::{ESBC, Station, TLSE};
+use rig::stations::{ESBC, Station, TLSE};
 
 /// Distribution of a caster's sets over the time until they come again.
 #[derive(Clone, Copy, Debug, PartialEq)]

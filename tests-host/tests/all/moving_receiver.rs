@@ -4,13 +4,13 @@
 //! The wanted values are arithmetic: `dof = n − 3 − C`, and one more if the forecast of a clock
 //! takes a row.
 
+use raim::replay::{self, Pace, Window};
+use raim::sentence::epochs;
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::recording::Recording;
+use raim::signal::sky::Site;
+use raim::signal::sky::raw::Simulation;
 use raim_core::frame::Enu;
-use tests_host::encode::{Frequency, Selection};
-use tests_host::recording::Recording;
-use tests_host::replay::{self, Pace, Window};
-use tests_host::sentence::epochs;
-use tests_host::sky::Site;
-use tests_host::sky::raw::Simulation;
 
 /// Speed of an airliner, m/s.
 const SPEED_M_S: f64 = 250.0;

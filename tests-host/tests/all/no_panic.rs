@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use tests_host::capi;
-use tests_host::image::CompiledFor;
-use tests_host::no_panic::static_library::{HANDLER, StaticLibrary};
-use tests_host::no_panic::{self, coverage};
+use rig::capi;
+use rig::image::CompiledFor;
+use rig::no_panic::static_library::{HANDLER, StaticLibrary};
+use rig::no_panic::{self, coverage};
 
 /// Returns the sources of a crate of this repository.
 fn sources(of: &str) -> std::path::PathBuf {

@@ -4,11 +4,11 @@
 use std::fs::File;
 use std::io::Read as _;
 
+use adversary::attack::victim::Victim;
 use flate2::read::MultiGzDecoder;
 use raim_core::frame::Ecef;
 use raim_firmware::input::{Event, Input, Rivalry};
-use tests_host::attack::victim::Victim;
-use tests_host::shared;
+use rig::shared;
 
 /// Captures of real receivers, and streams made of recordings; the third and the last are of
 /// receivers with small antennas.

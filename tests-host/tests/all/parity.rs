@@ -3,13 +3,13 @@
 
 use std::time::Duration;
 
-use embedded_hal::digital::{ErrorType, OutputPin};
+use raim::pin::Pin;
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::sky::raw::Simulation;
 use raim_firmware::receiver::{Boot, Receiver};
-use tests_host::board::{EmulatedBoard, is_installed};
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::image::{self, CompiledFor};
-use tests_host::replay::is_said_by_the_clock;
-use tests_host::sky::raw::Simulation;
+use rig::board::{EmulatedBoard, is_installed};
+use rig::image::{self, CompiledFor};
+use rig::lockstep::is_said_by_the_clock;
 
 const PATIENCE: Duration = Duration::from_mins(1);
 /// Largest cost of an epoch of twenty satellites on the chip, instructions.
@@ -19,26 +19,6 @@ const EPOCH_INSTRUCTIONS: u64 = 4_000_000;
 const EPOCH_INSTRUCTIONS_FOR_SIZE: u64 = 1_500_000;
 /// Largest stack, bytes: half of what the image must leave for it.
 const STACK_BYTES: u64 = image::STACK_BUDGET_BYTES / 2;
-
-/// A pin in memory.
-#[derive(Debug, Default)]
-struct Level(bool);
-
-impl ErrorType for Level {
-    type Error = core::convert::Infallible;
-}
-
-impl OutputPin for Level {
-    fn set_low(&mut self) -> Result<(), Self::Error> {
-        self.0 = false;
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Self::Error> {
-        self.0 = true;
-        Ok(())
-    }
-}
 
 /// Returns epochs of GPS and `BeiDou` above one place, a lump of bytes for each epoch.
 fn lumps(epochs: u32) -> Vec<Vec<u8>> {
@@ -50,11 +30,11 @@ fn lumps(epochs: u32) -> Vec<Vec<u8>> {
 
 fn on_host(lumps: &[Vec<u8>]) -> (Vec<u8>, Vec<bool>) {
     let boot = Boot::on_host("parity");
-    let mut receiver = Receiver::new(Level::default(), boot).expect("a receiver");
+    let mut receiver = Receiver::new(Pin::default(), boot).expect("a receiver");
     let mut sentences = Vec::new();
     let levels = lumps.iter().map(|lump| {
         receiver.gnss(lump, 0, &mut sentences);
-        receiver.pin().0
+        receiver.pin().high
     });
     let levels = levels.collect();
     (sentences, levels)
@@ -99,7 +79,7 @@ fn says_what_the_host_says_within(epoch_instructions: u64, compiled_for: Compile
     println!("instructions per epoch: {mean} in the mean, {worst} at most, over {}", cost.len());
     assert!(worst <= epoch_instructions, "{cost:?}");
     let stack =
-        board.log().iter().filter_map(tests_host::board::LogLine::stack_bytes).max().expect("a stack report");
+        board.log().iter().filter_map(rig::board::LogLine::stack_bytes).max().expect("a stack report");
     println!("stack high water: {stack} bytes");
     assert!(stack <= STACK_BYTES, "{stack} bytes");
     assert!(!board.log().iter().any(|line| line.text.contains("lost")), "{:?}", board.log());

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use tests_host::bench::peers::sources::Sources;
-use tests_host::bench::peers::{Comparison, Core, OURS, Outcome, Row};
-use tests_host::{board, setup, skip};
+use rig::bench::peers::sources::Sources;
+use rig::bench::peers::{Comparison, Core, OURS, Outcome, Row};
+use rig::board;
+use rig::setup;
+use rig::skip;
 
 /// Distance from the truth that noise of 2 m on 18 satellites cannot cause, m.
 const FAR_M: f64 = 10.0;

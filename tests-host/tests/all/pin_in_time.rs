@@ -1,11 +1,11 @@
 //! The promise in time: the pin is driven soon after an epoch's last byte, whatever the host does
 //! and however fast epochs come.
 
-use tests_host::bench::budget;
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::paced::{Costs, Lines, Outcome, run};
-use tests_host::sentence::command;
-use tests_host::sky::raw::Simulation;
+use raim::sentence::command;
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::sky::raw::Simulation;
+use rig::bench::budget;
+use rig::paced::{Costs, Lines, Outcome, run};
 
 const FULL_HZ: u64 = 168_000_000;
 const INTERNAL_HZ: u64 = 16_000_000;

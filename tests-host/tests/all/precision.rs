@@ -9,6 +9,9 @@
 //! own last position. Orbits and clocks, integers in either, have their own double-precision
 //! reference (`rai-firmware/tests/all/orbit_reference.rs`).
 
+use raim::replay::{self, Window};
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::fault::Fault;
 use raim_core::epoch::Epoch;
 use raim_core::frame::Ecef;
 use raim_core::monitor::Monitor;
@@ -20,10 +23,7 @@ use raim_firmware::ephemeris::Store;
 use raim_firmware::input::{Event, Input};
 use raim_firmware::raw::RawEpoch;
 use raim_firmware::settings::Systems;
-use tests_host::encode::{Frequency, Selection};
-use tests_host::fault::Fault;
-use tests_host::replay::{self, Window};
-use tests_host::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
+use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
 const POSITION_M: f64 = 1e-3;
 const LEVEL: f64 = 1e-4;

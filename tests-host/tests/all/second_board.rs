@@ -3,12 +3,12 @@
 
 use std::time::Duration;
 
+use raim::pin::Pin;
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::sky::raw::Simulation;
 use raim_firmware::receiver::{Boot, Receiver};
-use tests_host::board::{EmulatedBoard, LogLine, Machine, Settings, is_installed};
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::image;
-use tests_host::pin::Pin;
-use tests_host::sky::raw::Simulation;
+use rig::board::{EmulatedBoard, LogLine, Machine, Settings, is_installed};
+use rig::image;
 
 const PATIENCE: Duration = Duration::from_mins(2);
 

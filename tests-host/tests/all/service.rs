@@ -10,8 +10,8 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use raim::run::{Arguments, Plan, serve};
-use tests_host::encode::{Frequency, Selection, ubx};
-use tests_host::sky::raw::Simulation;
+use raim::signal::encode::{Frequency, Selection, ubx};
+use raim::signal::sky::raw::Simulation;
 
 /// Epochs per second that the receiver sends.
 const RATE_HZ: u32 = 5;

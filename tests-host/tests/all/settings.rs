@@ -1,11 +1,11 @@
 //! Every setting of the module, through what takes settings.
 
-use tests_host::board::is_installed;
-use tests_host::encode::{Frequency, Selection};
-use tests_host::image;
-use tests_host::replay::{self, Lump, Pace, Window};
-use tests_host::sentence::epochs;
-use tests_host::sky::raw::Simulation;
+use raim::replay::{self, Lump, Pace, Window};
+use raim::sentence::epochs;
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::sky::raw::Simulation;
+use rig::board::is_installed;
+use rig::{image, lockstep};
 
 /// Epochs of each replay.
 const EPOCHS: u32 = 5;
@@ -39,7 +39,7 @@ fn board_that_sends_mavlink_is_replayed() {
     let (lumps, commands) = (lumps(), messages.map(|message| format!("OUTPUT,{message},1")));
     let image = image::build().expect("the image builds");
     let (mut host, mut board) = (String::new(), String::new());
-    let run = replay::on_board(&image, lumps.into_iter().map(Ok), &commands, |heard| {
+    let run = lockstep::on_board(&image, lumps.into_iter().map(Ok), &commands, |heard| {
         host.push_str(&heard.host);
         board.push_str(&heard.board);
     });

@@ -1,17 +1,18 @@
 //! The simulated sky against published tables, closed forms and the geometry of well-known sites.
 
+use oracle::vectors;
+use raim::pin::Pin;
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::sky::broadcast::SatelliteClock;
+use raim::signal::sky::linear::{Sigma, rows};
+use raim::signal::sky::orbit::{GEOSYNCHRONOUS_AXIS_M, Orbit};
+use raim::signal::sky::raw::Simulation;
+use raim::signal::sky::{Fleet, Noise, Oscillator, ReceiverClock, Site, sights};
 use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, SPEED_OF_LIGHT_M_S};
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::input::{Event, Input};
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::time::GpsTime;
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::sky::broadcast::SatelliteClock;
-use tests_host::sky::linear::{Sigma, rows};
-use tests_host::sky::orbit::{GEOSYNCHRONOUS_AXIS_M, Orbit};
-use tests_host::sky::raw::Simulation;
-use tests_host::sky::{Fleet, Noise, Oscillator, ReceiverClock, Site, sights};
-use tests_host::vectors;
 
 const DAY_S: f64 = 86_164.090_5;
 
@@ -265,22 +266,6 @@ fn module_reads_the_simulated_orbits_and_clocks_from_the_messages() {
     }
 }
 
-/// A pin without effect.
-struct NoPin;
-
-impl embedded_hal::digital::ErrorType for NoPin {
-    type Error = std::convert::Infallible;
-}
-
-impl embedded_hal::digital::OutputPin for NoPin {
-    fn set_low(&mut self) -> Result<(), Self::Error> {
-        Ok(())
-    }
-    fn set_high(&mut self) -> Result<(), Self::Error> {
-        Ok(())
-    }
-}
-
 #[test]
 fn module_finds_the_site_under_the_simulated_sky() {
     let simulation = Simulation::above_xian(3600.0, 60, 1);
@@ -288,12 +273,12 @@ fn module_finds_the_site_under_the_simulated_sky() {
     let selection = Selection::new("GC", Frequency::Dual).unwrap();
     let mut encoder = Encoder::new(&recording.ephemerides, selection);
     let boot = Boot::on_host("test");
-    let mut receiver = Receiver::new(NoPin, boot).unwrap();
+    let mut receiver = Receiver::new(Pin::default(), boot).unwrap();
     let mut said: Vec<u8> = Vec::new();
     for (epoch, now_ms) in recording.epochs.iter().zip((0..).step_by(1000)) {
         receiver.gnss(&encoder.epoch(epoch).unwrap(), now_ms, &mut said);
     }
-    let epochs = tests_host::sentence::epochs(std::str::from_utf8(&said).unwrap()).unwrap();
+    let epochs = raim::sentence::epochs(std::str::from_utf8(&said).unwrap()).unwrap();
     assert_eq!(epochs.len(), 60);
     for epoch in &epochs {
         let error =
@@ -302,7 +287,7 @@ fn module_finds_the_site_under_the_simulated_sky() {
         assert!(error.horizontal() < 4.0 && error.up.abs() < 7.0, "{error:?}");
         assert!(epoch.state.is_protected() && epoch.excluded.is_empty(), "{:?}", epoch.state);
     }
-    let mean_m = |part: &dyn Fn(&tests_host::sentence::EpochOutput) -> f64| {
+    let mean_m = |part: &dyn Fn(&raim::sentence::EpochOutput) -> f64| {
         epochs.iter().map(part).sum::<f64>() / epochs.len() as f64
     };
     let up_m = mean_m(&|epoch| epoch.position.unwrap().height_m - 400.0);

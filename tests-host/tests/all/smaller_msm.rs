@@ -10,15 +10,15 @@
 //!
 //! Reference: [RTCM-10403.3] tables 3.5-78 to 3.5-91.
 //!
-//! [RTCM-10403.3]: tests_host#references
+//! [RTCM-10403.3]: raim#references
 
-use tests_host::capture::Capture;
-use tests_host::checksum::crc24q;
-use tests_host::encode::{Frequency, Selection};
-use tests_host::fault::Fault;
-use tests_host::replay::pieces::{Kind, pieces};
-use tests_host::replay::{self, Lump, Pace, Track, Window};
-use tests_host::stations::STATIC_BASE;
+use raim::replay::{self, Lump, Pace, Track, Window};
+use raim::signal::capture::Capture;
+use raim::signal::checksum::crc24q;
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::fault::Fault;
+use raim::signal::pieces::{Kind, pieces};
+use rig::stations::STATIC_BASE;
 
 /// Number of bits of an MSM before the masks of satellites, signals and cells, and of the first
 /// two.
@@ -162,7 +162,7 @@ fn a_fault_put_into_any_msm_is_the_fault_put_into_the_recording() {
             let mut touched = 0;
             for (have, want) in have.iter().zip(&want) {
                 let (have, want) = (have.output.as_ref().unwrap(), want.output.as_ref().unwrap());
-                let who = |output: &tests_host::sentence::EpochOutput| {
+                let who = |output: &raim::sentence::EpochOutput| {
                     let left_out = output.excluded.iter().map(|excluded| excluded.satellite.to_string());
                     (
                         output.state.state,

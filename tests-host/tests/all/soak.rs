@@ -1,9 +1,9 @@
 //! The short soak: some minutes on the emulated board, under a simulated sky and with a recording,
 //! with every kind of disturbance.
 
-use tests_host::board::is_installed;
-use tests_host::image;
-use tests_host::soak::{self, Outcome, Plan, table};
+use adversary::soak::{self, Outcome, Plan, table};
+use rig::board::is_installed;
+use rig::image;
 
 /// Soaks and checks the counts that must be zero, after a check that every kind of event occurred.
 fn soak(plan: Plan) {

@@ -1,8 +1,9 @@
 //! The committed threshold tables against their generator and the gold values.
 
+use oracle::tables;
+use oracle::vectors;
 use raim_core::integrity::raim::detection::threshold::{self, Thresholds};
 use raim_core::numeric::probability::Probability;
-use tests_host::{tables, vectors};
 
 #[test]
 fn committed_table_is_what_its_generator_writes() {

@@ -4,9 +4,9 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 
 use flate2::read::GzDecoder;
+use oracle::vectors;
+use raim::evaluate::{Part, Scalar, run_part};
 use serde_json::Value;
-use tests_host::evaluate::{Part, Scalar, run_part};
-use tests_host::vectors;
 
 /// Tolerances of the specification: `tau1` and `lambda` 1e-10, values solved for a geometry 1e-7.
 const FIELDS: [(&str, f64); 5] =

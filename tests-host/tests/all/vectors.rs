@@ -9,9 +9,9 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 
 use flate2::read::GzDecoder;
+use oracle::vectors::path;
+use raim::evaluate::{self, Part, Scalar};
 use serde_json::Value;
-use tests_host::evaluate::{self, Part, Scalar};
-use tests_host::vectors::path;
 
 /// Tolerance of a field.
 #[derive(Clone, Copy)]

@@ -1,6 +1,12 @@
 //! Velocity of the module from Doppler frequencies that are computed another way: from the changes
 //! of the simulated sky's ranges.
 
+use raim::pin::Pin;
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::measurement::{Ephemeris as Broadcast, TimedEphemeris};
+use raim::signal::recording::Recording;
+use raim::signal::sky::raw::Simulation;
+use raim::signal::sky::sights;
 use raim_core::frame::{Enu, SPEED_OF_LIGHT_M_S};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::SatelliteId;
@@ -14,13 +20,7 @@ use raim_firmware::raw::{RawEpoch, RawSatellite};
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::Systems;
 use raim_firmware::time::GpsTime;
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::measurement::{Ephemeris as Broadcast, TimedEphemeris};
-use tests_host::pin::Pin;
-use tests_host::recording::Recording;
-use tests_host::sky::raw::Simulation;
-use tests_host::sky::sights;
-use tests_host::stations::{ESBC, STATIC_BASE, TLSE};
+use rig::stations::{ESBC, STATIC_BASE, TLSE};
 
 /// Number of epochs of a sky, each a second after the other.
 const EPOCHS: u32 = 8;

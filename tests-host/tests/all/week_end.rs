@@ -5,18 +5,18 @@
 //! the next week, and every one of `BeiDou` in this one. Right values follow from the simulation's
 //! own time.
 
+use raim::pin::Pin;
+use raim::sentence;
+use raim::signal::encode::{Encoder, Frequency, Selection, StatedWeek};
+use raim::signal::measurement::TimedEphemeris;
+use raim::signal::pieces::{Kind, pieces};
+use raim::signal::sky::Fleet;
+use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::Constellation;
 use raim_firmware::input::{Event, Input};
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::time::GpsTime;
-use tests_host::encode::{Encoder, Frequency, Selection, StatedWeek};
-use tests_host::measurement::TimedEphemeris;
-use tests_host::pin::Pin;
-use tests_host::replay::pieces::{Kind, pieces};
-use tests_host::sentence;
-use tests_host::shared;
-use tests_host::sky::Fleet;
-use tests_host::sky::raw::Simulation;
+use rig::shared;
 
 /// The simulation's origin is a day after the week began.
 const WEEK_END_S: f64 = 6.0 * 86_400.0;

@@ -15,7 +15,7 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
-use tests_host::setup;
+use rig::setup;
 
 use counts::Counts;
 use steps::{Done, Lane, STEPS, Step};

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 
 use anyhow::{Context as _, Result, ensure};
-use tests_host::image::{self, Chip, Image};
-use tests_host::{setup, skip};
+use rig::image::{self, Chip, Image};
+use rig::setup;
+use rig::skip;
 
 use super::counts::SKIPPED_TESTS;
 use crate::cargo::{command, root, spawn};
@@ -77,7 +78,7 @@ pub(super) const STEPS: &[Step] = &[
     step("libraries on other processors", Lane::Target, When::Whole, |_, _| libraries()),
     step("image", Lane::Target, When::Both, |_, _| done(image::build())),
     step("memory of the image", Lane::Target, When::Both, |_, _| sizes()),
-    step("no panic", Lane::Target, When::Whole, |_, _| done(tests_host::no_panic::prove())),
+    step("no panic", Lane::Target, When::Whole, |_, _| done(rig::no_panic::prove())),
     step("costs on the target", Lane::Target, When::Whole, |_, _| {
         done(crate::bench::run(&crate::bench::Arguments { check: true, ..Default::default() }))
     }),

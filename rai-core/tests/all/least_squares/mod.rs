@@ -10,6 +10,6 @@ mod snapshot;
 mod worst;
 
 /// The second opinion that recordings are compared with.
-#[path = "../../../../tests-host/src/oracle.rs"]
+#[path = "../../../../rai-firmware/cli/src/second_opinion/dense.rs"]
 #[allow(unreachable_pub, reason = "public where it is at home")]
 mod oracle;

@@ -15,6 +15,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 
 use super::inbox::Inbox;
 use super::input::{connect, is_timeout, wait};
+use crate::signal::checksum::crc24q;
 
 /// Messages of RTCM 3 that hold an ephemeris.
 const EPHEMERIDES: [u16; 6] = [1019, 1020, 1042, 1044, 1045, 1046];
@@ -119,7 +120,7 @@ fn take_frames(waiting: &mut Vec<u8>, mut hand_on: impl FnMut(&[u8])) {
         };
         let length = 6 + (usize::from(high & 3) << 8 | usize::from(*low));
         let Some(frame) = rest.get(..length) else { break };
-        if high & !3 != 0 || crc24q(frame) != 0 {
+        if high & !3 != 0 || crc24q(frame) != [0; 3] {
             front += 1;
             continue;
         }
@@ -130,16 +131,6 @@ fn take_frames(waiting: &mut Vec<u8>, mut hand_on: impl FnMut(&[u8])) {
         front += length;
     }
     waiting.drain(..front);
-}
-
-/// Returns the CRC-24Q of a frame; 0 if its last three bytes are its check.
-fn crc24q(bytes: &[u8]) -> u32 {
-    bytes.iter().fold(0, |crc, &byte| {
-        (0..8).fold(crc ^ u32::from(byte) << 16, |crc, _| {
-            let shifted = crc << 1;
-            if shifted & 0x0100_0000 == 0 { shifted } else { shifted ^ 0x0186_4CFB }
-        })
-    })
 }
 
 /// Returns the Base64 text of RFC 4648.
@@ -159,6 +150,7 @@ fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::signal::checksum::rtcm_frame;
 
     #[test]
     fn base64_of_the_standard() {
@@ -188,10 +180,7 @@ mod tests {
 
     /// Returns a frame of RTCM 3 with a message of this number and nothing else in it.
     fn frame(number: u16) -> Vec<u8> {
-        let mut bytes = vec![0xD3, 0, 2, (number >> 4) as u8, (number << 4) as u8];
-        let check = crc24q(&bytes);
-        bytes.extend_from_slice(&check.to_be_bytes()[1..]);
-        bytes
+        rtcm_frame(&[(number >> 4) as u8, (number << 4) as u8])
     }
 
     #[test]
@@ -201,7 +190,7 @@ mod tests {
             0xD3, 0x00, 0x13, 0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98, 0x0E, 0xDE, 0xEF, 0x34, 0xB4, 0xBD, 0x62,
             0xAC, 0x09, 0x41, 0x98, 0x6F, 0x33, 0x36, 0x0B, 0x98,
         ];
-        assert_eq!(crc24q(&example), 0);
+        assert_eq!(crc24q(&example), [0; 3]);
         let mut spoilt = frame(1045);
         spoilt[4] ^= 1;
         let stream = [&example[..], &frame(1019), b"noise", &frame(1077), &spoilt, &frame(1046)].concat();

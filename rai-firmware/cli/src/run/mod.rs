@@ -36,6 +36,7 @@ use raim_firmware::board::SEALED_BYTES;
 use raim_firmware::epoch_loop::EpochLoop;
 use raim_firmware::receiver::{Boot, Receiver};
 
+use crate::sentence::command;
 use board::Computer;
 use guard::Guard;
 use inbox::Inbox;
@@ -112,9 +113,8 @@ fn receiver(wire: &Arc<Wire>) -> Result<Receiver<Pin>> {
 fn apply(plan: &Plan, receiver: &mut Receiver<Pin>) -> Result<()> {
     for (key, value) in &plan.settings {
         let mut answer = Vec::new();
-        let body = if value.is_empty() { format!("PRAIC,{key}") } else { format!("PRAIC,{key},{value}") };
-        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-        receiver.command(format!("${body}*{sum:02X}\r\n").as_bytes(), &mut answer);
+        let text = if value.is_empty() { key.clone() } else { format!("{key},{value}") };
+        receiver.command(command(&text).as_bytes(), &mut answer);
         let answer = String::from_utf8_lossy(&answer);
         let Some((_, why)) = answer.split_once(",ERR,") else { continue };
         let why = why.split('*').next().unwrap_or_default();

@@ -414,6 +414,7 @@ fn requirements() {
         Probability::get as fn(_) -> _,
         levels::hdop_change_limit as fn(_, _, _) -> _,
         Solution::pdop as fn(_) -> _,
+        Solution::residual_m::<f32> as fn(_, _) -> _,
         <f32 as Real>::narrow as fn(_) -> _,
         <f32 as Real>::widen as fn(_) -> _,
         <f32 as Real>::sqrt_approx as fn(_) -> _,

@@ -10,7 +10,7 @@
 //! board's own files, overflow (which wraps in this profile), derived `Debug` and `Clone`, or a
 //! stack that is too deep.
 //!
-//! `tests_host::no_panic` builds it, names the functions that prevent linking, and compares the
+//! `rig::no_panic` builds it, names the functions that prevent linking, and compares the
 //! lists here with the sources.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![deny(unsafe_code)]

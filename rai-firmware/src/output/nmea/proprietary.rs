@@ -61,6 +61,8 @@ const fn words(verdict: Verdict) -> (&'static str, &'static str) {
         Verdict::Alert(Alert::Stale) => ("A", "STALE"),
         Verdict::Alert(Alert::Source) => ("A", "SOURCE"),
         Verdict::Alert(Alert::Jump) => ("A", "JUMP"),
+        Verdict::Alert(Alert::Clock) => ("A", "CLOCK"),
+        Verdict::Alert(Alert::Track) => ("A", "TRACK"),
         Verdict::Alert(Alert::Spoofed) => ("A", "SPOOFED"),
         Verdict::Unavailable(Unavailable::NoFix) => ("U", "NOFIX"),
         Verdict::Unavailable(Unavailable::Redundancy) => ("U", "REDUNDANCY"),

@@ -40,8 +40,16 @@ const OTHERS: [([f64; 3], Motion); 4] = [
     (HERE, FAST),
 ];
 
-const ALERTS: [Alert; 6] =
-    [Alert::Fault, Alert::Ambiguous, Alert::Time, Alert::Stale, Alert::Jump, Alert::Spoofed];
+const ALERTS: [Alert; 8] = [
+    Alert::Fault,
+    Alert::Ambiguous,
+    Alert::Time,
+    Alert::Stale,
+    Alert::Jump,
+    Alert::Clock,
+    Alert::Track,
+    Alert::Spoofed,
+];
 
 #[test]
 fn in_an_alert_no_output_depends_on_place_height_or_velocity() {

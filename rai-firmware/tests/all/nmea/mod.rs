@@ -173,6 +173,8 @@ fn each_verdict_has_its_navigational_status_state_and_reason() {
         (Verdict::Alert(Alert::Stale), false, "U", "A", "STALE"),
         (Verdict::Alert(Alert::Source), false, "U", "A", "SOURCE"),
         (Verdict::Alert(Alert::Jump), true, "U", "A", "JUMP"),
+        (Verdict::Alert(Alert::Clock), true, "U", "A", "CLOCK"),
+        (Verdict::Alert(Alert::Track), true, "U", "A", "TRACK"),
         (Verdict::Alert(Alert::Spoofed), true, "U", "A", "SPOOFED"),
         (unavailable(Unavailable::NoFix), false, "V", "U", "NOFIX"),
         (unavailable(Unavailable::Redundancy), true, "C", "U", "REDUNDANCY"),

@@ -8,6 +8,7 @@ use super::names_of_nonzero;
 use crate::wire::B1I;
 use crate::wire::Cell;
 use crate::wire::E1C;
+use crate::wire::end_epoch;
 use crate::wire::epochs;
 use crate::wire::feed;
 use crate::wire::msm;
@@ -223,4 +224,67 @@ fn ranges_that_come_again_under_a_new_tag_are_dropped_and_counted() {
     // The same range of another satellite is no repeat.
     let other = msm(1077, TOW_MS + 6000, false, &[Cell(6, crate::wire::L1C, 2.2e7, 45.0)]);
     assert_eq!(epochs(feed(&mut input, &other)).len(), 1);
+}
+
+/// Galileo's ranges, which come after those of GPS.
+fn galileo(tow_ms: u32, more: bool) -> Vec<u8> {
+    msm(1097, tow_ms, more, &[Cell(31, E1C, 2.5e7, 50.0)])
+}
+
+#[test]
+fn silence_completes_an_epoch_whose_messages_all_announce_more() {
+    let mut input = knowing();
+    for n in 0..3 {
+        assert!(feed(&mut input, &gps(TOW_MS + n * 60_000, true)).is_empty(), "epoch {n} is open");
+        assert_eq!(sizes(&epochs(end_epoch(&mut input))), [(n * 60_000, 1)]);
+        assert!(end_epoch(&mut input).is_empty(), "epoch {n} is complete once");
+    }
+    assert_eq!(names_of_nonzero(input.counters()), []);
+}
+
+#[test]
+fn silence_completes_no_epoch_without_ranges() {
+    let mut input = knowing();
+    assert!(end_epoch(&mut input).is_empty());
+    feed(&mut input, &gps(TOW_MS, false));
+    assert!(end_epoch(&mut input).is_empty());
+    assert!(feed(&mut input, &msm(1077, TOW_MS + 1000, true, &[])).is_empty());
+    assert!(end_epoch(&mut input).is_empty());
+}
+
+#[test]
+fn a_message_after_the_silence_is_no_second_epoch_and_ends_the_trust_in_silence() {
+    let mut input = knowing();
+    let mut whole = |n: u32| {
+        let tow_ms = TOW_MS + n * 1000;
+        let mut have = feed(&mut input, &gps(tow_ms, true));
+        have.extend(end_epoch(&mut input));
+        have.extend(feed(&mut input, &galileo(tow_ms, false)));
+        sizes(&epochs(have))
+    };
+    assert_eq!(whole(0), [(0, 1)]);
+    // As for a system that states the end wrongly, the next epochs wait for the rest.
+    for n in 1..5 {
+        assert_eq!(whole(n), [(n * 1000, 2)]);
+    }
+    assert_eq!(names_of_nonzero(input.counters()), [("observations_after_end", 1)]);
+    // Right three times again: the statement counts.
+    for n in 5..8 {
+        assert!(feed(&mut input, &gps(TOW_MS + n * 1000, true)).len() <= 1);
+        assert!(end_epoch(&mut input).is_empty());
+    }
+    assert_eq!(sizes(&epochs(feed(&mut input, &gps(TOW_MS + 8000, true)))), [(7000, 1)]);
+    assert_eq!(sizes(&epochs(end_epoch(&mut input))), [(8000, 1)]);
+}
+
+#[test]
+fn an_epoch_that_comes_again_after_the_silence_is_dropped() {
+    let mut input = knowing();
+    feed(&mut input, &gps(TOW_MS, true));
+    assert_eq!(epochs(end_epoch(&mut input)).len(), 1);
+    assert!(feed(&mut input, &gps(TOW_MS, true)).is_empty());
+    assert!(end_epoch(&mut input).is_empty());
+    let seen = feed(&mut input, &gps(TOW_MS + 1000, false));
+    assert_eq!(seen.len(), 1, "no rivalry: {seen:?}");
+    assert_eq!(sizes(&epochs(seen)), [(1000, 1)]);
 }

@@ -4,9 +4,9 @@
 use std::path::Path;
 
 use anyhow::Result;
-use tests_host::campaign::picture::{cases, mean_over_globe};
-use tests_host::campaign::spec::Spec;
-use tests_host::campaign::{Campaign, Share, Table};
+use raim::campaign::picture::{cases, mean_over_globe};
+use raim::campaign::spec::Spec;
+use raim::campaign::{Campaign, Share, Table};
 
 use super::{Effort, Finding, Judgement, Row, Section};
 

@@ -20,7 +20,7 @@ const HALVING_M: f64 = 0.0023;
 
 /// Returns the section.
 pub(super) fn section() -> Result<Section> {
-    let path = tests_host::vectors::path("araim_maast.json");
+    let path = oracle::vectors::path("araim_maast.json");
     let run: Value = serde_json::from_reader(File::open(&path).with_context(|| path.display().to_string())?)?;
     let number = |value: &Value| value.as_f64().context("a number of the run");
     let constant = |name: &str| number(&run["constants"][name]);

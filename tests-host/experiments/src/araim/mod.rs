@@ -12,8 +12,8 @@
 //!
 //! References: [Blanch2015], [MAAST].
 //!
-//! [Blanch2015]: tests_host#references
-//! [MAAST]: tests_host#references
+//! [Blanch2015]: raim_core#references
+//! [MAAST]: raim_core#references
 
 mod alarms;
 mod constellations;

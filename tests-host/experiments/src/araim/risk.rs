@@ -26,6 +26,7 @@
 
 use anyhow::Result;
 use nalgebra::{DMatrix, DVector};
+use raim::signal::sky::Site;
 use raim_core::integrity::araim::{Allocation, AraimJudgement, AraimOutcome, Priors, judge};
 use raim_core::least_squares::Workspace;
 use raim_core::satellite::Constellation;
@@ -33,7 +34,6 @@ use raim_core::weighting::Ism;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
-use tests_host::sky::Site;
 
 use super::scene::{Scene, spread};
 use super::{Effort, Finding, Interval, Judgement, Row, Section};

@@ -6,12 +6,12 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::{DMatrix, DVector, Vector3};
+use raim::signal::sky::{Fleet, Satellite, Site, sights};
 use raim_core::integrity::araim::{Prior, ROWS};
 use raim_core::least_squares::equations::LinearEpoch;
 use raim_core::numeric::real::Real;
 use raim_core::satellite::Constellation;
 use raim_core::weighting::{ErrorBudget, Ism, UserModel, integrity_sigma_m};
-use tests_host::sky::{Fleet, Satellite, Site, sights};
 
 /// Elevation mask, degrees.
 const MASK_DEG: f64 = 5.0;

@@ -16,11 +16,15 @@
 //! The result is exact. With fewer satellites than are in view, the highest ones count. References:
 //! [Chen2009] eq. 3–12 and figure 6.
 //!
-//! [Chen2009]: tests_host#references
+//! [Chen2009]: raim#references
 
 use anyhow::Result;
 use indicatif::ProgressBar;
 use nalgebra::Vector3;
+use raim::page::canvas::{BLUE, GREY, Mark, ORANGE, VIOLET};
+use raim::page::chart::{Axis, LineChart, Series};
+use raim::second_opinion::chi_square::noncentral_lower_tail;
+use raim::signal::sky::{Fleet, Sight, Site, sights};
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::least_squares::Workspace;
 use raim_core::least_squares::equations::LinearEpoch;
@@ -29,10 +33,6 @@ use raim_core::satellite::Constellation::Gps;
 use rayon::prelude::*;
 
 use super::super::{Finding, Judgement, Picture, Row, Section};
-use tests_host::chi_square::noncentral_lower_tail;
-use tests_host::report::canvas::{BLUE, GREY, Mark, ORANGE, VIOLET};
-use tests_host::report::chart::{Axis, LineChart, Series};
-use tests_host::sky::{Fleet, Sight, Site, sights};
 
 /// Standard deviations of a range, m: the paper's, and two of present receivers.
 pub(super) const SIGMAS_M: [f64; 3] = [6.0, 2.0, 1.0];

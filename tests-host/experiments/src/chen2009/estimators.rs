@@ -13,16 +13,16 @@
 //! the unit circle ([`COEFFICIENTS`]), like a clock with little measurement noise; there the
 //! estimators differ most. References: [Chen2009] §1.3.
 //!
-//! [Chen2009]: tests_host#references
+//! [Chen2009]: raim#references
 
 use indicatif::ProgressBar;
+use raim::signal::clock_models::{burg, yule_walker};
 use raim_core::clock::Autoregression;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::super::draw::generator;
 use super::super::{Finding, Interval, Judgement, Row, Section};
-use tests_host::clock_models::{burg, yule_walker};
 
 /// Number of values of one record.
 const RECORD: usize = 120;

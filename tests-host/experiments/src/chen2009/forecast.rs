@@ -16,19 +16,19 @@
 //! cannot be that of ten errors of which one is −0.637 m. It is the variance, whose root is
 //! compared here. References: [Chen2009] §3.1 and table 1.
 //!
-//! [Chen2009]: tests_host#references
+//! [Chen2009]: raim#references
 
 use anyhow::Result;
 use indicatif::ProgressBar;
+use raim::page::canvas::{BLUE, INK, Mark, ORANGE, VIOLET};
+use raim::page::chart::{Axis, LineChart, Series};
+use raim::signal::clock_models::{Process, burg, centred_differences, polynomial, yule_walker};
 use raim_core::clock::CoastingClock;
 use rayon::prelude::*;
 
 use super::super::{Finding, Interval, Judgement, Picture, Row, Section};
 use super::series::solved_clock_m;
 use super::{AHEAD, CLOCKS, Clock, NOISE_M, WINDOW};
-use tests_host::clock_models::{Process, burg, centred_differences, polynomial, yule_walker};
-use tests_host::report::canvas::{BLUE, INK, Mark, ORANGE, VIOLET};
-use tests_host::report::chart::{Axis, LineChart, Series};
 
 /// Method of the forecast.
 #[derive(Clone, Copy)]

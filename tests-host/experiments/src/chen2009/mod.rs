@@ -12,7 +12,7 @@
 //!
 //! References: [Chen2009]; [`raim_core::clock`] lists the module's departures from it.
 //!
-//! [Chen2009]: tests_host#references
+//! [Chen2009]: raim#references
 
 mod detection;
 mod estimators;
@@ -22,9 +22,9 @@ mod vectors;
 
 use anyhow::Result;
 use indicatif::ProgressBar;
+use raim::signal::sky::Oscillator;
 
 use super::{Effort, Experiment, Outcome};
-use tests_host::sky::Oscillator;
 
 /// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment = Experiment {
@@ -68,7 +68,7 @@ const WINDOW: usize = raim_core::clock::WINDOW;
 
 /// Number of epochs forecast ([Chen2009] §3.1).
 ///
-/// [Chen2009]: tests_host#references
+/// [Chen2009]: raim#references
 const AHEAD: usize = 10;
 
 /// Standard deviation of a solved clock about the true one, m, of a good receiver in the open.
@@ -89,6 +89,6 @@ const CLOCKS: [Clock; 3] = [
 
 /// The oven-controlled crystal of [Brown1997] table 10.2.
 ///
-/// [Brown1997]: tests_host#references
+/// [Brown1997]: raim#references
 const OVEN_OF_BROWN: Oscillator =
     Oscillator { white_s: 8e-20, flicker: 2e-21, walk_hz: 4e-23, frequency_offset: 1e-7 };

@@ -15,21 +15,21 @@
 //! offset is left out here for the same reason. Estimated values of white noise lie within
 //! `±1.96/√n` with a probability of 95 %. References: [Chen2009] §1.1 and §1.2, eq. 1 and 2.
 //!
-//! [Chen2009]: tests_host#references
+//! [Chen2009]: raim#references
 
 use std::sync::OnceLock;
 
 use anyhow::Result;
+use raim::page::canvas::{BLUE, GREY, Mark};
+use raim::page::chart::{Axis, LineChart, Series};
+use raim::signal::clock_models::centred_differences;
+use raim::signal::sky::{Oscillator, ReceiverClock};
 use rand_distr::{Distribution, StandardNormal};
 
 use super::super::draw::generator;
 use super::super::{Finding, Judgement, Picture, Row, Section};
 use super::{CLOCKS, NOISE_M};
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
-use tests_host::clock_models::centred_differences;
-use tests_host::report::canvas::{BLUE, GREY, Mark};
-use tests_host::report::chart::{Axis, LineChart, Series};
-use tests_host::sky::{Oscillator, ReceiverClock};
 
 /// Length of the series, s.
 const LENGTH: usize = 600;

@@ -4,18 +4,18 @@
 //! `want` was computed elsewhere, with a full-column solution in double precision. References:
 //! [Chen2009] §2.
 //!
-//! [Chen2009]: tests_host#references
+//! [Chen2009]: raim#references
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 
 use anyhow::{Context as _, Result, ensure};
 use flate2::read::MultiGzDecoder;
+use oracle::vectors;
+use raim::evaluate::{Part, Scalar, run_part};
 use serde_json::Value;
 
 use super::super::{Finding, Judgement, Row, Section};
-use tests_host::evaluate::{Part, Scalar, run_part};
-use tests_host::vectors;
 
 const FILE: &str = "clock_raim.jsonl.gz";
 

@@ -16,6 +16,7 @@
 
 use anyhow::Context as _;
 use nalgebra::{DMatrix, DVector};
+use raim::signal::sky::linear;
 use raim_core::integrity::raim::detection::threshold::policy::{ThresholdProblem, Weights};
 use raim_core::integrity::raim::isolation::parity::correlation;
 use raim_core::integrity::raim::levels::largest_slopes;
@@ -24,7 +25,6 @@ use raim_core::least_squares::{Snapshot, Workspace};
 use raim_core::numeric::probability::Probability;
 
 use super::{Day, EPOCHS, Finding, HAL_M, Judgement, MISSED_DETECTION, ROWS, Row, SIGMA_M, Section};
-use tests_host::sky::linear;
 
 /// Largest relative difference that counts as rounding.
 const ROUNDING: f64 = 1e-9;

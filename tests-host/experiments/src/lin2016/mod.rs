@@ -17,6 +17,10 @@ mod single;
 
 use anyhow::Context as _;
 use indicatif::ProgressBar;
+use raim::page::canvas::{BLUE, Mark, ORANGE};
+use raim::page::chart::{Axis, LineChart, Series};
+use raim::signal::sky::linear::{self, Sigma, equations};
+use raim::signal::sky::{Fleet, Noise, Sight, Site, sights};
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::integrity::raim::detection::threshold::policy::range_threshold_m;
 use raim_core::integrity::raim::levels::{hdop_change_limit, largest_hdop_change, largest_slopes};
@@ -26,10 +30,6 @@ use raim_core::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Picture, Row, Section};
-use tests_host::report::canvas::{BLUE, Mark, ORANGE};
-use tests_host::report::chart::{Axis, LineChart, Series};
-use tests_host::sky::linear::{self, Sigma, equations};
-use tests_host::sky::{Fleet, Noise, Sight, Site, sights};
 
 /// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment =

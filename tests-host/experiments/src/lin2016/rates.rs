@@ -27,9 +27,9 @@ use rayon::prelude::*;
 use super::{Day, EPOCHS, Finding, Judgement, Picture, Row, SEED, SIGMA_M, Section, faulty, pose};
 use crate::draw::generator;
 
-use tests_host::chi_square;
-use tests_host::report::canvas::{BLUE, INK, Mark, ORANGE, RGBColor, VIOLET};
-use tests_host::report::chart::{Axis, LineChart, Series};
+use raim::page::canvas::{BLUE, INK, Mark, ORANGE, RGBColor, VIOLET};
+use raim::page::chart::{Axis, LineChart, Series};
+use raim::second_opinion::chi_square;
 
 /// Number of biases: steps of ten metres, from no bias to 100 m.
 const BIASES: usize = 11;

@@ -7,13 +7,13 @@ use raim_core::least_squares::Snapshot;
 use rand::Rng as _;
 
 use anyhow::Context as _;
+use raim::page::canvas::{BLUE, GREY, Mark, ORANGE};
+use raim::page::chart::{Axis, LineChart, Series};
+use raim::signal::sky::linear;
 
 use super::{Day, EPOCHS, FALSE_ALARM, Finding, Judgement, Picture, Row, SEED, SIGMA_M, Section};
 use super::{faulty, pose};
 use crate::draw::generator;
-use tests_host::report::canvas::{BLUE, GREY, Mark, ORANGE};
-use tests_host::report::chart::{Axis, LineChart, Series};
-use tests_host::sky::linear;
 
 /// Epoch of the fault: the paper's "30 s", with epochs a minute apart.
 const FAULT_EPOCH: usize = 30;

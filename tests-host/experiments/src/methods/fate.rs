@@ -15,6 +15,11 @@
 
 use std::ops::Add;
 
+use raim::second_opinion::dense::Range;
+use raim::second_opinion::ransac_traditional::{
+    Criterion, RATIO, combination_count, combinations, unknowns, vote,
+};
+use raim::signal::sky::Sight;
 use raim_core::epoch::Observation;
 use raim_core::frame::{Ecef, Enu, LocalFrame};
 use raim_core::integrity::raim::isolation::ransac::ConsensusLimits;
@@ -24,9 +29,6 @@ use raim_core::requirements::Requirements;
 
 use super::skies::{CAPACITY, Scene};
 use super::{CONTENDERS, Contender};
-use tests_host::oracle::Range;
-use tests_host::ransac_traditional::{Criterion, RATIO, combination_count, combinations, unknowns, vote};
-use tests_host::sky::Sight;
 
 /// Outcome of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -27,11 +27,11 @@ use indicatif::ProgressBar;
 use raim_core::integrity::raim::isolation::parity;
 use raim_core::monitor::Method;
 use rayon::prelude::*;
+use rig::bench::{budget, stages};
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Row, Section};
 use fate::{Fate, Tally};
 use skies::{KINDS, Scene};
-use tests_host::bench::{budget, stages};
 
 /// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment = Experiment {

@@ -1,14 +1,14 @@
 //! Figures: rates at which each method leaves out exactly the faulty satellites.
 
 use anyhow::Result;
+use raim::page::bars::BarChart;
+use raim::page::canvas::{Mark, SERIES};
+use raim::page::chart::{Axis, LineChart, Series};
 
 use super::super::Picture;
 use super::fate::Fate;
 use super::skies::KINDS;
 use super::{CONTENDERS, FAULTS, STEPS_M, Tallies};
-use tests_host::report::bars::BarChart;
-use tests_host::report::canvas::{Mark, SERIES};
-use tests_host::report::chart::{Axis, LineChart, Series};
 
 const SIZE: (u32, u32) = (920, 400);
 

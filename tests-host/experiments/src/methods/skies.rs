@@ -13,6 +13,7 @@
 //! Orbit and clock error is that of GPS for all, because the slots of a fleet are not codes that
 //! identify a generation.
 
+use raim::signal::sky::{Fleet, Satellite, Sight, Site, sights};
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::Ecef;
 use raim_core::weighting::{ErrorBudget, UserModel, sigma_m};
@@ -21,7 +22,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::super::draw::{distinct, generator};
-use tests_host::sky::{Fleet, Satellite, Sight, Site, sights};
 
 /// Capacity of an epoch, satellites, as on the target.
 pub(super) const CAPACITY: usize = 40;

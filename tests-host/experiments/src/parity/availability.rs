@@ -5,6 +5,9 @@
 
 use anyhow::Result;
 use indicatif::ProgressBar;
+use raim::page::canvas::{Mark, SERIES};
+use raim::page::chart::{Axis, LineChart, Series};
+use raim::signal::sky::{Satellite, Sight, Site, linear, sights};
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::integrity::raim::levels::largest_slopes;
 use raim_core::least_squares::Workspace;
@@ -12,9 +15,6 @@ use rayon::prelude::*;
 
 use super::super::{Effort, Finding, Judgement, Picture, Row, Section};
 use super::{AVAILABILITY, MASK_RAD, MOST_ROWS, Sky};
-use tests_host::report::canvas::{Mark, SERIES};
-use tests_host::report::chart::{Axis, LineChart, Series};
-use tests_host::sky::{Satellite, Sight, Site, linear, sights};
 
 const HAL_M: f64 = 500.0;
 /// Epochs of one day, evenly from its start.

@@ -6,6 +6,10 @@
 
 use anyhow::Result;
 use indicatif::ProgressBar;
+use raim::page::canvas::{Mark, SERIES};
+use raim::page::chart::{Axis, LineChart, Series};
+use raim::second_opinion::chi_square::noncentral_lower_tail;
+use raim::signal::sky::{Satellite, Sight, Site, linear, sights};
 use raim_core::integrity::raim::isolation::parity::hybrid;
 use raim_core::least_squares::Workspace;
 use raim_core::satellite::Constellation;
@@ -15,10 +19,6 @@ use rayon::prelude::*;
 use super::super::draw::generator;
 use super::super::{Effort, Finding, Interval, Judgement, Picture, Row, Section};
 use super::{MASK_RAD, MOST_ROWS, Sky, limits, thresholds};
-use tests_host::chi_square::noncentral_lower_tail;
-use tests_host::report::canvas::{Mark, SERIES};
-use tests_host::report::chart::{Axis, LineChart, Series};
-use tests_host::sky::{Satellite, Sight, Site, linear, sights};
 
 const HOURS: f64 = 12.0;
 const STEP_M: f64 = 20.0;

@@ -10,6 +10,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use nalgebra::Vector3;
+use raim::page::bars::BarChart;
 use raim_core::integrity::raim::isolation::parity::{
     ParityFinding as Found, grouping, hybrid, hybrid_without_grouping, simultaneous,
 };
@@ -24,7 +25,6 @@ use rayon::prelude::*;
 use super::super::draw::{distinct, generator};
 use super::super::{Finding, Interval, Judgement, Picture, Row, Section};
 use super::{BIAS_M, MASK_RAD, limits, thresholds};
-use tests_host::report::bars::BarChart;
 
 const SATELLITES: usize = 8;
 const SIGMA_M: f64 = 6.0;

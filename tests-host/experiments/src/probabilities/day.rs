@@ -20,6 +20,8 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::{Matrix2, Vector2};
+use raim::page::{self, Moment};
+use raim::signal::sky::{Satellite, Sight, Site, sights};
 use raim_core::epoch::Epoch;
 use raim_core::frame::Enu;
 use raim_core::integrity::raim::detection::threshold::Thresholds;
@@ -34,8 +36,6 @@ use super::geometry::{Geometry, Worst, epoch, satellites};
 use super::sampling::normal;
 use super::{CAPACITY, MASK_DEG};
 use crate::draw::generator;
-use tests_host::report::{self, Moment};
-use tests_host::sky::{Satellite, Sight, Site, sights};
 
 /// Number of epochs that one thread judges in sequence.
 const CHUNK: usize = 120;
@@ -208,9 +208,9 @@ impl Day<'_> {
 
     fn moment(&self, time_s: f64, report: &Report<CAPACITY>, error: Option<Enu>) -> Moment {
         let verdict = match report.verdict {
-            Verdict::Protected(_) => report::Verdict::Protected,
-            Verdict::Alert(_) => report::Verdict::Alert,
-            Verdict::Unavailable(_) => report::Verdict::Unavailable,
+            Verdict::Protected(_) => page::Verdict::Protected,
+            Verdict::Alert(_) => page::Verdict::Alert,
+            Verdict::Unavailable(_) => page::Verdict::Unavailable,
         };
         Moment {
             time_s,

@@ -51,7 +51,7 @@ mod tests {
     use nalgebra::{Matrix2, Vector2};
 
     use super::beyond;
-    use tests_host::chi_square::noncentral_lower_tail;
+    use raim::second_opinion::chi_square::noncentral_lower_tail;
 
     #[test]
     fn round_distribution_is_a_non_central_chi_square() {

@@ -27,6 +27,7 @@
 
 use anyhow::{Context as _, Result, ensure};
 use nalgebra::DVector;
+use raim::signal::sky::Site;
 use raim_core::epoch::Epoch;
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::integrity::raim::isolation::parity::Isolation;
@@ -43,7 +44,6 @@ use super::skies::{KINDS, Scene, scene, steepest, systems_in_words};
 use super::worst::FAULT_FREE;
 use crate::draw::generator;
 use crate::{Effort, Finding, Interval, Judgement, Row, Section};
-use tests_host::sky::Site;
 
 /// Methods by their words in the command `METHOD`.
 const METHODS: [(&str, Method); 8] = [

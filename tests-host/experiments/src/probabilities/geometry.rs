@@ -4,16 +4,16 @@
 
 use anyhow::Result;
 use nalgebra::{DVector, Vector2};
+use raim::replay::{self, Window};
+use raim::second_opinion::dense::{self, Dense, Range};
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::sky::linear::Row;
+use raim::signal::sky::{Fleet, Satellite, Sight, Site, sights};
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::satellite::Constellation;
+use rig::stations::{DGAR, ESBC, Station};
 
 use super::{CAPACITY, CLOCKS_M, MASK_DEG, SIGMA};
-use tests_host::encode::{Frequency, Selection};
-use tests_host::oracle::{self, Dense, Range};
-use tests_host::replay::{self, Window};
-use tests_host::sky::linear::Row;
-use tests_host::sky::{Fleet, Satellite, Sight, Site, sights};
-use tests_host::stations::{DGAR, ESBC, Station};
 
 /// Time between the instants of the geometries, s.
 const STEP_S: f64 = 1800.0;
@@ -48,7 +48,7 @@ impl Geometry {
             residual_m: 0.0,
             sigma_m: row.sigma_m,
         };
-        let dense = oracle::solve(&rows.iter().map(range).collect::<Vec<_>>())?;
+        let dense = dense::solve(&rows.iter().map(range).collect::<Vec<_>>())?;
         (dense.dof > 0).then_some(Self { rows, dense })
     }
 

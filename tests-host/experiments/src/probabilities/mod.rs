@@ -24,6 +24,9 @@ mod worst;
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
+use raim::page::stanford;
+use raim::signal::sky::Site;
+use raim::signal::sky::linear::Sigma;
 use raim_core::integrity::raim::detection::threshold::{Thresholds, false_alarms, missed_detections};
 use raim_core::numeric::probability::Probability;
 use raim_core::requirements::Requirements;
@@ -34,9 +37,6 @@ use super::{Effort, Experiment, Finding, Interval, Judgement, Outcome, Picture, 
 use day::{Day, Tally};
 use geometry::Geometry;
 use sampling::Sample;
-use tests_host::report::stanford;
-use tests_host::sky::Site;
-use tests_host::sky::linear::Sigma;
 
 /// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment = Experiment {

@@ -21,6 +21,7 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::DVector;
+use raim::signal::sky::linear::{Row, equations};
 use raim_core::integrity::raim::detection::detect;
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::integrity::raim::levels::largest_slopes;
@@ -33,7 +34,6 @@ use rayon::prelude::*;
 use super::CAPACITY;
 use super::geometry::{Geometry, Worst};
 use crate::draw::generator;
-use tests_host::sky::linear::{Row, equations};
 
 /// Weights by draw, 0 if the event did not happen: in `f32` and in `f64`.
 pub(super) struct Sample {

@@ -1,13 +1,13 @@
 //! Skies of six to forty satellites of one to three constellations, drawn from those in view at
 //! some instant of a day.
 
+use raim::signal::sky::{Fleet, Satellite, Sight, Site, sights};
 use raim_core::satellite::{Constellation, SatelliteId};
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 
 use super::geometry::Geometry;
 use crate::draw::{distinct, generator};
-use tests_host::sky::{Fleet, Satellite, Sight, Site, sights};
 
 /// Elevation mask, degrees: low, for skies of many satellites.
 const MASK_DEG: f64 = 5.0;

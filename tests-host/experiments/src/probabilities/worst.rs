@@ -23,6 +23,9 @@
 
 use anyhow::{Context as _, Result, ensure};
 use nalgebra::{Matrix2, Vector2};
+use raim::second_opinion::chi_square::noncentral_lower_tail;
+use raim::signal::sky::Site;
+use raim::signal::sky::linear::equations;
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::integrity::raim::levels::{KFactors, LevelInputs, Levels};
 use raim_core::least_squares::Workspace;
@@ -35,9 +38,6 @@ use super::disc::beyond;
 use super::geometry::Geometry;
 use super::skies::{KINDS, Scene, scene, steepest, systems_in_words};
 use crate::{Effort, Finding, Judgement, Row, Section};
-use tests_host::chi_square::noncentral_lower_tail;
-use tests_host::sky::Site;
-use tests_host::sky::linear::equations;
 
 /// Sizes of the bias, as shares of the one that corresponds to `√λ`.
 const SHARES: std::ops::RangeInclusive<u32> = 4..=26;

@@ -2,6 +2,11 @@
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
+use raim::page::bars::BarChart;
+use raim::page::canvas::{Mark, SERIES};
+use raim::page::chart::{Axis, LineChart, Series};
+use raim::signal::sky::linear::{Sigma, equations, rows};
+use raim::signal::sky::{Noise, Satellite, Sight, Site, sights};
 use raim_core::integrity::raim::isolation::parity;
 use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
 use raim_core::least_squares::Workspace;
@@ -12,11 +17,6 @@ use super::super::draw::{distinct, generator};
 use super::super::{Effort, Finding, Judgement, Picture, Row, Section};
 use super::method::{Answer, Limits, Method, ROWS, Score, Traditional};
 use super::{BIAS_M, CLOCKS_M, MASK_RAD, Sky, faults_in_words, fleets, most_subsets};
-use tests_host::report::bars::BarChart;
-use tests_host::report::canvas::{Mark, SERIES};
-use tests_host::report::chart::{Axis, LineChart, Series};
-use tests_host::sky::linear::{Sigma, equations, rows};
-use tests_host::sky::{Noise, Satellite, Sight, Site, sights};
 
 const DAY_S: f64 = 86_400.0;
 const SEED: u64 = 0x71A2;

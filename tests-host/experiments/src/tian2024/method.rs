@@ -10,6 +10,10 @@
 //! The paper's "wrong" is wrong or unresolved here.
 
 use anyhow::{Context as _, Result};
+use raim::second_opinion::dense::Range;
+use raim::second_opinion::ransac_traditional::{
+    Criterion, RATIO, combination_count, combinations, unknowns, vote,
+};
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::integrity::raim::isolation::baarda::exclude_sequentially;
 use raim_core::integrity::raim::isolation::exclusion::{Exclusion, ExclusionOutcome};
@@ -23,8 +27,6 @@ use rand_chacha::ChaCha8Rng;
 use super::super::draw::distinct;
 use super::super::{Finding, Interval};
 use super::Sky;
-use tests_host::oracle::Range;
-use tests_host::ransac_traditional::{Criterion, RATIO, combination_count, combinations, unknowns, vote};
 
 /// Capacity of an epoch, rows.
 pub(super) const ROWS: usize = CAPACITY;

@@ -9,8 +9,8 @@
 //! | the station's experiment on a real recording | `station` |
 //!
 //! The core runs in `f32`, as on the target. The traditional method, which needs every minimal
-//! subset, is [`tests_host::ransac_traditional`]; if there are too many subsets a random sample of
-//! them votes.
+//! subset, is [`ransac_traditional`](raim::second_opinion::ransac_traditional); if there are too
+//! many subsets a random sample of them votes.
 
 mod flight;
 mod jfng;
@@ -19,10 +19,10 @@ mod station;
 
 use anyhow::Result;
 use indicatif::ProgressBar;
+use raim::signal::sky::{Fleet, Satellite};
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::{Effort, Experiment, Outcome};
-use tests_host::sky::{Fleet, Satellite};
 
 /// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment = Experiment {

@@ -8,6 +8,10 @@
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
+use raim::page::bars::BarChart;
+use raim::replay::{self, Window};
+use raim::signal::encode::{self, Frequency};
+use raim::signal::recording::Recording;
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::Ecef;
 use raim_core::integrity::raim::hypotheses::separability::separable;
@@ -18,16 +22,12 @@ use raim_core::least_squares::Workspace;
 use raim_core::least_squares::fix::Fix;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use rig::shared;
 
 use super::super::draw::{distinct, generator};
 use super::super::{Effort, Judgement, Picture, Row, Section};
 use super::method::{Answer, Limits, Method, ROWS, Score, Traditional};
 use super::{BIAS_M, MASK_RAD, Sky, faults_in_words, most_subsets};
-use tests_host::encode::{self, Frequency};
-use tests_host::recording::Recording;
-use tests_host::replay::{self, Window};
-use tests_host::report::bars::BarChart;
-use tests_host::shared;
 
 const FOLDER: &str = "data/esbc";
 const OBSERVATIONS: &str = "ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz";

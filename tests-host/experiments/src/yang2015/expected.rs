@@ -6,7 +6,7 @@
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
-//! | `Q`, `G` | upper tail of χ², lower tail of the non-central one ([`tests_host::chi_square`]) | – |
+//! | `Q`, `G` | upper tail of χ², lower tail of the non-central one ([`raim::second_opinion::chi_square`]) | – |
 //! | `τ` | threshold of the core | – |
 //! | `S_ii` | redundancy number of the faulty satellite, each in view with equal probability | – |
 //! | `b` | fault | m |
@@ -15,13 +15,13 @@
 
 use std::ops::Range;
 
+use raim::second_opinion::chi_square::{noncentral_lower_tail, upper_tail};
 use raim_core::least_squares::Snapshot;
 use rayon::prelude::*;
 
 use super::SIGMA_M;
 use super::case::{CASES, Case, Errors, FAULT_M, FAULT_S, POLICIES, Tally};
 use super::grid::{CELLS, Cell, Sky, pose};
-use tests_host::chi_square::{noncentral_lower_tail, upper_tail};
 
 /// Time that one geometry represents, s.
 const STEP_S: f64 = 300.0;

@@ -4,6 +4,7 @@
 //! direction by 2e-5 rad, which no statistic shows, and so one set of positions serves all cells.
 
 use nalgebra::Vector3;
+use raim::signal::sky::{Fleet, Satellite, Site};
 use raim_core::frame::{Ecef, Enu};
 use raim_core::least_squares::Workspace;
 use raim_core::least_squares::equations::LinearEpoch;
@@ -11,7 +12,6 @@ use raim_core::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
 use super::{MASK_DEG, ROWS, SIGMA_M};
-use tests_host::sky::{Fleet, Satellite, Site};
 
 /// Number of rows of cells, from 10 to 55 degrees north.
 pub(super) const LATITUDES: usize = 9;

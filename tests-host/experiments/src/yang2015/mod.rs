@@ -20,13 +20,13 @@ mod xian;
 
 use anyhow::Context as _;
 use indicatif::ProgressBar;
+use oracle::tables::{self, GoldComparison, Lookup};
+use oracle::vectors;
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::integrity::raim::detection::threshold::policy::range_threshold_m;
 use raim_core::numeric::probability::Probability;
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Row, Section};
-use tests_host::tables::{self, GoldComparison, Lookup};
-use tests_host::vectors;
 
 /// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment = Experiment {

@@ -3,14 +3,14 @@
 use std::ops::Range;
 
 use indicatif::ProgressBar;
+use raim::page::canvas::{BLUE, Mark, ORANGE};
+use raim::page::chart::{Axis, LineChart, Series};
 
 use super::case::{CASES, Case, Errors, Tally};
 use super::expected::{self, Expectation};
 use super::grid::{CELLS, Cell, LATITUDES, Sky, latitude_deg};
 use super::simulated::{self, DAY_S};
 use crate::{Finding, Interval, Judgement, Picture, Row, Section};
-use tests_host::report::canvas::{BLUE, Mark, ORANGE};
-use tests_host::report::chart::{Axis, LineChart, Series};
 
 /// Indices of cases, as [`Case::all`] orders them.
 const LIKELIER: usize = 1;

@@ -7,6 +7,9 @@
 use std::ops::RangeInclusive;
 
 use anyhow::Context as _;
+use raim::page::canvas::{BLUE, INK, Mark, ORANGE, RED, VIOLET};
+use raim::page::chart::{Axis, LineChart, Series, Span};
+use raim::signal::sky::{Fleet, Satellite, Site, sights};
 use raim_core::frame::Enu;
 use raim_core::integrity::raim::detection::threshold::policy::{
     Decision, ThresholdProblem, Weights, range_threshold_m,
@@ -18,9 +21,6 @@ use raim_core::numeric::probability::Probability;
 use super::grid::pose;
 use super::{FALSE_ALARM, LIMIT_M, MASK_DEG, MISSED_DETECTION, SIGMA_M, thresholds};
 use crate::{Finding, Judgement, Picture, Row, Section};
-use tests_host::report::canvas::{BLUE, INK, Mark, ORANGE, RED, VIOLET};
-use tests_host::report::chart::{Axis, LineChart, Series, Span};
-use tests_host::sky::{Fleet, Satellite, Site, sights};
 
 /// Number of minutes of a day.
 const MINUTES: usize = 1440;

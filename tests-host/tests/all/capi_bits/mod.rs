@@ -5,17 +5,20 @@
 
 mod session;
 
+use raim::signal::capture;
+use rig::bench::workload::{self, Stream, Wrong};
+use rig::board;
+use rig::board::Machine;
+use rig::capi::calls::Answer;
+use rig::capi::program::{ARM, Language, SANITISED, classic_on_board, on_board, on_host};
+use rig::capi::run;
+use rig::shared;
+use rig::skip;
 use session::Session;
-use tests_host::bench::workload::{self, Stream, Wrong};
-use tests_host::board::Machine;
-use tests_host::capi::calls::Answer;
-use tests_host::capi::program::{ARM, Language, SANITISED, classic_on_board, on_board, on_host};
-use tests_host::capi::run;
-use tests_host::{board, capture, shared, skip};
 
 /// Largest stack of a call, bytes: as the library's documentation states it, and no more than a
 /// task of 8 KiB has.
-const STACK_BYTES: [(&str, u32); 7] = [
+const STACK_BYTES: [(&str, u32); 10] = [
     ("rai_monitor_init", 4 * 1024),
     ("rai_monitor_forget", 128),
     ("rai_monitor_judge", 8 * 1024),
@@ -23,6 +26,9 @@ const STACK_BYTES: [(&str, u32); 7] = [
     ("rai_receiver_gnss", 8 * 1024),
     ("rai_receiver_tick", 8 * 1024),
     ("rai_receiver_command", 5 * 1024),
+    ("rai_receiver_set", 5 * 1024),
+    ("rai_monitor_residuals", 1024),
+    ("rai_receiver_residuals", 1024),
 ];
 
 /// Phase, method, policy, clock aiding: every method, every policy.
@@ -46,7 +52,7 @@ fn monitored(session: &mut Session) {
         for (count, constellations, faults) in
             [(4, 1, 0), (8, 1, 0), (20, 2, 1), (20, 2, 2), (20, 2, 0), (40, 2, 3), (40, 4, 0)]
         {
-            session.judge(&workload::epoch(count, constellations, faults).expect("a sky"));
+            session.judge_and_explain(&workload::epoch(count, constellations, faults).expect("a sky"));
         }
         session.forget();
     }
@@ -64,10 +70,17 @@ fn received(session: &mut Session) {
         if let Some(command) = commands.get(second as usize - 1) {
             session.command(command);
         }
+        session.explain_receiver();
+    }
+    for (key, values) in
+        [("PHASE", "NPA"), ("OUTPUT", "RMC,1"), ("MASK", ""), ("STATS", ""), ("METHOD", "AUTO")]
+    {
+        session.set(key, values);
     }
     for second in 9..25 {
         session.tick(second * 1000);
     }
+    session.explain_receiver();
     session.command("SELFTEST");
 }
 

@@ -1,8 +1,10 @@
 //! A session run twice: as calls for the C program, and in Rust, whose results are laid out by the
 //! header.
 
+use raim::pin::Pin;
+use raim::sentence;
 use raim_core::continuity::ContinuitySettings;
-use raim_core::epoch::Epoch;
+use raim_core::epoch::{Epoch, Observation};
 use raim_core::integrity::Method;
 use raim_core::integrity::raim::detection::threshold::policy::Policy;
 use raim_core::integrity::raim::isolation::parity::Isolation;
@@ -10,10 +12,9 @@ use raim_core::monitor::Strategy;
 use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::single::{self, CAPACITY, Monitor};
+use raim_core::velocity::Velocity;
 use raim_firmware::receiver::{Boot, Receiver};
-use tests_host::capi::{self, calls::Calls};
-use tests_host::pin::Pin;
-use tests_host::sentence;
+use rig::capi::{self, calls::Calls};
 
 /// Calls, and the wanted result of each.
 pub(crate) struct Session {
@@ -116,6 +117,17 @@ impl Session {
         self.want.push(Vec::new());
     }
 
+    /// Judges an epoch, and asks for its accuracy and residuals.
+    pub(crate) fn judge_and_explain(&mut self, epoch: &Epoch<CAPACITY>) {
+        self.calls.judge(epoch);
+        let report = single::process(self.monitor.as_mut().expect("prepared"), epoch);
+        self.want.push(self.of_report(&report));
+        self.calls.explain();
+        let mut want = accuracy(Some(&report));
+        want.extend(residuals(epoch, &report));
+        self.want.push(want);
+    }
+
     pub(crate) fn start(&mut self) {
         self.calls.start();
         let boot = Boot::on_host("library");
@@ -145,6 +157,37 @@ impl Session {
             receiver.command(line.as_bytes(), said);
             false
         });
+    }
+
+    /// Sets by key and values; the answers are those of a command.
+    pub(crate) fn set(&mut self, key: &str, values: &str) {
+        self.calls.set(key, values);
+        let line =
+            sentence::command(&if values.is_empty() { key.to_owned() } else { format!("{key},{values}") });
+        self.hear(|receiver, said| {
+            receiver.command(line.as_bytes(), said);
+            false
+        });
+    }
+
+    pub(crate) fn explain_receiver(&mut self) {
+        self.calls.explain_receiver();
+        let receiver = self.receiver.as_ref().expect("started");
+        let report = receiver.last_report();
+        let mut want = accuracy(report);
+        want.extend(velocity(report.and_then(|_| receiver.velocity())));
+        if let (Some(epoch), Some(report)) = (receiver.last_epoch(), report) {
+            want.extend(residuals(epoch, report));
+        }
+        for (name, value) in receiver.statistics() {
+            want.extend(44_u32.to_le_bytes());
+            want.extend(value.to_le_bytes());
+            let mut text = name.as_bytes().to_vec();
+            assert!(text.len() < 36, "{name} is longer than the name of a counter");
+            text.resize(36, 0);
+            want.extend(text);
+        }
+        self.want.push(want);
     }
 
     fn hear(&mut self, call: impl FnOnce(&mut Receiver<Pin>, &mut Vec<u8>) -> bool) {
@@ -201,6 +244,56 @@ impl Session {
 
 fn doubles<const K: usize>(numbers: [f64; K]) -> impl Iterator<Item = u8> {
     numbers.into_iter().flat_map(f64::to_le_bytes)
+}
+
+/// Returns `rai_accuracy_t` as the header defines it.
+fn accuracy(report: Option<&Report<CAPACITY>>) -> Vec<u8> {
+    let mut bytes = 128_u32.to_le_bytes().to_vec();
+    let suspect = report.and_then(|report| report.suspect);
+    let (letter, number) = suspect.map_or(('\0', 0), |suspect| suspect.satellite.name());
+    bytes.extend([letter as u8, number, 0, 0]);
+    bytes.extend(doubles([suspect.map_or(f64::NAN, |suspect| suspect.w_test)]));
+    let nothing = [f64::NAN; 4];
+    let solution = report.and_then(|report| report.solution.as_ref());
+    bytes.extend(doubles(solution.map_or([f64::NAN; 6], |solution| solution.covariance_m2)));
+    let rms_m = solution.and(report).map_or(f64::NAN, |report| report.residual_rms_m);
+    bytes.extend(doubles(solution.map_or([f64::NAN; 2], |solution| [solution.hdop, solution.vdop])));
+    bytes.extend(doubles([rms_m, report.and_then(|report| report.sigma_check).unwrap_or(f64::NAN)]));
+    let [gps, beidou, galileo, glonass] =
+        solution.map_or(nothing, |solution| solution.clocks_m.map(|clock_m| clock_m.unwrap_or(f64::NAN)));
+    bytes.extend(doubles([gps, glonass, galileo, beidou]));
+    bytes
+}
+
+/// Returns `rai_velocity_t` as the header defines it.
+fn velocity(velocity: Option<&Velocity>) -> Vec<u8> {
+    let mut bytes = 120_u32.to_le_bytes().to_vec();
+    let Some(velocity) = velocity else {
+        bytes.extend([0; 4]);
+        bytes.extend(doubles([f64::NAN; 14]));
+        return bytes;
+    };
+    bytes.extend([velocity.test.dof, velocity.excluded.len() as u8, 0, 0]);
+    bytes.extend(doubles(velocity.east_north_up_m_s));
+    bytes.extend(doubles(velocity.covariance_m2_s2));
+    let levels = velocity.levels_m_s;
+    bytes.extend(doubles([velocity.drift_m_s, levels.hpl_m, levels.vpl_m]));
+    bytes.extend(doubles([velocity.test.statistic, velocity.test.threshold]));
+    bytes
+}
+
+/// Returns one `rai_residual_t` for each satellite, as the header defines it.
+fn residuals(epoch: &Epoch<CAPACITY>, report: &Report<CAPACITY>) -> Vec<u8> {
+    let Some(solution) = &report.solution else { return Vec::new() };
+    let of = |observation: &Observation| {
+        let residual_m = solution.residual_m::<f32>(observation).unwrap_or(f64::NAN);
+        let (letter, number) = observation.satellite.name();
+        let is_used = report.used.contains(&observation.satellite);
+        let mut bytes: Vec<u8> = doubles([residual_m, observation.sigma_m]).collect();
+        bytes.extend([letter as u8, number, is_used.into(), 0, 0, 0, 0, 0]);
+        bytes
+    };
+    epoch.observations().iter().flat_map(of).collect()
 }
 
 /// Returns `rai_verdict_t` without a position.

@@ -1,11 +1,11 @@
 //! Captures from before the week cycle of 2019, with their own date.
 
-use tests_host::capture::{self, Capture};
-use tests_host::encode::{Encoder, Frequency, Selection, StatedWeek};
-use tests_host::replay::{self, Pace, Window};
-use tests_host::shared;
-use tests_host::sky::Fleet;
-use tests_host::sky::raw::Simulation;
+use raim::replay::{self, Pace, Window};
+use raim::signal::capture::{self, Capture};
+use raim::signal::encode::{Encoder, Frequency, Selection, StatedWeek};
+use raim::signal::sky::Fleet;
+use raim::signal::sky::raw::Simulation;
+use rig::shared;
 
 /// Returns the RTCM 3 stream of these systems, from `before_s` before the end of a week on.
 fn bytes(systems: &str, week: u16, before_s: f64, stated: StatedWeek) -> Vec<u8> {

@@ -1,10 +1,10 @@
 //! Faults put into the messages of a capture.
 
+use raim::replay::{self, Moment, Summary, Track, Window};
+use raim::signal::capture::Capture;
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::fault::Fault;
 use raim_core::satellite::SatelliteId;
-use tests_host::capture::Capture;
-use tests_host::encode::{Frequency, Selection};
-use tests_host::fault::Fault;
-use tests_host::replay::{self, Moment, Summary, Track, Window};
 
 use super::{STREAMS, epochs, first, judged, run, run_with};
 
@@ -104,7 +104,7 @@ fn a_fault_put_into_messages_is_the_fault_put_into_the_recording() {
             (run(&recorded, None), run(&capture.lumps(&[fault], &Window::ALL).unwrap().lumps, None));
         for (have, want) in have.iter().zip(&want) {
             let (have, want) = (have.output.as_ref().unwrap(), want.output.as_ref().unwrap());
-            let who = |output: &tests_host::sentence::EpochOutput| {
+            let who = |output: &raim::sentence::EpochOutput| {
                 let left_out = output.excluded.iter().map(|excluded| excluded.satellite.to_string());
                 (output.state.state, output.state.reason.clone(), left_out.collect::<Vec<_>>())
             };

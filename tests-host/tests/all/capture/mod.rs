@@ -13,17 +13,17 @@ use std::process::{Command, Stdio};
 use flate2::Compression;
 use flate2::read::GzDecoder;
 use flate2::write::GzEncoder;
+use raim::replay::{self, Lump, Moment, Pace, Summary, Track, Truth, Window};
+use raim::signal::capture::{self, Capture, Orbits};
+use raim::signal::encode::{Frequency, Selection, ubx};
+use raim::signal::fault::Fault;
+use raim::signal::measurement::MeasuredEpoch;
+use raim::signal::pieces::{Kind, pieces};
+use raim::signal::recording::Recording;
 use raim_firmware::time::GpsTime;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use tests_host::capture::{self, Capture, Orbits};
-use tests_host::encode::{Frequency, Selection, ubx};
-use tests_host::fault::Fault;
-use tests_host::measurement::MeasuredEpoch;
-use tests_host::recording::Recording;
-use tests_host::replay::pieces::{Kind, pieces};
-use tests_host::replay::{self, Lump, Moment, Pace, Summary, Track, Truth, Window};
-use tests_host::shared;
+use rig::shared;
 
 /// A stream of the reference folder, its sources, and the place of the antenna.
 struct Stream {

@@ -1,9 +1,9 @@
 //! False beginnings of frames before the epochs of a line that never falls silent for long: the pin
 //! is as early as without them.
 
-use tests_host::encode::{Encoder, Frequency, Selection, ubx};
-use tests_host::paced::{Costs, Lines, run};
-use tests_host::sky::raw::Simulation;
+use raim::signal::encode::{Encoder, Frequency, Selection, ubx};
+use raim::signal::sky::raw::Simulation;
+use rig::paced::{Costs, Lines, run};
 
 const FULL_HZ: u64 = 168_000_000;
 /// Cost of an epoch, instructions.

@@ -4,11 +4,11 @@
 //! eccentricity ends below 0.5, and all fields are integers. `rai-firmware/tests/all/ephemeris.rs`
 //! tests the check behind the messages with those; here the nearest possible values are sent.
 
+use raim::signal::checksum::rtcm_frame;
 use rand::{RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rtcm_rs::Message;
 use rtcm_rs::msg::{Msg1019T, Msg1042T};
-use tests_host::checksum::rtcm_frame;
 
 use super::frames::{changed, claiming, gps, is_ephemeris, only};
 use super::module::{Module, Sky};

@@ -3,12 +3,12 @@
 
 use std::cell::{Cell, RefCell};
 
+use raim::pin::Pin;
+use raim::sentence::{self, Sentence};
 use raim_firmware::outlet::Outlet;
 use raim_firmware::output::nmea::MAX_LENGTH;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::ring::Ring;
-use tests_host::pin::Pin;
-use tests_host::sentence::{self, Sentence};
 
 use super::module::Sky;
 

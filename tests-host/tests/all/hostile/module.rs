@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use raim::pin::Pin;
+use raim::sentence::{self, EpochOutput};
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::sky::Site;
+use raim::signal::sky::raw::Simulation;
 use raim_firmware::receiver::{Boot, Receiver};
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::pin::Pin;
-use tests_host::sentence::{self, EpochOutput};
-use tests_host::sky::Site;
-use tests_host::sky::raw::Simulation;
 
 /// Pause after each burst, in which a receiver would be silent, ms.
 const PAUSE_MS: u64 = 600;

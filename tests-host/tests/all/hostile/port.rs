@@ -1,7 +1,7 @@
 //! A line that falls silent, and a host that sends invalid commands.
 
+use raim::sentence;
 use raim_firmware::settings::Setting;
-use tests_host::sentence;
 
 use super::frames::frames;
 use super::module::{Module, Sky};

@@ -1,9 +1,9 @@
 //! A receiver that returns as another source, and one that sends everything twice.
 
-use tests_host::checksum::rtcm_frame;
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::replay::pieces::{Kind, pieces};
-use tests_host::sky::raw::Simulation;
+use raim::signal::checksum::rtcm_frame;
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::pieces::{Kind, pieces};
+use raim::signal::sky::raw::Simulation;
 
 use super::module::{Module, Sky};
 
@@ -59,7 +59,7 @@ fn one_repeat_in_ten_at_ten_hertz_costs_no_promise() {
     for (index, lump) in lumps.iter().enumerate() {
         text.clear();
         module.receiver.gnss(lump, 100 * index as u64, &mut text);
-        let outputs = tests_host::sentence::epochs(std::str::from_utf8(&text).unwrap()).unwrap();
+        let outputs = raim::sentence::epochs(std::str::from_utf8(&text).unwrap()).unwrap();
         assert!(outputs.iter().all(|output| output.state.is_protected()), "epoch {index}: {outputs:?}");
         said += outputs.len();
     }

@@ -1,9 +1,8 @@
 //! Invalid bytes and frames.
 
+use raim::signal::checksum::rtcm_frame;
 use rand::{RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-use tests_host::checksum::rtcm_frame;
 
 use super::frames::{claiming, frames, payload};
 use super::module::{Module, Sky};

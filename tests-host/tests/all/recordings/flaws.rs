@@ -1,7 +1,7 @@
 //! A flaw costs its record and is counted; the rest of the file is read.
 
+use raim::signal::recording::{Recording, Skipped};
 use raim_firmware::time::GpsTime;
-use tests_host::recording::{Recording, Skipped};
 
 use super::made::{
     EPOCH_2, EPOCH_3, HEADER_2, HEADER_3, NAMES, all_ranges, compact, id, navigation, ranges, version_2,

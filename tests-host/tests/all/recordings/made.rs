@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
+use raim::signal::recording::Recording;
 use raim_core::satellite::SatelliteId;
 use raim_firmware::time::GpsTime;
-use tests_host::recording::Recording;
 
 use super::quirks::NAVIGATION_3;
 
@@ -116,9 +116,9 @@ pub(crate) type Range = (GpsTime, SatelliteId, i64);
 
 /// Returns all pseudoranges of a recording.
 pub(crate) fn ranges(recording: &Recording) -> Vec<Range> {
-    let of_epoch = |epoch: &tests_host::measurement::MeasuredEpoch| {
+    let of_epoch = |epoch: &raim::signal::measurement::MeasuredEpoch| {
         let time = epoch.time;
-        let range = move |of: &tests_host::measurement::MeasuredSatellite| {
+        let range = move |of: &raim::signal::measurement::MeasuredSatellite| {
             (time, of.satellite, (of.signals[0].pseudorange_m * 1e3).round() as i64)
         };
         epoch.satellites.iter().map(range).collect::<Vec<_>>()

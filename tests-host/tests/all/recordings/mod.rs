@@ -14,9 +14,9 @@ mod wire;
 
 use std::path::PathBuf;
 
-use tests_host::encode::{Encoder, Selection};
-use tests_host::recording::Recording;
-use tests_host::shared;
+use raim::signal::encode::{Encoder, Selection};
+use raim::signal::recording::Recording;
+use rig::shared;
 
 /// A reference recording: observations and navigation.
 struct Files(&'static str, &'static str);

@@ -2,7 +2,7 @@
 //! than is counted.
 
 use proptest::prelude::*;
-use tests_host::recording::Recording;
+use raim::signal::recording::Recording;
 
 use super::made::{
     EPOCH_2, EPOCH_3, HEADER_2, HEADER_3, NAMES, all_ranges, compact, navigation, ranges, version_2,

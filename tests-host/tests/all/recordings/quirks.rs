@@ -1,9 +1,9 @@
 //! Quirks of real files, each in the smallest possible input.
 
+use raim::signal::measurement::Ephemeris;
+use raim::signal::measurement::{MeasuredEpoch, MeasuredSatellite};
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::time::GpsTime;
-use tests_host::measurement::Ephemeris;
-use tests_host::measurement::{MeasuredEpoch, MeasuredSatellite};
 
 use super::read;
 
@@ -75,7 +75,7 @@ fn id(name: &str) -> SatelliteId {
 /// Returns the pseudoranges of a satellite as RINEX 3.05 codes, m.
 fn codes(satellite: &MeasuredSatellite) -> Vec<(String, f64)> {
     let code =
-        |signal: &tests_host::measurement::MeasuredSignal| format!("C{}{}", signal.band, signal.attribute);
+        |signal: &raim::signal::measurement::MeasuredSignal| format!("C{}{}", signal.band, signal.attribute);
     satellite.signals.iter().map(|signal| (code(signal), signal.pseudorange_m)).collect()
 }
 

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use tests_host::recording::Recording;
-use tests_host::sample;
+use raim::signal::recording::Recording;
+use raim::signal::sample;
 
 use super::{DGAR, ESBC, KMS3, STATIC1HZ, TLSE};
 
@@ -70,7 +70,7 @@ fn the_sample_is_fetched_and_read() {
     let cache = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let sample = match sample::fetch(cache) {
         Ok(sample) => sample,
-        Err(reason) => return tests_host::skip::say(&format!("pip and the package index: {reason:#}")),
+        Err(reason) => return rig::skip::say(&format!("pip and the package index: {reason:#}")),
     };
     let recording = Recording::load(&[sample.observations], &[sample.navigation]).unwrap();
     let want = Tally { epochs: 60, satellites: 1142, pseudoranges: 4742, sum_mm: 112_875_132_293_802 };

@@ -4,8 +4,8 @@ use std::io::Write as _;
 use std::path::Path;
 
 use flate2::write::GzEncoder;
-use tests_host::encode::{Frequency, Selection};
-use tests_host::recording::Recording;
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::recording::Recording;
 
 use super::quirks::{NAVIGATION_3, OBSERVATIONS_3};
 use super::read;
@@ -129,6 +129,6 @@ fn an_unknown_system_is_named() {
 
 #[test]
 fn the_sample_needs_a_folder_that_can_be_written() {
-    let have = refusal(tests_host::sample::fetch(Path::new("/dev/null")));
+    let have = refusal(raim::signal::sample::fetch(Path::new("/dev/null")));
     assert!(have.contains("sample"), "{have}");
 }

@@ -4,9 +4,9 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::Command;
 
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::recording::{Recording, readable};
 use raim_core::frame::{Ecef, LocalFrame};
-use tests_host::encode::{Frequency, Selection};
-use tests_host::recording::{Recording, readable};
 
 use super::{ESBC, STATIC1HZ, lumps};
 
@@ -75,7 +75,7 @@ fn position(line: &str) -> Option<Ecef> {
 #[test]
 fn rtklib_finds_the_antenna_in_the_stream() {
     if Command::new("convbin").output().is_err() || Command::new("rnx2rtkp").output().is_err() {
-        return tests_host::skip::say("convbin and rnx2rtkp (Debian package rtklib)");
+        return rig::skip::say("convbin and rnx2rtkp (Debian package rtklib)");
     }
     let esbc = Ecef::new(3_582_104.9254, 532_590.2381, 5_232_755.2669);
     let static1hz = Ecef::new(-3_817_681.1213, 3_562_839.4311, 3_650_159.1593);

@@ -1,8 +1,8 @@
 //! GLONASS navigation of RINEX 2, and QZSS from file to wire.
 
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::measurement::Ephemeris;
 use rtcm_rs::{Message, MsgFrameIter};
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::measurement::Ephemeris;
 
 use super::made::{id, version_3};
 use super::read;

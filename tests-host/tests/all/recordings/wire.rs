@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::time::GpsTime;
 use rtcm_rs::{Message, MsgFrameIter};
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
 
 use super::quirks::{NAVIGATION_3, OBSERVATIONS_3};
 use super::{DGAR, ESBC, Files, KMS3, STATIC1HZ, TLSE, lumps, read};

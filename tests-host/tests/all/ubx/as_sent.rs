@@ -5,14 +5,14 @@
 //! | `cases/lnav-as-sent.ubx` | ZED-F9P, X20P, NEO-M8T: GPS alone | RTKLIB's `convbin`, which reads elements and never checks the parity |
 //! | `real/f9p_sfrbx.ubx` | ZED-F9P: GPS, Galileo, `BeiDou`, GLONASS | the receiver sends only frames that passed its own check |
 
+use raim::signal::pieces::{Kind, pieces};
 use raim_core::frame::Ecef;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::ephemeris::Ephemeris;
 use raim_firmware::input::Counters;
 use raim_firmware::raw::Band;
 use raim_firmware::time::GpsTime;
-use tests_host::replay::pieces::{Kind, pieces};
-use tests_host::shared;
+use rig::shared;
 
 use super::said;
 
@@ -23,7 +23,7 @@ fn capture(relative: &str) -> Option<Vec<u8>> {
 
 /// Returns the number of RXM-SFRBX in a capture of the system with this number in UBX.
 fn frames_of(bytes: &[u8], system: u8) -> u32 {
-    let is_of = |piece: &tests_host::replay::pieces::Piece<'_>| {
+    let is_of = |piece: &raim::signal::pieces::Piece<'_>| {
         piece.kind == Kind::Ubx([0x02, 0x13]) && piece.bytes.get(6) == Some(&system)
     };
     pieces(bytes).filter(is_of).count() as u32

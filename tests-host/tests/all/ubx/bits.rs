@@ -1,12 +1,12 @@
 //! Navigation messages of random content: UBX gives the values of RTCM, bit for bit.
 
+use raim::signal::encode::ubx;
+use raim::signal::measurement::{Ephemeris, TimedEphemeris};
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::ephemeris::EphemerisError;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1045T, Msg1046T};
-use tests_host::encode::ubx;
-use tests_host::measurement::{Ephemeris, TimedEphemeris};
 
 use super::{NOON, by_rtcm, said};
 
@@ -193,9 +193,10 @@ fn ionosphere_and_leap_second_come_from_the_bits() {
     // The change is past, no more than 128 weeks ago as the eight bits of its week require.
     let spoken = ubx::IonosphereAndUtc { klobuchar, leap_s: (17, 18), change: (2000, 7) };
     let gps = gps(&mut random);
-    let selection = tests_host::encode::Selection::new("G", tests_host::encode::Frequency::Single).unwrap();
+    let selection =
+        raim::signal::encode::Selection::new("G", raim::signal::encode::Frequency::Single).unwrap();
     let mut encoder = ubx::Encoder::new(std::slice::from_ref(&gps), selection, Some(spoken));
-    let nothing = tests_host::measurement::MeasuredEpoch { time: NOON, satellites: Vec::new() };
+    let nothing = raim::signal::measurement::MeasuredEpoch { time: NOON, satellites: Vec::new() };
     let bytes = encoder.epoch(&nothing).unwrap();
     let mut input = raim_firmware::input::Input::new();
     let mut heard = super::Said::default();

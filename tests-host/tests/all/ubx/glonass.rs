@@ -1,5 +1,9 @@
 //! GLONASS: strings compared with RTCM, and positions with it compared with positions without.
 
+use raim::sentence;
+use raim::signal::encode::{self, Frequency, Selection, ubx};
+use raim::signal::measurement::{Ephemeris, TimedEphemeris};
+use raim::signal::recording::Recording;
 use raim_core::frame::Ecef;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::ephemeris::Ephemeris as Read;
@@ -9,14 +13,10 @@ use raim_firmware::settings::{Configuration, Systems};
 use raim_firmware::time::GpsTime;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rig::laboratory::{self, Bench, Scalar, Stage};
+use rig::stations::{ESBC, STATIC_BASE};
 use rtcm_rs::msg::Msg1020T;
 use rtcm_rs::{Message, MessageBuilder};
-use tests_host::encode::{self, Frequency, Selection, ubx};
-use tests_host::laboratory::{self, Bench, Scalar, Stage};
-use tests_host::measurement::{Ephemeris, TimedEphemeris};
-use tests_host::recording::Recording;
-use tests_host::sentence;
-use tests_host::stations::{ESBC, STATIC_BASE};
 
 use super::NOON;
 

@@ -1,6 +1,8 @@
 //! Wrong UBX: each kind is counted by its name, nothing wrong is accepted, and right frames beside
 //! it are read.
 
+use raim::signal::encode::ubx;
+use raim::signal::measurement::{Ephemeris, TimedEphemeris};
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::input::Counters;
 use raim_firmware::raw::Band;
@@ -8,8 +10,6 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use rtcm_rs::{Message, MessageBuilder};
-use tests_host::encode::ubx;
-use tests_host::measurement::{Ephemeris, TimedEphemeris};
 
 use super::bits::{SOURCES, beidou, gps, inav};
 use super::{NOON, by_rtcm, said};

@@ -21,13 +21,13 @@ mod qzss;
 mod rtklib;
 mod streams;
 
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::measurement::{MeasuredEpoch, TimedEphemeris};
 use raim_core::satellite::Constellation;
 use raim_firmware::ephemeris::Ephemeris;
 use raim_firmware::input::{Counters, Event, Input};
 use raim_firmware::raw::RawEpoch;
 use raim_firmware::time::GpsTime;
-use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::measurement::{MeasuredEpoch, TimedEphemeris};
 
 /// Content of some bytes.
 #[derive(Default)]

@@ -1,13 +1,13 @@
 //! The same epochs as RTCM and as UBX through the module: the same verdicts, the same positions.
 
+use raim::signal::encode::{self, Frequency, Selection, ubx};
+use raim::signal::recording::Recording;
 use raim_core::frame::Ecef;
 use raim_core::report::Verdict;
 use raim_firmware::input::{Event, Input};
 use raim_firmware::navigator::Navigator;
 use raim_firmware::settings::Configuration;
-use tests_host::encode::{self, Frequency, Selection, ubx};
-use tests_host::recording::Recording;
-use tests_host::shared;
+use rig::shared;
 
 /// A step of a range in MSM7, m: 2⁻²⁹ ms of light.
 const MSM7_STEP_M: f64 = 299_792.458 / 536_870_912.0;
@@ -91,7 +91,7 @@ fn compare(name: &str, recording: &Recording, every: usize, is_rounded: bool) ->
 
 #[test]
 fn a_simulated_sky_is_judged_the_same_in_both_formats() {
-    let recording = tests_host::sky::raw::Simulation::above_xian(0.0, 60, 3).record();
+    let recording = raim::signal::sky::raw::Simulation::above_xian(0.0, 60, 3).record();
     let (fixes, farthest_m) = compare("sky", &recording, 1, true);
     assert!(fixes == 60 && farthest_m < 1e-5, "{fixes} fixes, {farthest_m} m");
     let (fixes, farthest_m) = compare("sky", &recording, 1, false);

@@ -1,5 +1,7 @@
 //! QZSS: the bits of GPS under another number, and the clock that its ranges share.
 
+use raim::signal::encode::ubx;
+use raim::signal::measurement::{Ephemeris, TimedEphemeris};
 use raim_core::epoch::Epoch;
 use raim_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
 use raim_core::satellite::SatelliteId;
@@ -10,11 +12,9 @@ use raim_firmware::navigator::Navigator;
 use raim_firmware::settings::{Configuration, Systems};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rig::stations::{ESBC, STATIC_BASE, Station};
 use rtcm_rs::msg::{Msg1019T, Msg1044T};
 use rtcm_rs::{Message, MessageBuilder};
-use tests_host::encode::ubx;
-use tests_host::measurement::{Ephemeris, TimedEphemeris};
-use tests_host::stations::{ESBC, STATIC_BASE, Station};
 
 use super::bits::gps;
 use super::streams::{STREAMS, Stream};

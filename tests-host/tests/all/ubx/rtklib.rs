@@ -3,19 +3,19 @@
 
 use std::process::Command;
 
+use raim::signal::encode::ubx;
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::recording::{Recording, readable};
+use raim::signal::sky::raw::Simulation;
 use raim_firmware::time::GpsTime;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use tests_host::encode::ubx;
-use tests_host::encode::{Frequency, Selection};
-use tests_host::recording::{Recording, readable};
-use tests_host::sky::raw::Simulation;
 
 /// Writes bytes, lets `convbin` convert them to RINEX and reads that; returns `None` without
 /// `convbin`.
 fn converted(bytes: &[u8], week: u16) -> Option<Recording> {
     if Command::new("convbin").output().is_err() {
-        tests_host::skip::say("convbin (Debian's package rtklib)");
+        rig::skip::say("convbin (Debian's package rtklib)");
         return None;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -101,7 +101,7 @@ fn rtklib_reads_random_elements_to_the_last_bit() {
 
 /// Returns one range at noon.
 fn epoch() -> Vec<u8> {
-    use tests_host::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
+    use raim::signal::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
     let satellite =
         raim_core::satellite::SatelliteId::new(raim_core::satellite::Constellation::Gps, 1).unwrap();
     let signal = MeasuredSignal {

@@ -7,16 +7,16 @@ use std::io::Read;
 use std::path::PathBuf;
 
 use flate2::read::GzDecoder;
+use raim::signal::measurement::MeasuredEpoch;
+use raim::signal::pieces::{Kind, Piece, pieces};
+use raim::signal::recording::Recording;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::ephemeris::Ephemeris;
 use raim_firmware::input::{Counters, Event, Input};
 use raim_firmware::navigator::Navigator;
 use raim_firmware::raw::{Band, RawEpoch};
 use raim_firmware::settings::{Configuration, Frequencies, Systems};
-use tests_host::measurement::MeasuredEpoch;
-use tests_host::recording::Recording;
-use tests_host::replay::pieces::{Kind, Piece, pieces};
-use tests_host::shared;
+use rig::shared;
 
 use super::{Said, by_rtcm};
 

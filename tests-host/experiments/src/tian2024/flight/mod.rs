@@ -9,6 +9,9 @@ mod tables;
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
+use raim::second_opinion::ransac_traditional::combination_count;
+use raim::signal::sky::linear::{Sigma, equations, rows};
+use raim::signal::sky::{Noise, Satellite, Sight, Site, sights};
 use raim_core::integrity::raim::isolation::parity;
 use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
 use raim_core::least_squares::{Snapshot, Workspace};
@@ -18,9 +21,6 @@ use super::super::draw::{distinct, generator};
 use super::super::{Effort, Picture, Section};
 use super::method::{Answer, Limits, Method, ROWS, Traditional};
 use super::{BIAS_M, CLOCKS_M, MASK_RAD, Sky, fleets, most_subsets};
-use tests_host::ransac_traditional::combination_count;
-use tests_host::sky::linear::{Sigma, equations, rows};
-use tests_host::sky::{Noise, Satellite, Sight, Site, sights};
 
 const SECONDS: u64 = 7080;
 const SIGMA_M: f64 = 10.5;

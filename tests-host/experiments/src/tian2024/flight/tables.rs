@@ -3,6 +3,10 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use raim::page::canvas::{BLUE, GREEN, GREY, Mark, ORANGE, RED, VIOLET};
+use raim::page::chart::{Axis, LineChart, Series, Span};
+use raim::signal::sky::linear::{Sigma, equations, rows};
+use raim::signal::sky::sights;
 use raim_core::integrity::raim::isolation::parity;
 use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
 use raim_core::least_squares::Workspace;
@@ -14,10 +18,6 @@ use super::super::{CLOCKS_M, MASK_RAD, faults_in_words};
 use super::{
     Flight, IMPROVED, JUDGES, Opinion, PRINTED_CRITERION, SEGMENTS, SIGMA_M, Sample, View, segment, site,
 };
-use tests_host::report::canvas::{BLUE, GREEN, GREY, Mark, ORANGE, RED, VIOLET};
-use tests_host::report::chart::{Axis, LineChart, Series, Span};
-use tests_host::sky::linear::{Sigma, equations, rows};
-use tests_host::sky::sights;
 
 /// Printed values of one stretch.
 struct Printed {
@@ -238,7 +238,8 @@ fn taken_s(
     let start = Instant::now();
     Traditional::Consensus.judge(epoch.rows(), limits, TIMED_SUBSETS, &mut generator(0, second))?;
     let (count, size) = (epoch.rows().len(), 5);
-    let share = tests_host::ransac_traditional::combination_count(count, size) / TIMED_SUBSETS as f64;
+    let share =
+        raim::second_opinion::ransac_traditional::combination_count(count, size) / TIMED_SUBSETS as f64;
     let traditional_s = start.elapsed().as_secs_f64() * share;
 
     let start = Instant::now();

@@ -1,0 +1,181 @@
+//! Position and clock against velocity and drift: made series whose right verdict follows from how
+//! they were made.
+#![allow(clippy::unwrap_used)]
+
+use heapless::Vec;
+use raim_core::continuity::Motion;
+use raim_core::frame::{Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::report::{Alert, Protected, ProtectionLevels, Report, Solution, TestStatistic, Verdict};
+use raim_core::velocity::Velocity;
+
+/// `HPL + VPL`, m.
+const LEVEL_M: f64 = 25.0;
+
+/// A receiver's epoch: true motion, and what is wrong with it.
+#[derive(Clone, Copy, Default)]
+struct Epoch {
+    time_s: f64,
+    east_m: f64,
+    speed_m_s: f64,
+    clock_m: f64,
+    drift_m_s: f64,
+}
+
+fn solution(epoch: Epoch) -> Solution {
+    let geodetic = Geodetic { latitude_rad: 0.8, longitude_rad: 0.1, height_m: 100.0 };
+    let origin = geodetic.to_ecef();
+    let away = LocalFrame::at(origin).unrotate(Enu { east: epoch.east_m, north: 0.0, up: 0.0 });
+    Solution {
+        position: origin + away,
+        geodetic,
+        covariance_m2: [1.0; 6],
+        clocks_m: [Some(epoch.clock_m), None, None, None],
+        hdop: 1.0,
+        vdop: 1.0,
+    }
+}
+
+fn report(epoch: Epoch) -> Report<4> {
+    Report {
+        verdict: Verdict::Protected(Protected::Ok),
+        solution: Some(solution(epoch)),
+        test: Some(TestStatistic { statistic: 1.0, threshold: 2.0, dof: 5 }),
+        protection: Some(ProtectionLevels { hpl_m: 10.0, vpl_m: LEVEL_M - 10.0 }),
+        excluded: Vec::new(),
+        suspect: None,
+        used: Vec::new(),
+        residual_rms_m: 1.0,
+        tracked: 4,
+        araim: None,
+        sigma_check: None,
+    }
+}
+
+fn velocity(epoch: Epoch) -> Velocity {
+    Velocity {
+        east_north_up_m_s: [epoch.speed_m_s, 0.0, 0.0],
+        covariance_m2_s2: [0.01; 6],
+        drift_m_s: epoch.drift_m_s,
+        test: TestStatistic { statistic: 1.0, threshold: 2.0, dof: 5 },
+        levels_m_s: ProtectionLevels { hpl_m: 0.5, vpl_m: 1.0 },
+        excluded: Vec::new(),
+    }
+}
+
+/// Returns the contradictions of a series with their times, s.
+fn contradictions(epochs: impl IntoIterator<Item = Epoch>) -> std::vec::Vec<(f64, Alert)> {
+    let mut motion = Motion::new();
+    let judged = epochs.into_iter().filter_map(|epoch| {
+        let alert = motion.judge(epoch.time_s, &report(epoch), Some(&velocity(epoch)));
+        alert.map(|alert| (epoch.time_s, alert))
+    });
+    judged.collect()
+}
+
+/// Returns noise of about a metre, other for each second: the fractions of a chaotic product.
+fn noise_m(second: u32) -> f64 {
+    let seed = f64::from(second) * 78.233;
+    2.0 * ((seed.sin() * 43758.5453).fract().abs() - 0.5)
+}
+
+/// Returns a vehicle at 20 m/s with a clock that drifts 30 m/s, noisy by a metre, once a second.
+fn drive(seconds: u32) -> impl Iterator<Item = Epoch> + Clone {
+    (0..seconds).map(|second| {
+        let time_s = f64::from(second);
+        Epoch {
+            time_s,
+            east_m: 20.0 * time_s + noise_m(second),
+            speed_m_s: 20.0,
+            clock_m: 1e5 + 30.0 * time_s + noise_m(second + 7919),
+            drift_m_s: 30.0,
+        }
+    })
+}
+
+/// Returns the time since an attack began.
+fn since(epoch: Epoch) -> f64 {
+    (epoch.time_s - 300.0).max(0.0)
+}
+
+#[test]
+fn a_vehicle_whose_rates_are_true_contradicts_nothing() {
+    assert_eq!(contradictions(drive(1800)), []);
+}
+
+#[test]
+fn a_drag_off_of_the_clock_is_seen_within_a_minute() {
+    let attacked = drive(600).map(|epoch| Epoch { clock_m: epoch.clock_m + 0.2 * since(epoch), ..epoch });
+    let seen = contradictions(attacked);
+    let (first_s, alert) = seen[0];
+    assert_eq!(alert, Alert::Clock);
+    assert!((300.0..=360.0).contains(&first_s), "at {first_s} s");
+    assert!(seen.len() > 200, "{} of 300 epochs", seen.len());
+}
+
+#[test]
+fn a_position_that_walks_off_is_seen_within_a_minute() {
+    for speed_m_s in [0.2, 1.0, 10.0, 500.0] {
+        let attacked =
+            drive(600).map(|epoch| Epoch { east_m: epoch.east_m + speed_m_s * since(epoch), ..epoch });
+        let (first_s, alert) = contradictions(attacked)[0];
+        assert_eq!(alert, Alert::Track, "{speed_m_s} m/s");
+        assert!((300.0..=360.0).contains(&first_s), "{speed_m_s} m/s: at {first_s} s");
+    }
+}
+
+#[test]
+fn a_second_receiver_contradicts_the_first_at_once() {
+    let other = |epoch: Epoch| Epoch { clock_m: epoch.clock_m + 400.0, ..epoch };
+    let mixed = drive(100).map(|epoch| if epoch.time_s < 50.0 { epoch } else { other(epoch) });
+    assert_eq!(contradictions(mixed)[0], (50.0, Alert::Clock));
+}
+
+#[test]
+fn whole_milliseconds_of_the_clock_are_no_contradiction() {
+    let millisecond_m = SPEED_OF_LIGHT_M_S * 1e-3;
+    let steered = drive(600).map(|epoch| {
+        let milliseconds = (epoch.time_s / 45.0).floor();
+        Epoch { clock_m: epoch.clock_m - milliseconds * millisecond_m, ..epoch }
+    });
+    assert_eq!(contradictions(steered), []);
+}
+
+#[test]
+fn a_clock_is_compared_across_a_tunnel() {
+    let gap = |epoch: Epoch| (100.0..400.0).contains(&epoch.time_s);
+    let tunnel = drive(600).filter(|epoch| !gap(*epoch));
+    assert_eq!(contradictions(tunnel.clone()), []);
+    // A counterfeit clock 100 km away from the true one, where a quartz wanders 9 km.
+    let counterfeit = tunnel.map(|epoch| match epoch.time_s < 400.0 {
+        true => epoch,
+        false => Epoch { clock_m: epoch.clock_m + 100e3, ..epoch },
+    });
+    assert_eq!(contradictions(counterfeit), [(400.0, Alert::Clock)]);
+}
+
+#[test]
+fn a_logger_at_rest_in_a_tower_may_turn_between_two_epochs() {
+    // Every 30 s: the velocity of the moment says nothing of the way in between.
+    let slow = (0..200).map(|step| {
+        let time_s = f64::from(30 * step);
+        Epoch { time_s, east_m: if step % 2 == 0 { 0.0 } else { 300.0 }, ..Epoch::default() }
+    });
+    assert_eq!(contradictions(slow), []);
+}
+
+#[test]
+fn values_that_are_not_numbers_contradict() {
+    let broken = |epoch: Epoch| Epoch { drift_m_s: f64::NAN, ..epoch };
+    let seen =
+        contradictions(drive(100).map(|epoch| if epoch.time_s < 50.0 { epoch } else { broken(epoch) }));
+    assert_eq!(seen.first(), Some(&(50.0, Alert::Clock)));
+}
+
+#[test]
+fn an_epoch_without_a_velocity_is_not_compared() {
+    let mut motion = Motion::new();
+    for epoch in drive(100) {
+        let leap = Epoch { clock_m: epoch.clock_m + 1e4 * epoch.time_s, ..epoch };
+        assert_eq!(motion.judge(epoch.time_s, &report(leap), None), None);
+    }
+}

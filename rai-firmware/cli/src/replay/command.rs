@@ -1,0 +1,124 @@
+//! Command `replay`: a recording, or a capture of a receiver, through the module.
+
+use std::iter;
+
+use anyhow::{Context, Result, bail};
+
+use super::arguments::{Place, commands};
+use super::sink::{Sink, Wanted};
+use super::source::{Source, of_capture, of_recording, question};
+use super::{BoardRun, Pace, Playback, Setup, Summary};
+use crate::signal::lump::Lump;
+
+pub use super::arguments::Arguments;
+
+/// Plays lumps on the emulated board, which has its own package, and returns the result.
+pub type OnBoard<'a> = &'a dyn Fn(&mut dyn Iterator<Item = Result<Lump>>, &Setup) -> Result<BoardRun>;
+
+/// Runs the command, with the emulated board if the caller has one.
+///
+/// # Errors
+/// If an argument or an input is wrong, if an output cannot be written, or if no epoch gave a
+/// position.
+pub fn run(arguments: &Arguments, board: Option<OnBoard>) -> Result<()> {
+    let board = match arguments.on {
+        Place::Host => None,
+        Place::Board => Some(board.context("--on board needs the emulated board: use cargo xtask replay")?),
+    };
+    let mut question = question(arguments)?;
+    let name = arguments.capture.as_deref();
+    let mut source = match name {
+        Some(name) => of_capture(arguments, name, &question).with_context(|| name.to_owned())?,
+        None => of_recording(arguments, &mut question)?,
+    };
+    let in_source = |error: anyhow::Error| match name {
+        Some(name) => error.context(name.to_owned()),
+        None => error,
+    };
+    let first = source.next().context("no epoch")?.map_err(in_source)?;
+    let commands = commands(arguments, source.week(), source.klobuchar())?;
+    let wanted = Wanted {
+        rows: arguments.csv.as_deref(),
+        sentences: arguments.nmea.as_deref(),
+        stream: arguments.rtcm.as_deref(),
+        report: arguments.report.as_deref(),
+    };
+    let place = match arguments.on {
+        Place::Host => "on the host",
+        Place::Board => "on the board",
+    };
+    let mut sink = Sink::open(wanted, question.truth.as_ref(), &question.faults, place)?;
+
+    let lumps = iter::once(Ok(first)).chain(source.by_ref().map(|lump| lump.map_err(in_source)));
+    let mut playback = Playback::start(lumps, &commands, Pace::Recorded)?;
+    let mut played = iter::from_fn(|| sink.take(playback.advance()).transpose());
+    let board = match board {
+        None => played.try_for_each(|lump| lump.map(drop)).map(|()| None)?,
+        Some(on_board) => Some(on_board(&mut played, &commands)?),
+    };
+    let counters = playback.counters()?.into_iter().filter(|(_, count)| *count > 0).collect();
+    let identical = board.as_ref().map(|board| board.difference.is_none());
+    let summary =
+        Summary { host_target_identical: identical, skipped: source.skipped(), counters, ..sink.summary() };
+    sink.end(&question.faults, &summary)?;
+    note(&source, arguments);
+    print(arguments, &summary, board.as_ref(), source.missing().as_deref())?;
+    if let Some((host, target)) = board.and_then(|board| board.difference) {
+        bail!("the board's sentences differ from the host's: {target:?} is not {host:?}");
+    }
+    Ok(())
+}
+
+/// Prints the content of a capture.
+fn note(source: &Source, arguments: &Arguments) {
+    let (Source::Capture(lumps), Some(name), false) = (source, &arguments.capture, arguments.json) else {
+        return;
+    };
+    eprintln!("{name}: {}", lumps.content());
+    if let Some(missing) = lumps.missing() {
+        eprintln!("note: {missing}");
+    }
+}
+
+fn print(
+    arguments: &Arguments,
+    summary: &Summary,
+    board: Option<&BoardRun>,
+    missing: Option<&str>,
+) -> Result<()> {
+    if arguments.json {
+        println!("{}", serde_json::to_string_pretty(summary)?);
+    } else {
+        print!("{summary}");
+        if let Some(identical) = summary.host_target_identical {
+            let answer = if identical { "yes" } else { "NO" };
+            println!("board and host say the same, byte for byte: {answer}");
+        }
+    }
+    if let Some(board) = board.filter(|_| !arguments.json) {
+        print_board(board);
+    }
+    if let (0, Some(missing)) = (summary.fixes, missing) {
+        bail!("no epoch gave a position: {missing}");
+    }
+    if summary.fixes == 0 && arguments.capture.is_some() {
+        bail!(
+            "no epoch gave a position: is the capture long enough for ephemerides to come (30 s to a minute), or is --nav of its day there?"
+        );
+    }
+    if summary.fixes == 0 {
+        bail!("no epoch gave a position: are --systems and the navigation file those of the recording?");
+    }
+    Ok(())
+}
+
+fn print_board(board: &BoardRun) {
+    if let (Some(most), false) = (board.instructions.iter().max(), board.instructions.is_empty()) {
+        let mean = board.instructions.iter().sum::<u64>() / board.instructions.len() as u64;
+        println!("target instructions per epoch: mean {mean}, most {most}");
+    }
+    let dropped = ["epochs_backwards", "crc_failures", "host_lost"];
+    let counted = board.counters.iter().filter(|(name, _)| dropped.contains(&name.as_str()));
+    let counted: Vec<String> = counted.map(|(name, count)| format!("{name} {count}")).collect();
+    println!("bytes lost on the board: {} times; {}", board.losses, counted.join(", "));
+}

@@ -1,0 +1,244 @@
+//! Replay with the module in process.
+
+use anyhow::{Context, Result, ensure};
+use raim_firmware::receiver::{Boot, Receiver};
+
+use super::ahead::Ahead;
+use crate::pin::Pin;
+use crate::sentence::{self, EpochOutput, command};
+use crate::signal::lump::Lump;
+use crate::signal::pieces;
+
+/// Bodies of the commands that configure the module before the first epoch, without `$PRAIC,` and
+/// checksum.
+pub type Setup = [String];
+
+/// Checks that every answer is `OK`.
+///
+/// # Errors
+/// The module refuses a command.
+pub fn check_answers(setup: &Setup, answers: &str) -> Result<()> {
+    for (body, answer) in setup.iter().zip(answers.lines()) {
+        let answer = answer.split('*').next().unwrap_or("");
+        let accepted = answer.ends_with(",OK") || answer.contains(",OK,WARN,");
+        let why = answer.split_once(",ERR,").map_or(answer, |(_, why)| why);
+        ensure!(accepted, "the module refuses {}: {why}", body.replacen(',', "=", 1));
+    }
+    Ok(())
+}
+
+/// Time that passes for the module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// Time passes as recorded. An interval of more than one and a half times the recording's usual
+    /// one is a silence, during which the module only receives ticks. A recording thinned to 30 s
+    /// is therefore not one long alarm.
+    Recorded,
+    /// The next lump follows the verdict on the last one, without silence.
+    LockStep,
+}
+
+/// Sentences of the module after one lump.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Said {
+    /// Sentences of the epoch.
+    pub of_epoch: String,
+    /// Sentences of the silence after it.
+    pub of_silence: String,
+    /// Time of the first alert for silence, s after the first epoch of the recording.
+    pub stale_s: Option<f64>,
+}
+
+impl Said {
+    /// Returns the output of the epoch that was judged last, if one was.
+    ///
+    /// # Errors
+    /// A sentence is unreadable.
+    pub fn output(&self) -> Result<Option<EpochOutput>> {
+        Ok(sentence::epochs(&self.of_epoch)?.pop())
+    }
+}
+
+/// Result of a run in process.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HostRun {
+    /// Sentences, lump by lump.
+    pub said: Vec<Said>,
+    /// Counters of the module at the end, by name.
+    pub counters: Vec<(String, u32)>,
+}
+
+impl HostRun {
+    /// Returns all sentences in one text.
+    pub fn sentences(&self) -> String {
+        self.said.iter().flat_map(|said| [said.of_epoch.as_str(), said.of_silence.as_str()]).collect()
+    }
+}
+
+/// Time between two ticks on a silent line, ms, as the module requires.
+const TICK_MS: u64 = 100;
+
+/// Pause after which the module no longer waits for the rest of a frame, ms.
+const QUIET_MS: u64 = 500;
+
+/// Runs the lumps in process.
+///
+/// # Errors
+/// As for [`Playback`].
+pub fn on_host(
+    lumps: &[Lump],
+    setup: &Setup,
+    pace: Pace,
+    mut progress: impl FnMut(usize),
+) -> Result<HostRun> {
+    let mut playback = Playback::start(lumps.iter().cloned().map(Ok), setup, pace)?;
+    let mut run = HostRun::default();
+    while let Some((_, said)) = playback.advance()? {
+        run.said.push(said);
+        progress(run.said.len());
+    }
+    run.counters = playback.counters()?;
+    Ok(run)
+}
+
+/// Playback of lumps through the module in process. It holds no more lumps in memory than it reads
+/// ahead.
+pub struct Playback<I> {
+    lumps: Ahead<I>,
+    module: Module,
+    pace: Pace,
+    last_epoch_ms: u64,
+}
+
+impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
+    /// Starts and configures a module.
+    ///
+    /// # Errors
+    /// The module refuses a setup command.
+    pub fn start(lumps: I, setup: &Setup, pace: Pace) -> Result<Self> {
+        Ok(Self { lumps: Ahead::of(lumps), module: Module::start(setup)?, pace, last_epoch_ms: 0 })
+    }
+
+    /// Plays the next lump, and the silence behind it; returns `None` at the end.
+    ///
+    /// # Errors
+    /// The source of the lumps fails, or the pin is high although the verdict forbids it, or the
+    /// reverse.
+    pub fn advance(&mut self) -> Result<Option<(Lump, Said)>> {
+        let Some((lump, next_ms)) = self.lumps.next()? else { return Ok(None) };
+        let now_ms = lump.elapsed_ms();
+        let mut said = Said { of_epoch: self.module.hear(&lump.bytes, now_ms)?, ..Said::default() };
+        if said.of_epoch.contains("$PRAIS") {
+            self.last_epoch_ms = now_ms;
+        }
+        // A lump without an epoch is a silence, too.
+        let usual_ms = self.lumps.usual_ms();
+        let is_silence = |next_ms: &u64| 2 * next_ms.saturating_sub(self.last_epoch_ms) > 3 * usual_ms;
+        if let Some(next_ms) = next_ms.filter(is_silence).filter(|_| self.pace == Pace::Recorded) {
+            self.module.wait(now_ms, next_ms, &mut said)?;
+        }
+        Ok(Some((lump, said)))
+    }
+
+    /// Returns the module's counters, by name.
+    ///
+    /// # Errors
+    /// An answer is not text.
+    pub fn counters(&mut self) -> Result<Vec<(String, u32)>> {
+        self.module.counters()
+    }
+
+    /// Returns the level of the pin.
+    pub fn pin_is_high(&self) -> bool {
+        self.module.0.pin().high
+    }
+
+    /// Returns the sentences that the module sends at start: its version and its settings.
+    ///
+    /// # Errors
+    /// The sentences are not text.
+    pub fn greeting(&mut self) -> Result<String> {
+        let mut said = Vec::new();
+        self.module.0.greet(&mut said);
+        self.module.0.tick(0, &mut said);
+        Ok(String::from_utf8(said)?)
+    }
+}
+
+/// Module in process.
+pub struct Module(Receiver<Pin>);
+
+impl Module {
+    /// Starts and configures the module.
+    ///
+    /// # Errors
+    /// The module refuses a setup command.
+    pub fn start(setup: &Setup) -> Result<Self> {
+        let boot = Boot::on_host("host");
+        let mut receiver = Receiver::new(Pin::default(), boot).context("the module cannot start")?;
+        let mut answers = Vec::new();
+        for body in setup {
+            receiver.command(command(body).as_bytes(), &mut answers);
+        }
+        check_answers(setup, &sentence::sentences(&answers)?)?;
+        Ok(Self(receiver))
+    }
+
+    /// Returns the sentences for an epoch that comes at `now_ms`. If there are none, because no
+    /// range came, the last verdict stands until it is stale.
+    ///
+    /// # Errors
+    /// The pin is high although the verdict forbids it, or the reverse.
+    pub fn hear(&mut self, bytes: &[u8], now_ms: u64) -> Result<String> {
+        let mut said = Vec::new();
+        let is_judged = self.0.gnss(bytes, now_ms, &mut said);
+        if !is_judged && pieces::have_ranges(bytes) {
+            // Noise that looks like the beginning of a frame delays the epoch until the line falls
+            // silent.
+            self.0.tick(now_ms + QUIET_MS, &mut said);
+        }
+        let text = sentence::sentences(&said)?;
+        if let Some(state) = last_state(&text) {
+            let agree = self.0.pin().high == (state == "P");
+            ensure!(agree, "pin and verdict disagree at {now_ms} ms");
+        }
+        Ok(text)
+    }
+
+    /// Lets time pass without a byte.
+    fn wait(&mut self, from_ms: u64, to_ms: u64, said: &mut Said) -> Result<()> {
+        for now_ms in (from_ms..to_ms).step_by(TICK_MS as usize).skip(1) {
+            let mut alarm = Vec::new();
+            self.0.tick(now_ms, &mut alarm);
+            let text = sentence::sentences(&alarm)?;
+            said.of_silence.push_str(&text);
+            // Settings and losses are repeated at intervals, whatever the input.
+            if last_state(&text).is_some() {
+                said.stale_s.get_or_insert(now_ms as f64 * 1e-3);
+                ensure!(!self.0.pin().high, "the pin is high on a silent line at {now_ms} ms");
+            }
+        }
+        Ok(())
+    }
+
+    fn counters(&mut self) -> Result<Vec<(String, u32)>> {
+        let mut answers = Vec::new();
+        self.0.command(command("STATS").as_bytes(), &mut answers);
+        Ok(sentence::sentences(&answers)?.lines().flat_map(counters_of).collect())
+    }
+}
+
+/// Returns the names and values in one answer to `STATS`.
+pub fn counters_of(answer: &str) -> Vec<(String, u32)> {
+    let body = answer.split('*').next().unwrap_or("");
+    let fields: Vec<&str> = body.split(',').skip(2).collect();
+    fields
+        .chunks_exact(2)
+        .filter_map(|pair| Some((pair.first()?.to_string(), pair.get(1)?.parse().ok()?)))
+        .collect()
+}
+
+/// Returns the state of the last verdict in some sentences.
+fn last_state(text: &str) -> Option<&str> {
+    text.lines().rev().find(|line| line.starts_with("$PRAIS"))?.split(',').nth(2)
+}

@@ -1,0 +1,40 @@
+//! Replay of a recording through the module, and its results.
+//!
+//! ```text
+//! recording, capture ─► lumps (window, faults) ─► on the host │ on the board ─► sentences ─► track ─► summary, CSV, report
+//! ```
+//!
+//! One lump is the bytes of one epoch: the RTCM encoding of a recording, or the bytes of a receiver
+//! ([`crate::signal::capture`]). Lumps are encoded and played one by one, so that the length of a
+//! recording does not matter.
+//!
+//! Time passes as it was recorded. If epochs are missing, the line is silent and the module must
+//! detect this. The host runs the firmware's library in process; the board is the emulated chip.
+//! Both receive the same bytes and are read only through their sentences, which are compared byte
+//! for byte. The board receives the next lump after its sentences for the last one, and thus has no
+//! silence. It is in a package of its own, whose caller passes it to the [`command`].
+
+mod ahead;
+mod arguments;
+mod board_run;
+pub mod command;
+pub mod host;
+mod page;
+mod quantiles;
+mod settings;
+mod sink;
+mod source;
+mod summary;
+mod track;
+mod truth;
+
+pub use crate::signal::corrected::corrected;
+pub use crate::signal::lump::Lump;
+pub use crate::signal::lumps::{Broadcast, Encoding, Window, encode};
+pub use board_run::BoardRun;
+pub use host::{HostRun, Pace, Playback, Said, Setup, on_host};
+pub use page::Report;
+pub use settings::{command_for, every, words};
+pub use summary::{Injected, Summary, Tally};
+pub use track::{Moment, Rows, Track, track};
+pub use truth::Truth;

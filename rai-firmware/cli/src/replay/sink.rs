@@ -1,0 +1,129 @@
+//! Output of the command `replay`, epoch by epoch: rows, sentences, the stream, a report.
+
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
+
+use super::{Moment, Report, Rows, Said, Summary, Tally, Truth};
+use crate::signal::fault::Fault;
+use crate::signal::lump::Lump;
+use anyhow::{Context, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Outputs of the epochs.
+pub(super) struct Sink<'a> {
+    truth: Option<&'a Truth>,
+    tally: Tally,
+    bar: ProgressBar,
+    rows: Option<(&'a Path, Rows<BufWriter<File>>)>,
+    sentences: Option<Copy<'a>>,
+    stream: Option<Copy<'a>>,
+    report: Option<(&'a Path, Report)>,
+}
+
+/// Files that the user has requested.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wanted<'a> {
+    pub(super) rows: Option<&'a Path>,
+    pub(super) sentences: Option<&'a Path>,
+    pub(super) stream: Option<&'a Path>,
+    pub(super) report: Option<&'a Path>,
+}
+
+impl<'a> Sink<'a> {
+    /// Creates the requested files. The progress bar shows `place`, in which the module runs.
+    pub(super) fn open(
+        wanted: Wanted<'a>,
+        truth: Option<&'a Truth>,
+        faults: &[Fault],
+        place: &'static str,
+    ) -> Result<Self> {
+        let rows = wanted.rows.map(|path| {
+            let rows = create(path).and_then(|file| Ok(Rows::begin(file)?));
+            rows.map(|rows| (path, rows)).with_context(|| cannot_write(path))
+        });
+        let style = ProgressStyle::with_template("{spinner} {msg} {pos} epochs {per_sec}");
+        let bar = ProgressBar::new_spinner().with_message(place);
+        Ok(Self {
+            truth,
+            tally: Tally::new(faults, truth.is_some()),
+            bar: style.map(|style| bar.clone().with_style(style)).unwrap_or(bar),
+            rows: rows.transpose()?,
+            sentences: wanted.sentences.map(Copy::open).transpose()?,
+            stream: wanted.stream.map(Copy::open).transpose()?,
+            report: wanted.report.map(|folder| (folder, Report::default())),
+        })
+    }
+
+    /// Takes an epoch; returns its lump.
+    pub(super) fn take(&mut self, played: Result<Option<(Lump, Said)>>) -> Result<Option<Lump>> {
+        let Some((lump, said)) = played? else { return Ok(None) };
+        let moment = Moment::of(&lump, &said, self.truth)?;
+        self.tally.count(&moment);
+        if let Some((path, rows)) = &mut self.rows {
+            rows.write(&moment).with_context(|| cannot_write(path))?;
+        }
+        if let Some(copy) = &mut self.sentences {
+            copy.write(said.of_epoch.as_bytes())?;
+            copy.write(said.of_silence.as_bytes())?;
+        }
+        if let Some(copy) = &mut self.stream {
+            copy.write(&lump.bytes)?;
+        }
+        if let Some((_, report)) = &mut self.report {
+            report.push(&moment);
+        }
+        self.bar.inc(1);
+        Ok(Some(lump))
+    }
+
+    /// Returns the summary of the epochs so far.
+    pub(super) fn summary(&self) -> Summary {
+        self.tally.summary()
+    }
+
+    /// Completes the files.
+    pub(super) fn end(self, faults: &[Fault], summary: &Summary) -> Result<()> {
+        self.bar.finish_and_clear();
+        if let Some((path, rows)) = self.rows {
+            rows.end().with_context(|| cannot_write(path))?;
+        }
+        for copy in [self.sentences, self.stream].into_iter().flatten() {
+            copy.end()?;
+        }
+        if let Some((folder, report)) = self.report {
+            let path = report.write(folder, faults, summary)?;
+            eprintln!("report: {}", path.display());
+        }
+        Ok(())
+    }
+}
+
+/// File that grows with the replay.
+struct Copy<'a> {
+    path: &'a Path,
+    file: BufWriter<File>,
+}
+
+impl<'a> Copy<'a> {
+    fn open(path: &'a Path) -> Result<Self> {
+        Ok(Self { path, file: create(path).with_context(|| cannot_write(path))? })
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<()> {
+        self.file.write_all(bytes).with_context(|| cannot_write(self.path))
+    }
+
+    fn end(mut self) -> Result<()> {
+        // A buffer that is only dropped would not report a full disk.
+        self.file.flush().with_context(|| cannot_write(self.path))
+    }
+}
+
+fn create(path: &Path) -> Result<BufWriter<File>> {
+    Ok(BufWriter::new(File::create(path)?))
+}
+
+fn cannot_write(path: &Path) -> String {
+    format!("cannot write {}", path.display())
+}

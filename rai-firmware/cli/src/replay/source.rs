@@ -1,0 +1,169 @@
+//! Source of the lumps that the command `replay` plays.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, anyhow, ensure};
+
+use super::Truth;
+use super::arguments::{Arguments, selection, systems};
+use crate::signal::capture::{self, Bytes, Lumps, Orbits};
+use crate::signal::fault::Fault;
+use crate::signal::lump::Lump;
+use crate::signal::lumps::{Broadcast, Encoding, Window};
+use crate::signal::recording::{Epochs, Recording, Skipped};
+use crate::signal::sample;
+
+/// Inputs beside the recording or the capture.
+pub(super) struct Question {
+    pub(super) truth: Option<Truth>,
+    pub(super) faults: Vec<Fault>,
+    window: Window,
+}
+
+/// Lumps that are read on demand.
+pub(super) enum Source {
+    Recording(Box<Observed>),
+    Capture(Box<Lumps<Bytes>>),
+}
+
+/// A recording: its observations, read epoch by epoch, and its navigation files.
+pub(super) struct Observed {
+    lumps: Encoding<Epochs>,
+    navigation: Recording,
+    files: Vec<PathBuf>,
+}
+
+impl Iterator for Source {
+    type Item = Result<Lump>;
+
+    fn next(&mut self) -> Option<Result<Lump>> {
+        match self {
+            Self::Recording(observed) => observed.lumps.next().or_else(|| observed.check().err().map(Err)),
+            Self::Capture(lumps) => lumps.next(),
+        }
+    }
+}
+
+impl Observed {
+    /// Checks at the end of the observations that some ephemeris is of their time.
+    fn check(&self) -> Result<()> {
+        let (first, last) = self.lumps.span().context("the observation files hold no epoch")?;
+        self.navigation.check_time(&self.files, first, last)
+    }
+}
+
+impl Source {
+    /// Returns the coefficients of the ionosphere for the module.
+    pub(super) fn klobuchar(&self) -> Option<[f64; 8]> {
+        match self {
+            Self::Recording(observed) => observed.navigation.klobuchar,
+            Self::Capture(lumps) => lumps.klobuchar(),
+        }
+    }
+
+    /// Returns the GPS week of the first epoch if the module needs it from a command.
+    pub(super) fn week(&self) -> Option<u16> {
+        match self {
+            Self::Recording(_) => None,
+            Self::Capture(lumps) => lumps.week(),
+        }
+    }
+
+    /// Returns the records that were skipped.
+    pub(super) fn skipped(&self) -> Skipped {
+        match self {
+            Self::Recording(observed) => {
+                let mut skipped = observed.lumps.epochs().skipped();
+                skipped.add(&observed.navigation.skipped);
+                skipped
+            }
+            Self::Capture(_) => Skipped::default(),
+        }
+    }
+
+    /// Returns what a capture lacks for a position.
+    pub(super) fn missing(&self) -> Option<String> {
+        match self {
+            Self::Recording(_) => None,
+            Self::Capture(lumps) => lumps.missing(),
+        }
+    }
+}
+
+/// Reads the inputs beside the recording or the capture.
+pub(super) fn question(arguments: &Arguments) -> Result<Question> {
+    let truth = match (&arguments.truth, &arguments.truth_csv) {
+        (Some(text), _) => Some(Truth::parse(text).context("--truth")?),
+        (None, Some(path)) => Some(Truth::from_csv(path).context("--truth-csv")?),
+        (None, None) => None,
+    };
+    let steps = arguments.inject.iter().map(|text| Fault::parse_inject(text));
+    let ramps = arguments.ramp.iter().map(|text| Fault::parse_ramp(text));
+    let faults: Vec<Fault> = steps.chain(ramps).collect::<Result<_, _>>()?;
+    let window = Window { from_s: arguments.from, to_s: arguments.to, every_s: arguments.every };
+    let has_files = !arguments.obs.is_empty() && !arguments.nav.is_empty();
+    ensure!(
+        arguments.capture.is_some() || arguments.sample || has_files,
+        "give a CAPTURE of a receiver, or both --obs FILE and --nav FILE, or --sample"
+    );
+    Ok(Question { truth, faults, window })
+}
+
+/// Opens RINEX files, which are encoded as RTCM.
+pub(super) fn of_recording(arguments: &Arguments, question: &mut Question) -> Result<Source> {
+    if arguments.sample {
+        let sample = sample::fetch(Path::new("target"))?;
+        question.truth = question.truth.take().or(Some(Truth::Fixed(sample.truth)));
+        return observed(arguments, &[sample.observations], vec![sample.navigation], question);
+    }
+    observed(arguments, &arguments.obs, arguments.nav.clone(), question).map_err(|error| match capture_among(
+        arguments,
+    ) {
+        Some(path) => anyhow!("{path} is a capture of a receiver and no RINEX: give it alone, replay {path}"),
+        None => error,
+    })
+}
+
+fn observed(
+    arguments: &Arguments,
+    observations: &[PathBuf],
+    files: Vec<PathBuf>,
+    question: &Question,
+) -> Result<Source> {
+    let selection = selection(arguments, &systems(arguments))?;
+    let epochs = Epochs::open(observations)?;
+    let navigation = Recording::of_navigation(&files)?;
+    let broadcast = Broadcast {
+        ephemerides: &navigation.ephemerides,
+        klobuchar: navigation.klobuchar,
+        approximate_position: epochs.approximate_position(),
+    };
+    let lumps = Encoding::of(epochs, &broadcast, &selection, &question.faults, &question.window)?;
+    Ok(Source::Recording(Box::new(Observed { lumps, navigation, files })))
+}
+
+/// Opens the bytes of a receiver, as they came.
+pub(super) fn of_capture(arguments: &Arguments, name: &str, question: &Question) -> Result<Source> {
+    let is_here = Path::new(name).is_file();
+    if !is_here && arguments.to.is_finite() {
+        eprintln!("taking {} s from {name}", arguments.to);
+    }
+    let bytes = Bytes::open(name, arguments.to)?;
+    let systems = systems(arguments);
+    let orbits = match arguments.nav.as_slice() {
+        [] => None,
+        files => Some(Orbits::load(files, &selection(arguments, &systems)?)?),
+    };
+    let week = match arguments.week {
+        Some(week) => Some(week),
+        None => capture::week_of(name, orbits.as_ref())?,
+    };
+    let lumps = Lumps::of(bytes, orbits, &question.faults, &question.window)?;
+    Ok(Source::Capture(Box::new(lumps.in_week(week))))
+}
+
+/// Returns the first of the RINEX files that is a capture.
+fn capture_among(arguments: &Arguments) -> Option<String> {
+    let mut files = arguments.obs.iter().chain(&arguments.nav);
+    files.find(|path| capture::is_capture(path)).map(|path| path.display().to_string())
+}

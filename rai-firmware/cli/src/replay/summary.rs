@@ -1,0 +1,347 @@
+//! Summary of a run, which `replay` prints in words or as JSON.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use raim_core::frame::Enu;
+use serde::Serialize;
+
+use super::quantiles::Quantiles;
+use super::track::{Moment, Track};
+use crate::signal::fault::{Fault, Kind};
+use crate::signal::recording::Skipped;
+
+/// Counts and errors of a run. Errors, misleading and hazardous epochs are known only with a truth.
+/// Errors are those of protected epochs, because the others must not be used.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Summary {
+    /// Epochs sent to the module.
+    pub epochs: usize,
+    /// Epochs with a position.
+    pub fixes: usize,
+    /// Epochs with state P.
+    pub protected: usize,
+    /// Epochs with state A.
+    pub alerts: usize,
+    /// Epochs with state U.
+    pub unavailable: usize,
+    /// Epochs by reason.
+    pub by_reason: BTreeMap<String, usize>,
+    /// Root mean square of the horizontal error of protected epochs, m.
+    pub horizontal_rms_m: Option<f64>,
+    /// Root mean square of the vertical error, m.
+    pub vertical_rms_m: Option<f64>,
+    /// 95th percentile of the horizontal error, m.
+    pub horizontal_p95_m: Option<f64>,
+    /// 95th percentile of the vertical error, m.
+    pub vertical_p95_m: Option<f64>,
+    /// Median horizontal protection level, m.
+    pub hpl_median_m: Option<f64>,
+    /// Median vertical protection level, m.
+    pub vpl_median_m: Option<f64>,
+    /// Protected epochs whose error exceeds a protection level; `null` without a truth.
+    pub misleading: Option<usize>,
+    /// Protected epochs whose error exceeds an alert limit; `null` without a truth.
+    pub hazardous: Option<usize>,
+    /// Epochs in which each satellite was excluded.
+    pub excluded: BTreeMap<String, usize>,
+    /// Outcome of each injected fault.
+    pub injected: Vec<Injected>,
+    /// True if the board's sentences equal the host's byte for byte; `null` if it did not run.
+    pub host_target_identical: Option<bool>,
+    /// Largest horizontal error of a protected epoch, m.
+    pub horizontal_max_m: Option<f64>,
+    /// Largest vertical error of a protected epoch, m.
+    pub vertical_max_m: Option<f64>,
+    /// Largest horizontal protection level, m.
+    pub hpl_max_m: Option<f64>,
+    /// Largest vertical protection level, m.
+    pub vpl_max_m: Option<f64>,
+    /// Mean of SSE/dof over all protected epochs in percent: about 100 if the sigmas are right,
+    /// less if they are too large.
+    pub sigma_check_pct: Option<f64>,
+    /// Protected epochs with a truth.
+    pub with_truth: usize,
+    /// Number of alerts for a silent line.
+    pub stale: usize,
+    /// Records of RINEX files that were skipped.
+    pub skipped: Skipped,
+    /// Counters of the module at the end, without those that are zero.
+    pub counters: BTreeMap<String, u32>,
+}
+
+/// Outcome of one injected fault.
+#[derive(Clone, Debug, Serialize)]
+pub struct Injected {
+    /// Target of the fault, as on the command line.
+    pub sat: String,
+    /// Start of the fault, seconds after the first epoch.
+    pub start: f64,
+    /// End of the fault, seconds after the first epoch; `null` if it lasts.
+    pub end: Option<f64>,
+    /// Size of the fault, m; of a ramp the largest that was reached, `null` for an outage.
+    pub bias_m: Option<f64>,
+    /// Seconds from the start to the first alert or correct exclusion.
+    pub first_alert_or_exclusion_s: Option<f64>,
+    /// Epochs in which the faulty satellite was excluded.
+    pub excluded_epochs: usize,
+    /// Protected epochs in which a satellite without a fault was excluded.
+    pub wrong_exclusions: usize,
+    /// Epochs during the fault.
+    pub epochs: usize,
+    /// Protected epochs among these.
+    pub protected_epochs: usize,
+}
+
+impl Summary {
+    /// Summarises a run; `has_truth` is true if the position of the antenna is known.
+    pub fn of(track: &Track, faults: &[Fault], has_truth: bool) -> Self {
+        let mut tally = Tally::new(faults, has_truth);
+        for moment in track {
+            tally.count(moment);
+        }
+        tally.summary()
+    }
+}
+
+/// Summary that grows epoch by epoch. Its memory does not grow with the run, except for the
+/// quantiles up to their bound.
+#[derive(Clone, Debug)]
+pub struct Tally {
+    summary: Summary,
+    horizontal: Quantiles,
+    vertical: Quantiles,
+    hpl: Quantiles,
+    vpl: Quantiles,
+    /// Statistics of protected epochs.
+    statistics: Quantiles,
+    faults: Vec<Fault>,
+}
+
+impl Tally {
+    /// Returns the tally of no epoch; `has_truth` is true if the position of the antenna is known.
+    pub fn new(faults: &[Fault], has_truth: bool) -> Self {
+        let judged = has_truth.then_some(0);
+        let injected = faults.iter().map(Injected::of).collect();
+        Self {
+            summary: Summary { misleading: judged, hazardous: judged, injected, ..Summary::default() },
+            horizontal: Quantiles::default(),
+            vertical: Quantiles::default(),
+            hpl: Quantiles::default(),
+            vpl: Quantiles::default(),
+            statistics: Quantiles::default(),
+            faults: faults.to_vec(),
+        }
+    }
+
+    /// Counts an epoch.
+    pub fn count(&mut self, moment: &Moment) {
+        self.summary.count(moment);
+        for (injected, fault) in self.summary.injected.iter_mut().zip(&self.faults) {
+            if fault.is_active(moment.elapsed_s) {
+                injected.count(fault, &self.faults, moment);
+            }
+        }
+        if let Some(error) = protected_error(moment) {
+            self.horizontal.count(error.horizontal());
+            self.vertical.count(error.up.abs());
+        }
+        let Some(state) = moment.output.as_ref().map(|output| &output.state) else { return };
+        state.hpl_m.into_iter().for_each(|hpl_m| self.hpl.count(hpl_m));
+        state.vpl_m.into_iter().for_each(|vpl_m| self.vpl.count(vpl_m));
+        if let Some(statistic) = state.statistic.filter(|_| state.is_protected()) {
+            self.statistics.count(statistic);
+        }
+    }
+
+    /// Returns the number of epochs counted so far.
+    pub fn epochs(&self) -> usize {
+        self.summary.epochs
+    }
+
+    /// Returns the summary of the epochs.
+    pub fn summary(&self) -> Summary {
+        let Self { horizontal, vertical, hpl, vpl, .. } = self;
+        Summary {
+            horizontal_rms_m: horizontal.rms(),
+            vertical_rms_m: vertical.rms(),
+            horizontal_p95_m: horizontal.quantile(0.95),
+            vertical_p95_m: vertical.quantile(0.95),
+            horizontal_max_m: horizontal.most(),
+            vertical_max_m: vertical.most(),
+            hpl_median_m: hpl.quantile(0.5),
+            vpl_median_m: vpl.quantile(0.5),
+            hpl_max_m: hpl.most(),
+            vpl_max_m: vpl.most(),
+            // The mean of SSE/dof is the mean square of the statistic.
+            sigma_check_pct: self.statistics.rms().map(|root| 100.0 * root * root),
+            with_truth: horizontal.len(),
+            ..self.summary.clone()
+        }
+    }
+}
+
+impl Summary {
+    fn count(&mut self, moment: &Moment) {
+        self.epochs += 1;
+        self.stale += usize::from(moment.stale_s.is_some());
+        let Some(output) = &moment.output else { return };
+        let state = &output.state;
+        self.fixes += usize::from(output.position.is_some());
+        match state.state {
+            'P' => self.protected += 1,
+            'A' => self.alerts += 1,
+            _ => self.unavailable += 1,
+        }
+        *self.by_reason.entry(state.reason.clone()).or_default() += 1;
+        for excluded in &output.excluded {
+            *self.excluded.entry(excluded.satellite.to_string()).or_default() += 1;
+        }
+        if let Some(error) = protected_error(moment) {
+            let add =
+                |count: &mut Option<usize>, is: bool| *count = count.map(|count| count + usize::from(is));
+            add(&mut self.misleading, exceeds(error, state.hpl_m, state.vpl_m));
+            add(&mut self.hazardous, exceeds(error, state.hal_m, state.val_m));
+        }
+    }
+}
+
+/// Returns the error of a protected position.
+fn protected_error(moment: &Moment) -> Option<Enu> {
+    moment.error.filter(|_| moment.output.as_ref().is_some_and(|output| output.state.is_protected()))
+}
+
+/// Returns true if an error exceeds one of the given bounds.
+fn exceeds(error: Enu, horizontal_m: Option<f64>, vertical_m: Option<f64>) -> bool {
+    horizontal_m.is_some_and(|bound_m| error.horizontal() > bound_m)
+        || vertical_m.is_some_and(|bound_m| error.up.abs() > bound_m)
+}
+
+impl Injected {
+    /// Returns the outcome of a fault before the first epoch.
+    fn of(fault: &Fault) -> Self {
+        Self {
+            sat: fault.target.to_string(),
+            start: fault.start_s,
+            end: Some(fault.end_s).filter(|end_s| end_s.is_finite()),
+            bias_m: (!matches!(fault.kind, Kind::Outage)).then_some(0.0),
+            first_alert_or_exclusion_s: None,
+            excluded_epochs: 0,
+            wrong_exclusions: 0,
+            epochs: 0,
+            protected_epochs: 0,
+        }
+    }
+
+    /// Counts an epoch while the fault lasts.
+    fn count(&mut self, fault: &Fault, faults: &[Fault], moment: &Moment) {
+        let output = moment.output.as_ref();
+        let is_excluded = output.is_some_and(|output| {
+            output.excluded.iter().any(|excluded| fault.target.covers(excluded.satellite))
+        });
+        if is_excluded || output.is_some_and(|output| output.state.state == 'A') {
+            self.first_alert_or_exclusion_s.get_or_insert(moment.elapsed_s - fault.start_s);
+        }
+        let bias_m = fault.bias_m(moment.elapsed_s);
+        self.bias_m = self.bias_m.map(|largest_m| largest_magnitude(largest_m, bias_m));
+        self.excluded_epochs += usize::from(is_excluded);
+        self.wrong_exclusions += usize::from(excludes_healthy(moment, faults));
+        self.epochs += 1;
+        self.protected_epochs += usize::from(output.is_some_and(|output| output.state.is_protected()));
+    }
+}
+
+/// Returns true if a protected epoch excludes a satellite without a fault.
+fn excludes_healthy(moment: &Moment, faults: &[Fault]) -> bool {
+    let faulty = |satellite| {
+        faults.iter().any(|fault| fault.is_active(moment.elapsed_s) && fault.target.covers(satellite))
+    };
+    moment.output.as_ref().is_some_and(|output| {
+        output.state.is_protected() && output.excluded.iter().any(|excluded| !faulty(excluded.satellite))
+    })
+}
+
+fn largest_magnitude(largest: f64, value: f64) -> f64 {
+    if value.abs() > largest.abs() { value } else { largest }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let metres = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.2} m"));
+        writeln!(
+            formatter,
+            "epochs {}, fixes {}: protected {}, alerts {}, unavailable {}",
+            self.epochs, self.fixes, self.protected, self.alerts, self.unavailable
+        )?;
+        let list = |counts: &mut dyn Iterator<Item = String>| counts.collect::<Vec<_>>().join(", ");
+        let reasons = list(&mut self.by_reason.iter().map(|(reason, count)| format!("{reason} {count}")));
+        writeln!(formatter, "reasons            {reasons}")?;
+        if self.stale > 0 {
+            writeln!(formatter, "silences           {} noticed (STALE)", self.stale)?;
+        }
+        let error =
+            |rms, p95, max| format!("{} rms, {} at 95 %, {} most", metres(rms), metres(p95), metres(max));
+        match (self.misleading, self.hazardous) {
+            (Some(misleading), Some(hazardous)) => {
+                let horizontal = error(self.horizontal_rms_m, self.horizontal_p95_m, self.horizontal_max_m);
+                let vertical = error(self.vertical_rms_m, self.vertical_p95_m, self.vertical_max_m);
+                let known = self.with_truth;
+                writeln!(formatter, "error              horizontal {horizontal}")?;
+                writeln!(formatter, "                   vertical   {vertical}")?;
+                writeln!(
+                    formatter,
+                    "                   of the {known} protected epochs with a truth beside them"
+                )?;
+                writeln!(formatter, "misleading {misleading}, hazardous {hazardous} of these")?;
+            }
+            _ => writeln!(
+                formatter,
+                "error              unknown: --truth or --truth-csv says where the antenna was"
+            )?,
+        }
+        writeln!(
+            formatter,
+            "protection levels  HPL {} median, {} most; VPL {} median, {} most",
+            metres(self.hpl_median_m),
+            metres(self.hpl_max_m),
+            metres(self.vpl_median_m),
+            metres(self.vpl_max_m)
+        )?;
+        if let Some(percent) = self.sigma_check_pct {
+            writeln!(
+                formatter,
+                "sigma check        {percent:.0} % (100: the sigmas are right; less: too large)"
+            )?;
+        }
+        let excluded =
+            list(&mut self.excluded.iter().map(|(satellite, count)| format!("{satellite} {count}")));
+        if !excluded.is_empty() {
+            writeln!(formatter, "left out, epochs   {excluded}")?;
+        }
+        if !self.skipped.is_empty() {
+            writeln!(formatter, "records skipped    {}", self.skipped)?;
+        }
+        self.injected.iter().try_for_each(|fault| writeln!(formatter, "{fault}"))
+    }
+}
+
+impl fmt::Display for Injected {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (satellite, start_s) = (&self.sat, self.start);
+        let Some(bias_m) = self.bias_m else {
+            return write!(
+                formatter,
+                "injected outage of {satellite} from {start_s} s: {} epochs without it, {} of them protected",
+                self.epochs, self.protected_epochs
+            );
+        };
+        let noticed =
+            self.first_alert_or_exclusion_s.map_or("never".to_owned(), |s| format!("after {s:.1} s"));
+        write!(
+            formatter,
+            "injected {satellite} {bias_m:+.1} m from {start_s} s: noticed {noticed}, excluded in {} epochs, wrong \
+             exclusions {}",
+            self.excluded_epochs, self.wrong_exclusions
+        )
+    }
+}

@@ -1,0 +1,277 @@
+//! The module's sentences, parsed as a program behind the host port would.
+//!
+//! | sentence | becomes |
+//! |---|---|
+//! | `GNS` | [`Sentence::Position`]: a position, or none |
+//! | `PRAIS` | [`Sentence::State`]: verdict, test, protection levels |
+//! | `PRAIX` | [`Sentence::Excluded`]: one satellite left out |
+//! | others | [`Sentence::Other`] |
+//!
+//! [`epochs`] combines them again: an epoch begins with its `GNS`.
+
+use anyhow::{Context, bail, ensure};
+use raim_core::frame::Geodetic;
+use raim_core::satellite::SatelliteId;
+
+use crate::signal::fault::satellite;
+
+/// One sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sentence {
+    /// `GNS`: the position, `None` without a fix.
+    Position(Option<Geodetic>),
+    /// `PRAIS`.
+    State(State),
+    /// `PRAIX`.
+    Excluded(Excluded),
+    /// A valid sentence of another kind.
+    Other,
+}
+
+/// Content of `PRAIS`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Time of day in UTC, s; `None` before the first epoch.
+    pub time_s: Option<f64>,
+    /// `P`, `A` or `U`.
+    pub state: char,
+    /// Reason, as in the interface.
+    pub reason: String,
+    /// Number of satellites tracked.
+    pub tracked: u32,
+    /// Number of satellites used.
+    pub used: u32,
+    /// Degrees of freedom, if there was a test.
+    pub dof: Option<u32>,
+    /// Test statistic `√(SSE/dof)`.
+    pub statistic: Option<f64>,
+    /// Threshold of the statistic.
+    pub threshold: Option<f64>,
+    /// Horizontal protection level, m.
+    pub hpl_m: Option<f64>,
+    /// Vertical protection level, m.
+    pub vpl_m: Option<f64>,
+    /// Horizontal alert limit, m.
+    pub hal_m: Option<f64>,
+    /// Vertical alert limit, m.
+    pub val_m: Option<f64>,
+}
+
+impl State {
+    /// Returns true if the position may be used.
+    pub fn is_protected(&self) -> bool {
+        self.state == 'P'
+    }
+
+    /// Returns false for a verdict that no epoch brought: of a silence, or of settings that have
+    /// changed under a promise.
+    pub fn has_epoch(&self) -> bool {
+        self.reason != "STALE" && !(self.reason == "SETTINGS" && self.tracked == 0)
+    }
+}
+
+/// Content of `PRAIX`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excluded {
+    /// Name of the satellite.
+    pub satellite: SatelliteId,
+    /// W-test of its range at the time of exclusion.
+    pub w_test: f64,
+    /// Estimated bias of its range, m.
+    pub bias_m: f64,
+}
+
+/// Report on one epoch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EpochOutput {
+    /// Position, `None` without a fix.
+    pub position: Option<Geodetic>,
+    /// Verdict of the epoch.
+    pub state: State,
+    /// Satellites left out.
+    pub excluded: Vec<Excluded>,
+}
+
+/// Returns the command `$PRAIC,{text}` with its checksum and line end, for instance for
+/// `PHASE,NPA`.
+pub fn command(text: &str) -> String {
+    let body = format!("PRAIC,{text}");
+    let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+    format!("${body}*{checksum:02X}\r\n")
+}
+
+/// Begin of a `MAVLink` 2 frame, which is no character of a sentence.
+pub const FRAME_BEGIN: u8 = 0xFD;
+
+/// Bytes of a `MAVLink` 2 frame around its payload: ten before it, two of checksum behind it.
+pub const FRAME_AROUND: usize = 12;
+
+/// Returns the sentences of the host port, without the `MAVLink` frames between them.
+///
+/// # Errors
+/// Fails if the rest is not UTF-8, or if a frame is cut off.
+pub fn sentences(said: &[u8]) -> anyhow::Result<String> {
+    let (mut text, mut rest) = (Vec::new(), said);
+    while let Some(begin) = rest.iter().position(|&byte| byte == FRAME_BEGIN) {
+        text.extend_from_slice(&rest[..begin]);
+        let payload = rest.get(begin + 1).copied().context("a MAVLink frame is cut off")?;
+        let end = begin + FRAME_AROUND + usize::from(payload);
+        rest = rest.get(end..).context("a MAVLink frame is cut off")?;
+    }
+    text.extend_from_slice(rest);
+    String::from_utf8(text).context("the module sent bytes that are neither text nor a MAVLink frame")
+}
+
+/// Parses one sentence and checks its checksum.
+///
+/// # Errors
+/// If it is not a valid sentence; the error says why.
+pub fn parse(line: &str) -> anyhow::Result<Sentence> {
+    let line = line.trim_end();
+    let (body, checksum) = line
+        .strip_prefix('$')
+        .and_then(|line| line.rsplit_once('*'))
+        .with_context(|| format!("not a sentence: {line:?}"))?;
+    let have = body.bytes().fold(0u8, |sum, byte| sum ^ byte);
+    ensure!(u8::from_str_radix(checksum, 16) == Ok(have), "wrong checksum: {line:?}");
+    let fields = || body.split(',').collect::<Vec<&str>>();
+    let read = match body.split(',').next() {
+        Some("GNGNS") => position(&fields()).map(Sentence::Position),
+        Some("PRAIS") => state(&fields()).map(Sentence::State),
+        Some("PRAIX") => excluded(&fields()).map(Sentence::Excluded),
+        _ => Ok(Sentence::Other),
+    };
+    read.with_context(|| format!("in {line:?}"))
+}
+
+/// Combines the sentences of a stream, epoch by epoch.
+///
+/// # Errors
+/// If a line is not a sentence; the error shows the first one.
+pub fn epochs(text: &str) -> anyhow::Result<Vec<EpochOutput>> {
+    let mut epochs: Vec<EpochOutput> = Vec::new();
+    let mut position = None;
+    for line in text.lines() {
+        match parse(line)? {
+            Sentence::Position(found) => position = found,
+            Sentence::State(state) => {
+                epochs.push(EpochOutput { position: position.take(), state, excluded: Vec::new() });
+            }
+            Sentence::Excluded(satellite) => {
+                epochs.last_mut().context("PRAIX before PRAIS")?.excluded.push(satellite);
+            }
+            Sentence::Other => {}
+        }
+    }
+    Ok(epochs)
+}
+
+/// Parses a field that may be empty.
+fn optional<T: std::str::FromStr>(fields: &[&str], index: usize) -> anyhow::Result<Option<T>> {
+    match fields.get(index) {
+        None => bail!("field {index} is missing"),
+        Some(&"") => Ok(None),
+        Some(text) => match text.parse() {
+            Ok(value) => Ok(Some(value)),
+            Err(_) => bail!("field {index}, {text:?}, is not a number"),
+        },
+    }
+}
+
+fn required<T: std::str::FromStr>(fields: &[&str], index: usize) -> anyhow::Result<T> {
+    optional(fields, index)?.with_context(|| format!("field {index} is empty"))
+}
+
+fn text(fields: &[&str], index: usize) -> anyhow::Result<String> {
+    fields.get(index).map(|&text| text.to_owned()).with_context(|| format!("field {index} is missing"))
+}
+
+/// Parses `hhmmss.ss` to seconds of the day.
+fn time_of_day_s(fields: &[&str]) -> anyhow::Result<Option<f64>> {
+    Ok(optional::<f64>(fields, 1)?.map(|clock| {
+        let hours = (clock / 10_000.0).floor();
+        let minutes = ((clock - hours * 10_000.0) / 100.0).floor();
+        hours * 3600.0 + minutes * 60.0 + (clock - hours * 10_000.0 - minutes * 100.0)
+    }))
+}
+
+/// Parses degrees and minutes written together, with a hemisphere, to radians.
+fn angle_rad(fields: &[&str], index: usize, negative: &str) -> anyhow::Result<Option<f64>> {
+    let Some(value) = optional::<f64>(fields, index)? else { return Ok(None) };
+    let degrees = (value / 100.0).floor();
+    let angle_deg = degrees + (value - degrees * 100.0) / 60.0;
+    let sign = if text(fields, index + 1)? == negative { -1.0 } else { 1.0 };
+    Ok(Some(sign * angle_deg.to_radians()))
+}
+
+fn position(fields: &[&str]) -> anyhow::Result<Option<Geodetic>> {
+    let (latitude, longitude) = (angle_rad(fields, 2, "S")?, angle_rad(fields, 4, "W")?);
+    let (altitude, separation) = (optional::<f64>(fields, 9)?, optional::<f64>(fields, 10)?);
+    let (Some(latitude_rad), Some(longitude_rad), Some(altitude)) = (latitude, longitude, altitude) else {
+        return Ok(None);
+    };
+    Ok(Some(Geodetic { latitude_rad, longitude_rad, height_m: altitude + separation.unwrap_or(0.0) }))
+}
+
+fn state(fields: &[&str]) -> anyhow::Result<State> {
+    let state = text(fields, 2)?;
+    let reason = text(fields, 3)?;
+    ensure!(matches!(state.as_str(), "P" | "A" | "U"), "state {state:?} must be P, A or U");
+    Ok(State {
+        time_s: time_of_day_s(fields)?,
+        state: state.chars().next().unwrap_or('U'),
+        reason,
+        tracked: required(fields, 4)?,
+        used: required(fields, 5)?,
+        dof: optional(fields, 6)?,
+        statistic: optional(fields, 7)?,
+        threshold: optional(fields, 8)?,
+        hpl_m: optional(fields, 9)?,
+        vpl_m: optional(fields, 10)?,
+        hal_m: optional(fields, 11)?,
+        val_m: optional(fields, 12)?,
+    })
+}
+
+fn excluded(fields: &[&str]) -> anyhow::Result<Excluded> {
+    let name = text(fields, 3)?;
+    Ok(Excluded {
+        satellite: satellite(&name).with_context(|| format!("{name:?} is not a satellite"))?,
+        w_test: required(fields, 4)?,
+        bias_m: required(fields, 5)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal::checksum::nmea_line;
+
+    #[test]
+    fn an_epoch_is_put_together_from_its_sentences() {
+        let stream = [
+            nmea_line("GNGNS,120000.50,5530.00000000,S,00829.00000000,W,A,20,0.70,53.100,0.5,,,S"),
+            nmea_line("GNGST,120000.50,1.0,,,,1.0,1.0,2.0"),
+            nmea_line("PRAIS,120000.50,P,EXCLUDED,21,20,15,0.912,1.764,12.3,,556.0,"),
+            nmea_line("PRAIX,120000.50,1,G05,-23.400,81.2"),
+        ]
+        .concat();
+        let have = epochs(&stream).unwrap();
+        assert_eq!(have.len(), 1);
+        let position = have[0].position.unwrap();
+        assert!((position.latitude_rad.to_degrees() + 55.5).abs() < 1e-12);
+        assert!((position.longitude_rad.to_degrees() + 8.0 + 29.0 / 60.0).abs() < 1e-12);
+        assert!((position.height_m - 53.6).abs() < 1e-9);
+        let state = &have[0].state;
+        assert_eq!((state.time_s, state.state, state.reason.as_str()), (Some(43_200.5), 'P', "EXCLUDED"));
+        assert_eq!((state.hpl_m, state.vpl_m, state.val_m), (Some(12.3), None, None));
+        assert_eq!(have[0].excluded[0].satellite.to_string(), "G05");
+        assert!((have[0].excluded[0].bias_m - 81.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_damaged_sentence_is_an_error() {
+        assert!(parse("$PRAIS,1*00").unwrap_err().to_string().contains("checksum"));
+        assert!(parse("PRAIS").is_err());
+    }
+}

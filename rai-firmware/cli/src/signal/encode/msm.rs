@@ -1,0 +1,338 @@
+//! Multiple Signal Messages, type 7: the ranges of one system at one instant.
+//!
+//! ```text
+//! pseudorange = c · (whole + mod1 + fine)
+//! ```
+//!
+//! | symbol | field | unit | resolution | range |
+//! |---|---|---|---|---|
+//! | `whole` | rough range, integer | ms | 1 | 0 to 254, per satellite |
+//! | `mod1` | rough range modulo 1 ms | ms | 2⁻¹⁰ | 0 to 1, per satellite |
+//! | `fine` | fine pseudorange, extended | ms | 2⁻²⁹ (0.6 mm) | ±2⁻¹⁰ (±292 m), per signal |
+//! | | C/N0, extended | dBHz | 2⁻⁴ | 0 to 64, per signal |
+//! | | rough phase range rate | m/s | 1 | ±8191, per satellite |
+//! | | fine phase range rate | m/s | 10⁻⁴ | ±1.6383, per signal |
+//!
+//! A message holds at most 64 cells, the product of the number of satellites and of different
+//! signals; further satellites go into further messages of the same kind. Carrier phases are marked
+//! invalid, because RAI does not use them.
+//!
+//! Each satellite's signal of the first band is sent and, for two frequencies, the pair that the
+//! receiver combines; see [`pairs`]. References: [RTCM-10403.3] tables 3.5-78 to 3.5-106.
+//!
+//! [RTCM-10403.3]: crate#references
+
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::output::nmea::GPS_MINUS_UTC_S;
+use raim_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
+use rtcm_rs::Message;
+use rtcm_rs::msg::{
+    BdsSigId, GalSigId, GloSigId, GpsSigId, Msg1077Sig, Msg1077T, Msg1087Sig, Msg1087T, Msg1097Sig, Msg1097T,
+    Msg1117Sig, Msg1117T, Msg1127Sig, Msg1127T, Msm57GloSat, Msm57Sat, QzssSigId,
+};
+
+use super::Selection;
+use super::channels::Channels;
+use crate::signal::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
+
+/// Number of frequencies of a satellite that are sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Frequency {
+    /// Only the first band: L1, E1, B1I.
+    Single,
+    /// A pair, if the satellite has one.
+    Dual,
+}
+
+/// Distance that light travels in a millisecond, m.
+const M_PER_MS: f64 = SPEED_OF_LIGHT_M_S * 1e-3;
+
+/// Steps of `mod1` in a millisecond.
+const ROUGH_STEPS: f64 = 1024.0;
+
+/// Largest difference of a signal from its satellite's rough range, ms: the range of `fine`, less
+/// one unit.
+const FINE_LIMIT_MS: f64 = 1.0 / 1024.0 - 1.0 / 536_870_912.0;
+
+/// Highest whole millisecond of a rough range; 255 means invalid.
+const WHOLE_LIMIT_MS: f64 = 254.0;
+
+/// Largest rough rate, and largest difference of a signal's rate from it, m/s.
+const ROUGH_RATE_LIMIT_M_S: f64 = 8191.0;
+const FINE_RATE_LIMIT_M_S: f64 = 1.6383;
+
+/// Largest number of cells in a message.
+const CELLS: usize = 64;
+
+/// A band, and its components in the order of preference.
+type Choice = (u8, &'static str);
+
+/// Returns the pairs in the order of preference: first band, then second.
+///
+/// Components are in the order in which the broadcast group delays fit them best: GPS clocks refer
+/// to L1 P(Y) and L2 P(Y), Galileo's to E1 and E5, `BeiDou`'s to B3I.
+const fn pairs(constellation: Constellation) -> &'static [(Choice, Choice)] {
+    const L1: Choice = (1, "CWPXLS");
+    const E1: Choice = (1, "CXBAZ");
+    const B1I: Choice = (2, "IXQ");
+    const B1C: Choice = (1, "PXD");
+    match constellation {
+        Constellation::Gps => &[(L1, (2, "WPLXSC")), (L1, (5, "QXI"))],
+        Constellation::Galileo => &[(E1, (5, "QXI")), (E1, (7, "QXI"))],
+        Constellation::Beidou => &[(B1I, (6, "IXQ")), (B1I, (7, "IXQ")), (B1C, (5, "PXD"))],
+        Constellation::Glonass => &[((1, "CP"), (2, "CP"))],
+    }
+}
+
+/// Signals of a GPS satellite that has all of them: C/A, which every reader of RTCM uses, and the
+/// two codes to which the broadcast clock refers. Between C/A and P(Y) a satellite has a delay of
+/// its own, up to a metre, which the combination triples and no message contains.
+const GPS_TRIPLE: [Choice; 3] = [(1, "C"), (1, "WP"), (2, "WP")];
+
+/// Returns the best signal of a satellite for a choice.
+fn find(satellite: &MeasuredSatellite, (band, attributes): Choice) -> Option<&MeasuredSignal> {
+    let signal = |attribute| satellite.signals.iter().find(|s| s.band == band && s.attribute == attribute);
+    attributes.chars().find_map(signal)
+}
+
+/// Returns the signals of a satellite that are sent.
+pub(super) fn chosen(satellite: &MeasuredSatellite, frequency: Frequency) -> Vec<&MeasuredSignal> {
+    let system = satellite.satellite.constellation();
+    let all = |choices: &[Choice]| {
+        choices.iter().map(|choice| find(satellite, *choice)).collect::<Option<Vec<_>>>()
+    };
+    let triple = || (system == Constellation::Gps).then(|| all(&GPS_TRIPLE)).flatten();
+    let pair = || pairs(system).iter().find_map(|(first, second)| all(&[*first, *second]));
+    let single = || pairs(system).iter().find_map(|(first, _)| all(&[*first]));
+    let signals = match frequency {
+        Frequency::Dual => triple().or_else(pair).or_else(single),
+        Frequency::Single => single(),
+    };
+    signals.unwrap_or_default()
+}
+
+/// One satellite in the form of the message.
+#[derive(Clone, Debug)]
+struct Row {
+    number: u8,
+    /// Frequency slot, for GLONASS satellites.
+    slot: i8,
+    whole_ms: u8,
+    mod1_ms: f64,
+    rate_m_s: Option<f64>,
+    cells: Vec<Cell>,
+}
+
+/// One signal in the form of the message.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    band: u8,
+    attribute: char,
+    fine_ms: f64,
+    cn0_dbhz: Option<f64>,
+    fine_rate_m_s: Option<f64>,
+}
+
+impl Row {
+    /// Splits the ranges of a satellite; `None` if no signal is left. Counts signals that do not
+    /// fit.
+    fn new(
+        satellite: SatelliteId,
+        signals: &[&MeasuredSignal],
+        channels: &Channels,
+        unsendable: &mut u64,
+    ) -> Option<Self> {
+        let system = satellite.constellation();
+        let Some(slot) = channels.slot(satellite) else {
+            *unsendable += signals.len() as u64;
+            return None;
+        };
+        let sendable = |range_ms: f64| (0.0..=WHOLE_LIMIT_MS).contains(&range_ms);
+        let first_ms = signals.iter().map(|signal| signal.pseudorange_m / M_PER_MS).find(|ms| sendable(*ms));
+        // The rough range is rounded from the first signal, so that at least half of the fine range
+        // is left for the others.
+        let rough = (first_ms.unwrap_or(0.0) * ROUGH_STEPS).round();
+        let rough_ms = rough / ROUGH_STEPS;
+        let rates = signals.iter().filter_map(|signal| rate_m_s(system, slot, signal));
+        let rate_m_s = rates.map(f64::round).find(|rate| rate.abs() <= ROUGH_RATE_LIMIT_M_S);
+        let cell = |signal: &&MeasuredSignal| {
+            let fine_ms = signal.pseudorange_m / M_PER_MS - rough_ms;
+            let place = first_ms.is_some() && fine_ms.abs() < FINE_LIMIT_MS;
+            place.then_some(Cell {
+                band: signal.band,
+                attribute: signal.attribute,
+                fine_ms,
+                cn0_dbhz: cn0(signal),
+                fine_rate_m_s: fine_rate_m_s(self::rate_m_s(system, slot, signal), rate_m_s),
+            })
+        };
+        let cells: Vec<Cell> = signals.iter().filter_map(cell).collect();
+        *unsendable += (signals.len() - cells.len()) as u64;
+        let (whole_ms, mod1_ms) = (rough_ms.floor() as u8, rough_ms.fract());
+        let (_, number) = satellite.name();
+        (!cells.is_empty()).then_some(Self { number, slot, whole_ms, mod1_ms, rate_m_s, cells })
+    }
+}
+
+/// Returns the phase range rate of a signal, m/s.
+fn rate_m_s(system: Constellation, slot: i8, signal: &MeasuredSignal) -> Option<f64> {
+    let frequency_hz = match (system, signal.band) {
+        (Constellation::Gps | Constellation::Galileo | Constellation::Beidou, 1) => 1_575.42e6,
+        (Constellation::Gps, 2) => 1_227.6e6,
+        (Constellation::Gps | Constellation::Galileo | Constellation::Beidou, 5) => 1_176.45e6,
+        (Constellation::Galileo | Constellation::Beidou, 7) => 1_207.14e6,
+        (Constellation::Beidou, 2) => 1_561.098e6,
+        (Constellation::Beidou, 6) => 1_268.52e6,
+        (Constellation::Glonass, 1) => 1602.0e6 + f64::from(slot) * 562.5e3,
+        (Constellation::Glonass, 2) => 1246.0e6 + f64::from(slot) * 437.5e3,
+        _ => return None,
+    };
+    Some(-signal.doppler_hz? * SPEED_OF_LIGHT_M_S / frequency_hz)
+}
+
+/// Returns the difference of a signal's rate from its satellite's rough one, if it fits the field.
+fn fine_rate_m_s(rate_m_s: Option<f64>, rough_m_s: Option<f64>) -> Option<f64> {
+    rate_m_s.zip(rough_m_s).map(|(rate, rough)| rate - rough).filter(|fine| fine.abs() <= FINE_RATE_LIMIT_M_S)
+}
+
+/// Returns C/N0 within the range of the field, whose 0 means invalid.
+fn cn0(signal: &MeasuredSignal) -> Option<f64> {
+    signal.cn0_dbhz.filter(|cn0_dbhz| *cn0_dbhz >= 0.0625).map(|cn0_dbhz| cn0_dbhz.min(63.9375))
+}
+
+/// Parts the rows so that each part fits into one message. The size of its cell mask is that of the
+/// part times the number of its different signals.
+fn parts(rows: Vec<Row>) -> Vec<Vec<Row>> {
+    let (mut parts, mut part, mut signals) = (Vec::new(), Vec::new(), Vec::new());
+    for row in rows {
+        add_signals(&mut signals, &row);
+        if (part.len() + 1) * signals.len() > CELLS {
+            parts.push(std::mem::take(&mut part));
+            signals.clear();
+            add_signals(&mut signals, &row);
+        }
+        part.push(row);
+    }
+    parts.push(part);
+    parts
+}
+
+/// Adds the signals of a row that are not among those before.
+fn add_signals(signals: &mut Vec<(u8, char)>, row: &Row) {
+    for signal in row.cells.iter().map(|cell| (cell.band, cell.attribute)) {
+        if !signals.contains(&signal) {
+            signals.push(signal);
+        }
+    }
+}
+
+/// Returns the messages of an epoch; none for a system without satellites, because some readers
+/// refuse an empty message.
+pub(super) fn messages(
+    epoch: &MeasuredEpoch,
+    selection: &Selection,
+    channels: &Channels,
+    unsendable: &mut u64,
+) -> impl Iterator<Item = Message> {
+    let mut planned: Vec<(char, Vec<Row>)> = Vec::new();
+    for letter in &selection.letters {
+        let rows = rows(epoch, *letter, selection.frequency, channels, unsendable);
+        planned.extend(parts(rows).into_iter().filter(|part| !part.is_empty()).map(|part| (*letter, part)));
+    }
+    let last = planned.len().saturating_sub(1);
+    let message = move |(index, (letter, rows)): (usize, (_, Vec<Row>))| {
+        message(letter, epoch.time, index < last, &rows)
+    };
+    planned.into_iter().enumerate().map(message)
+}
+
+fn rows(
+    epoch: &MeasuredEpoch,
+    letter: char,
+    frequency: Frequency,
+    channels: &Channels,
+    unsendable: &mut u64,
+) -> Vec<Row> {
+    let of_system = epoch.satellites.iter().filter(|satellite| satellite.satellite.name().0 == letter);
+    let mut rows: Vec<Row> = of_system
+        .filter_map(|satellite| {
+            Row::new(satellite.satellite, &chosen(satellite, frequency), channels, unsendable)
+        })
+        .filter(|row| row.number <= 64)
+        .collect();
+    rows.sort_by_key(|row| row.number);
+    rows.dedup_by_key(|row| row.number);
+    rows
+}
+
+/// Makes a message; messages differ only in names, and in the fields beside the time and beside a
+/// satellite's range.
+macro_rules! msm7 {
+    ($message:ident: $type:ident, $satellite:ident { $extended:ident: $of:expr }, $signal:ident, $id:ident,
+     $($time:ident = $time_value:expr),+; $more:expr, $rows:expr) => {{
+        let mut message = $type {
+            $($time: $time_value,)+
+            msm_multiple_message_flag: u8::from($more),
+            ..$type::default()
+        };
+        let data = &mut message.data_segment;
+        for row in $rows {
+            data.satellite_data.push($satellite {
+                satellite_id: row.number,
+                gnss_satellite_rough_range_integer_ms: Some(row.whole_ms),
+                gnss_satellite_rough_range_mod1ms_ms: row.mod1_ms,
+                gnss_satellite_rough_phaserange_rates_m_s: row.rate_m_s.map(|rate| rate as i16),
+                $extended: $of(row),
+            });
+            for cell in &row.cells {
+                data.signal_data.push($signal {
+                    satellite_id: row.number,
+                    signal_id: $id::new(cell.band, cell.attribute),
+                    gnss_signal_fine_pseudorange_ext_ms: Some(cell.fine_ms),
+                    gnss_signal_cnr_ext_dbhz: cell.cn0_dbhz,
+                    gnss_signal_fine_phaserange_rate_m_s: cell.fine_rate_m_s,
+                    ..$signal::default()
+                });
+            }
+        }
+        Message::$message(message)
+    }};
+}
+
+/// Returns one message of a system by its letter; `more` is true if others of the same epoch
+/// follow.
+fn message(letter: char, time: GpsTime, more: bool, rows: &[Row]) -> Message {
+    let beidou_ms = (time.tow_ms + WEEK_MS - BEIDOU_OFFSET_MS) % WEEK_MS;
+    match letter {
+        'J' => {
+            msm7!(Msg1117: Msg1117T, Msm57Sat { reserved_8_4: |_| 0 }, Msg1117Sig, QzssSigId,
+            qzss_epoch_time_ms = time.tow_ms; more, rows)
+        }
+        'E' => {
+            msm7!(Msg1097: Msg1097T, Msm57Sat { reserved_8_4: |_| 0 }, Msg1097Sig, GalSigId,
+            gal_epoch_time_ms = time.tow_ms; more, rows)
+        }
+        'C' => {
+            msm7!(Msg1127: Msg1127T, Msm57Sat { reserved_8_4: |_| 0 }, Msg1127Sig, BdsSigId,
+            bds_epoch_time_ms = beidou_ms; more, rows)
+        }
+        'R' => {
+            let (day, of_day_ms) = glonass_time(time);
+            msm7!(Msg1087: Msg1087T, Msm57GloSat { glonass_satellite_frequency_channel_number: |row: &Row| Some(row.slot) },
+                Msg1087Sig, GloSigId, glo_day_of_week = day, glo_epoch_time_ms = of_day_ms; more, rows)
+        }
+        _ => {
+            msm7!(Msg1077: Msg1077T, Msm57Sat { reserved_8_4: |_| 0 }, Msg1077Sig, GpsSigId,
+            gps_epoch_time_ms = time.tow_ms; more, rows)
+        }
+    }
+}
+
+/// Returns the day of the week and the time of day of GLONASS, three hours ahead of UTC.
+fn glonass_time(time: GpsTime) -> (Option<u8>, u32) {
+    const DAY_MS: u32 = 86_400_000;
+    let utc_ms = time.tow_ms + WEEK_MS - 1000 * u32::from(GPS_MINUS_UTC_S);
+    let of_week_ms = (utc_ms + GLONASS_OFFSET_MS as u32) % WEEK_MS;
+    (Some((of_week_ms / DAY_MS) as u8), of_week_ms % DAY_MS)
+}

@@ -1,0 +1,81 @@
+//! Measurements of a receiver and broadcasts of the satellites, before any wire format.
+//!
+//! | quantity | field | unit |
+//! |---|---|---|
+//! | code pseudorange as measured, receiver clock and atmosphere left in | `pseudorange_m` | m |
+//! | carrier phase | `carrier_cycles` | cycles |
+//! | carrier-to-noise density | `cn0_dbhz` | dBHz |
+//! | Doppler frequency, positive when approaching | `doppler_hz` | Hz |
+//! | receiver's time tag | `time` | GPS time, whole ms |
+//!
+//! [`recording`](super::recording) and [`sky`](super::sky) make these values,
+//! [`fault`](super::fault) changes them, [`encode`](super::encode) sends them.
+
+use raim_core::satellite::SatelliteId;
+use raim_firmware::time::GpsTime;
+use rtcm_rs::msg::{Msg1019T, Msg1020T, Msg1042T, Msg1044T, Msg1045T, Msg1046T};
+
+/// All measurements of one instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredEpoch {
+    /// The receiver's time tag.
+    pub time: GpsTime,
+    /// Satellites in the order of the file.
+    pub satellites: Vec<MeasuredSatellite>,
+}
+
+/// One satellite's signals, each with a pseudorange.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredSatellite {
+    /// Name of the satellite.
+    pub satellite: SatelliteId,
+    /// Signals in the order of the file.
+    pub signals: Vec<MeasuredSignal>,
+}
+
+/// One signal's measurements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredSignal {
+    /// Frequency band as RINEX 3.05 numbers it; `BeiDou`'s B1I is 2.
+    pub band: u8,
+    /// Component of the signal, the third letter of the RINEX code.
+    pub attribute: char,
+    /// Code pseudorange, m.
+    pub pseudorange_m: f64,
+    /// Carrier phase, cycles.
+    pub carrier_cycles: Option<f64>,
+    /// Carrier-to-noise density, dBHz.
+    pub cn0_dbhz: Option<f64>,
+    /// Doppler frequency, positive when approaching, Hz.
+    pub doppler_hz: Option<f64>,
+}
+
+/// A broadcast ephemeris in the units of its message.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ephemeris {
+    /// GPS LNAV.
+    Gps(Msg1019T),
+    /// `BeiDou` D1 and D2.
+    Beidou(Msg1042T),
+    /// Galileo F/NAV.
+    GalileoFnav(Msg1045T),
+    /// Galileo I/NAV.
+    GalileoInav(Msg1046T),
+    /// The strings of GLONASS.
+    Glonass(Msg1020T),
+    /// QZSS LNAV.
+    Qzss(Msg1044T),
+}
+
+/// An ephemeris, and the time of its broadcast.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimedEphemeris {
+    /// Name of the satellite.
+    pub satellite: SatelliteId,
+    /// Reference time of the orbit.
+    pub toe: GpsTime,
+    /// Time at which a receiver could first have known it.
+    pub sent: GpsTime,
+    /// The message.
+    pub message: Ephemeris,
+}

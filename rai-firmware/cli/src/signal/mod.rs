@@ -1,0 +1,39 @@
+//! Signals that the module receives: simulated, recorded or captured, with faults, as bytes.
+//!
+//! A source returns raw epochs, faults are injected, and the epochs are encoded as RTCM or UBX. The
+//! bytes of one epoch are a lump.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`sky`] | simulated skies: orbits, noise, receiver clock |
+//! | [`measurement`] | measurements of a receiver and broadcasts of satellites, before any wire format |
+//! | [`recording`], [`sample`] | RINEX 2, 3 and 4; a small real recording for users without one |
+//! | [`capture`] | bytes of a receiver: UBX and RTCM 3, cut into epochs |
+//! | [`fault`] | steps, ramps, shifts of a constellation, outages, clock jumps, around any source |
+//! | [`encode`] | raw epochs and ephemerides to RTCM 3 and UBX |
+//! | [`lump`], [`lumps`], [`pieces`] | bytes of one epoch, a source of them, and the frames in them |
+//! | [`corrected`](mod@corrected) | ranges as the module corrects them |
+//! | [`checksum`] | checksums of frames and sentences |
+//! | [`clock_models`] | clock series with known predictions |
+
+pub mod checksum;
+pub mod encode;
+pub mod fault;
+pub mod measurement;
+pub mod recording;
+pub mod sky;
+
+#[cfg(feature = "commands")]
+pub mod capture;
+#[cfg(feature = "commands")]
+pub mod clock_models;
+#[cfg(feature = "commands")]
+pub mod corrected;
+#[cfg(feature = "commands")]
+pub mod lump;
+#[cfg(feature = "commands")]
+pub mod lumps;
+#[cfg(feature = "commands")]
+pub mod pieces;
+#[cfg(feature = "commands")]
+pub mod sample;

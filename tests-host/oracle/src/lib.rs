@@ -1,0 +1,14 @@
+//! Second opinions on the module: other programs and reference values.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`gpsd`], [`chrony`] | programs that read the module's sentences |
+//! | [`tables`] | the threshold tables and their check |
+//! | [`vectors`] | reference values |
+//!
+//! Second opinions by slow and exact methods are in [`raim::second_opinion`].
+
+pub mod chrony;
+pub mod gpsd;
+pub mod tables;
+pub mod vectors;

@@ -1,0 +1,210 @@
+//! The demonstration: one satellite of a simulated sky drifts off while the emulated board is
+//! watched.
+//!
+//! ```text
+//! sky ──► fault ──► RTCM ──► USART2 of the board ──► USART1, log ──► moments ──► live view, page, picture
+//! ```
+//!
+//! | time / s | event |
+//! |---|---|
+//! | 0 to 40 | none |
+//! | 40 to 70 | the satellite's range error grows linearly to the full bias |
+//! | 70 to 90 | it stays there |
+//! | 90 to 120 | the satellite is healthy again |
+//! | from 120 | the line is silent, until the module reports it and drops the pin |
+//!
+//! The next epoch is sent when the module has reported the last one, so two minutes pass as fast as
+//! the host runs. Beside the module an ordinary receiver processes the same bytes and accepts every
+//! satellite above the same mask. The silence passes on the board's own clock, with the time to
+//! alert set to [`SILENCE_S`].
+
+mod live;
+mod ordinary;
+mod story;
+mod watched;
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, ensure};
+use raim::page::Moment;
+use raim::sentence::{self, EpochOutput};
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::fault::{Fault, Injector, Kind, Target};
+use raim::signal::sky::raw::Simulation;
+use raim::signal::sky::{Site, sights};
+use raim_core::satellite::SatelliteId;
+
+pub use live::{Live, View};
+pub use ordinary::{Accepter, Ordinary};
+pub use story::Story;
+pub use watched::watched;
+
+use crate::board::EmulatedBoard;
+
+/// Start of the fault, s.
+pub const FAULT_START_S: f64 = 40.0;
+/// End of the fault, s.
+pub const FAULT_END_S: f64 = 90.0;
+/// Time in which the fault grows, s.
+const GROWTH_S: f64 = 30.0;
+/// Number of epochs of the demonstration, one per second.
+const EPOCHS: u32 = 120;
+/// Time to alert while the line is silent, s: short, because the demonstration waits for it.
+pub const SILENCE_S: f64 = 3.0;
+/// Smallest elevation of the satellite at the beginning, degrees.
+const ELEVATION_DEG: f64 = 35.0;
+/// Elevation mask of the module at start and of the ordinary receiver, degrees.
+const MASK_DEG: f64 = 10.0;
+/// Time within which the board must report an epoch.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// Largest delay of the log of the pin after the sentence.
+const PIN_PATIENCE: Duration = Duration::from_secs(5);
+
+/// Parameters of a demonstration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// Satellite that drifts off.
+    pub satellite: SatelliteId,
+    /// Final error of its range, m.
+    pub bias_m: f64,
+    /// Seed of all random choices.
+    pub seed: u64,
+}
+
+impl Plan {
+    /// Returns the sky at a time when the satellite is high.
+    ///
+    /// # Errors
+    /// If the satellite is not in the sky; the error names those that are.
+    pub fn simulation(&self) -> Result<Simulation> {
+        let mut simulation = Simulation::above_xian(0.0, EPOCHS, self.seed);
+        let known: Vec<SatelliteId> = simulation.satellites.iter().map(|satellite| satellite.id).collect();
+        self.fault().check_against(&known)?;
+        let own: Vec<_> = simulation
+            .satellites
+            .iter()
+            .filter(|satellite| satellite.id == self.satellite)
+            .copied()
+            .collect();
+        let elevation_deg = |t_s: f64| {
+            let seen = sights(&own, &simulation.site, t_s, 0.0);
+            seen.first().map_or(-90.0, |sight| sight.elevation_rad().to_degrees())
+        };
+        let quarters = || (0..96).map(|quarter| f64::from(quarter) * 900.0);
+        let highest = quarters().max_by(|a, b| elevation_deg(*a).total_cmp(&elevation_deg(*b)));
+        let start_s = quarters().find(|&t_s| elevation_deg(t_s) >= ELEVATION_DEG).or(highest);
+        let start_s = start_s.filter(|&t_s| elevation_deg(t_s) > 10.0);
+        simulation.start_s =
+            start_s.with_context(|| format!("{} never rises over the site", self.satellite))?;
+        Ok(simulation)
+    }
+
+    /// Returns the drift.
+    pub fn fault(&self) -> Fault {
+        Fault {
+            target: Target::Satellite(self.satellite),
+            kind: Kind::Ramp { rate_m_s: self.bias_m / GROWTH_S, limit_m: self.bias_m.abs() },
+            start_s: FAULT_START_S,
+            end_s: FAULT_END_S,
+        }
+    }
+
+    /// Runs the demonstration on the emulated board. `watch` receives all moments so far after each
+    /// epoch.
+    ///
+    /// # Errors
+    /// If the satellite is not in the sky, or the board does not start or does not answer in time.
+    pub fn run(&self, image: &Path, mut watch: impl FnMut(&[Moment])) -> Result<Story> {
+        ensure!(
+            self.bias_m.is_finite() && self.bias_m != 0.0,
+            "the bias must be finite and not zero, not {} m",
+            self.bias_m
+        );
+        let simulation = self.simulation()?;
+        let recording = simulation.record();
+        let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual)?);
+        let mut module = Module::start(image)?;
+        let (mut moments, mut ordinary) = (Vec::new(), Vec::new());
+        let pin_at_boot = module.board.pin_is_high();
+        let mut accepter = Accepter::new(MASK_DEG.to_radians());
+        let epochs = Injector::new(recording.epochs.into_iter(), vec![self.fault()]);
+        for (index, epoch) in (0_u32..).zip(epochs) {
+            let bytes = encoder.epoch(&epoch)?;
+            let said = module.judge(&bytes).with_context(|| format!("epoch {index}"))?;
+            ordinary.extend(accepter.hear(&bytes, f64::from(index), &simulation.site));
+            moments.push(moment(f64::from(index), &said, module.board.pin_is_high(), &simulation.site));
+            watch(&moments);
+        }
+        module.shorten_patience()?;
+        // The report comes twice, to show that the alarm lasts.
+        for times in 1..=2 {
+            let (said, pin_is_high) = module.fall_silent().context("the silent line")?;
+            let time_s = f64::from(EPOCHS - 1) + f64::from(times) * SILENCE_S;
+            moments.push(moment(time_s, &said, pin_is_high, &simulation.site));
+            watch(&moments);
+        }
+        let instructions = module.board.epoch_instructions();
+        module.board.stop()?;
+        Ok(Story { plan: *self, simulation, moments, ordinary, pin_at_boot, instructions })
+    }
+}
+
+/// The board, and the number of epochs sent to it.
+struct Module {
+    board: EmulatedBoard,
+    epochs: usize,
+}
+
+impl Module {
+    fn start(image: &Path) -> Result<Self> {
+        let mut board = EmulatedBoard::start(image)?;
+        board.read_through("$PRAIV", PATIENCE).context("the board does not report its start")?;
+        Ok(Self { board, epochs: 0 })
+    }
+
+    /// Sets the time to alert to [`SILENCE_S`].
+    fn shorten_patience(&mut self) -> Result<()> {
+        self.board.command(&format!("TTA,{SILENCE_S}"))?;
+        self.board.read_through("$PRAIA", PATIENCE).map(drop)
+    }
+
+    /// Sends nothing until the module reports the silence; returns the report, and the level of the
+    /// pin then.
+    fn fall_silent(&mut self) -> Result<(EpochOutput, bool)> {
+        let lines = self.board.read_through("$PRAIS", PATIENCE)?;
+        let said = lines.last().map_or("", String::as_str);
+        let said = sentence::epochs(said)?.pop().context("the module did not report the silence")?;
+        // The log comes over its own port, slightly later.
+        let deadline = Instant::now() + PIN_PATIENCE;
+        while self.board.pin_is_high() && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        Ok((said, self.board.pin_is_high()))
+    }
+
+    /// Sends one epoch and reads the module's report on it.
+    fn judge(&mut self, bytes: &[u8]) -> Result<EpochOutput> {
+        self.board.feed(bytes)?;
+        let mut lines = self.board.read_through("$PRAIS", PATIENCE)?;
+        if lines.last().is_some_and(|line| line.contains(",EXCLUDED,")) {
+            let first = self.board.read_line(PATIENCE)?;
+            let count = first.split(',').nth(2).and_then(|count| count.parse().ok()).unwrap_or(1);
+            lines.push(first);
+            for _ in 1..count {
+                lines.push(self.board.read_line(PATIENCE)?);
+            }
+        }
+        // The pin's level is in the log, whose last line of an epoch is the time it took.
+        self.epochs += 1;
+        self.board.log_with(&format!("epoch {} took", self.epochs), 0, PATIENCE)?;
+        sentence::epochs(&lines.concat())?.pop().context("the module did not report the epoch")
+    }
+}
+
+/// Returns the module's report beside the truth.
+fn moment(time_s: f64, said: &EpochOutput, pin_is_high: bool, site: &Site) -> Moment {
+    let error = said.position.map(|geodetic| site.frame.rotate(geodetic.to_ecef() - site.position));
+    Moment::of(time_s, said, error, pin_is_high)
+}

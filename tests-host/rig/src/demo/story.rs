@@ -1,0 +1,222 @@
+//! Result of the demonstration: a summary in words, a page, and the picture of the module catching
+//! a fault.
+
+use std::fmt;
+
+use anyhow::Result;
+use raim::page::canvas::{GREY, Ground, Mark};
+use raim::page::chart::Series;
+use raim::page::html::Page;
+use raim::page::skyplot::{Body, skyplot};
+use raim::page::timeline::{self, Incident};
+use raim::page::{Moment, Verdict, stanford};
+use raim::signal::sky::raw::Simulation;
+use raim_core::satellite::SatelliteId;
+
+use super::{FAULT_END_S, FAULT_START_S, Ordinary, Plan, SILENCE_S};
+
+/// A demonstration that has run.
+#[derive(Clone, Debug)]
+pub struct Story {
+    /// Parameters of the demonstration.
+    pub plan: Plan,
+    /// Sky of the demonstration.
+    pub simulation: Simulation,
+    /// Reports of the module, epoch by epoch.
+    pub moments: Vec<Moment>,
+    /// Results of an ordinary receiver.
+    pub ordinary: Vec<Ordinary>,
+    /// Level of the integrity pin before the first epoch.
+    pub pin_at_boot: bool,
+    /// Instructions of the target for each epoch.
+    pub instructions: Vec<u64>,
+}
+
+impl Story {
+    /// Returns the first epoch with an alert, or without the satellite.
+    pub fn detection(&self) -> Option<&Moment> {
+        let during = self.moments.iter().filter(|moment| self.plan.fault().is_active(moment.time_s));
+        during
+            .into_iter()
+            .find(|moment| moment.verdict == Verdict::Alert || moment.excluded.contains(&self.plan.satellite))
+    }
+
+    /// Returns the number of protected epochs with an error above their protection level.
+    pub fn misleading(&self) -> usize {
+        let is_misleading = |moment: &&Moment| {
+            moment.verdict == Verdict::Protected
+                && moment.horizontal_error_m.zip(moment.hpl_m).is_some_and(|(error_m, hpl_m)| error_m > hpl_m)
+        };
+        self.moments.iter().filter(is_misleading).count()
+    }
+
+    /// Returns the largest horizontal error of a protected epoch, m.
+    pub fn largest_protected_error_m(&self) -> f64 {
+        let protected = self.moments.iter().filter(|moment| moment.verdict == Verdict::Protected);
+        protected.filter_map(|moment| moment.horizontal_error_m).fold(0.0, f64::max)
+    }
+
+    /// Returns all satellites that were ever left out, with the number of epochs.
+    pub fn excluded(&self) -> Vec<(SatelliteId, usize)> {
+        let mut all: Vec<SatelliteId> =
+            self.moments.iter().flat_map(|moment| moment.excluded.iter().copied()).collect();
+        all.sort_unstable();
+        let of = |run: &[SatelliteId]| run.first().map(|&satellite| (satellite, run.len()));
+        all.chunk_by(|a, b| a == b).filter_map(of).collect()
+    }
+
+    /// Returns the module's report at the end, on the silent line.
+    fn silence(&self) -> String {
+        let Some(last) = self.moments.last() else { return "nothing".to_owned() };
+        let pin = last.pin_is_high.map_or("unknown", level);
+        format!("{} {} after {SILENCE_S} s, pin {pin}", last.verdict.word(), last.reason)
+    }
+
+    fn pin_low(&self) -> usize {
+        let epochs = self.moments.iter().filter(|moment| moment.reason != "STALE");
+        epochs.filter(|moment| moment.pin_is_high == Some(false)).count()
+    }
+
+    fn incidents(&self) -> [Incident; 2] {
+        let name = format!("{} drifts off, to {:+} m", self.plan.satellite, self.plan.bias_m);
+        let end_s = self.moments.last().map_or(0.0, |moment| moment.time_s);
+        [
+            Incident { name, range_s: FAULT_START_S..FAULT_END_S },
+            Incident { name: "the line is silent".to_owned(), range_s: end_s - 2.0 * SILENCE_S..end_s },
+        ]
+    }
+
+    fn bodies(&self) -> Vec<Body> {
+        let excluded = self.excluded();
+        let body = |sight: &raim::signal::sky::Sight| Body {
+            satellite: sight.satellite,
+            elevation_rad: sight.elevation_rad(),
+            azimuth_rad: sight.azimuth_rad(),
+            is_excluded: excluded.iter().any(|&(satellite, _)| satellite == sight.satellite),
+        };
+        self.simulation.sights_at(0).iter().map(body).collect()
+    }
+
+    /// Returns names and values of the most important figures.
+    pub fn figures(&self) -> Vec<(String, String)> {
+        let [protected, alerts, unavailable] = timeline::tally(&self.moments);
+        let detected = self.detection().map_or_else(
+            || "not detected".to_owned(),
+            |moment| {
+                let bias_m = self.plan.fault().bias_m(moment.time_s);
+                format!("{:.0} s, at {bias_m:+.1} m", moment.time_s - FAULT_START_S)
+            },
+        );
+        let excluded: Vec<String> = self
+            .excluded()
+            .iter()
+            .map(|(satellite, epochs)| format!("{satellite} ({epochs} epochs)"))
+            .collect();
+        let excluded = if excluded.is_empty() { "none".to_owned() } else { excluded.join(", ") };
+        let error_m = self.largest_protected_error_m();
+        let mut figures = vec![
+            ("fault noticed after".to_owned(), detected),
+            ("left out".to_owned(), excluded),
+            ("largest error of a protected position".to_owned(), format!("{error_m:.1} m")),
+            (
+                "largest error, all satellites accepted".to_owned(),
+                format!(
+                    "{:.1} m",
+                    self.ordinary.iter().map(|said| said.horizontal_error_m).fold(0.0, f64::max)
+                ),
+            ),
+            ("misleading epochs".to_owned(), self.misleading().to_string()),
+            (
+                "epochs protected, alert, unavailable".to_owned(),
+                format!("{protected}, {alerts}, {unavailable}"),
+            ),
+            (
+                "integrity pin".to_owned(),
+                format!("{} at boot, low in {} epochs", level(self.pin_at_boot), self.pin_low()),
+            ),
+            ("when the line fell silent".to_owned(), self.silence()),
+        ];
+        if let Some(most) = self.instructions.iter().max() {
+            let millions = *most as f64 * 1e-6;
+            figures
+                .push(("costliest epoch on the target".to_owned(), format!("{millions:.1} M instructions")));
+        }
+        figures
+    }
+
+    /// Draws the module catching a fault, in one picture.
+    ///
+    /// # Errors
+    /// If it cannot be drawn.
+    pub fn picture(&self, ground: Ground) -> Result<String> {
+        let incidents = self.incidents();
+        let mut statistic = timeline::statistic(&self.moments, &incidents);
+        let mut horizontal = timeline::horizontal(&self.moments, &incidents);
+        // These lines are behind the others, which are the subject of the picture.
+        statistic.series.insert(0, self.accepted("all satellites accepted", |ordinary| ordinary.statistic));
+        let accepted = self.accepted("error, all accepted", |ordinary| ordinary.horizontal_error_m);
+        horizontal.series.insert(0, accepted);
+        timeline::stacked(&[statistic, horizontal], &self.moments, ground)
+    }
+
+    fn accepted(&self, name: &str, value: impl Fn(&Ordinary) -> f64) -> Series {
+        let point = |ordinary: &Ordinary| (ordinary.time_s, value(ordinary));
+        let points = self.ordinary.iter().map(point).collect();
+        Series { name: name.to_owned(), colour: GREY, mark: Mark::Line, points }
+    }
+
+    /// Returns everything on one page.
+    ///
+    /// # Errors
+    /// If a picture cannot be drawn.
+    pub fn page(&self) -> Result<Page> {
+        let summary = format!(
+            "Two minutes of a simulated GPS and BeiDou sky over Xi'an, sent as RTCM 3 to the image on the emulated \
+             board. From {FAULT_START_S} s to {FAULT_END_S} s the range of {} is wrong, growing to {:+} m; at the end \
+             the line falls silent, and after {SILENCE_S} s the pin drops.",
+            self.plan.satellite, self.plan.bias_m
+        );
+        let mut page = Page::new("RAI: a satellite drifts off, and the module notices", &summary);
+        page.figures(&self.figures());
+        page.heading("What the module said");
+        page.picture(&self.picture(Ground::Page)?);
+        page.heading("Geometry, and every epoch against its bound");
+        page.pictures(&[
+            skyplot(&self.bodies(), self.simulation.mask_rad, Ground::Page)?,
+            stanford::horizontal(&self.moments, Ground::Page)?,
+        ]);
+        page.heading("Height");
+        page.picture(&timeline::vertical(&self.moments, &self.incidents()).svg((960, 280), Ground::Page)?);
+        page.heading("Changes of the verdict");
+        page.table(&["time / s", "verdict", "reason", "left out", "error / m", "HPL / m"], &self.changes());
+        Ok(page)
+    }
+
+    /// Returns the epochs at which verdict or exclusions changed.
+    fn changes(&self) -> Vec<Vec<String>> {
+        let same = |a: &Moment, b: &Moment| a.verdict == b.verdict && a.excluded == b.excluded;
+        let row = |moment: &Moment| {
+            let names: Vec<String> = moment.excluded.iter().map(ToString::to_string).collect();
+            let metres = |value: Option<f64>| value.map_or_else(String::new, |metres| format!("{metres:.1}"));
+            vec![
+                format!("{:.0}", moment.time_s),
+                moment.verdict.word().to_owned(),
+                moment.reason.clone(),
+                names.join(" "),
+                metres(moment.horizontal_error_m),
+                metres(moment.hpl_m),
+            ]
+        };
+        self.moments.chunk_by(same).filter_map(|run| run.first()).map(row).collect()
+    }
+}
+
+const fn level(is_high: bool) -> &'static str {
+    if is_high { "high" } else { "low" }
+}
+
+impl fmt::Display for Story {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.figures().iter().try_for_each(|(name, value)| writeln!(formatter, "  {name:<38} {value}"))
+    }
+}

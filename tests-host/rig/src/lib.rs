@@ -1,0 +1,35 @@
+//! The emulated boards, their measurements and the proofs about the image.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`image`](mod@image), [`board`] | the firmware's image; the chip in the emulator: start, feed, read, stop |
+//! | [`lockstep`] | a replay on the emulated board, beside the module in process |
+//! | [`paced`] | the module on a model of its ports, in simulated time |
+//! | [`demo`] | the demonstration, from input to report |
+//! | [`no_panic`] | the proof that nothing panics, by the linker |
+//! | [`bench`](mod@bench), [`laboratory`] | cost of each stage on the chip; single stages on the emulated core |
+//! | [`capi`] | the C interface: its header, its library, and programs that call it |
+//! | [`setup`], [`skip`] | missing requirements of a machine; tests that are skipped without them |
+//! | [`shared`], [`stations`] | paths of the recordings of real stations |
+//!
+//! # References
+//!
+//! | tag | source |
+//! |---|---|
+//! | `ARMv7-M` | ARM DDI 0403, *ARMv7-M Architecture Reference Manual* |
+//! | `DS8626` | STMicroelectronics, *STM32F405xx STM32F407xx*, data sheet |
+
+pub mod bench;
+pub mod board;
+pub mod capi;
+pub mod demo;
+pub mod image;
+pub mod laboratory;
+pub mod lockstep;
+pub mod no_panic;
+pub mod paced;
+pub mod setup;
+pub mod shared;
+pub mod skip;
+mod source_lines;
+pub mod stations;
