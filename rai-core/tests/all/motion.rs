@@ -146,9 +146,9 @@ fn a_clock_is_compared_across_a_tunnel() {
     let tunnel = drive(600).filter(|epoch| !gap(*epoch));
     assert_eq!(contradictions(tunnel.clone()), []);
     // A counterfeit clock 100 km away from the true one, where a quartz wanders 9 km.
-    let counterfeit = tunnel.map(|epoch| match epoch.time_s < 400.0 {
-        true => epoch,
-        false => Epoch { clock_m: epoch.clock_m + 100e3, ..epoch },
+    let counterfeit = tunnel.map(|epoch| {
+        let clock_m = if epoch.time_s < 400.0 { epoch.clock_m } else { epoch.clock_m + 100e3 };
+        Epoch { clock_m, ..epoch }
     });
     assert_eq!(contradictions(counterfeit), [(400.0, Alert::Clock)]);
 }

@@ -158,7 +158,9 @@ impl Simulation {
             let tag_s = self.start_s + f64::from(epoch) * self.step_s;
             let clock_s = clock.advance();
             let seen = sights(&self.satellites, &self.site, tag_s - clock_s, self.mask_rad);
-            let raw = |sight: &Sight| self.raw_satellite(sight, clock_s, &noise, u64::from(epoch));
+            let drift_m_s = SPEED_OF_LIGHT_M_S * clock.fractional_frequency();
+            let raw =
+                |sight: &Sight| self.raw_satellite(sight, (clock_s, drift_m_s), &noise, u64::from(epoch));
             MeasuredEpoch { time: self.time_at(tag_s), satellites: seen.iter().filter_map(raw).collect() }
         };
         (0..self.epochs).map(&mut raw_epoch).collect()
@@ -171,7 +173,7 @@ impl Simulation {
     fn raw_satellite(
         &self,
         sight: &Sight,
-        clock_s: f64,
+        (clock_s, drift_m_s): (f64, f64),
         noise: &Noise,
         epoch: u64,
     ) -> Option<MeasuredSatellite> {
@@ -186,6 +188,7 @@ impl Simulation {
             + troposphere_m(sin_elevation, self.site.frame.height_m());
         let received_s = sight.sent_s + sight.range_m / SPEED_OF_LIGHT_M_S;
         let rate_m_s = self.has_range_rates.then(|| self.range_rate_m_s(satellite, received_s)).flatten();
+        let rate_m_s = rate_m_s.map(|rate_m_s| rate_m_s + drift_m_s);
         let signal = |(channel, signal): (u8, &Signal)| MeasuredSignal {
             band: signal.band,
             attribute: signal.attribute,
