@@ -121,7 +121,10 @@ fn step_on_one_of_four_satellites_is_an_alarm() {
     // With one degree of freedom the promise returns after ten seconds of agreement; between the
     // faults there are two.
     let returns_s = begin_s(FOUR.len() - 1, SHORT_QUIET_S) + FAULT_LENGTH_S + 10;
-    for (second, output) in with_few(&outputs) {
+    // With four satellites the clock is a forecast ever since the sky emptied. After about a minute
+    // its error exceeds its sigma, which is `SIGMAS`.
+    let is_forecast = |&(second, _): &(u32, &EpochOutput)| second < EMPTY_S + 50;
+    for (second, output) in with_few(&outputs).take_while(is_forecast) {
         assert_eq!((output.state.used, output.state.dof), (4, Some(1)), "{second} s");
         let want = match fault_at(second, SHORT_QUIET_S) {
             Some(number) if number < FOUR.len() => ('A', "FAULT"),
