@@ -107,6 +107,8 @@ pub enum Unavailable {
     Recovering,
     /// No receiver can be at this height or place.
     Place,
+    /// The residuals of the last minute contradict the sigmas.
+    Sigmas,
     /// A known answer was missed. The receiver around the core sets it, as it sets the next two.
     SelfTest,
     /// Ranges came without orbits.
@@ -187,6 +189,12 @@ impl ProtectionLevels {
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         Self { hpl_m: self.hpl_m + other.hpl_m, vpl_m: self.vpl_m + other.vpl_m }
+    }
+
+    /// Returns both multiplied by a factor.
+    #[must_use]
+    pub fn times(&self, factor: f64) -> Self {
+        Self { hpl_m: factor * self.hpl_m, vpl_m: factor * self.vpl_m }
     }
 
     /// Returns the larger of each; NaN counts as the largest.

@@ -297,6 +297,8 @@ impl Default for Continuity {
 
 impl Continuity {
     /// Returns the state before the first epoch.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub const fn new() -> Self {
         Self {
             standing: Standing::New,

@@ -215,6 +215,16 @@ impl<T: Real> Judgement<T> {
             WithoutAiding::Always | WithoutAiding::Untested => levels,
         })
     }
+
+    /// Multiplies every protection level by a factor.
+    pub(crate) fn scale_levels(&mut self, factor: f64) {
+        if let Ok(test) = &mut self.test {
+            test.levels = test.levels.times(factor);
+        }
+        if let WithoutAiding::Tested(alone) = &mut self.without_aiding {
+            alone.levels = alone.levels.times(factor);
+        }
+    }
 }
 
 impl<T: Real> Criteria<'_, T> {

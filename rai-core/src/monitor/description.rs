@@ -13,7 +13,7 @@ use crate::numeric::real::Real;
 use crate::numeric::space::{dot, upper_triangle};
 use crate::report::{AraimReport, MAX_EXCLUDED, Report, Solution, Suspect, TestStatistic, Verdict};
 use crate::satellite::Constellation;
-use crate::weighting::adaptation::Residuals;
+use crate::weighting::residuals::Residuals;
 
 /// Returns the residuals of the satellites used, weighted by the sigmas of the epoch.
 pub(super) fn residuals<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Residuals {
@@ -25,7 +25,7 @@ pub(super) fn residuals<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'
     });
     let aiding = snapshot.rows().skip(epoch.observations().len());
     let aided = aiding.filter(|(row, _)| takes_part(row.weight)).count();
-    Residuals { sse, dof: snapshot.dof().saturating_sub(aided) as u32 }
+    Residuals { sse: sse as f32, dof: snapshot.dof().saturating_sub(aided) as u32 }
 }
 
 /// Returns the excluded satellites with their biases in the final solution.

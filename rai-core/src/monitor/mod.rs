@@ -11,8 +11,9 @@
 //! under any policy; protection levels are those of the threshold in use.
 //!
 //! The state contains the last position, as the start of the next fix; a window of SSE/dof, which
-//! shows whether the sigmas are right; with clock aiding, the receiver clocks of the epochs that
-//! passed; and the verdicts of the epochs before ([`crate::continuity`]).
+//! shows whether the sigmas are right; the residuals of the last minute and the satellites excluded
+//! lately, which take a promise back if they contradict it; with clock aiding, the receiver clocks
+//! of the epochs that passed; and the verdicts of the epochs before ([`crate::continuity`]).
 //!
 //! References: [Yang2015] §1 for the order of the decisions, [Lin2016] §2 for detection and
 //! identification.
@@ -21,6 +22,8 @@
 //! [Lin2016]: crate#references
 
 mod description;
+mod evidence;
+mod named;
 mod validated;
 mod verdict;
 mod workspace;
@@ -33,20 +36,23 @@ use crate::epoch::{Aided, Epoch, EpochView};
 use crate::frame::Ecef;
 use crate::integrity::raim::detection::threshold::policy::Policy;
 use crate::integrity::raim::hypotheses::time_tag::RangeRates;
-use crate::integrity::raim::isolation::exclusion::ExclusionOutcome;
+use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, leaves_enough};
 use crate::integrity::raim::isolation::ransac::Subsets;
 use crate::integrity::raim::levels::Levels;
 use crate::integrity::{Criteria, Judgement, judge};
 use crate::least_squares::SnapshotError;
 use crate::least_squares::fix::{Fix, FixError};
 use crate::numeric::real::Real;
-use crate::report::{Alert, Report, Unavailable, Verdict};
+use crate::report::{Alert, Protected, Report, Unavailable, Verdict};
 use crate::requirements::Requirements;
 use crate::velocity::{Velocity, VelocityError};
 use crate::weighting::Ism;
 use crate::weighting::adaptation::Adaptation;
+use crate::weighting::residuals::Residuals;
 
 use description::{describe, residuals, suspects};
+use evidence::{Belief, Evidence, residuals_of_all};
+use named::Named;
 use workspace::Update;
 
 pub use crate::integrity::{Method, Search};
@@ -110,6 +116,8 @@ pub struct Monitor<T: Real, const N: usize> {
     subsets: Subsets,
     start: Ecef,
     ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
+    evidence: Evidence,
+    named: Named,
     motion: Motion,
     continuity: Continuity,
     continuity_settings: Option<ContinuitySettings>,
@@ -137,6 +145,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             subsets: Subsets::new(),
             start: Ecef::CENTRE,
             ratios: Deque::new(),
+            evidence: Evidence::new(),
+            named: Named::new(),
             motion: Motion::new(),
             continuity: Continuity::new(),
             continuity_settings: Some(ContinuitySettings::anywhere()),
@@ -167,10 +177,11 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.strategy = strategy;
     }
 
-    /// Forgets the residuals of the adaptation, because the ranges are now made in another way or
-    /// come from other satellites.
+    /// Forgets the residuals of the adaptation and the evidence against the sigmas, because the
+    /// ranges are now made in another way or come from other satellites.
     pub fn forget_residuals(&mut self) {
         self.adaptation.restart();
+        self.evidence.restart();
         self.motion.restart();
     }
 
@@ -280,9 +291,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
             Ok(fix) => {
                 let clock_row = fix.clock_row();
-                let judgement =
+                let mut judgement =
                     judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
-                self.assess(fix, &epoch.view(), &judgement, outcome);
+                self.assess(fix, &epoch.view(), &mut judgement, outcome);
             }
             Err(error) => self.assess_without_position(*error, epoch, outcome),
         }
@@ -301,8 +312,15 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         own_clock_s: Option<f64>,
         velocity: Result<&Velocity, VelocityError>,
     ) {
+        self.remember(outcome);
         self.continue_from(outcome, own_clock_s, velocity);
-        let Update { time_s, start, ratio, clocks, residuals } = &outcome.update;
+        // Under an alert and while satellites recover from it, the exclusion may be the wrong one.
+        if matches!(outcome.report.verdict, Verdict::Protected(_)) {
+            for excluded in &outcome.report.excluded {
+                self.named.name(excluded.satellite);
+            }
+        }
+        let Update { time_s, start, ratio, clocks, residuals, .. } = &outcome.update;
         if let Some(start) = *start {
             self.start = start;
         }
@@ -317,6 +335,23 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
         if let Some(residuals) = *residuals {
             self.adaptation.learn(*time_s, residuals);
+        }
+    }
+
+    /// Adds an epoch, promised or not, to the evidence against sigmas and satellites.
+    fn remember(&mut self, outcome: &EpochOutcome<N>) {
+        let EpochOutcome { report, update, .. } = outcome;
+        if report.verdict == Verdict::Alert(Alert::Time) {
+            // A wrong time explains the alarms about it, in which it was not told from a fault.
+            self.evidence.restart();
+        } else {
+            self.evidence.learn(update.time_s, update.evidence);
+        }
+        if update.is_refuting_scale {
+            self.adaptation.restart();
+        }
+        if update.ratio.is_some() {
+            self.named.agree(update.time_s, &report.used);
         }
     }
 
@@ -378,11 +413,19 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         &self,
         fix: &Fix<'_, T>,
         epoch: &EpochView<'_>,
-        judgement: &Judgement<T>,
+        judgement: &mut Judgement<T>,
         outcome: &mut EpochOutcome<N>,
     ) {
         let excluded = suspects(judgement, fix, epoch);
-        let verdict = self.verdict(judgement, excluded.is_empty());
+        let evidence = residuals_of_all(judgement, fix.snapshot(), epoch.observations().len());
+        let belief = self.belief(epoch.time_s(), evidence);
+        if let Belief::Scaled(factor) = belief {
+            judgement.scale_levels(f64::from(factor));
+        }
+        let verdict = match self.verdict(judgement, excluded.is_empty()) {
+            Verdict::Protected(how) => self.supported(how, belief, fix, epoch, excluded.len()),
+            other => other,
+        };
         let passed = !matches!(judgement.outcome, ExclusionOutcome::NotIsolated(_));
         // Under a policy above T1 a search can fail although its remaining rows pass: such an epoch
         // updates nothing.
@@ -396,6 +439,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             // A position under an alert is no start of the next fix.
             start: (!matches!(verdict, Verdict::Alert(_))).then(|| fix.position()),
             ratio,
+            evidence,
+            is_refuting_scale: self.scale(epoch.time_s()).is_some_and(|scale| scale < 1.0)
+                && judgement.outcome != ExclusionOutcome::Passed,
             clocks: teaches.then(|| SolvedClocks::of(fix.snapshot())),
             residuals: ratio.filter(|_| self.strategy.sigma_adapt).map(|_| residuals(fix.snapshot(), epoch)),
         };
@@ -403,6 +449,44 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         report.excluded = excluded;
         report.sigma_check = self.sigma_check(ratio);
         describe(fix, epoch, verdict, judgement, report);
+        if verdict == Verdict::Unavailable(Unavailable::Sigmas) {
+            // A level of refuted sigmas bounds nothing.
+            report.protection = None;
+        }
+    }
+
+    /// Returns the belief in the sigmas after an epoch with these residuals. Epochs that are judged
+    /// independently are no evidence against each other.
+    fn belief(&self, time_s: f64, latest: Residuals) -> Belief {
+        match self.continuity_settings {
+            Some(_) => self.evidence.belief(time_s, latest),
+            None => Belief::Sound,
+        }
+    }
+
+    /// Returns the verdict on a protected epoch in the light of the evidence of those before it.
+    fn supported(
+        &self,
+        how: Protected,
+        belief: Belief,
+        fix: &Fix<'_, T>,
+        epoch: &EpochView<'_>,
+        excluded: usize,
+    ) -> Verdict {
+        if belief == Belief::Refuted {
+            return Verdict::Unavailable(Unavailable::Sigmas);
+        }
+        if self.continuity_settings.is_none() || self.named.is_empty() {
+            return Verdict::Protected(how);
+        }
+        let used =
+            fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
+        let doubtful = used.filter(|(_, observation)| self.named.contains(observation.satellite)).count();
+        // A doubtful satellite takes its degree of freedom with it.
+        if !leaves_enough(excluded.max(1) + doubtful, fix.snapshot().dof()) {
+            return Verdict::Unavailable(Unavailable::Redundancy);
+        }
+        Verdict::Protected(how)
     }
 
     /// Returns the mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs, this one

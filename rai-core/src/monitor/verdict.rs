@@ -48,14 +48,16 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Returns the verdict on satellites that agree, by comparing their protection levels with the
     /// limits.
     ///
-    /// A policy other than `T1` has compared them already, and fills its share of the limit on
-    /// purpose.
+    /// A policy other than `T1` fills the whole limit on purpose, and exceeds it only if the
+    /// evidence of the last minute has scaled the levels.
     fn bounded(&self, reason: Protected, levels: &ProtectionLevels) -> Verdict {
         let ProtectionLevels { hpl_m, vpl_m } = *levels;
         let fraction = self.validated.requirements.guard_fraction;
         let decided = self.strategy.policy != Policy::T1;
         // A NaN level fails this comparison.
-        let within = |level_m: f64, limit_m: f64| decided || level_m < fraction * limit_m;
+        let within = |level_m: f64, limit_m: f64| {
+            if decided { level_m <= limit_m } else { level_m < fraction * limit_m }
+        };
         if !hpl_m.is_finite() || (self.validated.requirements.val_m.is_some() && !vpl_m.is_finite()) {
             Verdict::Unavailable(Unavailable::Geometry)
         } else if !within(hpl_m, self.validated.requirements.hal_m) {

@@ -6,7 +6,7 @@ use crate::integrity::MethodScratch;
 use crate::least_squares::Workspace;
 use crate::numeric::real::Real;
 use crate::report::{Alert, Report, Verdict};
-use crate::weighting::adaptation::Residuals;
+use crate::weighting::residuals::Residuals;
 
 /// Memory for judging, which also holds the outcome.
 ///
@@ -89,6 +89,10 @@ pub(super) struct Update {
     pub(super) start: Option<Ecef>,
     /// SSE/dof of a test that passed, because a detected fault has no information on sigma.
     pub(super) ratio: Option<f32>,
+    /// Residuals of every tracked satellite, alarms included.
+    pub(super) evidence: Residuals,
+    /// True if sigmas scaled below 1 made the epoch fail its test.
+    pub(super) is_refuting_scale: bool,
     /// Clocks of satellites that were protected without a forecast.
     pub(super) clocks: Option<SolvedClocks>,
     /// Residuals of a test that passed, by the sigmas of the epoch.
@@ -98,6 +102,14 @@ pub(super) struct Update {
 impl Update {
     /// Returns an update without effect.
     pub(super) const fn none(time_s: f64) -> Self {
-        Self { time_s, start: None, ratio: None, clocks: None, residuals: None }
+        Self {
+            time_s,
+            start: None,
+            ratio: None,
+            evidence: Residuals::NONE,
+            is_refuting_scale: false,
+            clocks: None,
+            residuals: None,
+        }
     }
 }

@@ -3,6 +3,7 @@
 //! ```text
 //! s² = Σ SSE / χ²_α(Σ dof)         upper bound of the variance factor: it is larger with the probability α only
 //! scale = s, held within 0.5 and 3; 1 while Σ dof < 600
+//! scale ≥ 1 unless SSE_m ≤ s² χ²_{1−α}(dof_m) in every minute m
 //! ```
 //!
 //! | symbol | field | unit |
@@ -21,20 +22,22 @@
 //! for minutes leaves residuals that look like others. For the same reason the monitor allows no
 //! scale below 1 on sigmas of an integrity support message.
 //!
+//! A scale below 1 is a promise of quiet. It holds only while each of the ten minutes agrees with
+//! it, so that one noisy minute is not averaged away; and the monitor begins anew
+//! ([`Adaptation::restart`]) once an epoch with such sigmas does not pass its test.
+//!
 //! Assumes that the errors of ten minutes are independent. Multipath that repeats from epoch to
 //! epoch counts each time, and the bound is then tighter than its probability says; therefore the
 //! least scale is 0.5.
 
-use heapless::Deque;
-
 use super::ephemeris_sigma_m;
+use super::residuals::RecentResiduals;
 use crate::satellite::SatelliteId;
 
-/// Number of minutes that are kept.
-const MINUTES: usize = 10;
+pub use super::residuals::Residuals;
 
 /// Length of one sum, s.
-const MINUTE_S: f64 = 60.0;
+const MINUTE_S: f32 = 60.0;
 
 /// Least degrees of freedom for a scale.
 pub const LEAST_DOF: u32 = 600;
@@ -44,84 +47,52 @@ pub const SCALES: core::ops::RangeInclusive<f64> = 0.5..=3.0;
 
 /// `Q⁻¹(α)` for `α` = 1e-3: the variance factor is larger than its bound in one of a thousand
 /// windows.
-const CONFIDENCE: f64 = 3.090_232_306_167_813;
-
-/// Sums of one minute.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Minute {
-    number: f64,
-    sse: f64,
-    dof: u32,
-}
-
-/// Residuals of an epoch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Residuals {
-    /// Weighted sum of squared residuals, by the sigmas of the epoch.
-    pub sse: f64,
-    /// Degrees of freedom.
-    pub dof: u32,
-}
+const CONFIDENCE: f32 = 3.090_232;
 
 /// Residuals of the last ten minutes.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Adaptation {
-    minutes: Deque<Minute, MINUTES>,
+    minutes: RecentResiduals,
+}
+
+impl Default for Adaptation {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Adaptation {
     /// Returns an adaptation without residuals.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub const fn new() -> Self {
-        Self { minutes: Deque::new() }
+        Self { minutes: RecentResiduals::of(MINUTE_S) }
     }
 
     /// Forgets everything.
     pub fn restart(&mut self) {
-        self.minutes.clear();
+        self.minutes.restart();
     }
 
     /// Learns from an epoch that passed its test.
     pub fn learn(&mut self, time_s: f64, residuals: Residuals) {
-        let number = libm::floor(time_s / MINUTE_S);
-        // NaN fails this comparison, so that it is not learned.
-        if !(residuals.sse >= 0.0 && residuals.sse.is_finite() && number.is_finite()) {
-            return;
-        }
-        self.forget_before(number);
-        match self.minutes.back_mut() {
-            Some(minute) if minute.number >= number => {
-                minute.sse += residuals.sse;
-                minute.dof = minute.dof.saturating_add(residuals.dof);
-            }
-            _ => {
-                // Never full, because at most ten minutes are kept above, this one included.
-                let _ = self.minutes.push_back(Minute { number, sse: residuals.sse, dof: residuals.dof });
-            }
-        }
-    }
-
-    /// Drops minutes older than ten, and later ones, which exist only if time went back.
-    fn forget_before(&mut self, number: f64) {
-        if self.minutes.back().is_some_and(|latest| latest.number > number) {
-            self.restart();
-        }
-        while self.minutes.front().is_some_and(|oldest| oldest.number + MINUTES as f64 <= number) {
-            self.minutes.pop_front();
-        }
+        self.minutes.add(time_s, residuals);
     }
 
     /// Returns the scale on all sigmas at a time; 1 with too few residuals.
     #[inline(never)]
     pub fn scale(&self, time_s: f64) -> f64 {
-        let now = libm::floor(time_s / MINUTE_S);
-        let is_recent = |minute: &&Minute| minute.number <= now && minute.number + MINUTES as f64 > now;
-        let recent = || self.minutes.iter().filter(is_recent);
-        let dof = recent().fold(0_u32, |sum, minute| sum.saturating_add(minute.dof));
-        if dof < LEAST_DOF {
+        let all = self.minutes.sum_at(time_s, Residuals::NONE);
+        if all.dof < LEAST_DOF {
             return 1.0;
         }
-        let sse: f64 = recent().map(|minute| minute.sse).sum();
-        libm::sqrt(sse / lower_quantile(dof)).clamp(*SCALES.start(), *SCALES.end())
+        let factor = all.ratio() / all.ratio_at(-CONFIDENCE);
+        // A minute without residuals contradicts no scale.
+        let contradicts =
+            |minute: Residuals| minute.dof > 0 && minute.ratio() > factor * minute.ratio_at(CONFIDENCE);
+        let is_quiet = factor < 1.0 && !self.minutes.at(time_s).any(contradicts);
+        let least = if is_quiet { *SCALES.start() } else { 1.0 };
+        f64::from(libm::sqrtf(factor)).clamp(least, *SCALES.end())
     }
 
     /// Returns a scaled sigma, m.
@@ -133,12 +104,4 @@ impl Adaptation {
         let floor_m = f64::from(libm::sqrtf(orbit_m * orbit_m + common_m * common_m)).min(sigma_m);
         (scale * sigma_m).max(floor_m)
     }
-}
-
-/// Returns `χ²_α(ν)`: `ν (1 − 2/(9ν) − z √(2/(9ν)))³`, `z = Q⁻¹(α)`.
-fn lower_quantile(dof: u32) -> f64 {
-    let dof = f64::from(dof);
-    let spread = 2.0 / (9.0 * dof);
-    let root = 1.0 - spread - CONFIDENCE * libm::sqrt(spread);
-    dof * root * root * root
 }

@@ -53,6 +53,7 @@
 //! [ED-259A]: crate#references
 
 pub mod adaptation;
+pub(crate) mod residuals;
 
 use crate::satellite::{Constellation, SatelliteId};
 

@@ -368,6 +368,11 @@
 #define RAI_REASON_ACCURACY 78
 
 /**
+ * Unavailable: the residuals of the last minute contradict the sigmas.
+ */
+#define RAI_REASON_SIGMAS 79
+
+/**
  * Global Positioning System.
  */
 #define RAI_SYSTEM_GPS 71

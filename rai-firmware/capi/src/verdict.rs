@@ -70,6 +70,8 @@ pub const RAI_REASON_SETTINGS: u8 = 76;
 pub const RAI_REASON_EMT: u8 = 77;
 /// Unavailable: the vertical accuracy of ARAIM exceeds its limit.
 pub const RAI_REASON_ACCURACY: u8 = 78;
+/// Unavailable: the residuals of the last minute contradict the sigmas.
+pub const RAI_REASON_SIGMAS: u8 = 79;
 
 fn text(reason: u8) -> &'static CStr {
     match reason {
@@ -99,6 +101,7 @@ fn text(reason: u8) -> &'static CStr {
         RAI_REASON_SETTINGS => c"SETTINGS",
         RAI_REASON_EMT => c"EMT",
         RAI_REASON_ACCURACY => c"ACCURACY",
+        RAI_REASON_SIGMAS => c"SIGMAS",
         _ => c"?",
     }
 }
@@ -132,6 +135,7 @@ pub(crate) fn reason_of(verdict: Verdict) -> u8 {
         Verdict::Unavailable(Unavailable::Settings) => RAI_REASON_SETTINGS,
         Verdict::Unavailable(Unavailable::Emt) => RAI_REASON_EMT,
         Verdict::Unavailable(Unavailable::Accuracy) => RAI_REASON_ACCURACY,
+        Verdict::Unavailable(Unavailable::Sigmas) => RAI_REASON_SIGMAS,
     }
 }
 

@@ -36,10 +36,12 @@ use crate::time::GpsTime;
 use horizon::{Horizon, coordinates_m};
 
 mod atmosphere;
+mod bands;
 mod choice;
 mod frequency;
 pub(crate) mod horizon;
 mod site;
+mod twins;
 
 pub use atmosphere::{Klobuchar, Place, Slant, Troposphere};
 pub use choice::{Choice, Choices, choose, ionosphere_free};
@@ -56,7 +58,9 @@ counters! {
         epoch_full,
         /// A corrected range, position or sigma is impossible for a satellite.
         range_implausible,
-        /// The same satellite appeared twice.
+        /// No ionosphere explains how its two bands differ.
+        bands_apart,
+        /// The same satellite appeared twice, or another number of its system has its place.
         satellite_twice,
         /// The satellite is below the elevation mask, which is no fault.
         below_mask,
@@ -200,6 +204,8 @@ pub(crate) fn locate_within(
             Err(reason) => tally.ephemerides.count(reason),
         }
     }
+    twins::remove_twins(sky, &mut tally.ranges.satellite_twice);
+    bands::remove_apart(sky, &mut tally.ranges.bands_apart);
 }
 
 /// Outcome for a satellite with a usable ephemeris.

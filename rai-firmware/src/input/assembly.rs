@@ -12,12 +12,14 @@
 //! | a message without satellites is tagged ahead | it does not advance time, because it has no evidence; far ahead it is skipped |
 //! | ranges come again under a new tag, bit for bit | the repeat is dropped, because satellites move by metres in a millisecond, so that its tag is wrong |
 //! | bytes are lost | the epoch under way and the rest of the next one are dropped |
-//! | two receivers of one name share the line | the first ranges are used; the repetition with other ranges is noted ([`Assembly::take_rivalry`]) |
+//! | two receivers of one name share the line | the first ranges are used; a second range with another value is reported ([`Rivalry`]), as is a turn of the ranges ([`super::turns`]) |
+//! | the tags of one system are wrong by tens of milliseconds | one instant comes as two epochs without a common satellite, which is reported before either is judged ([`HALVES_MS`]) |
 
 use super::calendar::{Calendar, TimeError};
 use super::epoch_ranges::{Comparison, add, hash_of_ranges};
 use super::leap_seconds::LeapSource;
-use super::{Counters, Event, Ranges, Series};
+use super::turns::Turns;
+use super::{Counters, Event, Ranges, Rivalry, Series};
 use crate::counters::count;
 use crate::raw::RawEpoch;
 use crate::time::{GpsTime, WEEK_MS};
@@ -25,6 +27,13 @@ use crate::time::{GpsTime, WEEK_MS};
 /// Difference below which tags are of one instant, ms, because receivers round each system's own
 /// time separately.
 const SAME_INSTANT_MS: u32 = 10;
+
+/// Difference of tags below which epochs of different systems are halves of one instant, ms. A
+/// receiver that measures so often sends its systems together.
+const HALVES_MS: u32 = 500;
+
+/// Largest change of a range in a millisecond, m: 1,000 m/s of satellite, vehicle and clock.
+const RATE_M_MS: f64 = 1.0;
 
 /// Number of right statements after which a system's statement counts again.
 const FORGIVEN_AFTER: u8 = 3;
@@ -61,8 +70,9 @@ pub(super) struct Assembly {
     distrust: [u8; 16],
     /// Tag of a UTC message without an open epoch, and its arrival, ms.
     utc_before: Option<(u32, u64)>,
-    /// True if an epoch came again with other ranges.
+    /// True if a rival of this epoch was reported.
     has_rival: bool,
+    turns: Turns,
     /// Hash of the ranges of the last complete epoch.
     ranges_before: Option<u32>,
 }
@@ -84,13 +94,9 @@ impl Assembly {
             distrust: [0; 16],
             utc_before: None,
             has_rival: false,
+            turns: Turns::new(),
             ranges_before: None,
         }
-    }
-
-    /// Returns true if, since the last call, an epoch came again with other ranges.
-    pub(super) const fn take_rivalry(&mut self) -> bool {
-        core::mem::replace(&mut self.has_rival, false)
     }
 
     /// Takes a message whose first byte came at `came_ms`, and passes the epochs that it completes
@@ -117,7 +123,7 @@ impl Assembly {
             Some(tow_ms) => {
                 if self.admits(ranges, tow_ms, came_ms, calendar, counters, tell) {
                     self.heard |= bit(ranges.series);
-                    self.take_all(ranges, false, counters);
+                    self.take_all(ranges, tow_ms, false, counters, tell);
                 }
             }
         }
@@ -206,6 +212,9 @@ impl Assembly {
             count(reason.counter(counters));
             return false;
         }
+        if !is_empty && self.is_half(ranges.series, tow_ms, came_ms) {
+            tell(Event::Rivalry(Rivalry::Halves));
+        }
         match self.phase {
             Phase::Open(ended) if is_same(tow_ms, self.epoch.time.tow_ms) => {
                 if let Some(series) = ended {
@@ -224,17 +233,22 @@ impl Assembly {
                 if self.has_heard(ranges.series) {
                     // The epoch comes again, so that the statement of its end was right.
                     count(&mut counters.epochs_backwards);
-                    self.take_all(ranges, true, &mut Counters::default());
                 } else {
                     if let Some(series) = ended {
                         self.accuse(series);
                     }
                     count(&mut counters.observations_after_end);
                 }
+                self.take_all(ranges, tow_ms, true, &mut Counters::default(), tell);
                 self.phase = Phase::Dropping(complete_ms);
                 return false;
             }
-            Phase::Dropping(dropped_ms) if is_same(tow_ms, dropped_ms) => return false,
+            Phase::Dropping(dropped_ms) if is_same(tow_ms, dropped_ms) => {
+                if is_same(tow_ms, self.epoch.time.tow_ms) {
+                    self.take_all(ranges, tow_ms, true, &mut Counters::default(), tell);
+                }
+                return false;
+            }
             Phase::Interrupted => {
                 count(&mut counters.epochs_broken);
                 self.phase = Phase::Dropping(tow_ms);
@@ -245,6 +259,7 @@ impl Assembly {
         self.epoch.satellites.clear();
         self.came_ms = came_ms;
         self.heard = 0;
+        self.has_rival = false;
         if !is_empty {
             return self.vouch(tow_ms, came_ms, calendar, counters, tell);
         }
@@ -295,21 +310,47 @@ impl Assembly {
         time.is_ok()
     }
 
-    /// Adds the ranges of a message, or compares them with those of the last complete epoch. Both
-    /// are one function, because the reader of a message is compiled for each caller.
+    /// Adds the ranges of a message, or compares them with those of the last complete epoch.
+    ///
+    /// A range that came before in another message is compared with the first: a difference that
+    /// the time between them does not explain is of a second receiver. Both are one function,
+    /// because the reader of a message is compiled for each caller.
     #[inline(never)]
-    fn take_all(&mut self, ranges: &Ranges<'_>, is_again: bool, counters: &mut Counters) {
+    fn take_all(
+        &mut self,
+        ranges: &Ranges<'_>,
+        tow_ms: u32,
+        is_again: bool,
+        counters: &mut Counters,
+        tell: &mut dyn FnMut(Event<'_>),
+    ) {
         let earlier = self.epoch.satellites.len();
         let Self { epoch, has_rival, .. } = self;
-        let mut comparison = Comparison::default();
+        let mut comparison = Comparison::within(f64::from(apart_ms(tow_ms, epoch.time.tow_ms)) * RATE_M_MS);
         ranges.measured.each(counters, |satellite, signal, is_reference, counters| {
-            if is_again {
-                *has_rival |= comparison.differs(epoch, satellite, &signal);
-            } else {
-                add(epoch, satellite, signal, is_reference, earlier, counters);
+            if is_again || add(epoch, satellite, signal, is_reference, earlier, counters) {
+                comparison.add(epoch, satellite, &signal);
             }
         });
-        *has_rival |= comparison.end();
+        if comparison.finds_another() && !core::mem::replace(has_rival, true) {
+            tell(Event::Rivalry(if is_again { Rivalry::Receivers } else { Rivalry::Joined }));
+        }
+    }
+
+    /// Returns true if ranges of a system that the epoch lacks have a tag so near to it that both
+    /// are of one instant. After a complete epoch they must also arrive before the next instant.
+    fn is_half(&self, series: Option<Series>, tow_ms: u32, came_ms: u64) -> bool {
+        let (instant_ms, is_complete) = match self.phase {
+            Phase::Open(_) => (self.epoch.time.tow_ms, false),
+            Phase::Complete(complete_ms, _) => (complete_ms, true),
+            Phase::Idle | Phase::Dropping(_) | Phase::Interrupted => return false,
+        };
+        let apart_ms = apart_ms(tow_ms, instant_ms);
+        let is_sooner = 4 * came_ms.saturating_sub(self.came_ms) < 3 * u64::from(apart_ms);
+        self.heard != 0
+            && !self.has_heard(series)
+            && (SAME_INSTANT_MS..HALVES_MS).contains(&apart_ms)
+            && (is_sooner || !is_complete)
     }
 
     /// Takes the statement of a message that none follows.
@@ -332,6 +373,13 @@ impl Assembly {
             return count(&mut counters.epochs_repeated);
         }
         self.ranges_before = ranges;
+        // With two receivers in one epoch the stored ranges are of either, so that their turns are
+        // no evidence.
+        if !self.has_rival
+            && let Some(rivalry) = self.turns.take(&self.epoch)
+        {
+            tell(Event::Rivalry(rivalry));
+        }
         count(&mut counters.epochs);
         tell(Event::Epoch(&self.epoch, self.came_ms));
     }
@@ -364,6 +412,11 @@ fn bit(series: Option<Series>) -> u16 {
 
 /// Returns true if two times of week are of one instant, across the end of the week as well.
 fn is_same(a_ms: u32, b_ms: u32) -> bool {
+    apart_ms(a_ms, b_ms) < SAME_INSTANT_MS
+}
+
+/// Returns the time between two times of week, ms.
+fn apart_ms(a_ms: u32, b_ms: u32) -> u32 {
     let apart_ms = a_ms.abs_diff(b_ms);
-    apart_ms.min(WEEK_MS.saturating_sub(apart_ms)) < SAME_INSTANT_MS
+    apart_ms.min(WEEK_MS.saturating_sub(apart_ms))
 }

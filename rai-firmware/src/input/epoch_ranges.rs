@@ -38,40 +38,67 @@ pub(super) fn hash_of_ranges(epoch: &RawEpoch) -> Option<u32> {
     (!epoch.satellites.is_empty()).then_some(hash)
 }
 
-/// Comparison of one satellite's signals with those stored in an epoch, as sets of bands.
-#[derive(Default)]
+/// Comparison of the ranges of a message with those that an epoch has of the same satellites.
+///
+/// ```text
+/// of two receivers if  n(differ) > 0  and  n(differ) ≥ n(agree)
+/// ```
+///
+/// A satellite differs if no range of one of its bands equals the stored one. A receiver that sends
+/// its ranges twice, one of them wrong, is one receiver: that fault is for the integrity test.
 pub(super) struct Comparison {
+    /// Largest difference of two ranges of one antenna, m.
+    most_m: f64,
     satellite: Option<SatelliteId>,
-    /// Bands with a range that equals the stored one.
+    /// Bands of the satellite on which a range equals the stored one.
     agree: u16,
-    /// Bands with another range.
+    /// Bands of the satellite on which a range differs from it.
     differ: u16,
+    /// Number of satellites that agree, minus those that differ.
+    balance: i16,
+    has_differed: bool,
 }
 
 impl Comparison {
-    /// Takes the next signal. Returns true if the satellite before, whose signals are complete, has
-    /// only other ranges on some band.
-    pub(super) fn differs(&mut self, epoch: &RawEpoch, satellite: SatelliteId, signal: &RawSignal) -> bool {
-        let is_next = self.satellite.is_some_and(|before| before != satellite);
-        let is_rival = is_next && self.end();
+    /// Returns a comparison of ranges that may have changed by `moved_m` between their tags.
+    pub(super) const fn within(moved_m: f64) -> Self {
+        let most_m = APART_M + moved_m;
+        Self { most_m, satellite: None, agree: 0, differ: 0, balance: 0, has_differed: false }
+    }
+
+    /// Adds the next signal. The signals of a satellite are consecutive.
+    pub(super) fn add(&mut self, epoch: &RawEpoch, satellite: SatelliteId, signal: &RawSignal) {
+        if self.satellite.is_some_and(|before| before != satellite) {
+            self.close();
+        }
         self.satellite = Some(satellite);
         let known = epoch.satellites.iter().filter(|known| known.satellite == satellite);
         let band = signal.carrier.band;
         for known in known.flat_map(|known| &known.signals).filter(|known| known.carrier.band == band) {
-            let is_apart = (known.range_m - signal.range_m).abs() > APART_M;
+            let is_apart = (known.range_m - signal.range_m).abs() > self.most_m;
             *(if is_apart { &mut self.differ } else { &mut self.agree }) |= 1 << band as u16;
         }
-        is_rival
     }
 
-    /// Ends a satellite; returns true if on some band no range equals the stored one.
-    pub(super) fn end(&mut self) -> bool {
-        let Self { agree, differ, .. } = core::mem::take(self);
-        differ & !agree != 0
+    /// Counts the satellite whose signals are complete.
+    fn close(&mut self) {
+        let is_other = self.differ & !self.agree != 0;
+        self.has_differed |= is_other;
+        if self.agree | self.differ != 0 {
+            self.balance = self.balance.saturating_add(if is_other { -1 } else { 1 });
+        }
+        (self.agree, self.differ) = (0, 0);
+    }
+
+    /// Returns true if the ranges are of a second receiver.
+    pub(super) fn finds_another(mut self) -> bool {
+        self.close();
+        self.has_differed && self.balance <= 0
     }
 }
 
-/// Adds a signal of a message that began when the epoch had `earlier` satellites.
+/// Adds a signal of a message that began when the epoch held `earlier` satellites; returns true for
+/// a duplicate.
 ///
 /// A satellite of an earlier message of the epoch is a duplicate and keeps its first ranges.
 pub(super) fn add(
@@ -81,17 +108,22 @@ pub(super) fn add(
     is_reference: bool,
     earlier: usize,
     counters: &mut Counters,
-) {
+) -> bool {
     if !is_within(signal.range_m, &RANGE_M) {
-        return count(&mut counters.ranges_out_of_bounds);
+        count(&mut counters.ranges_out_of_bounds);
+        return false;
     }
     // The signals of a satellite are consecutive.
     let known = epoch.satellites.iter_mut().enumerate().rev().find(|(_, known)| known.satellite == satellite);
     match known {
-        Some((index, _)) if index < earlier => count(&mut counters.satellites_duplicate),
+        Some((index, _)) if index < earlier => {
+            count(&mut counters.satellites_duplicate);
+            return true;
+        }
         Some((_, known)) => add_signal(known, signal, is_reference, counters),
         None => open(epoch, satellite, signal, counters),
     }
+    false
 }
 
 fn open(epoch: &mut RawEpoch, satellite: SatelliteId, signal: RawSignal, counters: &mut Counters) {

@@ -16,6 +16,7 @@
 //! | `preference` | choice of the source of ranges |
 //! | `assembly` | joins the messages of one instant to one epoch |
 //! | `epoch_ranges` | ranges of one epoch |
+//! | `turns` | detection of two receivers that take turns on one line |
 //! | `suspicion` | jamming and spoofing that a receiver reports |
 //! | `system` | satellite numbers of each system |
 //! | `calendar`, `message_week`, `present_week`, `roll_over`, `week_votes` | the present week, and time that only goes forward |
@@ -37,6 +38,7 @@
 //!     Event::Position(point) => drop(point.radius_m()),
 //!     Event::Ionosphere(constellation, coefficients) => drop((constellation, coefficients)),
 //!     Event::Jamming(jamming) => drop(jamming.spoofing),
+//!     Event::Rivalry(rivalry) => drop(rivalry),
 //! });
 //! ```
 //!
@@ -61,6 +63,7 @@ mod suspicion;
 mod system;
 #[cfg(test)]
 mod toy;
+mod turns;
 #[cfg(feature = "ubx")]
 pub mod ubx;
 mod week_votes;
@@ -103,6 +106,22 @@ pub enum Event<'a> {
     Ionosphere(Constellation, [f64; 8]),
     /// Jamming and spoofing that the receiver reports.
     Jamming(Jamming),
+    /// Evidence that the ranges of the next epoch are not all of one antenna at one instant.
+    Rivalry(Rivalry),
+}
+
+/// Evidence against the ranges of an epoch, known before it is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rivalry {
+    /// Two receivers share the line: a range came twice, with another value.
+    Receivers,
+    /// The same within the epoch that is judged next: one message may be forged, and the next epoch
+    /// right.
+    Joined,
+    /// Two receivers may share the line: the ranges moved to and fro once.
+    Suspected,
+    /// One instant came as two epochs, of other systems each: the tag of one is wrong.
+    Halves,
 }
 
 /// Content of one message, independent of its format.
@@ -254,12 +273,6 @@ impl Input {
     pub fn forget(&mut self) {
         self.calendar.forget();
         self.preference = Preference::new();
-    }
-
-    /// Returns true if, since the last call, an epoch came again with other ranges, so that two
-    /// receivers share the line.
-    pub fn take_rivalry(&mut self) -> bool {
-        self.assembly.take_rivalry()
     }
 
     /// Returns true if epochs of other sources come while the settled one is missing: the receiver

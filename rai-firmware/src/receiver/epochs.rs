@@ -11,7 +11,7 @@ use raim_core::single::ValidatedRequirements;
 use super::lateness::Lateness;
 use crate::counters::{count, counters};
 use crate::ephemeris::{Ephemeris, Insertion};
-use crate::input::{Event, Suspicions};
+use crate::input::{Event, Rivalry, Suspicions};
 use crate::navigator::Navigator;
 use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
 use crate::output::{Interference, Motion, Statement};
@@ -22,6 +22,13 @@ use crate::time::GpsTime;
 
 /// Number of epochs without protection after an epoch came again with other ranges.
 const RIVALLED_EPOCHS: u8 = 10;
+
+/// Number of epochs without protection after one that may be a half, or of another receiver.
+const DOUBTED_EPOCHS: u8 = 2;
+
+/// Number of detections of two receivers in a row after which only `FORGET` accepts one of them,
+/// because the one that remains may be the other.
+const FIRM_RIVALRIES: u8 = 3;
 
 counters! {
     /// Verdicts of the epochs, and events that prevented one.
@@ -78,6 +85,10 @@ pub(super) struct EpochLoop<P> {
     pub(super) interference: Suspicions,
     /// Number of epochs for which an epoch that came again with other ranges still counts.
     rivalled: u8,
+    /// Number of epochs for which nothing is promised.
+    doubted: u8,
+    /// Number of times in a row that two receivers were detected.
+    rivalries: u8,
     /// GPS time minus UTC, s; the value of the image until the input states another.
     pub(super) gps_minus_utc_s: u8,
 }
@@ -113,6 +124,8 @@ impl<P: OutputPin> EpochLoop<P> {
             is_confirmed: true,
             interference: Suspicions::NONE,
             rivalled: 0,
+            doubted: 0,
+            rivalries: 0,
             gps_minus_utc_s: GPS_MINUS_UTC_S,
         })
     }
@@ -122,6 +135,7 @@ impl<P: OutputPin> EpochLoop<P> {
         self.navigator.forget_position();
         self.lateness.forget();
         self.interference = Suspicions::NONE;
+        (self.rivalled, self.doubted, self.rivalries) = (0, 0, 0);
     }
 
     /// Discards the delays of epochs, because those of another week are not comparable.
@@ -129,12 +143,28 @@ impl<P: OutputPin> EpochLoop<P> {
         self.lateness.forget();
     }
 
-    /// Withdraws protection: two receivers of one name share the line, so that the first ranges may
-    /// be those of either.
+    /// Withdraws protection, because the ranges are not all of one antenna at one instant.
     #[inline(never)]
-    pub(super) fn hear_rival(&mut self) {
-        self.rivalled = RIVALLED_EPOCHS;
+    fn hear_rival(&mut self, rivalry: Rivalry) {
+        let epochs = match rivalry {
+            Rivalry::Receivers => {
+                self.count_rivalry();
+                RIVALLED_EPOCHS
+            }
+            Rivalry::Joined => {
+                self.count_rivalry();
+                if self.rivalries > 1 { RIVALLED_EPOCHS } else { 1 }
+            }
+            Rivalry::Suspected | Rivalry::Halves => DOUBTED_EPOCHS,
+        };
+        self.doubted = self.doubted.max(epochs);
         self.drive_pin(false);
+    }
+
+    /// Counts a detection of two receivers, in a row with those before it that still count.
+    fn count_rivalry(&mut self) {
+        self.rivalries = if self.rivalled > 0 { self.rivalries.saturating_add(1) } else { 1 };
+        self.rivalled = RIVALLED_EPOCHS;
     }
 
     /// Returns the reason for which no position may be used, however well ranges agree.
@@ -142,7 +172,8 @@ impl<P: OutputPin> EpochLoop<P> {
         if self.interference.is_sure() {
             return Some(Alert::Spoofed);
         }
-        Some(Alert::Ambiguous).filter(|_| self.rivalled > 0)
+        let is_rivalled = self.doubted > 0 || self.rivalries >= FIRM_RIVALRIES;
+        Some(Alert::Ambiguous).filter(|_| is_rivalled)
     }
 
     /// Handles an event; returns true if an epoch was judged.
@@ -168,6 +199,7 @@ impl<P: OutputPin> EpochLoop<P> {
                 self.interference.age(now_ms);
                 self.navigator.distrust(self.distrust());
                 self.rivalled = self.rivalled.saturating_sub(1);
+                self.doubted = self.doubted.saturating_sub(1);
                 let report = self.navigator.judge(raw, *came_ms, &self.configuration);
                 report.verdict = match report.verdict {
                     // An alert stays, because it reports that the position is wrong.
@@ -192,6 +224,7 @@ impl<P: OutputPin> EpochLoop<P> {
             Event::Ionosphere(constellation, coefficients) => {
                 self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
             }
+            Event::Rivalry(rivalry) => self.hear_rival(*rivalry),
             Event::Jamming(said) => {
                 self.interference.hear(said, now_ms);
                 if self.interference.is_sure() {

@@ -173,9 +173,6 @@ impl<P: OutputPin> Receiver<P> {
         let mut judged = false;
         input.feed(bytes, came_ms, |event| judged |= epochs.handle(&event, is_behind, now_ms, host));
         confirm(input, epochs);
-        if input.take_rivalry() {
-            epochs.hear_rival();
-        }
         if let Some(leap) = input.leap_second().filter(|leap| leap.seconds != epochs.gps_minus_utc_s) {
             epochs.gps_minus_utc_s = leap.seconds;
             epochs.navigator.correct_utc();

@@ -62,7 +62,7 @@ fn ranges_have_no_say_in_the_choice() {
             vec![on(Band::L1, range_m + off_m, 45.0), on(Band::L5, range_m - off_m, 45.0)]
         }
     };
-    let ((right, _), (wrong, _)) = (sky(both(0.0), 28.0), sky(both(80.0), 28.0));
+    let ((right, _), (wrong, _)) = (sky(both(0.0), 28.0), sky(both(4.0), 28.0));
     for ranges in [Ranges::Pairs, Ranges::Singles] {
         // The satellite's own place moves by a millimetre with its range.
         let change = cost(&wrong, ranges) / cost(&right, ranges) - 1.0;

@@ -255,6 +255,7 @@ pub(crate) enum Seen {
     Ephemeris(raim_firmware::ephemeris::Ephemeris),
     Position(raim_core::frame::Ecef),
     Redated(raim_firmware::time::GpsTime),
+    Rivalry(raim_firmware::input::Rivalry),
 }
 
 /// Feeds bytes and collects all events.
@@ -285,6 +286,7 @@ impl From<Event<'_>> for Seen {
             Event::Ephemeris(ephemeris) => Self::Ephemeris(ephemeris),
             Event::Position(position) => Self::Position(position),
             Event::Redated(present) => Self::Redated(present),
+            Event::Rivalry(rivalry) => Self::Rivalry(rivalry),
             Event::Ionosphere(..) | Event::Jamming(_) => unreachable!("RTCM says nothing of them"),
         }
     }

@@ -80,6 +80,11 @@ attacks! {
     nobody_stands_in_for_a_receiver_in_a_tunnel = "tunnel",
     station_of_the_same_number_is_promised_in_no_order = "namesake",
     what_comes_twice_is_no_other_receiver = "twice",
+    namesake_that_announces_more_is_not_promised = "namesake-first",
+    namesake_half_a_second_later_is_not_promised = "namesake-between",
+    two_halves_of_one_instant_are_no_two_promises = "half-epochs",
+    satellite_under_two_numbers_is_not_used = "doubled-satellite",
+    second_frequency_that_no_ionosphere_explains_is_not_used = "second-frequency",
     time_to_alert_hides_no_silence = "time-to-alert",
     settings_that_nobody_confirmed_promise_nothing = "restarts",
     fault_that_is_promised_never_to_happen_is_seen = "never-faulty",
@@ -92,4 +97,5 @@ attacks! {
     no_muddle_makes_a_promise_wrong_or_ends_all_promises = "upheaval",
     nominal_recordings_are_protected_and_within_their_levels = "nominal-recordings",
     reflections_between_buildings_seldom_pass = "urban",
+    streets_seldom_pass = "streets",
 }

@@ -33,6 +33,7 @@ mod merged_stream;
 mod moving_receiver;
 mod no_panic;
 mod open_epochs;
+mod own_evidence;
 mod parity;
 mod peers;
 mod pin_in_time;

@@ -75,7 +75,11 @@ impl Pair {
                 let site = Site::new(*truth, raw.time, MASK_RAD, *klobuchar).with_ranges(*ranges);
                 epochs.push(corrected(raw, store, &site));
             }
-            Event::Redated(_) | Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
+            Event::Redated(_)
+            | Event::Position(_)
+            | Event::Ionosphere(..)
+            | Event::Jamming(_)
+            | Event::Rivalry(_) => {}
         });
         for epoch in &epochs {
             let (one, other) = (single::process(&mut self.singly, epoch), self.doubly.process(epoch));

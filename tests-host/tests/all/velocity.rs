@@ -50,7 +50,11 @@ fn hear() -> Heard {
                 store.insert(ephemeris, None);
             }
             Event::Epoch(raw, _) => epochs.push(raw.clone()),
-            Event::Redated(_) | Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
+            Event::Redated(_)
+            | Event::Position(_)
+            | Event::Ionosphere(..)
+            | Event::Jamming(_)
+            | Event::Rivalry(_) => {}
         });
     }
     assert!(epochs.len() >= 3, "{} epochs", epochs.len());

@@ -55,7 +55,11 @@ impl Heaven {
                 });
                 bodies = Some(seen.collect());
             }
-            Event::Redated(_) | Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
+            Event::Redated(_)
+            | Event::Position(_)
+            | Event::Ionosphere(..)
+            | Event::Jamming(_)
+            | Event::Rivalry(_) => {}
         });
         bodies
     }

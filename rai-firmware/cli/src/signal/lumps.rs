@@ -177,14 +177,18 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Iterator for Encoding<I> {
 
 /// Positions of the satellites as the module computes them, seen from the antenna position of the
 /// recording.
-struct Heaven {
+pub struct Heaven {
     encoder: Encoder,
     corrector: Corrector,
     antenna: Ecef,
 }
 
 impl Heaven {
-    fn of(broadcast: &Broadcast<'_>, selection: &Selection) -> Result<Self> {
+    /// Returns the positions for a recording whose approximate antenna position is known.
+    ///
+    /// # Errors
+    /// The recording must state an approximate position.
+    pub fn of(broadcast: &Broadcast<'_>, selection: &Selection) -> Result<Self> {
         let antenna =
             broadcast.approximate_position.context("a shift needs the antenna's approximate position")?;
         Ok(Self {
@@ -195,7 +199,10 @@ impl Heaven {
     }
 
     /// Returns unit vectors from the antenna to the satellites of the next epoch.
-    fn directions(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<(SatelliteId, Enu)>> {
+    ///
+    /// # Errors
+    /// The encoder must be able to encode the epoch.
+    pub fn directions(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<(SatelliteId, Enu)>> {
         let frame = LocalFrame::at(self.antenna);
         let towards = |position: Ecef| {
             let difference = position - self.antenna;

@@ -58,7 +58,11 @@ fn learn(bytes: &[u8], store: &mut Store, last: &mut RawEpoch) {
         Event::Ephemeris(ephemeris) => {
             store.insert(ephemeris, None);
         }
-        Event::Redated(_) | Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
+        Event::Redated(_)
+        | Event::Position(_)
+        | Event::Ionosphere(..)
+        | Event::Jamming(_)
+        | Event::Rivalry(_) => {}
     });
 }
 
@@ -120,7 +124,11 @@ pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
         Event::Ephemeris(ephemeris) => {
             navigator.learn(ephemeris, None);
         }
-        Event::Redated(_) | Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
+        Event::Redated(_)
+        | Event::Position(_)
+        | Event::Ionosphere(..)
+        | Event::Jamming(_)
+        | Event::Rivalry(_) => {}
     });
     let time = last?;
     let mut host = Host { bytes: 0 };

@@ -401,6 +401,7 @@ fn requirements() {
         Requirements::lpv200 as fn() -> _,
         Requirements::validate as fn(_) -> _,
         raim_core::report::ProtectionLevels::plus as fn(_, _) -> _,
+        raim_core::report::ProtectionLevels::times as fn(_, _) -> _,
         raim_core::report::ProtectionLevels::or_larger as fn(_, _) -> _,
         Allocation::vertical_guidance as fn() -> _,
         Allocation::vertical as fn() -> _,

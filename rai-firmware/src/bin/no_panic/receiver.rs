@@ -101,7 +101,6 @@ fn wire() {
         Input::has_open_epoch as fn(_) -> _,
         Input::interrupt as fn(_),
         Input::confirm as fn(_, _, _),
-        Input::take_rivalry as fn(_) -> _,
         Input::assume as fn(_, _),
         Input::hears_others as fn(_) -> _,
         Input::forget as fn(_),

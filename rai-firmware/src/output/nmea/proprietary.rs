@@ -76,6 +76,7 @@ const fn words(verdict: Verdict) -> (&'static str, &'static str) {
         Verdict::Unavailable(Unavailable::Input) => ("U", "INPUT"),
         Verdict::Unavailable(Unavailable::Recovering) => ("U", "RECOVERING"),
         Verdict::Unavailable(Unavailable::Place) => ("U", "PLACE"),
+        Verdict::Unavailable(Unavailable::Sigmas) => ("U", "SIGMAS"),
         Verdict::Unavailable(Unavailable::SelfTest) => ("U", "SELFTEST"),
         Verdict::Unavailable(Unavailable::Ephemeris) => ("U", "EPHEMERIS"),
         Verdict::Unavailable(Unavailable::Settings) => ("U", "SETTINGS"),

@@ -188,6 +188,7 @@ fn each_verdict_has_its_navigational_status_state_and_reason() {
         (unavailable(Unavailable::Input), false, "V", "U", "INPUT"),
         (unavailable(Unavailable::Recovering), true, "C", "U", "RECOVERING"),
         (unavailable(Unavailable::Place), true, "C", "U", "PLACE"),
+        (unavailable(Unavailable::Sigmas), true, "C", "U", "SIGMAS"),
         (unavailable(Unavailable::SelfTest), true, "C", "U", "SELFTEST"),
         (unavailable(Unavailable::Ephemeris), false, "V", "U", "EPHEMERIS"),
         (unavailable(Unavailable::Settings), true, "C", "U", "SETTINGS"),

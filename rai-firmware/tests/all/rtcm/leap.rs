@@ -64,6 +64,7 @@ fn run(order: &str, step_ms: u32) {
         for (place, system) in order.chars().enumerate() {
             let message = burst_of.message(system, place < 3);
             input.feed(&message, came_ms + 5 * place as u64, |event| {
+                assert!(!matches!(event, Event::Rivalry(_)), "{order}, every {step_ms} ms: two receivers?");
                 if let Event::Epoch(epoch, _) = event {
                     assert_eq!(epoch.time, GpsTime::from_ms(gps_ms), "{order}, every {step_ms} ms");
                     assert!(
@@ -74,7 +75,6 @@ fn run(order: &str, step_ms: u32) {
                     epochs += 1;
                 }
             });
-            assert!(!input.take_rivalry(), "{order}, every {step_ms} ms: two receivers?");
         }
         if after_step {
             known.push(input.leap_second().map(|leap| leap.seconds));

@@ -33,6 +33,10 @@
 //! | [`forged_frames`] | frames with another time, week or place, or other leap seconds |
 //! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it; the end of a cycle of weeks |
 //! | [`two_stations`] | ranges of a reference station on the receiver's line; a receiver in a tunnel; a receiver that sends everything twice |
+//! | [`namesakes`] | two receivers with one station number, from the start |
+//! | [`half_epochs`] | one system tagged wrong by tens of milliseconds: one instant as two epochs |
+//! | [`doubled_satellite`] | one satellite under two numbers |
+//! | [`second_frequency`] | the second frequency of some satellites wrong |
 //! | [`settings`] | a time to alert that hides a silence; restarts that lose settings; a setting that rules out faults |
 //! | [`learned_sigmas`] | sigmas learned in quiet minutes, used for ranges these do not describe |
 //! | [`wrong_tags`] | time tags wrong by milliseconds, every method and policy, and sigmas that learn from them |
@@ -40,32 +44,38 @@
 //! | [`unsaid_delays`] | group delays that the navigation message does not carry |
 //! | [`unsaid_strength`] | noisy signals whose strength the receiver does not report |
 //! | [`upheaval`] | leaps of place and time, a failing line, wrong ranges and commands, all at random |
+//! | [`streets`] | real recordings between walls that block low satellites or reflect them late |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
 
 pub mod tally;
 pub mod victim;
 
 mod clock_ramp;
+mod doubled_satellite;
 mod early_ephemeris;
 mod false_rates;
 mod false_tracking;
 mod faulty_orbit;
 mod forged_frames;
 mod forgery;
+mod half_epochs;
 mod health;
 mod held_back;
 mod ionosphere;
 mod leap;
 mod learned_sigmas;
+mod namesakes;
 mod odd_ranges;
 mod poor_ranges;
 mod rates_apart;
 mod recordings;
 mod reflections;
+mod second_frequency;
 mod settings;
 pub mod several_faults;
 mod shifted_system;
 mod single_fault;
+mod streets;
 mod suspicions;
 mod two_stations;
 mod two_truths;
@@ -161,6 +171,11 @@ pub const ATTACKS: &[&Attack] = &[
     &two_stations::TUNNEL,
     &two_stations::NAMESAKE,
     &two_stations::TWICE,
+    &namesakes::JOINED,
+    &namesakes::IN_TURN,
+    &half_epochs::ATTACK,
+    &doubled_satellite::ATTACK,
+    &second_frequency::ATTACK,
     &settings::TIME_TO_ALERT,
     &settings::RESTARTS,
     &settings::NEVER,
@@ -173,6 +188,7 @@ pub const ATTACKS: &[&Attack] = &[
     &upheaval::ATTACK,
     &recordings::NOMINAL,
     &recordings::URBAN,
+    &streets::ATTACK,
 ];
 
 /// Bound of a figure.

@@ -72,7 +72,9 @@ fn of_station(station: &Station, systems: &str, most: usize) -> Result<Vec<Figur
     let truth = Truth::Fixed(station.truth);
     let mut figures = Vec::new();
     for (phase, is_held) in [("NPA", true), ("LPV200", false)] {
-        let tally = play(&recording, systems, Frequency::Dual, &[&format!("PHASE,{phase}")], &truth, most)?;
+        let (tally, apart) =
+            play(&recording, systems, Frequency::Dual, &[&format!("PHASE,{phase}")], &truth, most)?;
+        figures.push(Figure::at_most(format!("{name} {phase} bands apart"), f64::from(apart), 0.0));
         let available = tally.promised as f64 / tally.epochs.max(1) as f64;
         figures.push(Figure::at_most(format!("{name} {phase} beyond"), tally.misleading as f64, 0.0));
         let quantity = format!("{name} {phase} protected, %");
@@ -97,7 +99,7 @@ fn urban(effort: Effort) -> Result<Vec<Figure>> {
     let limits: [&[&str]; 2] = [&["PHASE,NPA"], &["HAL,50", "VAL,100"]];
     let runs: Vec<(&str, &[&str])> =
         methods.iter().flat_map(|method| limits.map(|limits| (*method, limits))).collect();
-    let tallies: Vec<Tally> = runs
+    let played: Vec<(Tally, u32)> = runs
         .par_iter()
         .map(|(method, limits)| {
             let method = format!("METHOD,{method}");
@@ -107,7 +109,7 @@ fn urban(effort: Effort) -> Result<Vec<Figure>> {
         })
         .collect::<Result<_>>()?;
     let mut figures = Vec::new();
-    for ((method, limits), tally) in runs.iter().zip(&tallies) {
+    for ((method, limits), (tally, _)) in runs.iter().zip(&played) {
         let what = format!("{method} {}", limits.join(" "));
         let share = tally.misleading as f64 / tally.promised.max(1) as f64;
         figures.push(Figure::plain(format!("{what} protected of {}", tally.epochs), tally.promised as f64));
@@ -121,7 +123,8 @@ fn urban(effort: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Sends a recording, and counts the epochs with a known truth.
+/// Sends a recording, and counts the epochs with a known truth, and satellites left out because
+/// their bands differ too much.
 fn play(
     recording: &Recording,
     systems: &str,
@@ -129,7 +132,7 @@ fn play(
     commands: &[&str],
     truth: &Truth,
     most: usize,
-) -> Result<Tally> {
+) -> Result<(Tally, u32)> {
     let step_s = match recording.epochs.as_slice() {
         [first, second, ..] => second.time.since_ms(first.time) as f64 * 1e-3,
         _ => 1.0,
@@ -148,7 +151,7 @@ fn play(
             tally.add_all(&seen);
         }
     }
-    Ok(tally)
+    Ok((tally, victim.counter("bands_apart")))
 }
 
 /// Returns the place of the antenna at a time. A receiver's time tag may differ from the full

@@ -111,6 +111,15 @@ fn with_a_time_of_the_file(mut have: Recording) -> Recording {
     have
 }
 
+#[test]
+fn a_range_without_its_arc_is_counted_although_other_values_of_the_line_stay() {
+    // The first satellite of the ninth epoch, in full, loses the mark that begins an arc.
+    let text = Change::DeletedCharacter { line: 130, column: 1 }.apply(&compact(EPOCHS, 4), HEADER_3 + 2);
+    let have = read(&text, &navigation(2)).expect("a readable file");
+    assert_eq!(uncounted(&have, &text, HEADER_3 + 2, EPOCH_3 + 1), 0, "{}", have.skipped);
+    assert_eq!(have.skipped.lost_lines, 4, "until the next epoch in full");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 

@@ -43,7 +43,7 @@ impl Said {
             Event::Epoch(epoch, _) => self.epochs.push((*epoch).clone()),
             Event::Ephemeris(ephemeris) => self.ephemerides.push(*ephemeris),
             Event::Ionosphere(of, coefficients) => self.ionosphere.push((*of, *coefficients)),
-            Event::Redated(_) | Event::Position(_) | Event::Jamming(_) => {}
+            Event::Redated(_) | Event::Position(_) | Event::Jamming(_) | Event::Rivalry(_) => {}
         }
     }
 }

@@ -48,7 +48,11 @@ impl Module {
                 found = Some((report.verdict, position, raw.satellites.len()));
             }
             Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, None)),
-            Event::Redated(_) | Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
+            Event::Redated(_)
+            | Event::Position(_)
+            | Event::Ionosphere(..)
+            | Event::Jamming(_)
+            | Event::Rivalry(_) => {}
         });
         found
     }

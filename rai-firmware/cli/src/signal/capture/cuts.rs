@@ -127,7 +127,11 @@ impl Cutter {
                 ephemerides.push(ephemeris);
             }
             Event::Ionosphere(Constellation::Gps, coefficients) => *ionosphere = Some(coefficients),
-            Event::Ionosphere(..) | Event::Position(_) | Event::Jamming(_) | Event::Redated(_) => {}
+            Event::Ionosphere(..)
+            | Event::Position(_)
+            | Event::Jamming(_)
+            | Event::Redated(_)
+            | Event::Rivalry(_) => {}
             Event::Epoch(epoch, _) => {
                 ranged.extend(epoch.satellites.iter().map(|satellite| satellite.satellite));
                 ended = Some(epoch.time);

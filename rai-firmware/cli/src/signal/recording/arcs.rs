@@ -100,9 +100,9 @@ impl Satellite {
         flaws
     }
 
-    /// Returns true if there is no observation.
-    pub(super) fn is_empty(&self) -> bool {
-        self.arcs.iter().all(Option::is_none)
+    /// Returns true if there is a pseudorange among the observations of these kinds.
+    pub(super) fn has_range(&self, kinds: &[String]) -> bool {
+        self.arcs.iter().zip(kinds).any(|(arc, kind)| arc.is_some() && kind.starts_with(['C', 'P']))
     }
 
     /// Appends the RINEX lines of the satellite, of at most so many observations each. Where all

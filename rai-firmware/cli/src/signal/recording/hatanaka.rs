@@ -229,12 +229,12 @@ impl Compact {
                 return Ok(());
             }
             let mut satellite = self.state.satellites.remove(name).unwrap_or_default();
-            let kinds = self.state.codes.of(name.chars().next().unwrap_or(' ')).map_or(0, <[String]>::len);
-            let flaws = satellite.update(&self.line, kinds);
+            let kinds = self.state.codes.of(name.chars().next().unwrap_or(' ')).unwrap_or_default();
+            let flaws = satellite.update(&self.line, kinds.len());
             if flaws > 0 {
                 self.skipped.note(Flaw::Damaged, self.number);
             }
-            if flaws > 0 && satellite.is_empty() {
+            if flaws > 0 && !satellite.has_range(kinds) {
                 self.skipped.lost_lines += 1;
             } else {
                 known.push(name.as_str());

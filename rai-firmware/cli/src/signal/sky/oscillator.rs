@@ -72,6 +72,7 @@ pub struct ReceiverClock {
     flicker_inputs: VecDeque<f64>,
     walk: f64,
     offset_s: f64,
+    fractional_frequency: f64,
 }
 
 impl ReceiverClock {
@@ -85,12 +86,18 @@ impl ReceiverClock {
             flicker_inputs: VecDeque::with_capacity(FLICKER_TAPS),
             walk: 0.0,
             offset_s,
+            fractional_frequency: oscillator.frequency_offset,
         }
     }
 
     /// Returns the present offset, s.
     pub fn offset_s(&self) -> f64 {
         self.offset_s
+    }
+
+    /// Returns the mean fractional frequency of the last step, dimensionless.
+    pub fn fractional_frequency(&self) -> f64 {
+        self.fractional_frequency
     }
 
     /// Lets the clock jump, s.
@@ -100,9 +107,9 @@ impl ReceiverClock {
 
     /// Advances by one step and reads the offset, s.
     pub fn advance(&mut self) -> f64 {
-        let fractional_frequency =
+        self.fractional_frequency =
             self.oscillator.frequency_offset + self.white() + self.flicker() + self.random_walk();
-        self.offset_s += fractional_frequency * self.step_s;
+        self.offset_s += self.fractional_frequency * self.step_s;
         self.offset_s
     }
 

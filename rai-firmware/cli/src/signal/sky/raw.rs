@@ -156,11 +156,11 @@ impl Simulation {
             ReceiverClock::new(self.oscillator, self.step_s, CLOCK_AT_START_S, self.seed ^ u64::MAX);
         let mut raw_epoch = |epoch: u32| {
             let tag_s = self.start_s + f64::from(epoch) * self.step_s;
-            let before_s = clock.offset_s();
             let clock_s = clock.advance();
-            let drift_m_s = SPEED_OF_LIGHT_M_S * (clock_s - before_s) / self.step_s;
             let seen = sights(&self.satellites, &self.site, tag_s - clock_s, self.mask_rad);
-            let raw = |sight: &Sight| self.raw_satellite(sight, clock_s, drift_m_s, &noise, u64::from(epoch));
+            let drift_m_s = SPEED_OF_LIGHT_M_S * clock.fractional_frequency();
+            let raw =
+                |sight: &Sight| self.raw_satellite(sight, (clock_s, drift_m_s), &noise, u64::from(epoch));
             MeasuredEpoch { time: self.time_at(tag_s), satellites: seen.iter().filter_map(raw).collect() }
         };
         (0..self.epochs).map(&mut raw_epoch).collect()
@@ -173,8 +173,7 @@ impl Simulation {
     fn raw_satellite(
         &self,
         sight: &Sight,
-        clock_s: f64,
-        drift_m_s: f64,
+        (clock_s, drift_m_s): (f64, f64),
         noise: &Noise,
         epoch: u64,
     ) -> Option<MeasuredSatellite> {

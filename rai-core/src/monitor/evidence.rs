@@ -1,0 +1,173 @@
+//! Evidence against the sigmas: the residuals of every tracked satellite over the last minute.
+//!
+//! ```text
+//! ratio = Σ SSE / Σ dof        of the epochs of the last minute, this one included
+//! refuted   ratio ≥ max(2, χ²_{1−1e-7}(Σ dof) / Σ dof)     no position is promised
+//! scaled    ratio ≥ χ²_{1−1e-3}(Σ dof) / Σ dof             protection levels times √ratio
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `SSE` | weighted squares of the residuals against the solution, those of excluded satellites included | – |
+//! | `dof` | degrees of freedom of these residuals | – |
+//! | `χ²_p(ν)/ν` | [`Residuals::ratio_at`] | – |
+//!
+//! A protection level assumes that one satellite at most is faulty and that the others have the
+//! errors of their sigmas. Exclusion alone cannot check the second assumption, because it removes
+//! the residuals that contradict it. Hence the sum contains them:
+//!
+//! - The largest residual of the excluded satellites does not count, because a level allows for one
+//!   faulty satellite. Each of the others counts with [`MOST_EXCLUDED`] at most.
+//! - An epoch counts with [`MOST_RATIO`] times its degrees of freedom at most, so that a short
+//!   alert does not end all promises of a minute: among residuals as large as their sigmas, half of
+//!   the minute must contradict them.
+//! - A wrong time tag is no error of the ranges, so that an epoch with [`Unidentified::Time`] does
+//!   not count.
+//!
+//! An epoch that passes its own test never refutes the sigmas alone, because the bound of few
+//! degrees of freedom is above the threshold of the test.
+//!
+//! Assumes that the epochs of a minute are independent. Multipath that repeats from epoch to epoch
+//! raises the ratio's spread, not its mean.
+
+use crate::integrity::Judgement;
+use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
+use crate::least_squares::Snapshot;
+use crate::numeric::real::Real;
+use crate::weighting::residuals::{RecentResiduals, Residuals};
+
+/// Length of one span, s.
+const SPAN_S: f32 = 6.0;
+
+/// Least ratio that refutes the sigmas, whatever the degrees of freedom.
+const REFUTED: f32 = 2.0;
+
+/// `Q⁻¹(1e-7)`: the ratio of right sigmas exceeds the bound of a refutation in one of ten million
+/// minutes.
+const REFUTED_QUANTILE: f32 = 5.199_338;
+
+/// `Q⁻¹(1e-3)`, of the bound from which levels are scaled.
+const SCALED_QUANTILE: f32 = 3.090_232;
+
+/// Largest square of an excluded satellite's residual over its sigma.
+const MOST_EXCLUDED: f32 = 25.0;
+
+/// Largest SSE/dof of one epoch. With it in one half of a minute and 1 in the other, the ratio is
+/// [`REFUTED`].
+const MOST_RATIO: f32 = 3.0;
+
+/// Belief in the sigmas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Belief {
+    /// The residuals are no larger than the sigmas allow.
+    Sound,
+    /// The residuals are larger, and levels grow by this factor.
+    Scaled(f32),
+    /// The residuals contradict the sigmas.
+    Refuted,
+}
+
+/// Residuals of the last minute.
+#[derive(Clone, Debug)]
+pub(super) struct Evidence {
+    spans: RecentResiduals,
+}
+
+impl Evidence {
+    /// Returns no evidence.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub(super) const fn new() -> Self {
+        Self { spans: RecentResiduals::of(SPAN_S) }
+    }
+
+    /// Forgets everything.
+    pub(super) fn restart(&mut self) {
+        self.spans.restart();
+    }
+
+    /// Learns from an epoch. A time before the last span begins anew, and a NaN time is not
+    /// learned.
+    pub(super) fn learn(&mut self, time_s: f64, residuals: Residuals) {
+        self.spans.add(time_s, residuals);
+    }
+
+    /// Returns the belief in the sigmas after an epoch with these residuals.
+    pub(super) fn belief(&self, time_s: f64, latest: Residuals) -> Belief {
+        let all = self.spans.sum_at(time_s, latest);
+        let ratio = all.ratio();
+        // Without degrees of freedom the ratio is NaN, which fails both comparisons.
+        if ratio >= REFUTED.max(all.ratio_at(REFUTED_QUANTILE)) {
+            Belief::Refuted
+        } else if ratio >= all.ratio_at(SCALED_QUANTILE) {
+            Belief::Scaled(libm::sqrtf(ratio))
+        } else {
+            Belief::Sound
+        }
+    }
+}
+
+/// Returns the residuals of all satellites against a solution: of those used, and of those
+/// excluded from it except for the largest.
+pub(super) fn residuals_of_all<T: Real>(
+    judgement: &Judgement<T>,
+    snapshot: &Snapshot<'_, T>,
+    satellites: usize,
+) -> Residuals {
+    if judgement.outcome == ExclusionOutcome::NotIsolated(Unidentified::Time) {
+        return Residuals::NONE;
+    }
+    let (mut sum, mut largest, mut count) = (0.0_f32, 0.0_f32, 0_u32);
+    for excluded in judgement.excluded.iter().filter(|excluded| excluded.index < satellites) {
+        let Some((row, fit)) = snapshot.row(excluded.index) else { continue };
+        let normalised = (fit.residual / row.sigma).widen() as f32;
+        let square = (normalised * normalised).min(MOST_EXCLUDED);
+        (sum, largest, count) = (sum + square, largest.max(square), count + 1);
+    }
+    let dof = snapshot.dof() as u32 + count.saturating_sub(1);
+    let sse = snapshot.sse().widen() as f32 + sum - largest;
+    let most = MOST_RATIO * dof as f32;
+    // An infinite or NaN sum is the largest.
+    Residuals { sse: if sse < most { sse } else { most }, dof }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Belief, Evidence};
+    use crate::weighting::residuals::Residuals;
+
+    fn after(epochs: u32, step_s: f64, ratio: f32) -> Evidence {
+        let mut evidence = Evidence::new();
+        for index in 0..epochs {
+            let residuals = Residuals { sse: 10.0 * ratio, dof: 10 };
+            evidence.learn(f64::from(index) * step_s, residuals);
+        }
+        evidence
+    }
+
+    #[test]
+    fn residuals_that_the_sigmas_allow_change_nothing() {
+        assert_eq!(after(60, 1.0, 1.0).belief(59.0, Residuals::NONE), Belief::Sound);
+        assert_eq!(after(1, 1.0, 2.5).belief(0.0, Residuals::NONE), Belief::Sound);
+        assert_eq!(Evidence::new().belief(0.0, Residuals::NONE), Belief::Sound);
+    }
+
+    #[test]
+    fn a_minute_of_larger_ones_scales_the_levels_and_then_refutes_the_sigmas() {
+        let scaled = after(60, 1.0, 1.5).belief(59.0, Residuals::NONE);
+        let is_root = |factor: f32| (factor - 1.5_f32.sqrt()).abs() < 1e-6;
+        assert!(matches!(scaled, Belief::Scaled(factor) if is_root(factor)), "{scaled:?}");
+        assert_eq!(after(60, 1.0, 2.1).belief(59.0, Residuals::NONE), Belief::Refuted);
+        assert_eq!(after(9, 30.0, 4.0).belief(240.0, Residuals::NONE), Belief::Refuted);
+    }
+
+    #[test]
+    fn evidence_ends_after_a_minute_or_if_time_goes_back() {
+        let mut evidence = after(60, 1.0, 4.0);
+        assert_eq!(evidence.belief(120.0, Residuals::NONE), Belief::Sound);
+        evidence.learn(f64::NAN, Residuals { sse: 0.0, dof: 10 });
+        assert_eq!(evidence.belief(59.0, Residuals::NONE), Belief::Refuted);
+        evidence.learn(-100.0, Residuals { sse: 1.0, dof: 10 });
+        assert_eq!(evidence.belief(-100.0, Residuals::NONE), Belief::Sound);
+    }
+}

@@ -1,0 +1,89 @@
+//! The two bands of a satellite, compared with those of its system before any position is known.
+//!
+//! The ionosphere-free combination and the first band alone differ by the delay of the ionosphere
+//! on that band, as these two ranges measure it:
+//!
+//! ```text
+//! I_i = P_1 − P = (P_2 − P_1) / (f_1²/f_2² − 1)        D_i = I_i − median of I over the system
+//! a fault if  D_i < −B  or  D_i > B + 35 m        B = 12 m / (f_1²/f_2² − 1) + 5 s
+//! s = median of |D|
+//! ```
+//!
+//! | part of the bound | covers |
+//! |---|---|
+//! | median over the system and the pair of bands | the receiver's own delay between the bands, tens of metres |
+//! | 12 m of `P_2 − P_1` | a group delay that is not broadcast (ISC, 3 m), noise and multipath of both codes (3 m each, three sigmas) |
+//! | `5 s` | the obliquity of the ionosphere, 1 to 3: half of the satellites lie within 0.35 of the median, the lowest 1.6 above it; noise that is larger than expected |
+//! | 35 m, upwards only | a low satellite behind the equatorial crest, alone: 100 TECU (16 m) more than the others see, at an obliquity of 2.2. No satellite has less than no ionosphere, so the lower bound lacks it |
+//!
+//! It is unknown which band is wrong, so that neither is used. Fewer than [`LEAST`] satellites with
+//! the same bands say nothing, and a fault of half of them moves the median.
+
+use heapless::Vec;
+use raim_core::satellite::Constellation;
+
+use super::choice::ionosphere_free;
+use super::twins::remove;
+use super::{CAPACITY, Located, Sky};
+use crate::median::median;
+use crate::raw::Band;
+
+/// Least number of satellites that are compared.
+const LEAST: usize = 5;
+
+/// Bound of the difference of two ranges without the ionosphere, m.
+const FLOOR_M: f32 = 12.0;
+
+/// Multiples of the median deviation.
+const SPREADS: f32 = 5.0;
+
+/// Delay of the ionosphere that a single satellite may have more than its system, m.
+const CREST_M: f32 = 35.0;
+
+/// Satellites that are compared with each other: those of one system with the same bands.
+type Group = (Constellation, Band, Band);
+
+/// Returns the group of a satellite, and the delay of the ionosphere that its bands measure, m.
+fn measured(located: &Located) -> Option<(Group, f32)> {
+    let (pair, single) = (located.choices.pair.as_ref()?, located.choices.single.as_ref()?);
+    let (first, Some(second)) = pair.bands else { return None };
+    (single.bands.0 == first).then_some((
+        (located.satellite.constellation(), first, second),
+        (single.range_m - pair.range_m) as f32,
+    ))
+}
+
+/// Removes the satellites whose bands no ionosphere explains, and counts them.
+#[inline(never)]
+pub(super) fn remove_apart(sky: &mut Sky, counter: &mut u32) {
+    let (mut apart, mut compared) = (0_u64, 0_u64);
+    for (index, located) in sky.iter().enumerate() {
+        if compared >> index & 1 != 0 {
+            continue;
+        }
+        let Some((group, _)) = measured(located) else { continue };
+        let (mut places, mut delays_m) = (Vec::<u8, CAPACITY>::new(), Vec::<f32, CAPACITY>::new());
+        for (place, other) in sky.iter().enumerate().skip(index) {
+            if let Some((_, delay_m)) = measured(other).filter(|(of, _)| *of == group) {
+                compared |= 1 << place;
+                // All hold as many as the sky.
+                let _ = (places.push(place as u8), delays_m.push(delay_m));
+            }
+        }
+        if delays_m.len() >= LEAST {
+            apart |= faults(&places, &delays_m, group);
+        }
+    }
+    remove(sky, apart, counter);
+}
+
+/// Returns the satellites of a group that are beyond the bound, a bit each.
+fn faults(places: &[u8], delays_m: &[f32], (_, first, second): Group) -> u64 {
+    let (middle_m, scale) = (median(delays_m), ionosphere_free(first, second).0 as f32 - 1.0);
+    let deviations_m: Vec<f32, CAPACITY> =
+        delays_m.iter().take(CAPACITY).map(|delay_m| (delay_m - middle_m).abs()).collect();
+    let bound_m = FLOOR_M * scale + SPREADS * median(&deviations_m);
+    let is_fault = |delay_m: f32| !(-bound_m..=bound_m + CREST_M).contains(&(delay_m - middle_m));
+    let faulty = places.iter().zip(delays_m).filter(|(_, delay_m)| is_fault(**delay_m));
+    faulty.fold(0, |faults, (place, _)| faults | 1_u64.checked_shl(u32::from(*place)).unwrap_or(0))
+}

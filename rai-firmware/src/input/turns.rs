@@ -1,0 +1,199 @@
+//! Detection of two receivers that take turns on one line, by their ranges alone.
+//!
+//! Ranges of one antenna bend little from epoch to epoch. Those of two antennas that take turns
+//! bend to and fro, by the same amounts:
+//!
+//! ```text
+//! b = P₁ − (P₀ t₂ + P₂ t₁) / (t₁ + t₂)        e = b − median of b
+//! s = median of |e|        e to at most 4 s
+//! in turn if  s > 4 m,  s' > 4 m,  (Σ e e')² > 0.95 Σ e² Σ e'²,  Σ e e' < 0
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `P₀, P₁, P₂` | ranges of one satellite on one band in three epochs in a row | m |
+//! | `t₁, t₂` | time from the first to the second, and to the third | ms |
+//! | `b`, `e`, `e'` | bend, without the receiver clock, and that of the epoch before | m |
+//!
+//! Steps lose their whole milliseconds first, which receiver clocks jump by. The acceleration of a
+//! satellite bends a range by 0.1 m in a second, and a step of the antenna bends it to and fro
+//! once: a single turn is a suspicion, and the next one in a row is another receiver. White noise
+//! has a correlation of −2/3; of eight satellites, one epoch in a thousand exceeds the bound by
+//! chance.
+//!
+//! **Limits.** The first epoch of the other receiver has nothing to be compared with. Antennas less
+//! than some ten metres apart, and epochs more than [`LONGEST_MS`] apart, are not detected.
+
+use heapless::Vec;
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::satellite::SatelliteId;
+
+use super::Rivalry;
+use crate::median::median;
+use crate::raw::{Band, RawEpoch};
+use crate::time::GpsTime;
+
+/// Most satellites whose bends are compared.
+const TRACKS: usize = 16;
+
+/// Least number of satellites for a detection.
+const LEAST_TRACKS: usize = 5;
+
+/// Longest time between two epochs whose ranges are compared, ms: a vehicle turns in longer times.
+const LONGEST_MS: i64 = 1500;
+
+/// Least median of the bends, m: a fault of some satellites moves the others not at all.
+const LEAST_M: f32 = 4.0;
+
+/// Multiples of that median at which a bend counts no more, so that no single one decides.
+const MOST_SPREADS: f32 = 4.0;
+
+/// Least share of one bend that the other explains: the square of their correlation.
+const EXPLAINED: f32 = 0.95;
+
+/// Range that light travels in a millisecond, m.
+const MILLISECOND_M: f32 = (SPEED_OF_LIGHT_M_S * 1e-3) as f32;
+
+/// Ranges of a satellite, as far as bends need them.
+#[derive(Clone, Copy, Debug)]
+struct Track {
+    satellite: SatelliteId,
+    band: Band,
+    /// Last range modulo 2³² mm.
+    range_mm: u32,
+    /// Last step of the range relative to that of the first satellite, m; NaN if unknown.
+    step_m: f32,
+    /// Last bend of the range without that of the clock, m; NaN if it is unknown, or if too few
+    /// bends are known or large.
+    bend_m: f32,
+}
+
+/// Memory of the last epochs.
+#[derive(Debug)]
+pub(super) struct Turns {
+    tracks: Vec<Track, TRACKS, u8>,
+    last: GpsTime,
+    step_ms: f32,
+    /// Number of turns in a row.
+    in_a_row: u8,
+}
+
+/// Sums over the bends of an epoch, and over those of the epoch before.
+#[derive(Default)]
+struct Sums {
+    count: u8,
+    now_squared: f32,
+    before_squared: f32,
+    product: f32,
+}
+
+impl Sums {
+    fn add(&mut self, before: f32, now: f32) {
+        self.count = self.count.saturating_add(1);
+        self.now_squared += now * now;
+        self.before_squared += before * before;
+        self.product += before * now;
+    }
+
+    /// Returns true if the bends of both epochs are alike and of opposite signs.
+    fn is_turn(&self) -> bool {
+        usize::from(self.count) >= LEAST_TRACKS
+            && self.product < 0.0
+            && self.product * self.product > EXPLAINED * self.now_squared * self.before_squared
+    }
+}
+
+impl Turns {
+    /// Returns the memory of no epoch.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub(super) const fn new() -> Self {
+        Self { tracks: Vec::new(), last: GpsTime { week: 0, tow_ms: 0 }, step_ms: 0.0, in_a_row: 0 }
+    }
+
+    /// Compares an epoch with those before it.
+    // Not inlined: the copy of the tracks leaves the stack before the epoch is judged.
+    #[inline(never)]
+    pub(super) fn take(&mut self, epoch: &RawEpoch) -> Option<Rivalry> {
+        let step_ms = epoch.time.since_ms(self.last);
+        let is_near = (1..=LONGEST_MS).contains(&step_ms);
+        let (before_ms, now_ms) = (self.step_ms, step_ms as f32);
+        let mut tracks = Vec::<Track, TRACKS, u8>::new();
+        let (mut before, mut bends) = (Vec::<f32, TRACKS>::new(), Vec::<f32, TRACKS>::new());
+        let mut first_mm = None;
+        for raw in &epoch.satellites {
+            let Some(signal) = raw.signals.first() else { continue };
+            let band = signal.carrier.band;
+            let mut track = Track {
+                satellite: raw.satellite,
+                band,
+                // A range has at most 5.2e10 mm; only its last digits are needed.
+                range_mm: (signal.range_m * 1e3) as u64 as u32,
+                step_m: f32::NAN,
+                bend_m: f32::NAN,
+            };
+            let mut before_m = f32::NAN;
+            let is_same = |known: &&Track| known.satellite == raw.satellite && known.band == band;
+            if is_near
+                && let Some(known) =
+                    self.known(tracks.len()).filter(is_same).or_else(|| self.tracks.iter().find(is_same))
+            {
+                let moved_mm = track.range_mm.wrapping_sub(known.range_mm);
+                let apart_mm = moved_mm.wrapping_sub(*first_mm.get_or_insert(moved_mm)).cast_signed();
+                track.step_m = without_milliseconds(apart_mm as f32 * 1e-3);
+                track.bend_m = (known.step_m * now_ms - track.step_m * before_ms) / (before_ms + now_ms);
+                before_m = known.bend_m;
+                if track.bend_m.is_finite() {
+                    let _ = bends.push(track.bend_m);
+                }
+            }
+            let _ = before.push(before_m);
+            if tracks.push(track).is_err() {
+                break;
+            }
+        }
+        (self.tracks, self.last, self.step_ms) = (tracks, epoch.time, now_ms);
+        self.in_a_row = if self.turns(&before, &bends) { self.in_a_row.saturating_add(1) } else { 0 };
+        match self.in_a_row {
+            0 => None,
+            1 => Some(Rivalry::Suspected),
+            _ => Some(Rivalry::Receivers),
+        }
+    }
+
+    /// Centres the bends of the tracks; returns true if they are those of the epoch before with the
+    /// opposite sign.
+    fn turns(&mut self, before: &[f32], bends: &[f32]) -> bool {
+        let middle_m = median(bends);
+        let deviations: Vec<f32, TRACKS> =
+            bends.iter().take(TRACKS).map(|bend_m| (bend_m - middle_m).abs()).collect();
+        let spread_m = median(&deviations);
+        let is_large = bends.len() >= LEAST_TRACKS && spread_m > LEAST_M;
+        let most_m = MOST_SPREADS * spread_m;
+        let mut sums = Sums::default();
+        for (track, before_m) in self.tracks.iter_mut().zip(before) {
+            let bend_m = track.bend_m - middle_m;
+            // Written so that NaN stays.
+            let within_m = if bend_m.abs() > most_m { most_m.copysign(bend_m) } else { bend_m };
+            track.bend_m = if is_large { within_m } else { f32::NAN };
+            if track.bend_m.is_finite() && before_m.is_finite() {
+                sums.add(*before_m, track.bend_m);
+            }
+        }
+        sums.is_turn()
+    }
+
+    /// Returns the track that was at the same place in the epoch before, where the same satellite
+    /// mostly is.
+    fn known(&self, index: usize) -> Option<&Track> {
+        self.tracks.get(index)
+    }
+}
+
+/// Returns a step without the whole milliseconds of a clock jump, m.
+fn without_milliseconds(step_m: f32) -> f32 {
+    if step_m.abs() < 0.5 * MILLISECOND_M {
+        return step_m;
+    }
+    step_m - libm::roundf(step_m / MILLISECOND_M) * MILLISECOND_M
+}

@@ -1,0 +1,219 @@
+//! Streets: real recordings between simulated walls that block low satellites or reflect them late.
+//!
+//! ```text
+//! satellite:  e < atan(tan(r) |sin(a − s)|)   behind a wall
+//! reflected:  δρ = 2 d cos(e) |sin(a − s)|
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `e`, `a` | elevation and azimuth of the satellite | rad |
+//! | `s` | direction of the street | rad |
+//! | `r`, `d` | elevation of the roof across the street, and distance of the reflecting wall | rad, m |
+//!
+//! A block of houses lasts for [`BLOCK_S`]; then the street has another direction, other roofs and
+//! other walls. A wall between satellite and antenna blocks the signal, or the antenna receives the
+//! reflection of the other side. Noise and signal strength stay those of the recording, so that the
+//! ranges alone reveal the walls.
+//!
+//! A level bounds one fault, and a street makes several at once. Therefore the share of promised
+//! epochs above their level is bounded, but not zero.
+
+use anyhow::{Context as _, Result};
+use raim_core::frame::{Ecef, Enu};
+use raim_core::satellite::SatelliteId;
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use super::recordings::skipped;
+use super::tally::Tally;
+use super::victim::{Seen, Victim};
+use super::{Attack, Effort, Figure};
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::fault::Measured as _;
+use raim::signal::lumps::{Broadcast, Heaven};
+use raim::signal::recording::Recording;
+use rig::shared;
+use rig::stations::{ESBC, STATIC_BASE, Station, TLSE};
+
+/// Attack with simulated walls beside the antennas of real recordings.
+pub(super) const ATTACK: Attack = Attack {
+    name: "streets",
+    about: "three real recordings on two frequencies between walls that block or reflect, the method at start",
+    run,
+};
+
+/// Recordings, and the systems sent of each.
+const STREETS: [(&Station, &str); 5] =
+    [(&ESBC, "GCE"), (&ESBC, "GC"), (&TLSE, "GCE"), (&TLSE, "GC"), (&STATIC_BASE, "GCE")];
+
+/// Length of a block of houses, s, and least number of its epochs.
+const BLOCK_S: f64 = 30.0;
+const BLOCK_EPOCHS: usize = 8;
+
+/// Probability that a wall blocks a satellite and does not reflect it.
+const BLOCKED: f64 = 0.5;
+
+/// Largest share of the promised epochs of one street that may exceed a level, as with reflections.
+const BEYOND: f64 = 0.01;
+
+/// Walls of one block of houses.
+struct Block {
+    street_rad: f64,
+    /// Roofs on both sides of the street.
+    roof_tangents: [f64; 2],
+    /// Distances of both walls, m.
+    walls_m: [f64; 2],
+    chance: u64,
+}
+
+impl Block {
+    fn draw(chance: &mut ChaCha8Rng) -> Self {
+        let mut roof_tangent = || chance.random_range(-30.0_f64..45.0).max(0.0).to_radians().tan();
+        let roof_tangents = [roof_tangent(), roof_tangent()];
+        let mut wall_m = || chance.random_range(5.0..70.0);
+        let walls_m = [wall_m(), wall_m()];
+        Self {
+            street_rad: chance.random_range(0.0..std::f64::consts::PI),
+            roof_tangents,
+            walls_m,
+            chance: chance.random(),
+        }
+    }
+
+    /// Returns the delay of a satellite in this direction, m: 0 in the open, `None` if it is
+    /// blocked.
+    fn delay_m(&self, satellite: SatelliteId, towards: Enu) -> Option<f64> {
+        let aside = (towards.east.atan2(towards.north) - self.street_rad).sin();
+        let (near, far) = if aside < 0.0 { (0, 1) } else { (1, 0) };
+        let level = towards.east.hypot(towards.north);
+        if towards.up > self.roof_tangents[near] * aside.abs() * level {
+            return Some(0.0);
+        }
+        let name = u64::from(satellite.number()) << 8 | satellite.constellation() as u64;
+        let mut chance = ChaCha8Rng::seed_from_u64(self.chance ^ name);
+        let is_blocked = chance.random_bool(BLOCKED);
+        (!is_blocked).then(|| 2.0 * self.walls_m[far] * level * aside.abs())
+    }
+}
+
+/// Directions of the satellites of each epoch.
+type Directions = Vec<Vec<(SatelliteId, Enu)>>;
+
+fn run(effort: Effort) -> Result<Vec<Figure>> {
+    if shared::path("data").is_none() {
+        return Ok(skipped());
+    }
+    let (seeds, most) = (effort.pick(6, 40), effort.pick(600, usize::MAX));
+    let per_street: Vec<Vec<Figure>> = STREETS
+        .iter()
+        .map(|&(station, systems)| of_station(station, systems, seeds, most))
+        .collect::<Result<Vec<_>>>()?;
+    Ok(per_street.concat())
+}
+
+/// Epochs of the streets, in all and by the number of excluded satellites.
+#[derive(Clone, Debug, Default)]
+struct Streets {
+    all: Tally,
+    by_excluded: [Tally; 4],
+}
+
+impl Streets {
+    fn add(&mut self, seen: &Seen) {
+        self.all.add(seen);
+        if let Some(tally) = self.by_excluded.get_mut(seen.said.excluded.len()) {
+            tally.add(seen);
+        }
+    }
+
+    fn with(self, other: &Self) -> Self {
+        let [a, b, c, d] = self.by_excluded;
+        let [other_a, other_b, other_c, other_d] = &other.by_excluded;
+        Self {
+            all: self.all.with(&other.all),
+            by_excluded: [a.with(other_a), b.with(other_b), c.with(other_c), d.with(other_d)],
+        }
+    }
+}
+
+fn of_station(station: &Station, systems: &str, seeds: u64, most: usize) -> Result<Vec<Figure>> {
+    let recording = station.load().with_context(|| format!("recording {} is missing", station.folder))?;
+    let selection = Selection::new(systems, Frequency::Dual)?;
+    let directions = directions(&recording, &selection, station.truth, most)?;
+    let runs: Vec<Streets> = (0..seeds)
+        .into_par_iter()
+        .map(|seed| drive(&recording, &selection, &directions, station.truth, seed))
+        .collect::<Result<_>>()?;
+    let streets = runs.iter().fold(Streets::default(), Streets::with);
+    let name = format!("{} {systems}", station.folder);
+    let promised = streets.all.promised;
+    let mut figures = vec![
+        Figure::plain(format!("{name} protected of {}", streets.all.epochs), promised as f64),
+        Figure::at_most(
+            format!("{} beyond, share", streets.all.misleading),
+            streets.all.misleading as f64 / promised.max(1) as f64,
+            BEYOND,
+        ),
+    ];
+    for (count, tally) in streets.by_excluded.iter().enumerate() {
+        let quantity = format!("of {} without {count}", tally.promised);
+        figures.push(Figure::plain(quantity, tally.misleading as f64));
+    }
+    let worst_m = streets.all.worst_horizontal_m.max(streets.all.worst_vertical_m);
+    figures.push(Figure::plain("largest error, m", worst_m));
+    let refuted = streets.all.of_reason("SIGMAS");
+    figures.push(Figure::plain("SIGMAS", refuted as f64));
+    Ok(figures)
+}
+
+/// Returns the directions of the satellites, as the module locates them.
+fn directions(
+    recording: &Recording,
+    selection: &Selection,
+    antenna: Ecef,
+    most: usize,
+) -> Result<Directions> {
+    let broadcast = Broadcast {
+        ephemerides: &recording.ephemerides,
+        klobuchar: recording.klobuchar,
+        approximate_position: Some(antenna),
+    };
+    let mut heaven = Heaven::of(&broadcast, selection)?;
+    recording.epochs.iter().take(most).map(|epoch| heaven.directions(epoch)).collect()
+}
+
+/// Drives one street with the antenna of a recording.
+fn drive(
+    recording: &Recording,
+    selection: &Selection,
+    directions: &Directions,
+    truth: Ecef,
+    seed: u64,
+) -> Result<Streets> {
+    let step_s = match recording.epochs.as_slice() {
+        [first, second, ..] => second.time.since_ms(first.time) as f64 * 1e-3,
+        _ => 1.0,
+    };
+    let epochs_per_block = BLOCK_EPOCHS.max((BLOCK_S / step_s) as usize);
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    let mut block = Block::draw(&mut chance);
+    let mut victim = Victim::new(&[], step_s)?;
+    let mut encoder = Encoder::new(&recording.ephemerides, selection.clone());
+    let mut streets = Streets::default();
+    for (index, (epoch, seen)) in recording.epochs.iter().zip(directions).enumerate() {
+        if index > 0 && index % epochs_per_block == 0 {
+            block = Block::draw(&mut chance);
+        }
+        let mut epoch = epoch.clone();
+        for &(satellite, towards) in seen {
+            match block.delay_m(satellite, towards) {
+                Some(late_m) => epoch.lengthen(satellite, late_m),
+                None => epoch.lose(satellite),
+            }
+        }
+        victim.hear(&encoder.epoch(&epoch)?, truth)?.iter().for_each(|seen| streets.add(seen));
+    }
+    Ok(streets)
+}
