@@ -165,7 +165,8 @@ impl Window {
     }
 
     fn moves(&mut self, map: &Map<'_>, address: u64) -> Place {
-        let Some((start, name)) = map.function(address) else { return Place::Before };
+        // Routines in assembly have symbols without a size.
+        let Some((start, name)) = map.function(address) else { return self.place() };
         let is_entry = address == start && name.contains("Stopwatch::time");
         if self.caller.is_none() && is_entry {
             self.caller = self.last;
@@ -177,6 +178,10 @@ impl Window {
             self.uses_left -= 1;
         }
         self.last = Some(start);
+        self.place()
+    }
+
+    fn place(&self) -> Place {
         if self.caller.is_some() && self.uses_left == 0 { Place::Inside } else { Place::Before }
     }
 }
@@ -206,7 +211,7 @@ impl Reader {
     }
 
     fn take_runtime(&mut self, map: &Map<'_>, address: u64) {
-        let Some((start, symbol)) = map.function(address) else { return };
+        let (start, symbol) = map.function(address).unwrap_or((0, "assembly"));
         let calls = u64::from(address == start);
         let (instructions, entered) = self.profile.runtime.entry(symbol.to_owned()).or_default();
         (*instructions, *entered) = (*instructions + 1, *entered + calls);
