@@ -22,6 +22,7 @@
 //!
 //! [ARMv7-M]: crate#references
 
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 use std::io::{BufRead, BufReader};
@@ -197,8 +198,8 @@ struct Reader {
 
 impl Reader {
     fn take(&mut self, map: &Map<'_>, address: u64) -> Result<()> {
-        if !self.known.contains_key(&address) {
-            self.known.insert(address, map.own_function(address)?);
+        if let Entry::Vacant(unknown) = self.known.entry(address) {
+            unknown.insert(map.own_function(address)?);
         }
         match self.known.get(&address).cloned().flatten() {
             Some(function) => {

@@ -81,7 +81,7 @@ impl Instruction {
     const fn access(bytes: u8, is_load: bool, register: u16, address: u16) -> Self {
         let writes = if is_load { bit(register) } else { 0 };
         let memory = if is_load { Memory::Load } else { Memory::Store };
-        Self { writes, address, ..Self::of(bytes, Work::Single(memory)) }
+        Self { address, writes, ..Self::of(bytes, Work::Single(memory)) }
     }
 
     /// Decodes an instruction; a narrow one is `first` alone.
@@ -100,13 +100,12 @@ impl Instruction {
             Work::Simple | Work::Float => Bounds::new(1, 1),
             Work::Double => Bounds::new(2, 2),
             Work::IfThen => Bounds::new(u64::from(before.is_none_or(|before| before.bytes == 4)), 1),
-            Work::Accumulate => Bounds::new(1, 2),
+            Work::Accumulate | Work::Single(Memory::Store) => Bounds::new(1, 2),
             Work::Divide => Bounds::new(2, 12),
             Work::Table => Bounds::new(2, 3),
             Work::Multiple(words) => Bounds::new(1 + words, 1 + words),
             Work::FloatAccumulate => Bounds::new(3, 3),
             Work::FloatDivide => Bounds::new(1, 14),
-            Work::Single(Memory::Store) => Bounds::new(1, 2),
             Work::Single(Memory::Load) => self.load(before),
         };
         Bounds::new(own.least, own.most + self.stall(before))
@@ -242,7 +241,7 @@ fn float_accesses(first: u16, second: u16) -> Instruction {
             Instruction { writes: 0, ..access }
         }
     };
-    let offset = 4 * words as i64;
+    let offset = 4 * words.cast_signed();
     let is_literal = is_single && base == PC && field(first, 4, 1) == 1;
     let literal = is_literal.then_some(if field(first, 7, 1) == 1 { offset } else { -offset });
     Instruction { is_float: true, literal, ..accessed }
