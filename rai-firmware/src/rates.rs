@@ -200,8 +200,8 @@ impl Rates {
     /// Returns the velocity of a receiver at a place.
     ///
     /// # Errors
-    /// [`VelocityError`] if the rates of this epoch give none. Rates that agree again, not yet for long
-    /// enough, are a [`VelocityError::Fault`] too.
+    /// [`VelocityError`] if the rates of this epoch give none. Rates that agree again, not yet for
+    /// long enough, are a [`VelocityError::Fault`] too.
     #[inline(never)]
     pub fn velocity(
         &mut self,

@@ -243,8 +243,8 @@ impl Motion {
 
     /// Compares an epoch that passed its own test with those before it. Returns the contradiction.
     ///
-    /// An epoch without position, levels or range rates is not compared. If its rates contradict each
-    /// other, the position is compared with the last one that had a velocity.
+    /// An epoch without position, levels or range rates is not compared. If its rates contradict
+    /// each other, the position is compared with the last one that had a velocity.
     pub fn judge<const N: usize>(
         &mut self,
         time_s: f64,

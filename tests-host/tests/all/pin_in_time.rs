@@ -21,8 +21,8 @@ fn worst(core_hz: u64) -> u64 {
     figure(&at_most("worst-case epoch of a stream", core_hz))
 }
 
-/// Returns the upper bound of the cycles of the worst epoch of all, which is the first, at which the
-/// pin is still low.
+/// Returns the upper bound of the cycles of the worst epoch of all, which is the first, at which
+/// the pin is still low.
 fn worst_of_all(core_hz: u64) -> u64 {
     worst(core_hz).max(figure(&at_most("worst-case first epoch", core_hz)))
 }

@@ -7,8 +7,8 @@
 //! | fill, clear | 4 | 0 to 89 | the bytes around it |
 //! | comparison | 4 and 4 | 0 to 89 | first and last byte different, both ways |
 //!
-//! The loops move one byte at a time through [`black_box`], so that the compiler cannot replace them
-//! by the routines under test.
+//! The loops move one byte at a time through [`black_box`], so that the compiler cannot replace
+//! them by the routines under test.
 
 use core::cmp::Ordering;
 use core::hint::black_box;

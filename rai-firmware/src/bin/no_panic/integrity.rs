@@ -6,7 +6,7 @@ use core::str::FromStr;
 
 use raim_core::allocation::AllocationError;
 use raim_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
-use raim_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
+use raim_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Motion, Recovery};
 use raim_core::epoch::{Epoch, EpochError, EpochView};
 use raim_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
 use raim_core::integrity::araim::{self, Allocation, AraimError, AraimScratch, Finding, Hypothesis};
@@ -309,7 +309,7 @@ fn the_pipeline<T: Real>() {
         Monitor::<T, N>::start_from as fn(_, _),
         Monitor::<T, N>::process as fn(_, _) -> _,
         Monitor::<T, N>::judge as fn(_, _, _, _, _, _) -> _,
-        Monitor::<T, N>::learn as fn(_, _, _),
+        Monitor::<T, N>::learn as fn(_, _, _, _),
         Monitor::<T, N>::set_continuity as fn(_, _) -> _,
         Monitor::<T, N>::continuity_settings as fn(_) -> _,
         Monitor::<T, N>::disable_continuity as fn(_),
@@ -343,11 +343,16 @@ fn continuity() {
         <Continuity as Default>::default as fn() -> _,
         Continuity::forget as fn(_),
         Continuity::interrupt as fn(_),
-        Continuity::conclude::<N> as fn(_, _, _, _, _) -> _,
+        Continuity::conclude::<N> as fn(_, _, _, _, _, _) -> _,
         ContinuitySettings::anywhere as fn() -> _,
         ContinuitySettings::validate as fn(_) -> _,
         Recovery::is_met as fn(_, _, _, _) -> _,
         Velocity::is_within as fn(_, _) -> _,
+        Velocity::speed_m_s as fn(_) -> _,
+        Motion::new as fn() -> _,
+        <Motion as Default>::default as fn() -> _,
+        Motion::restart as fn(_),
+        Motion::judge::<N> as fn(_, _, _, _) -> _,
     );
 }
 

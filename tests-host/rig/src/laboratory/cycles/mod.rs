@@ -25,17 +25,17 @@
 //! | miss of another line | 5 | 5 | [RM0090] §3.5.2 |
 //! | miss of a literal's line | 0 | 5 | [RM0090] §3.5.2 |
 //!
-//! The caches hold 64 lines of 128 bits for instructions and 8 for constants; each replaces the line
-//! that was unused for longest ([`Cache`]).
+//! The caches hold 64 lines of 128 bits for instructions and 8 for constants; each replaces the
+//! line that was unused for longest ([`Cache`]).
 //!
 //! Assumes: statics, stack and data in RAM without wait states, no DMA and no interrupts. Words
 //! that are not aligned, and constants read through a register, have no address in the log: neither
-//! bound charges them. The bounds are therefore those of the model; only a chip has the time itself.
-//! The measuring image has the code of the shipped one at other addresses, so that its misses differ
-//! by a few per cent.
+//! bound charges them. The bounds are therefore those of the model; only a chip has the time
+//! itself. The measuring image has the code of the shipped one at other addresses, so that its
+//! misses differ by a few per cent.
 //!
-//! References: Arm DDI 0439, *Cortex-M4 Technical Reference Manual*, for tables and sections without
-//! a name; [RM0090].
+//! References: Arm DDI 0439, *Cortex-M4 Technical Reference Manual*, for tables and sections
+//! without a name; [RM0090].
 //!
 //! [RM0090]: crate#references
 
