@@ -23,7 +23,8 @@ fn assert_all_happened(outcome: &Outcome) {
     assert!(outcome.unread > 0, "the host port was left unread");
     assert!(tally.falsified > 0 && tally.beyond_promise > 0, "false ranges");
     assert!(tally.accepted.iter().sum::<u64>() > 0, "false ranges that matter");
-    assert!(tally.in_state('P') > tally.offered / 3, "{:?}", tally.verdicts);
+    // Several false ranges at once contradict the sigmas, which ends promises for a minute.
+    assert!(tally.in_state('P') > tally.offered / 8, "{:?}", tally.verdicts);
     assert!(tally.due > tally.offered / 3, "{} of {} epochs were due", tally.due, tally.offered);
     assert!(!watch.to_pin_ticks.is_empty(), "the time to the pin was measured");
 }

@@ -458,6 +458,7 @@ fn epochs() {
         weighting::Ism::is_valid as fn(_) -> _,
         weighting::IsmParameters::is_valid as fn(_) -> _,
         weighting::adaptation::Adaptation::new as fn() -> _,
+        <Adaptation as Default>::default as fn() -> _,
         weighting::adaptation::Adaptation::restart as fn(_),
         weighting::adaptation::Adaptation::learn as fn(_, _, _),
         weighting::adaptation::Adaptation::scale as fn(_, _) -> _,
