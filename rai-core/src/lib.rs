@@ -19,8 +19,8 @@
 //!
 //! Further modules: [`least_squares::downdate`] (the solution without any set of satellites),
 //! [`weighting`] (the error model), [`clock`] (a forecast of the receiver clock as one more row),
-//! [`continuity`] (recovery and jumps), [`velocity`], [`frame`] (WGS 84) and [`single`] (the
-//! instance for a microcontroller).
+//! [`continuity`] (recovery, jumps, and motion against its rates), [`velocity`], [`frame`] (WGS 84)
+//! and [`single`] (the instance for a microcontroller).
 //!
 //! # Example
 //!
