@@ -11,9 +11,27 @@ pub(crate) fn median(values: &[f32]) -> f32 {
     values.iter().copied().find(is_middle).unwrap_or(0.0)
 }
 
+/// Returns the difference of the largest and the smallest value; NaN is no value. Negative infinity
+/// without values.
+pub(crate) fn apart_m(values_m: &[f32]) -> f32 {
+    let bounds = (f32::INFINITY, f32::NEG_INFINITY);
+    let (least_m, most_m) = values_m
+        .iter()
+        .fold(bounds, |(least_m, most_m), value_m| (least_m.min(*value_m), most_m.max(*value_m)));
+    most_m - least_m
+}
+
 #[cfg(test)]
 mod tests {
-    use super::median;
+    use super::{apart_m, median};
+
+    #[allow(clippy::float_cmp, reason = "differences of small whole numbers are exact")]
+    #[test]
+    fn values_are_apart_by_the_largest_less_the_smallest() {
+        assert_eq!(apart_m(&[5.0, -1.0, f32::NAN, 3.0]), 6.0);
+        assert_eq!(apart_m(&[7.0]), 0.0);
+        assert_eq!(apart_m(&[]), f32::NEG_INFINITY);
+    }
 
     #[allow(clippy::float_cmp, reason = "a median is one of the values, bit for bit")]
     #[test]

@@ -25,7 +25,7 @@ use raim_core::satellite::Constellation;
 use super::choice::ionosphere_free;
 use super::twins::remove;
 use super::{CAPACITY, Located, Sky};
-use crate::median::median;
+use crate::median::{apart_m, median};
 use crate::raw::Band;
 
 /// Least number of satellites that are compared.
@@ -43,14 +43,17 @@ const CREST_M: f32 = 35.0;
 /// Satellites that are compared with each other: those of one system with the same bands.
 type Group = (Constellation, Band, Band);
 
-/// Returns the group of a satellite, and the delay of the ionosphere that its bands measure, m.
-fn measured(located: &Located) -> Option<(Group, f32)> {
+/// Returns the group of a satellite.
+fn group_of(located: &Located) -> Option<Group> {
     let (pair, single) = (located.choices.pair.as_ref()?, located.choices.single.as_ref()?);
     let (first, Some(second)) = pair.bands else { return None };
-    (single.bands.0 == first).then_some((
-        (located.satellite.constellation(), first, second),
-        (single.range_m - pair.range_m) as f32,
-    ))
+    (single.bands.0 == first).then_some((located.satellite.constellation(), first, second))
+}
+
+/// Returns the delay of the ionosphere that the bands of a satellite measure, m.
+fn delay_m(located: &Located) -> Option<f32> {
+    let (pair, single) = (located.choices.pair.as_ref()?, located.choices.single.as_ref()?);
+    Some((single.range_m - pair.range_m) as f32)
 }
 
 /// Removes the satellites whose bands no ionosphere explains, and counts them.
@@ -61,10 +64,12 @@ pub(super) fn remove_apart(sky: &mut Sky, counter: &mut u32) {
         if compared >> index & 1 != 0 {
             continue;
         }
-        let Some((group, _)) = measured(located) else { continue };
+        let Some(group) = group_of(located) else { continue };
         let (mut places, mut delays_m) = (Vec::<u8, CAPACITY>::new(), Vec::<f32, CAPACITY>::new());
         for (place, other) in sky.iter().enumerate().skip(index) {
-            if let Some((_, delay_m)) = measured(other).filter(|(of, _)| *of == group) {
+            if group_of(other) == Some(group)
+                && let Some(delay_m) = delay_m(other)
+            {
                 compared |= 1 << place;
                 // All hold as many as the sky.
                 let _ = (places.push(place as u8), delays_m.push(delay_m));
@@ -79,7 +84,12 @@ pub(super) fn remove_apart(sky: &mut Sky, counter: &mut u32) {
 
 /// Returns the satellites of a group that are beyond the bound, a bit each.
 fn faults(places: &[u8], delays_m: &[f32], (_, first, second): Group) -> u64 {
-    let (middle_m, scale) = (median(delays_m), ionosphere_free(first, second).0 as f32 - 1.0);
+    let scale = ionosphere_free(first, second).0 as f32 - 1.0;
+    // No delay is farther from the median than the delays are apart, which mostly decides.
+    if apart_m(delays_m) <= FLOOR_M * scale {
+        return 0;
+    }
+    let middle_m = median(delays_m);
     let deviations_m: Vec<f32, CAPACITY> =
         delays_m.iter().take(CAPACITY).map(|delay_m| (delay_m - middle_m).abs()).collect();
     let bound_m = FLOOR_M * scale + SPREADS * median(&deviations_m);

@@ -29,7 +29,7 @@ use raim_core::frame::SPEED_OF_LIGHT_M_S;
 use raim_core::satellite::SatelliteId;
 
 use super::Rivalry;
-use crate::median::median;
+use crate::median::{apart_m, median};
 use crate::raw::{Band, RawEpoch};
 use crate::time::GpsTime;
 
@@ -164,11 +164,16 @@ impl Turns {
     /// Centres the bends of the tracks; returns true if they are those of the epoch before with the
     /// opposite sign.
     fn turns(&mut self, before: &[f32], bends: &[f32]) -> bool {
+        // No bend is farther from the median than the bends are apart: one antenna, mostly.
+        if bends.len() < LEAST_TRACKS || apart_m(bends) <= LEAST_M {
+            self.tracks.iter_mut().for_each(|track| track.bend_m = f32::NAN);
+            return false;
+        }
         let middle_m = median(bends);
         let deviations: Vec<f32, TRACKS> =
             bends.iter().take(TRACKS).map(|bend_m| (bend_m - middle_m).abs()).collect();
         let spread_m = median(&deviations);
-        let is_large = bends.len() >= LEAST_TRACKS && spread_m > LEAST_M;
+        let is_large = spread_m > LEAST_M;
         let most_m = MOST_SPREADS * spread_m;
         let mut sums = Sums::default();
         for (track, before_m) in self.tracks.iter_mut().zip(before) {

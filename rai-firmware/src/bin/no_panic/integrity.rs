@@ -39,6 +39,7 @@ use raim_core::satellite::{Constellation, ParseSatelliteError, SatelliteId};
 use raim_core::single::{self, stages};
 use raim_core::velocity::{self, RangeRate, Velocity, VelocityError};
 use raim_core::weighting;
+use raim_core::weighting::adaptation::Adaptation;
 use raim_firmware::correction::CAPACITY as N;
 
 use crate::{exhaust, reach};
@@ -457,12 +458,12 @@ fn epochs() {
         weighting::Ism::of as fn(_, _) -> _,
         weighting::Ism::is_valid as fn(_) -> _,
         weighting::IsmParameters::is_valid as fn(_) -> _,
-        weighting::adaptation::Adaptation::new as fn() -> _,
+        Adaptation::new as fn() -> _,
         <Adaptation as Default>::default as fn() -> _,
-        weighting::adaptation::Adaptation::restart as fn(_),
-        weighting::adaptation::Adaptation::learn as fn(_, _, _),
-        weighting::adaptation::Adaptation::scale as fn(_, _) -> _,
-        weighting::adaptation::Adaptation::sigma_m as fn(_, _, _, _) -> _,
+        Adaptation::restart as fn(_),
+        Adaptation::learn as fn(_, _, _),
+        Adaptation::scale as fn(_, _) -> _,
+        Adaptation::sigma_m as fn(_, _, _, _) -> _,
         Epoch::<N>::new as fn(_) -> _,
         Epoch::<N>::restart as fn(_, _),
         Epoch::<N>::push as fn(_, _) -> _,
