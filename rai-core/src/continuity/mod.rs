@@ -16,7 +16,7 @@
 //! | after | the position is protected again |
 //! |---|---|
 //! | an alert, a jump, an impossible place | when the satellites have agreed for [`Recovery`]: epochs and seconds, at positions that are within reach of each other; for [`WEAK`] if an epoch of them had one degree of freedom |
-//! | a contradiction between ranges and their rates (`CLOCK`, `TRACK`) | when they have agreed for [`WEAK`] |
+//! | a contradiction between ranges and their rates (`CLOCK`, `TRACK`) | when they have agreed for [`DOUBTED`] |
 //! | a jump | also when time has made the position reachable, or after [`Continuity::forget`]; or when the contradicting epochs have agreed for [`WEAK`], and those that led to the anchor had not |
 //!
 //! **After a silence** longer than the time to alert, the first position must be where the receiver
@@ -64,6 +64,10 @@ pub const DELAY_S: f64 = 1.0;
 
 /// Required agreement if one of its epochs has only one degree of freedom.
 pub const WEAK: Recovery = Recovery { epochs: 10, seconds: 10.0 };
+
+/// Required agreement after rates contradicted position or clock: longer than a drift needs to show
+/// again.
+pub const DOUBTED: Recovery = Recovery { epochs: 10, seconds: 30.0 };
 
 /// Required length of an agreement, in epochs and in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -409,7 +413,7 @@ impl Continuity {
             self.agree(settings, how, place, is_weak);
             let waited = Recovery { epochs: 1, seconds: self.wait_s };
             let wanted = settings.recovery.at_least(waited);
-            let wanted = if self.is_doubted { wanted.at_least(WEAK) } else { wanted };
+            let wanted = if self.is_doubted { wanted.at_least(DOUBTED) } else { wanted };
             if !self.agreement.is_some_and(|agreement| agreement.suffices(wanted)) {
                 return Verdict::Unavailable(Unavailable::Recovering);
             }

@@ -60,6 +60,9 @@ pub(super) struct Run {
     /// True once tags have been ahead. Right tags are then late until `FORGET`, like a replayed
     /// recording.
     was_ahead: bool,
+    /// True once the place has leapt farther than any receiver comes in a silence, so that it must
+    /// agree for as long as the way takes.
+    has_leapt: bool,
     /// Second half of an epoch that the line holds back.
     kept: Vec<u8>,
     is_told: bool,
@@ -98,6 +101,7 @@ impl Run {
             victim,
             oracle: Oracle::new(seed),
             was_ahead: false,
+            has_leapt: false,
             kept: Vec::new(),
             is_told,
         })
@@ -112,6 +116,7 @@ impl Run {
         let mut place_deg = (0.0, 0.0);
         for _ in 0..self.chance.random_range(SCENES) {
             let scene = Scene::by_chance(place_deg, &mut self.chance);
+            self.has_leapt |= is_leap(place_deg, scene.place_deg);
             place_deg = scene.place_deg;
             self.scene(&scene)?;
         }
@@ -128,8 +133,8 @@ impl Run {
     fn expect_promise(&mut self, when: &str, is_forgotten: bool) {
         const EXCUSES: [&str; 7] = ["HPL", "VPL", "EMT", "ACCURACY", "RISK", "REDUNDANCY", "GEOMETRY"];
         let last = self.oracle.last_reason.clone();
-        let is_excused =
-            EXCUSES.contains(&last.as_str()) || !is_forgotten && (self.was_ahead || last == "JUMP");
+        let is_excused = EXCUSES.contains(&last.as_str())
+            || !is_forgotten && (self.was_ahead || last == "JUMP" || self.has_leapt && last == "RECOVERING");
         if !self.oracle.has_promised_last && !is_excused {
             self.oracle.find(Finding::Lost, self.victim.now_s(), &format!("{last} {when}"));
         }
@@ -277,4 +282,9 @@ impl AnyEncoder {
             Self::Ubx(encoder) => encoder.epoch(epoch),
         }
     }
+}
+
+/// Returns true if two places are more than 0.5 degrees, some 50 km, apart.
+fn is_leap(from_deg: (f64, f64), to_deg: (f64, f64)) -> bool {
+    (to_deg.0 - from_deg.0).hypot(to_deg.1 - from_deg.1) > 0.5
 }
