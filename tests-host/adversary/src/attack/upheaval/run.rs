@@ -25,9 +25,10 @@ const SCENES: std::ops::RangeInclusive<usize> = 6..=14;
 /// Time between the epochs of a slow receiver, s: below the time to alert, and above it.
 const SLOW_S: [f64; 2] = [5.0, 30.0];
 
-/// Healthy epochs at the end, and after `FORGET`.
+/// Healthy epochs at the end, and after `FORGET`: each scene has a clock of its own, which may
+/// leap, and half a minute must agree after that.
 const QUIET_EPOCHS: u32 = 60;
-const FORGOTTEN_EPOCHS: u32 = 30;
+const FORGOTTEN_EPOCHS: u32 = 45;
 
 /// Leap seconds: time tags are in GPS time, sentences in UTC.
 const GPS_MINUS_UTC_S: f64 = 18.0;
