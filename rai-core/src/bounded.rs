@@ -5,6 +5,16 @@
 
 use heapless::Vec;
 
+/// Most satellites in one epoch of [`single`](crate::single): more than three systems show at once
+/// anywhere on earth, or fewer if memory is scarce.
+pub const CAPACITY: usize = if cfg!(feature = "satellites-16") {
+    16
+} else if cfg!(feature = "satellites-32") {
+    32
+} else {
+    48
+};
+
 /// Returns the elements, as far as the capacity goes.
 pub(crate) fn gather<E, const N: usize>(elements: impl IntoIterator<Item = E>) -> Vec<E, N> {
     let mut gathered = Vec::new();

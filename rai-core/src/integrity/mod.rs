@@ -48,11 +48,14 @@ use raim::levels::{KFactors, LevelInputs, Levels, common_shift};
 /// use raim_core::monitor::Strategy;
 ///
 /// let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
-/// monitor.set_strategy(Strategy { method: Method::Baarda, ..Strategy::DEFAULT });
+/// let mut strategy = Strategy::DEFAULT;
+/// strategy.method = Method::Baarda;
+/// monitor.set_strategy(strategy);
 /// # Ok::<(), raim_core::monitor::MonitorError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Method {
     /// Every set of one row, then of two, then of three, within [`AUTOMATIC_SETS`]; beyond, the
     /// largest w-test.

@@ -8,7 +8,7 @@
 #![allow(clippy::indexing_slicing, reason = "while compiling, where an index beyond the end is an error")]
 
 use super::table;
-use crate::epoch::CAPACITY;
+use crate::bounded::CAPACITY;
 use crate::numeric::probability::Probability;
 
 /// Length of the rows, in degrees of freedom and in tests.
