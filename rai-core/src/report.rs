@@ -43,6 +43,7 @@ pub enum Verdict {
 /// Reason why a position is protected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Protected {
     /// All satellites agree.
     Ok,
@@ -53,6 +54,7 @@ pub enum Protected {
 /// Reason why a position must not be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Alert {
     /// A fault was detected and could not be isolated.
     Fault,
@@ -81,6 +83,7 @@ pub enum Alert {
 /// Reason why a position has no integrity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Unavailable {
     /// Too few satellites for a position, or the fix did not converge.
     NoFix,
@@ -121,6 +124,7 @@ pub enum Unavailable {
 /// A position with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct Solution {
     /// Earth-fixed position.
     pub position: Ecef,
@@ -143,6 +147,7 @@ impl Solution {
     ///
     /// A positive residual is a range that is too long. The residual of an excluded satellite is
     /// its bias. `T` is the scalar for directions, as in [`Monitor`](crate::Monitor).
+    #[cfg(feature = "unstable")]
     pub fn residual_m<T: Real>(&self, observation: &Observation) -> Option<f64> {
         let constellation = observation.satellite.constellation();
         let clock_m = (*self.clocks_m.get(constellation as usize)?)?;
@@ -162,6 +167,7 @@ impl Solution {
 /// The global test behind the verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct TestStatistic {
     /// `√(SSE/dof)`, dimensionless.
     pub statistic: f64,
@@ -177,6 +183,7 @@ pub struct TestStatistic {
 /// ([`crate::integrity::raim::levels`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct ProtectionLevels {
     /// Horizontal protection level, m.
     pub hpl_m: f64,
@@ -185,31 +192,38 @@ pub struct ProtectionLevels {
 }
 
 impl ProtectionLevels {
-    /// Returns the sum of both.
-    #[must_use]
-    pub fn plus(&self, other: &Self) -> Self {
-        Self { hpl_m: self.hpl_m + other.hpl_m, vpl_m: self.vpl_m + other.vpl_m }
+    unstable! {
+        /// Returns the sum of both.
+        #[must_use]
+        pub fn plus(&self, other: &Self) -> Self {
+            Self { hpl_m: self.hpl_m + other.hpl_m, vpl_m: self.vpl_m + other.vpl_m }
+        }
     }
 
-    /// Returns both multiplied by a factor.
-    #[must_use]
-    pub fn times(&self, factor: f64) -> Self {
-        Self { hpl_m: factor * self.hpl_m, vpl_m: factor * self.vpl_m }
+    unstable! {
+        /// Returns both multiplied by a factor.
+        #[must_use]
+        pub fn times(&self, factor: f64) -> Self {
+            Self { hpl_m: factor * self.hpl_m, vpl_m: factor * self.vpl_m }
+        }
     }
 
-    /// Returns the larger of each; NaN counts as the largest.
-    #[must_use]
-    // Not inlined, so that its many callers share one copy.
-    #[inline(never)]
-    pub fn or_larger(&self, other: &Self) -> Self {
-        let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
-        Self { hpl_m: larger(self.hpl_m, other.hpl_m), vpl_m: larger(self.vpl_m, other.vpl_m) }
+    unstable! {
+        /// Returns the larger of each; NaN counts as the largest.
+        #[must_use]
+        // Not inlined, so that its many callers share one copy.
+        #[inline(never)]
+        pub fn or_larger(&self, other: &Self) -> Self {
+            let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+            Self { hpl_m: larger(self.hpl_m, other.hpl_m), vpl_m: larger(self.vpl_m, other.vpl_m) }
+        }
     }
 }
 
 /// Results of ARAIM beside its levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct AraimReport {
     /// Number of monitored modes.
     pub modes: u16,
@@ -236,6 +250,7 @@ pub struct AraimReport {
 /// A fault mode by its satellites; empty if the noise of all satellites dominates the level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct DominantMode {
     /// Whole constellations, a bit for each id.
     pub constellations: u8,
@@ -246,6 +261,7 @@ pub struct DominantMode {
 /// A satellite with the bias that its w-test suggests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct Suspect {
     /// The satellite.
     pub satellite: SatelliteId,
@@ -270,6 +286,7 @@ pub struct Suspect {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct Report<const N: usize> {
     /// The verdict with its reason.
     pub verdict: Verdict,

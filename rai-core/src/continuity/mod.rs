@@ -85,11 +85,13 @@ impl Recovery {
         Self { epochs: self.epochs.max(other.epochs), seconds: self.seconds.max(other.seconds) }
     }
 
-    /// Returns true if an agreement of this length suffices; [`WEAK`] applies if one of its epochs
-    /// had one degree of freedom.
-    pub fn is_met(self, epochs: u16, seconds: f64, is_weak: bool) -> bool {
-        let wanted = if is_weak { self.at_least(WEAK) } else { self };
-        epochs >= wanted.epochs && seconds >= wanted.seconds
+    unstable! {
+        /// Returns true if an agreement of this length suffices; [`WEAK`] applies if one of its
+        /// epochs had one degree of freedom.
+        pub fn is_met(self, epochs: u16, seconds: f64, is_weak: bool) -> bool {
+            let wanted = if is_weak { self.at_least(WEAK) } else { self };
+            epochs >= wanted.epochs && seconds >= wanted.seconds
+        }
     }
 }
 
@@ -146,6 +148,7 @@ impl ContinuitySettings {
 /// The setting that is out of its range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum ContinuityError {
     /// `max_speed_m_s` is outside [0, 1e5].
     Speed(f64),

@@ -31,14 +31,12 @@ mod workspace;
 use heapless::Deque;
 
 use crate::clock::{Clocks, SolvedClocks};
-use crate::continuity::{Continuity, ContinuityError, ContinuitySettings, Motion};
+use crate::continuity::{Continuity, Motion};
 use crate::epoch::{Aided, Epoch, EpochView};
 use crate::frame::Ecef;
-use crate::integrity::raim::detection::threshold::policy::Policy;
 use crate::integrity::raim::hypotheses::time_tag::RangeRates;
 use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, leaves_enough};
 use crate::integrity::raim::isolation::ransac::Subsets;
-use crate::integrity::raim::levels::Levels;
 use crate::integrity::{Criteria, Judgement, judge};
 use crate::least_squares::SnapshotError;
 use crate::least_squares::fix::{Fix, FixError};
@@ -46,7 +44,6 @@ use crate::numeric::real::Real;
 use crate::report::{Alert, Protected, Report, Unavailable, Verdict};
 use crate::requirements::Requirements;
 use crate::velocity::{Velocity, VelocityError};
-use crate::weighting::Ism;
 use crate::weighting::adaptation::Adaptation;
 use crate::weighting::residuals::Residuals;
 
@@ -55,17 +52,27 @@ use evidence::{Belief, Evidence, residuals_of_all};
 use named::Named;
 use workspace::Update;
 
-pub use crate::integrity::{Method, Search};
-pub use validated::{MonitorError, ValidatedRequirements};
-pub use workspace::{EpochOutcome, MonitorWorkspace};
+pub use crate::continuity::{ContinuityError, ContinuitySettings, Recovery};
+pub use crate::integrity::raim::detection::threshold::ThresholdError;
+pub use crate::integrity::raim::detection::threshold::policy::Policy;
+pub use crate::integrity::raim::isolation::parity::Isolation;
+pub use crate::integrity::raim::levels::Levels;
+pub use crate::integrity::{Method, MethodError};
+pub use crate::weighting::{Ism, IsmParameters, UserModel};
+pub use validated::MonitorError;
+
+unstable! { pub use crate::integrity::Search; }
+unstable! { pub use validated::ValidatedRequirements; }
+unstable! { pub use workspace::{EpochOutcome, MonitorWorkspace}; }
 
 /// Number of epochs over which SSE/dof is averaged: with 10 degrees of freedom the mean is then
 /// known to 6 %.
-pub const SIGMA_CHECK_WINDOW: usize = 60;
+const SIGMA_CHECK_WINDOW: usize = 60;
 
 /// Configuration of the monitoring: threshold, method, levels and aiding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct Strategy {
     /// Threshold policy of the global test.
     pub policy: Policy,
@@ -132,24 +139,26 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         Ok(Self::of(ValidatedRequirements::new(requirements)?))
     }
 
-    /// Works like [`Self::new`], from validated requirements.
-    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
-    #[inline(always)]
-    pub fn of(validated: ValidatedRequirements<T>) -> Self {
-        Self {
-            validated,
-            strategy: Strategy::DEFAULT,
-            ism: Ism::ICAO,
-            clocks: Clocks::new(),
-            adaptation: Adaptation::new(),
-            subsets: Subsets::new(),
-            start: Ecef::CENTRE,
-            ratios: Deque::new(),
-            evidence: Evidence::new(),
-            named: Named::new(),
-            motion: Motion::new(),
-            continuity: Continuity::new(),
-            continuity_settings: Some(ContinuitySettings::anywhere()),
+    unstable! {
+        /// Works like [`Self::new`], from validated requirements.
+        #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+        #[inline(always)]
+        pub fn of(validated: ValidatedRequirements<T>) -> Self {
+            Self {
+                validated,
+                strategy: Strategy::DEFAULT,
+                ism: Ism::ICAO,
+                clocks: Clocks::new(),
+                adaptation: Adaptation::new(),
+                subsets: Subsets::new(),
+                start: Ecef::CENTRE,
+                ratios: Deque::new(),
+                evidence: Evidence::new(),
+                named: Named::new(),
+                motion: Motion::new(),
+                continuity: Continuity::new(),
+                continuity_settings: Some(ContinuitySettings::anywhere()),
+            }
         }
     }
 
@@ -166,7 +175,12 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ///
     /// A change of clock aiding forgets the clocks. A change of adaptation forgets the residuals,
     /// as does one between expected sigmas and those of an integrity support message.
-    pub fn set_strategy(&mut self, strategy: Strategy) {
+    ///
+    /// # Errors
+    /// [`MethodError`] names the feature that the method needs and this build lacks; nothing
+    /// changes then.
+    pub fn set_strategy(&mut self, strategy: Strategy) -> Result<(), MethodError> {
+        strategy.method.built_in()?;
         if strategy.clock_aid != self.strategy.clock_aid {
             self.clocks.restart();
         }
@@ -175,6 +189,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             self.forget_residuals();
         }
         self.strategy = strategy;
+        Ok(())
     }
 
     /// Forgets the residuals of the adaptation and the evidence against the sigmas, because the
@@ -202,6 +217,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Judges every epoch independently from now on: without jumps and without recovery.
     ///
     /// Experiments that draw each epoch independently need it.
+    #[cfg(feature = "unstable")]
     pub fn disable_continuity(&mut self) {
         self.continuity_settings = None;
     }
@@ -239,6 +255,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// Returns the validated requirements, with their thresholds and factors.
+    #[cfg(feature = "unstable")]
     pub fn validated(&self) -> &ValidatedRequirements<T> {
         &self.validated
     }
@@ -260,9 +277,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         // Moved out while the monitor is read, and moved back.
         let mut memory = MonitorWorkspace::new();
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
-        self.judge(epoch, self.start, Search::Anew, None, &mut memory);
+        self.judge_about(epoch, self.start, Search::Anew, None, &mut memory);
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
-        self.learn(&mut memory.outcome, None, Err(VelocityError::Redundancy));
+        self.learn_from(&mut memory.outcome, None, Err(VelocityError::Redundancy));
         memory.outcome.report
     }
 
@@ -274,8 +291,36 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// several successive points, and learns once, from the last. A caller that knows orbits passes
     /// `rates`: without them a wrong time tag counts as faulty satellites
     /// ([`crate::integrity::raim::hypotheses::time_tag`]).
-    #[inline(never)]
+    #[cfg(feature = "unstable")]
     pub fn judge<'m>(
+        &self,
+        epoch: &Epoch<N>,
+        start: Ecef,
+        search: Search<'_>,
+        rates: Option<&RangeRates<'_>>,
+        memory: &'m mut MonitorWorkspace<T, N>,
+    ) -> &'m mut EpochOutcome<N> {
+        self.judge_about(epoch, start, search, rates, memory)
+    }
+
+    /// Updates the state from a judged epoch: the start of the next fix, the sigma check, and the
+    /// clocks. Then makes the report's verdict final in the light of the epochs before.
+    ///
+    /// `own_clock_s` is the arrival of the epoch by a clock that no signal can set, if the caller
+    /// has one. `velocity` is that of the epoch, or the reason why its range rates gave none.
+    #[cfg(feature = "unstable")]
+    pub fn learn(
+        &mut self,
+        outcome: &mut EpochOutcome<N>,
+        own_clock_s: Option<f64>,
+        velocity: Result<&Velocity, VelocityError>,
+    ) {
+        self.learn_from(outcome, own_clock_s, velocity);
+    }
+
+    /// Judges an epoch, for [`Self::process`] and for those who judge step by step.
+    #[inline(never)]
+    pub(crate) fn judge_about<'m>(
         &self,
         epoch: &Epoch<N>,
         start: Ecef,
@@ -300,13 +345,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         outcome
     }
 
-    /// Updates the state from a judged epoch: the start of the next fix, the sigma check, and the
-    /// clocks. Then makes the report's verdict final in the light of the epochs before.
-    ///
-    /// `own_clock_s` is the arrival of the epoch by a clock that no signal can set, if the caller
-    /// has one. `velocity` is that of the epoch, or the reason why its range rates gave none.
+    /// Updates the state from a judged epoch, likewise.
     #[inline(never)]
-    pub fn learn(
+    fn learn_from(
         &mut self,
         outcome: &mut EpochOutcome<N>,
         own_clock_s: Option<f64>,
@@ -512,5 +553,30 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         report.verdict = Verdict::Unavailable(reason);
         report.tracked = epoch.observations().len() as u8;
         report.sigma_check = self.sigma_check(None);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `cargo xtask test` also runs it in a build that lacks both features.
+    #[test]
+    fn method_that_this_build_lacks_is_refused_by_the_name_of_its_feature() -> Result<(), MonitorError> {
+        let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
+        let (searches, araim) = (cfg!(feature = "searches"), cfg!(feature = "araim"));
+        let methods = [
+            (Method::Auto, "", true),
+            (Method::Parity(Isolation::Grouping), "searches", searches),
+            (Method::Ransac, "searches", searches),
+            (Method::Araim, "araim", araim),
+        ];
+        for (method, feature, is_built) in methods {
+            let want = if is_built { Ok(()) } else { Err(MethodError { method, feature }) };
+            assert_eq!(monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT }), want);
+            let kept = monitor.strategy.method;
+            assert!(is_built == (kept == method), "{kept:?}");
+        }
+        Ok(())
     }
 }

@@ -203,6 +203,7 @@ impl IsmParameters {
 /// Model of the receiver's own noise and multipath.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum UserModel {
     /// An antenna on the ground, ranges that are not smoothed: the module's own numbers.
     Ground,
@@ -252,10 +253,12 @@ impl Ism {
     /// [`Self::RESEARCH`] aboard an aircraft.
     pub const RESEARCH_AIRBORNE: Self = Self { user: UserModel::Airborne, ..Self::RESEARCH };
 
-    /// Returns the parameters of one constellation.
-    pub fn of(&self, constellation: Constellation) -> IsmParameters {
-        let [first, ..] = self.constellations;
-        self.constellations.get(constellation as usize).copied().unwrap_or(first)
+    unstable! {
+        /// Returns the parameters of one constellation.
+        pub fn of(&self, constellation: Constellation) -> IsmParameters {
+            let [first, ..] = self.constellations;
+            self.constellations.get(constellation as usize).copied().unwrap_or(first)
+        }
     }
 
     /// Returns true if every number is in its range.
