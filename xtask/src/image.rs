@@ -13,7 +13,9 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.names.is_empty() {
-        NAMED.iter().for_each(|named| println!("{named}"));
+        for named in &NAMED {
+            println!("{named}");
+        }
         return Ok(());
     }
     rig::setup::ensure()?;

@@ -14,7 +14,7 @@ const END: &str = "<!-- end -->";
 /// Returns the table of the named images, with the figures of `tests-host/budgets.txt`.
 fn table_of_images() -> String {
     let mut table = "| image | content | satellites | flash, KiB | statics, KiB | deepest stack, KiB | limits, flash / \
-                     RAM with stack, KiB | memory of other chips that carry it |\n|---|---|---|---|---|---|---|---|\n"
+                     RAM with stack, KiB | other chips with the memory, flash/RAM, KiB |\n|---|---|---|---|---|---|---|---|\n"
         .to_owned();
     let committed = budget::committed().expect("budgets");
     for named in &NAMED {
@@ -23,7 +23,8 @@ fn table_of_images() -> String {
             format!("{:.1}", *bytes.expect("a committed figure") as f64 / 1024.0)
         });
         let [_, others] = named.carriers();
-        let others: Vec<String> = others.iter().map(Chip::to_string).collect();
+        let memory = |chip: &Chip| format!("{} {}/{}", chip.name, chip.flash_kib, chip.ram_kib);
+        let others: Vec<String> = others.iter().map(memory).collect();
         let _ = writeln!(
             table,
             "| `{}` | {}, {} | {} | {} | {} / {} | {} |",

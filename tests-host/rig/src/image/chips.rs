@@ -3,7 +3,7 @@
 //! | quantity | field | unit |
 //! |---|---|---|
 //! | flash | `flash_kib` | KiB |
-//! | consecutive RAM from 0x2000_0000 on, which holds statics and stack | `ram_kib` | KiB |
+//! | consecutive RAM from `0x2000_0000` on, which holds statics and stack | `ram_kib` | KiB |
 //!
 //! Memory beside that RAM, as the core-coupled memory of the STM32F405, is not used. The project
 //! has a board for the chips of [`SUPPORTED`]. Those of [`OTHERS`] have the memory for some image,
