@@ -27,6 +27,7 @@ mod gnss_port;
 mod gpsd;
 mod host_and_target;
 mod hostile;
+mod images;
 mod injection;
 mod memory_routines;
 mod merged_stream;

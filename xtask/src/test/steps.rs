@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 
 use anyhow::{Context as _, Result, ensure};
-use rig::image::{self, Chip, Image};
+use rig::image::{self, Chip, NAMED, Named};
 use rig::setup;
 use rig::skip;
 
@@ -78,7 +78,8 @@ pub(super) const STEPS: &[Step] = &[
     step("libraries on other processors", Lane::Target, When::Whole, |_, _| libraries()),
     step("features of the core", Lane::Target, When::Whole, |_, _| features_of_the_core()),
     step("image", Lane::Target, When::Both, |_, _| done(image::build())),
-    step("memory of the image", Lane::Target, When::Both, |_, _| sizes()),
+    step("memory of the image", Lane::Target, When::Both, |_, _| sizes(&NAMED[..1])),
+    step("memory of the other named images", Lane::Target, When::Whole, |_, _| sizes(&NAMED[1..])),
     step("no panic", Lane::Target, When::Whole, |_, _| done(rig::no_panic::prove())),
     step("costs on the target", Lane::Target, When::Whole, |_, _| {
         done(crate::bench::run(&crate::bench::Arguments { check: true, ..Default::default() }))
@@ -189,11 +190,14 @@ fn documentation() -> Result<Done> {
     done(spawn(command(&arguments).env("RUSTDOCFLAGS", "-D warnings")))
 }
 
-fn sizes() -> Result<Done> {
-    let image = Image::open(&image::build()?)?;
-    println!("{image}");
-    let findings = image.check(&Chip::named("STM32F405RGTx")?);
-    ensure!(findings.is_empty(), "{}", findings.join("; "));
+/// Compares images with their limits and with the chip of the board.
+fn sizes(images: &[Named]) -> Result<Done> {
+    let chip = Chip::named("STM32F405RGTx")?;
+    for named in images {
+        let (_, image) = crate::image::build(named)?;
+        let findings = image.check(&chip);
+        ensure!(findings.is_empty(), "{}: {}", named.name, findings.join("; "));
+    }
     Ok(Done::Passed)
 }
 
