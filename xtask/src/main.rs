@@ -9,6 +9,7 @@ mod campaign;
 mod cargo;
 mod coverage;
 mod demo;
+mod evidence;
 mod flash;
 mod fuzz;
 mod header;

@@ -14,6 +14,7 @@ mod campaign;
 mod capi;
 mod capi_bits;
 mod capture;
+mod clock_tree;
 mod cmake;
 mod consumers;
 mod dashboard;
