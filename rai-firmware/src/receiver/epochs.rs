@@ -17,7 +17,7 @@ use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
 use crate::output::{Interference, Motion, Statement};
 use crate::publisher::Publisher;
 use crate::selftest::{self, Failure};
-use crate::settings::Configuration;
+use crate::settings::{Configuration, SpoofFlag};
 use crate::time::GpsTime;
 
 /// Number of epochs without protection after an epoch came again with other ranges.
@@ -83,6 +83,8 @@ pub(super) struct EpochLoop<P> {
     /// in force.
     pub(super) is_confirmed: bool,
     pub(super) interference: Suspicions,
+    /// Time of the last sign of the module's own that signals may be counterfeit, ms.
+    sign_ms: Option<u64>,
     /// Number of epochs for which an epoch that came again with other ranges still counts.
     rivalled: u8,
     /// Number of epochs for which nothing is promised.
@@ -123,6 +125,7 @@ impl<P: OutputPin> EpochLoop<P> {
             is_sound: true,
             is_confirmed: true,
             interference: Suspicions::NONE,
+            sign_ms: None,
             rivalled: 0,
             doubted: 0,
             rivalries: 0,
@@ -134,7 +137,7 @@ impl<P: OutputPin> EpochLoop<P> {
     pub(super) fn forget(&mut self) {
         self.navigator.forget_position();
         self.lateness.forget();
-        self.interference = Suspicions::NONE;
+        (self.interference, self.sign_ms) = (Suspicions::NONE, None);
         (self.rivalled, self.doubted, self.rivalries) = (0, 0, 0);
     }
 
@@ -168,12 +171,19 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 
     /// Returns the reason for which no position may be used, however well ranges agree.
-    fn distrust(&self) -> Option<Alert> {
-        if self.interference.is_sure() {
+    fn distrust(&self, now_ms: u64) -> Option<Alert> {
+        if self.is_spoofed(now_ms) {
             return Some(Alert::Spoofed);
         }
         let is_rivalled = self.doubted > 0 || self.rivalries >= FIRM_RIVALRIES;
         Some(Alert::Ambiguous).filter(|_| is_rivalled)
+    }
+
+    /// Returns true if the receiver reports counterfeit signals and its word counts.
+    fn is_spoofed(&self, now_ms: u64) -> bool {
+        let word = &self.interference;
+        self.configuration.spoof_flag == SpoofFlag::Hold
+            && (word.is_sure() || word.confirms(self.sign_ms, now_ms))
     }
 
     /// Handles an event; returns true if an epoch was judged.
@@ -197,7 +207,7 @@ impl<P: OutputPin> EpochLoop<P> {
                     return false;
                 }
                 self.interference.age(now_ms);
-                self.navigator.distrust(self.distrust());
+                self.navigator.distrust(self.distrust(now_ms));
                 self.rivalled = self.rivalled.saturating_sub(1);
                 self.doubted = self.doubted.saturating_sub(1);
                 let report = self.navigator.judge(raw, *came_ms, &self.configuration);
@@ -208,6 +218,9 @@ impl<P: OutputPin> EpochLoop<P> {
                     _ if !self.is_confirmed => Verdict::Unavailable(Unavailable::Settings),
                     verdict => verdict,
                 };
+                if is_sign(report.verdict) {
+                    self.sign_ms = Some(now_ms);
+                }
                 if agree(report) {
                     self.lateness.learn(raw.time, *came_ms);
                     self.agreed = Some((raw.time, *came_ms));
@@ -225,9 +238,9 @@ impl<P: OutputPin> EpochLoop<P> {
                 self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
             }
             Event::Rivalry(rivalry) => self.hear_rival(*rivalry),
-            Event::Jamming(said) => {
+            Event::SelfReport(said) => {
                 self.interference.hear(said, now_ms);
-                if self.interference.is_sure() {
+                if self.is_spoofed(now_ms) {
                     self.drive_pin(false);
                 }
             }
@@ -269,10 +282,7 @@ impl<P: OutputPin> EpochLoop<P> {
             gps_minus_utc_s: self.gps_minus_utc_s,
             requirements: &self.configuration.requirements(),
             motion: self.navigator.velocity().map(Motion::of),
-            interference: Interference {
-                jamming: self.interference.jamming.number(),
-                spoofing: self.interference.spoofing.number(),
-            },
+            interference: Interference::of(&self.interference),
             settings_hash: self.publisher.settings_hash(),
         };
         let written = self.publisher.tell(&statement, &self.configuration.outputs, host);
@@ -369,6 +379,12 @@ impl<P: OutputPin> EpochLoop<P> {
             count(&mut self.verdicts.host_lost);
         }
     }
+}
+
+/// Returns true for a verdict that counterfeit signals may cause.
+const fn is_sign(verdict: Verdict) -> bool {
+    use Alert::{Ambiguous, Clock, Jump, Time, Track};
+    matches!(verdict, Verdict::Alert(Ambiguous | Clock | Jump | Time | Track))
 }
 
 /// Returns true if ranges agree with orbits that determine the week, even if not well enough for

@@ -43,7 +43,7 @@ mod value;
 mod word;
 mod words;
 
-pub use kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, Systems};
+pub use kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, SpoofFlag, Systems};
 pub use line::MAX_LINE;
 pub(crate) use number::hexadecimal;
 pub use number::{decimal, scientific};

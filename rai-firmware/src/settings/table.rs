@@ -26,7 +26,7 @@ use raim_core::numeric::probability::Probability;
 use raim_core::requirements::Requirements;
 
 use super::ionosphere;
-use super::kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, Systems};
+use super::kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, SpoofFlag, Systems};
 use super::promises::{Preset, Promises};
 use super::row::settings;
 use super::value::{Spelled, Value};
@@ -345,6 +345,17 @@ settings! {
         warning: Configuration::warning_of_promises,
         example: "G,2.4,2.4,0,1e-5,1e-4",
         text: "Integrity support of the satellites, for `SEPARATION`, by a preset; those that end in `-AIR` have the noise of an airborne antenna. Or that of one system until the next preset: `ISM,G,URA,URE,b_nom,P_sat,P_const` with the letter G, R, E or C, and probabilities of 0 or within the range. A fault so unlikely that nothing watches for it is an alert where the global test sees it",
+    }
+    "SPOOFFLAG" Spoofing {
+        spoof_flag: SpoofFlag = SpoofFlag::Hold,
+        ranges: &[],
+        unit: "",
+        fields: "word",
+        promise: true,
+        phase: Apart,
+        warning: nothing,
+        example: "SAY",
+        text: "The receiver's own report of spoofing: `HOLD` takes the promise back while the receiver is sure of it and for 10 s after a second of certainty, or while it suspects it within 10 s after `AMBIGUOUS`, `CLOCK`, `JUMP`, `TIME`, `TRACK` or alike signal strengths; `SAY` only reports it",
     }
     #[cfg(test)]
     "TOY" Toy {

@@ -74,7 +74,7 @@ fn told(
         gps_minus_utc_s: GPS_MINUS_UTC_S,
         requirements: &requirements,
         motion,
-        interference: Interference { jamming: 2, spoofing: 1 },
+        interference: Interference { jamming: 2, spoofing: 1, ..Interference::default() },
         settings_hash: 0,
     };
     let mut bytes = Vec::new();

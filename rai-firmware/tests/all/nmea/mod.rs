@@ -49,7 +49,7 @@ fn statement<'r>(report: &'r Report<CAPACITY>, requirements: &'r Requirements) -
         gps_minus_utc_s: GPS_MINUS_UTC_S,
         requirements,
         motion: None,
-        interference: Interference { jamming: 1, spoofing: 0 },
+        interference: Interference { jamming: 1, spoofing: 0, ..Interference::default() },
         settings_hash: 0x0123_ABCD,
     }
 }

@@ -149,7 +149,7 @@ fn settle(look: fn() -> Machine) -> anyhow::Result<()> {
 }
 
 /// Packages of Python that read the module's sentences and messages.
-const PYTHON_PACKAGES: [&str; 2] = ["pynmea2", "pymavlink"];
+const PYTHON_PACKAGES: [&str; 3] = ["pynmea2", "pymavlink", "pyubx2"];
 
 /// Installs the programs that tests compare the module with: gpsd, RTKLIB's `convbin`, and packages
 /// of Python in a folder of their own below `target`. Nothing but these tests needs them.
