@@ -56,6 +56,7 @@ fn report(verdict: Verdict) -> Report<64> {
         used: (1..10).filter_map(|number| SatelliteId::new(Constellation::Gps, number)).collect(),
         residual_rms_m: 0.934,
         tracked: 10,
+        height: None,
         sigma_check: None,
         araim: None,
     }

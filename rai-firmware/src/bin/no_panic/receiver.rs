@@ -221,6 +221,7 @@ fn corrections() {
         Navigator::correct_utc as fn(_),
         Navigator::redate as fn(_, _) -> _,
         Navigator::distrust as fn(_, _),
+        Navigator::know_height as fn(_, _),
         Navigator::velocity as fn(_) -> _,
         Navigator::epoch as fn(_) -> _,
         Navigator::rate_tally as fn(_) -> _,

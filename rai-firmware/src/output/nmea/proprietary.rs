@@ -5,6 +5,7 @@
 //! | `PRAIS` | time, state, reason, satellites tracked, used, degrees of freedom, statistic, threshold, HPL, VPL, HAL, VAL |
 //! | `PRAIX` | time, number of exclusions, satellite, w-test, bias |
 //! | `PRAIM` | time, monitored modes, probability of unmonitored faults, EMT, σ of the height for accuracy, mode that dominates the vertical level, share of the risk |
+//! | `PRAIH` | time, use of the known height, its difference to the satellites |
 //! | `PRAIE` | time, authenticated signals, frame of the receiver's levels, its three levels, coefficient and power of ten of its risk |
 //! | `PRAIN` | time, hash of the settings, NIC, jamming, spoofing |
 //! | `PRAIL` | bytes lost at the GNSS port and at the host port, frames refused, epochs late; since start |
@@ -23,7 +24,9 @@
 
 use embedded_io::Write;
 use heapless::String;
-use raim_core::report::{Alert, AraimReport, DominantMode, Protected, Report, Unavailable, Verdict};
+use raim_core::report::{
+    Alert, AraimReport, DominantMode, HeightReport, Protected, Report, Unavailable, Verdict,
+};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
 
@@ -177,6 +180,22 @@ pub(super) fn write_settings_and_interference<W: Write, const N: usize>(
         .integer(u32::from(nic::category(statement.levels_m().0.filter(|_| bounds))), 1)
         .integer(u32::from(statement.interference.jamming), 1)
         .integer(u32::from(statement.interference.spoofing), 1);
+    write_sentence(&mut sentence, out)
+}
+
+/// Writes `PRAIH`: the use of a known height, and its difference to the satellites alone.
+pub(super) fn write_height<W: Write>(
+    height: &HeightReport,
+    time: TimeOfDay,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let usage = match height {
+        HeightReport { is_used: false, .. } => "X",
+        HeightReport { is_needed: true, .. } => "N",
+        HeightReport { .. } => "U",
+    };
+    let mut sentence = Sentence::new("PRAIH");
+    sentence.time(Some(time)).text(usage).number(height.difference_m, 1, 9);
     write_sentence(&mut sentence, out)
 }
 

@@ -117,6 +117,7 @@ fn report() -> Report<CAPACITY> {
         residual_rms_m: 0.9,
         tracked: 17,
         araim: None,
+        height: None,
         sigma_check: None,
     }
 }
