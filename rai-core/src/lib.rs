@@ -138,6 +138,7 @@
 //! | Sankaran1963 | M. Sankaran, *Approximations to the non-central chi-square distribution*, Biometrika 50(1–2) (1963) 199–204 |
 //! | Schroth2008 | G. Schroth et al., *Failure detection and exclusion via range consensus*, European Navigation Conference ENC-GNSS, Toulouse 2008 |
 //! | Tian2024 | Tian Binpeng et al., improved RANSAC RAIM, Navigation Positioning & Timing 11(3) (2024) 101–108 |
+//! | TSO-C129a | FAA, TSO-C129a, *Airborne Supplemental Navigation Equipment Using the Global Positioning System*, 1996 |
 //! | Ulrych1976 | T. J. Ulrych, R. W. Clayton, *Time series modelling and maximum entropy*, Phys. Earth Planet. Inter. 12(2–3) (1976) 188–200 |
 //! | Wang1994 | J. Wang, Y. Chen, *On the reliability measure of observations*, Acta Geodaet. Cartograph. Sinica, English edition (1994) 42–51 |
 //! | WGS84 | NGA.STND.0036, *Department of Defense World Geodetic System 1984*, version 1.0.0, 2014 |

@@ -273,6 +273,18 @@ pub struct Suspect {
     pub bias_sigma_m: f64,
 }
 
+/// A known height beside the satellites of an epoch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct HeightReport {
+    /// False if it contradicts the satellites and was left out.
+    pub is_used: bool,
+    /// True if the satellites cannot be tested without it.
+    pub is_needed: bool,
+    /// Known height minus that of the satellites alone, m; 0 if they do not determine one.
+    pub difference_m: f64,
+}
+
 /// Results for one epoch, at most `N` satellites.
 ///
 /// ```
@@ -308,6 +320,8 @@ pub struct Report<const N: usize> {
     pub tracked: u8,
     /// Results of ARAIM beside its levels, if that is the method.
     pub araim: Option<AraimReport>,
+    /// The known height, if the epoch came with one.
+    pub height: Option<HeightReport>,
     /// Mean of SSE/dof over the last epochs: about 1 if sigma is right, `None` before the first
     /// test.
     pub sigma_check: Option<f64>,
@@ -329,6 +343,7 @@ impl<const N: usize> Report<N> {
             residual_rms_m: 0.0,
             tracked: 0,
             araim: None,
+            height: None,
             sigma_check: None,
         }
     }
@@ -341,6 +356,6 @@ impl<const N: usize> Report<N> {
         (self.verdict, self.residual_rms_m, self.tracked) =
             (Verdict::Unavailable(Unavailable::NoFix), 0.0, 0);
         (self.solution, self.test, self.protection) = (None, None, None);
-        (self.suspect, self.araim, self.sigma_check) = (None, None, None);
+        (self.suspect, self.araim, self.height, self.sigma_check) = (None, None, None, None);
     }
 }

@@ -111,6 +111,7 @@ pub mod division;
 pub mod ephemeris;
 pub mod epoch_loop;
 pub mod input;
+mod known_place;
 mod median;
 pub mod navigator;
 pub mod outlet;

@@ -9,7 +9,7 @@ use core::cell::Cell;
 
 use heapless::Vec;
 use nalgebra::Vector3;
-use raim_core::epoch::Epoch;
+use raim_core::epoch::{Aiding, Epoch};
 use raim_core::frame::Ecef;
 #[cfg(feature = "araim")]
 use raim_core::monitor::Method;
@@ -27,9 +27,10 @@ use crate::correction::{
     CAPACITY, Klobuchar, Located, Preference, Ranges, Site, Sky, Tally, View, coarse, locate_within,
 };
 use crate::ephemeris::{Ephemeris, Insertion, Store};
+use crate::known_place::is_elsewhere;
 use crate::rates::{RateTally, Rates};
 use crate::raw::RawEpoch;
-use crate::settings::{Configuration, Frequencies, Systems};
+use crate::settings::{Configuration, Frequencies, Place, Systems};
 use crate::time::GpsTime;
 
 /// Largest distance over which corrections hold, m: 1 km changes an elevation by 0.003° and the
@@ -62,6 +63,8 @@ pub struct Navigator {
     velocity: Option<Velocity>,
     /// Alert that overrides the verdict, however well ranges agree with each other.
     distrusted: Option<Alert>,
+    /// Height of the next epoch that is known from outside.
+    known_height: Option<Aiding>,
     /// Ionosphere models broadcast by GPS and by `BeiDou`, with the time of arrival. Coefficients
     /// that come before the first epoch have no time until that epoch.
     ionosphere: [Option<(Klobuchar, Option<GpsTime>)>; 2],
@@ -98,6 +101,7 @@ impl Navigator {
             rates: Rates::new(),
             velocity: None,
             distrusted: None,
+            known_height: None,
             ionosphere: [None; 2],
         }
     }
@@ -146,6 +150,11 @@ impl Navigator {
     /// Sets the alert that overrides all verdicts, or removes it.
     pub fn distrust(&mut self, reason: Option<Alert>) {
         self.distrusted = reason;
+    }
+
+    /// Sets the height of the next epoch that is known from outside, or that there is none.
+    pub fn know_height(&mut self, height: Option<Aiding>) {
+        self.known_height = height;
     }
 
     /// Takes a first guess of the position, which has no effect after a fix.
@@ -276,7 +285,7 @@ impl Navigator {
             self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
         }
         let refused_a_range = self.tally.ranges.range_implausible != before.range_implausible;
-        self.conclude(raw, came_ms, refused_a_range, without_orbit)
+        self.conclude(raw, came_ms, configuration.place.as_ref(), refused_a_range, without_orbit)
     }
 
     /// Restarts learning if ranges or systems change, because residuals of others do not apply.
@@ -317,12 +326,16 @@ impl Navigator {
         &mut self,
         raw: &RawEpoch,
         came_ms: u64,
+        fixed: Option<&Place>,
         refused_a_range: bool,
         without_orbit: u32,
     ) -> &mut Report<CAPACITY> {
         let Room { sky, memory, .. } = &mut self.room;
         if let Some(reason) = self.distrusted {
             memory.outcome_mut().override_alert(reason);
+        }
+        if fixed.is_some_and(|place| is_elsewhere(place, &memory.outcome().report)) {
+            memory.outcome_mut().withdraw(Unavailable::Place);
         }
         // Under an alert no velocity is reported, and computing one at a wrong place would only
         // cost time.
@@ -403,6 +416,12 @@ impl Navigator {
             Site::new(point, time, configuration.mask_rad(), klobuchar).with_ranges(ranges).weighted_by(ism);
         let Room { sky, epoch, .. } = &mut self.room;
         site.correct(sky, &mut self.tally.ranges, epoch);
+        // The forecast of a clock may take the last row.
+        let has_room = epoch.observations().len() + 1 < CAPACITY;
+        if let Some(height) = self.known_height.filter(|_| has_room && configuration.method.allows_aiding()) {
+            // Its values were checked when they were read.
+            let _ = epoch.aid(height);
+        }
     }
 
     /// Returns the parameters that weight the ranges: the ISM for ARAIM, otherwise none.

@@ -359,7 +359,9 @@ impl Continuity {
                 height_m: solution.geodetic.height_m,
                 levels,
             });
-        let dof = report.test.map_or(0, |test| test.dof);
+        // A known height is no witness for the satellites.
+        let aided = u8::from(report.height.is_some_and(|height| height.is_used));
+        let dof = report.test.map_or(0, |test| test.dof.saturating_sub(aided));
         match (report.verdict, place) {
             (Verdict::Protected(how), Some(place)) => self.promise(settings, how, place, dof, speed_m_s),
             // A missing position is never protected.

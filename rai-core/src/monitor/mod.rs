@@ -23,6 +23,7 @@
 
 mod description;
 mod evidence;
+mod height;
 mod named;
 mod validated;
 mod verdict;
@@ -47,8 +48,9 @@ use crate::velocity::{Velocity, VelocityError};
 use crate::weighting::adaptation::Adaptation;
 use crate::weighting::residuals::Residuals;
 
-use description::{describe, residuals, suspects};
+use description::{describe, known_height, residuals, suspects};
 use evidence::{Belief, Evidence, residuals_of_all};
+use height::HeightMemory;
 use named::Named;
 use workspace::Update;
 
@@ -125,6 +127,7 @@ pub struct Monitor<T: Real, const N: usize> {
     ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
     evidence: Evidence,
     named: Named,
+    height: HeightMemory,
     motion: Motion,
     continuity: Continuity,
     continuity_settings: Option<ContinuitySettings>,
@@ -155,6 +158,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
                 ratios: Deque::new(),
                 evidence: Evidence::new(),
                 named: Named::new(),
+                height: HeightMemory::new(),
                 motion: Motion::new(),
                 continuity: Continuity::new(),
                 continuity_settings: Some(ContinuitySettings::anywhere()),
@@ -226,6 +230,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     pub fn forget_position(&mut self) {
         self.continuity.forget();
         self.motion.restart();
+        self.height = HeightMemory::new();
     }
 
     /// Restarts the continuity after a gap longer than the time to alert: the next epoch is judged
@@ -328,7 +333,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         rates: Option<&RangeRates<'_>>,
         memory: &'m mut MonitorWorkspace<T, N>,
     ) -> &'m mut EpochOutcome<N> {
-        let is_aided = self.strategy.clock_aid && self.strategy.method.allows_clock_aiding();
+        let is_aided = self.strategy.clock_aid && self.strategy.method.allows_aiding();
         let forecast = self.clocks.aiding(&epoch.view()).filter(|_| is_aided);
         let scale = self.scale(epoch.time_s());
         let MonitorWorkspace { workspace, scratch, outcome } = memory;
@@ -411,6 +416,15 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         {
             report.verdict = Verdict::Alert(contradiction);
         }
+        if let Some(height) = &report.height
+            && !matches!(report.verdict, Verdict::Alert(_))
+        {
+            report.verdict = self.height.judge(update.time_s, height, report.verdict);
+            if matches!(report.verdict, Verdict::Alert(_)) {
+                report.protection = None;
+                *update = Update::none(update.time_s);
+            }
+        }
         let speed_m_s = velocity.ok().map(Velocity::speed_m_s);
         report.verdict = self.continuity.conclude(settings, update.time_s, own_clock_s, report, speed_m_s);
         match report.verdict {
@@ -488,6 +502,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         };
         *searched = judgement.searched;
         report.excluded = excluded;
+        report.height = known_height(judgement, fix.snapshot(), epoch);
         report.sigma_check = self.sigma_check(ratio);
         describe(fix, epoch, verdict, judgement, report);
         if verdict == Verdict::Unavailable(Unavailable::Sigmas) {

@@ -5,7 +5,7 @@ use crate::frame::Ecef;
 use crate::integrity::MethodScratch;
 use crate::least_squares::Workspace;
 use crate::numeric::real::Real;
-use crate::report::{Alert, Report, Verdict};
+use crate::report::{Alert, Report, Unavailable, Verdict};
 use crate::weighting::residuals::Residuals;
 
 /// Memory for judging, which also holds the outcome.
@@ -76,6 +76,18 @@ impl<const N: usize> EpochOutcome<N> {
         if self.report.solution.is_some() && !matches!(self.report.verdict, Verdict::Alert(_)) {
             self.report.verdict = Verdict::Alert(reason);
             self.report.protection = None;
+            self.update = Update::none(self.update.time_s);
+        }
+    }
+}
+
+impl<const N: usize> EpochOutcome<N> {
+    /// Withdraws a promise for a reason outside the ranges, before
+    /// [`Monitor::learn`](super::Monitor::learn). The epoch then updates nothing. Any other verdict
+    /// stays.
+    pub fn withdraw(&mut self, reason: Unavailable) {
+        if matches!(self.report.verdict, Verdict::Protected(_)) {
+            self.report.verdict = Verdict::Unavailable(reason);
             self.update = Update::none(self.update.time_s);
         }
     }

@@ -60,6 +60,7 @@ fn report(said: Said) -> Report<4> {
         residual_rms_m: 1.0,
         tracked: 4,
         araim: None,
+        height: None,
         sigma_check: None,
     }
 }

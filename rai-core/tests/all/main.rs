@@ -16,6 +16,7 @@ mod detection;
 mod epoch;
 mod frame;
 mod kept_subsets;
+mod known_height;
 mod least_squares;
 mod monitor;
 mod monitor_limits;

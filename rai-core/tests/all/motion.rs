@@ -47,6 +47,7 @@ fn report(epoch: Epoch) -> Report<4> {
         residual_rms_m: 1.0,
         tracked: 4,
         araim: None,
+        height: None,
         sigma_check: None,
     }
 }

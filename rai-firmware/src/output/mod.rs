@@ -18,6 +18,7 @@ use raim_core::report::{Report, Solution, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::velocity::Velocity;
 
+use crate::input::{ReceiverLevels, Suspicions};
 use crate::time::GpsTime;
 
 #[cfg(feature = "mavlink")]
@@ -55,14 +56,30 @@ impl Motion {
     }
 }
 
-/// Interference that the receiver reports, with the values of `PRAIN`: 0 unknown, 1 none, 2
-/// suspected or mitigated, 3 certain.
+/// Reports of the receiver on its own signals. Interference has the values of `PRAIN`: 0 unknown, 1
+/// none, 2 suspected or mitigated, 3 certain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Interference {
     /// Jamming: noise that hides the signals.
     pub jamming: u8,
     /// Spoofing: false signals.
     pub spoofing: u8,
+    /// Number of signals whose navigation message is authenticated, if the receiver states it.
+    pub authenticated: Option<u8>,
+    /// Protection levels of the receiver, if it has valid ones.
+    pub levels: Option<ReceiverLevels>,
+}
+
+impl Interference {
+    /// Returns the reports in force.
+    pub fn of(word: &Suspicions) -> Self {
+        Self {
+            jamming: word.jamming.number(),
+            spoofing: word.spoofing.number(),
+            authenticated: word.authenticated(),
+            levels: word.levels(),
+        }
+    }
 }
 
 /// Everything that is reported of one epoch.
@@ -78,7 +95,7 @@ pub struct Statement<'r, const N: usize> {
     pub requirements: &'r Requirements,
     /// Velocity, if it passed its test.
     pub motion: Option<Motion>,
-    /// Interference that the receiver reports.
+    /// Reports of the receiver on its own signals.
     pub interference: Interference,
     /// Hash of the settings in force.
     pub settings_hash: u32,

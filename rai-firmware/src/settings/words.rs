@@ -9,7 +9,7 @@ use raim_core::integrity::raim::isolation::parity::Isolation;
 use raim_core::monitor::Method;
 
 use super::Phase;
-use super::kinds::{Baud, Frequencies, Levels, Sigma};
+use super::kinds::{Baud, Frequencies, Levels, Sigma, SpoofFlag};
 use super::promises::Preset;
 use super::word::Word;
 
@@ -95,6 +95,11 @@ words! { Frequencies {
 words! { Sigma {
     "FIXED" = [Sigma::Fixed],
     "ADAPT" = [Sigma::Adapted],
+} }
+
+words! { SpoofFlag {
+    "SAY" = [SpoofFlag::Say],
+    "HOLD" = [SpoofFlag::Hold],
 } }
 
 words! { Preset {

@@ -56,6 +56,7 @@ fn report(verdict: Verdict) -> Report<64> {
         used: (1..10).filter_map(|number| SatelliteId::new(Constellation::Gps, number)).collect(),
         residual_rms_m: 0.934,
         tracked: 10,
+        height: None,
         sigma_check: None,
         araim: None,
     }
@@ -74,7 +75,7 @@ fn told(
         gps_minus_utc_s: GPS_MINUS_UTC_S,
         requirements: &requirements,
         motion,
-        interference: Interference { jamming: 2, spoofing: 1 },
+        interference: Interference { jamming: 2, spoofing: 1, ..Interference::default() },
         settings_hash: 0,
     };
     let mut bytes = Vec::new();

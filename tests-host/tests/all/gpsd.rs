@@ -68,6 +68,7 @@ fn report(verdict: Verdict) -> Report<64> {
         residual_rms_m: 0.934,
         tracked: 19,
         araim: None,
+        height: None,
         sigma_check: None,
     }
 }

@@ -58,7 +58,7 @@ impl Heaven {
             Event::Redated(_)
             | Event::Position(_)
             | Event::Ionosphere(..)
-            | Event::Jamming(_)
+            | Event::SelfReport(_)
             | Event::Rivalry(_) => {}
         });
         bodies

@@ -294,6 +294,7 @@ fn the_pipeline<T: Real>() {
         MonitorWorkspace::<T, N>::outcome as fn(_) -> _,
         MonitorWorkspace::<T, N>::outcome_mut as fn(_) -> _,
         EpochOutcome::<N>::override_alert as fn(_, _),
+        EpochOutcome::<N>::withdraw as fn(_, _),
         ValidatedRequirements::<T>::new as fn(_) -> _,
         ValidatedRequirements::<T>::thresholds as fn(_) -> _,
         ValidatedRequirements::<T>::factors as fn(_) -> _,

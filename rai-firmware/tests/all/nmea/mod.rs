@@ -49,7 +49,7 @@ fn statement<'r>(report: &'r Report<CAPACITY>, requirements: &'r Requirements) -
         gps_minus_utc_s: GPS_MINUS_UTC_S,
         requirements,
         motion: None,
-        interference: Interference { jamming: 1, spoofing: 0 },
+        interference: Interference { jamming: 1, spoofing: 0, ..Interference::default() },
         settings_hash: 0x0123_ABCD,
     }
 }
@@ -117,6 +117,7 @@ fn report() -> Report<CAPACITY> {
         residual_rms_m: 0.9,
         tracked: 17,
         araim: None,
+        height: None,
         sigma_check: None,
     }
 }

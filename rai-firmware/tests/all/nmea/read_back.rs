@@ -75,6 +75,7 @@ prop_compose! {
             residual_rms_m,
             tracked,
             araim: None,
+            height: None,
             sigma_check: None,
         }
     }

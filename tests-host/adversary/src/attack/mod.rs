@@ -41,6 +41,8 @@
 //! | [`learned_sigmas`] | sigmas learned in quiet minutes, used for ranges these do not describe |
 //! | [`wrong_tags`] | time tags wrong by milliseconds, every method and policy, and sigmas that learn from them |
 //! | [`suspicions`] | a receiver that detects counterfeit signals, and messages that could cancel its warning |
+//! | [`alike_strengths`] | signals of one strength, as one antenna sends them |
+//! | [`wrong_height`] | a height of the host that is wrong or drifts, and a sky that rises away from it |
 //! | [`unsaid_delays`] | group delays that the navigation message does not carry |
 //! | [`unsaid_strength`] | noisy signals whose strength the receiver does not report |
 //! | [`upheaval`] | leaps of place and time, a failing line, wrong ranges and commands, all at random |
@@ -50,6 +52,7 @@
 pub mod tally;
 pub mod victim;
 
+mod alike_strengths;
 mod clock_ramp;
 mod doubled_satellite;
 mod early_ephemeris;
@@ -83,6 +86,7 @@ mod unsaid_delays;
 mod unsaid_strength;
 mod upheaval;
 mod week_edge;
+mod wrong_height;
 mod wrong_tags;
 
 use anyhow::Result;
@@ -183,6 +187,10 @@ pub const ATTACKS: &[&Attack] = &[
     &wrong_tags::BRIEFLY,
     &wrong_tags::LEARNED,
     &suspicions::ATTACK,
+    &alike_strengths::ATTACK,
+    &wrong_height::WRONG,
+    &wrong_height::RISING,
+    &wrong_height::RAMPS,
     &unsaid_delays::ATTACK,
     &unsaid_strength::ATTACK,
     &upheaval::ATTACK,
