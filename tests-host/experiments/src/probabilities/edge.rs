@@ -282,7 +282,7 @@ impl<'e> Judge<'e> {
 
 fn monitor(requirements: Requirements) -> Result<Monitor<f32, CAPACITY>> {
     let mut monitor = Monitor::new(requirements)?;
-    monitor.set_strategy(Strategy { levels: Levels::Bound, ..Strategy::DEFAULT });
+    monitor.set_strategy(Strategy { levels: Levels::Bound, ..Strategy::DEFAULT })?;
     monitor.disable_continuity();
     Ok(monitor)
 }
