@@ -42,6 +42,7 @@ mod pin_in_time;
 mod precision;
 mod python;
 mod recordings;
+mod report;
 mod second_board;
 mod service;
 mod settings;

@@ -188,8 +188,9 @@ fn days(effort: Effort, site: Site, bar: &ProgressBar) -> Result<(Vec<Section>, 
         "The worst-case bias in every epoch, alert limit {TIGHT_M} m; one epoch a minute, and every misleading one. \
          What is detected and left out stands at the left; a misleading epoch stands to the right of the diagonal."
     );
-    let picture =
-        Picture::draw("probabilities-stanford", &caption, |ground| stanford::horizontal(&moments, ground))?;
+    let picture = Picture::draw("probabilities-stanford", &caption, |ground| {
+        stanford::horizontal(&moments, stanford::WIDTH_PX, ground)
+    })?;
     Ok((sections, picture))
 }
 

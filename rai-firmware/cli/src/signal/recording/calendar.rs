@@ -122,8 +122,12 @@ pub(super) fn nearest_week(tow_s: f64, near: GpsTime, system: TimeSystem) -> Opt
 
 /// Returns `2020-06-25 00:00:30`, GPS time.
 pub fn readable(time: GpsTime) -> String {
-    let ms = time.to_ms().cast_signed();
-    let (year, month, day) = civil_from_days(ms.div_euclid(DAY_MS) + GPS_EPOCH_DAYS);
+    readable_unix(time.to_ms().cast_signed() + GPS_EPOCH_DAYS * DAY_MS)
+}
+
+/// Returns `2020-06-25 00:00:30` for milliseconds since 1970.
+pub fn readable_unix(ms: i64) -> String {
+    let (year, month, day) = civil_from_days(ms.div_euclid(DAY_MS));
     let second = ms.rem_euclid(DAY_MS) / 1000;
     let (hour, minute) = (second / 3600, second / 60 % 60);
     format!("{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{:02}", second % 60)
