@@ -8,7 +8,7 @@
 //! | SEC-SIG 2 | 1 | the same bits of jamming, then bits 3, and 4 to 6 of spoofing |
 //! | SEC-SIGLOG 1 | 1 | number of events, 8 bytes each from 8 on |
 //! | | +0, +4, +5 | seconds since the event; 0 simulated, 1 abnormal signals, 2 contradiction to inertial sensors, 3 abrupt changes, 4 jamming; 0 started, 1 stopped, 2 triggered |
-//! | MON-RF 0 | 1 | number of blocks, 24 bytes each from 4 on; +1 bits 0, 1: jamming 1 none, 2 warning, 3 critical |
+//! | MON-RF 0 | 1 | number of blocks, 24 bytes each from 4 on, or 20 as a ZED-F9R sends them; +1 bits 0, 1: jamming 1 none, 2 warning, 3 critical |
 //! | NAV-STATUS | 7 | bits 3, 4: spoofing 1 none, 2 indicated, 3 indicated by several means |
 //! | NAV-SIG 0 | 5 | number of signals, 16 bytes each from 8 on; +10 bit 9: authenticated |
 //! | NAV-PL 1 | 1, 2 | coefficient and power of ten of the risk |
@@ -60,14 +60,23 @@ pub(super) fn nav_status(payload: &[u8]) -> Result<SelfReport, Unread> {
 
 /// Reads the jamming state of MON-RF: the worst of all blocks.
 pub(super) fn mon_rf(payload: &[u8]) -> Result<SelfReport, Unread> {
-    let [0, blocks, _, _, rest @ ..] = payload else { return Err(Unread::Malformed) };
-    let blocks = groups::<24>(*blocks, rest)?;
-    let states = blocks.iter().map(|[_, flags, ..]| Suspicion::from_number(flags & 3));
+    let [0, count, _, _, rest @ ..] = payload else { return Err(Unread::Malformed) };
+    let worst = match groups::<24>(*count, rest) {
+        Ok(blocks) => worst_of(blocks),
+        Err(_) => worst_of(groups::<20>(*count, rest)?),
+    };
     Ok(SelfReport::Interference(Jamming {
         reporter: Reporter::FrontEnd,
-        jamming: Some(states.fold(Suspicion::Unknown, Suspicion::max)),
+        jamming: Some(worst),
         spoofing: None,
     }))
+}
+
+/// Returns the worst jamming state of the blocks of a front end.
+fn worst_of<const N: usize>(blocks: &[[u8; N]]) -> Suspicion {
+    let states =
+        blocks.iter().filter_map(|block| block.get(1)).map(|flags| Suspicion::from_number(flags & 3));
+    states.fold(Suspicion::Unknown, Suspicion::max)
 }
 
 /// Reads SEC-SIGLOG. An event that ended is none, and neither is one of an unknown kind.
@@ -162,6 +171,16 @@ mod tests {
         assert_eq!(mon_rf(&payload[..51]), Err(Unread::Malformed));
         payload[1] = 1;
         assert_eq!(mon_rf(&payload), Err(Unread::Malformed));
+    }
+
+    /// A ZED-F9R sent these bytes.
+    #[test]
+    fn mon_rf_of_a_recorded_receiver_has_shorter_blocks() {
+        let block = |state, rest: [u8; 12]| [&[0, state, 2, 15, 0, 0, 0, 0][..], &rest].concat();
+        let first = block(1, [0, 0, 0, 0, 0x45, 0x00, 0x32, 0x13, 0x13, 0x95, 0x16, 0x95]);
+        let second = block(1, [0, 0, 0, 0, 0x27, 0x00, 0x91, 0x14, 0x0D, 0xA9, 0x0B, 0xA5]);
+        let payload = [&[0, 2, 0, 0][..], &first, &second].concat();
+        assert_eq!(mon_rf(&payload), interference(Reporter::FrontEnd, Some(Suspicion::None), None));
     }
 
     #[test]
