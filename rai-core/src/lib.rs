@@ -63,14 +63,16 @@
 //!
 //! # Features
 //!
+//! A feature only adds: no type changes and no capacity shrinks if another crate of the same
+//! program switches one on.
+//!
 //! | feature | default | effect |
 //! |---|---|---|
-//! | `araim` | yes | [`Method::Araim`], solution separation over all monitored fault modes |
-//! | `searches` | yes | [`Method::Parity`] and [`Method::Ransac`] |
+//! | `araim` | yes | builds [`Method::Araim`], solution separation over all monitored fault modes |
+//! | `searches` | yes | builds [`Method::Parity`] and [`Method::Ransac`] |
 //! | `tables` | yes | thresholds of all committed probabilities; without it those of the phases of flight |
-//! | `short-tables` | no | thresholds for no more satellites than [`single::CAPACITY`], in single precision |
-//! | `double-tables` | no | `short-tables` in double precision |
-//! | `satellites-16`, `satellites-32` | no | smaller [`single::CAPACITY`]; for a binary, not for a library |
+//! | `double-tables` | yes | thresholds in double precision and for all degrees of freedom; without it in single precision, for at most [`single::CAPACITY`] |
+//! | `satellites-32`, `satellites-48` | yes | at most 32 or 48 satellites in an epoch, 64 on a computer; without both 16 |
 //! | `unstable` | no | the modules behind the interface, which may change in any version: pin the exact one |
 //! | `stages` | no | `single::stages`, the stages one by one for measurements; includes `unstable` |
 //! | `defmt` | no | `defmt::Format` on public types |

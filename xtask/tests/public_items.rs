@@ -1,10 +1,10 @@
 //! The items that the core promises to keep: at most 120 outside the feature `unstable`, and no
 //! feature removes one.
 //!
-//! Rules of the count: an item is a module, type, trait, function, constant or macro that a user can
-//! name, or a public method or associated constant of such a type or trait. It counts once, where it
-//! is defined. Implementations of foreign traits do not count. Neither do variants and fields, but
-//! they are compared where features are.
+//! Rules of the count: an item is a module, type, trait, function or constant that a user can name,
+//! or a public method or associated constant of such a type or trait. It counts once, where it is
+//! defined. Implementations of foreign traits do not count. Neither do variants and fields, but the
+//! comparison of features includes them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -30,11 +30,13 @@ struct Crate<'a> {
 struct Surface {
     items: BTreeSet<String>,
     details: BTreeSet<String>,
+    /// Public methods and constants of every type, public or not, by its name.
+    methods: BTreeMap<String, Vec<String>>,
 }
 
 impl Crate<'_> {
     fn surface(&self) -> Surface {
-        let mut surface = Surface::default();
+        let mut surface = Surface { methods: self.methods(), ..Surface::default() };
         self.walk(&[], &mut surface);
         surface
     }
@@ -149,7 +151,7 @@ impl Crate<'_> {
             }
             _ => return,
         }
-        let methods = self.modules.keys().flat_map(|module| self.methods(module, name));
+        let methods = surface.methods.get(name).into_iter().flatten();
         surface.items.extend(methods.map(|method| format!("{path}::{method}")));
     }
 
@@ -163,25 +165,29 @@ impl Crate<'_> {
         active.map(text).collect()
     }
 
-    /// Returns the names of a type's public methods and constants in one module.
-    fn methods(&self, module: &[String], type_name: &str) -> Vec<String> {
-        let of_type = |item: &syn::ItemImpl| match &*item.self_ty {
-            syn::Type::Path(path) => path.path.segments.last().is_some_and(|last| last.ident == type_name),
-            _ => false,
+    /// Returns the names of all types' public methods and constants.
+    fn methods(&self) -> BTreeMap<String, Vec<String>> {
+        let mut methods = BTreeMap::<String, Vec<String>>::new();
+        for item in self.modules.keys().flat_map(|module| self.active_items(module)) {
+            if let Item::Impl(item) = item
+                && item.trait_.is_none()
+                && let syn::Type::Path(path) = &*item.self_ty
+                && let Some(last) = path.path.segments.last()
+            {
+                let names = item.items.iter().filter_map(|item| self.public_method(item));
+                methods.entry(last.ident.to_string()).or_default().extend(names);
+            }
+        }
+        methods
+    }
+
+    fn public_method(&self, item: &ImplItem) -> Option<String> {
+        let (attributes, visibility, name) = match item {
+            ImplItem::Fn(function) => (&function.attrs, &function.vis, &function.sig.ident),
+            ImplItem::Const(constant) => (&constant.attrs, &constant.vis, &constant.ident),
+            _ => return None,
         };
-        let impls = self.active_items(module).filter_map(|item| match item {
-            Item::Impl(item) if item.trait_.is_none() && of_type(item) => Some(item),
-            _ => None,
-        });
-        let names = impls.flat_map(|item| &item.items).filter_map(|item| {
-            let (attributes, visibility, name) = match item {
-                ImplItem::Fn(function) => (&function.attrs, &function.vis, &function.sig.ident),
-                ImplItem::Const(constant) => (&constant.attrs, &constant.vis, &constant.ident),
-                _ => return None,
-            };
-            (is_public(visibility) && self.is_active(attributes)).then(|| name.to_string())
-        });
-        names.collect()
+        (is_public(visibility) && self.is_active(attributes)).then(|| name.to_string())
     }
 }
 
@@ -286,6 +292,30 @@ fn at_most_120_items_are_promised() {
     let list = items.iter().map(String::as_str).collect::<Vec<_>>().join("\n");
     println!("{} public items outside `unstable`:\n{list}", items.len());
     assert!(items.len() <= MOST_ITEMS, "{} items, must be at most {MOST_ITEMS}:\n{list}", items.len());
+}
+
+#[test]
+fn no_feature_removes_or_changes_an_item() {
+    let (modules, names) = (core(), features());
+    assert!(names.len() >= 8, "{names:?}");
+    let surface = |bits: usize| {
+        let on = (0..names.len()).filter(|place| bits >> place & 1 == 1);
+        let features = on.map(|place| names[place].as_str()).collect();
+        Crate { modules: &modules, features: &features }.surface()
+    };
+    // Each feature is added to nothing, to each other one alone, and to all others together.
+    let all = (1 << names.len()) - 1;
+    for (place, name) in names.iter().enumerate() {
+        let own = 1 << place;
+        let alone = (0..names.len()).map(|other| 1 << other).filter(|&other| other != own);
+        for others in alone.chain([0, all & !own]) {
+            let (before, after) = (surface(others), surface(others | own));
+            let lost: Vec<_> = before.items.difference(&after.items).collect();
+            assert!(lost.is_empty(), "`{name}` removes {lost:?}");
+            let lost: Vec<_> = before.details.difference(&after.details).collect();
+            assert!(lost.is_empty(), "`{name}` changes {lost:?}");
+        }
+    }
 }
 
 #[cfg(test)]

@@ -86,8 +86,8 @@ impl Recovery {
     }
 
     unstable! {
-        /// Returns true if an agreement of this length suffices; [`WEAK`] applies if one of its epochs
-        /// had one degree of freedom.
+        /// Returns true if an agreement of this length suffices; [`WEAK`] applies if one of its
+        /// epochs had one degree of freedom.
         pub fn is_met(self, epochs: u16, seconds: f64, is_weak: bool) -> bool {
             let wanted = if is_weak { self.at_least(WEAK) } else { self };
             epochs >= wanted.epochs && seconds >= wanted.seconds

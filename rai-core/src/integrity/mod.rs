@@ -15,6 +15,8 @@
 pub mod araim;
 pub mod raim;
 
+use core::fmt;
+
 use heapless::Vec;
 
 use crate::bounded::gather;
@@ -49,9 +51,9 @@ use raim::levels::{KFactors, LevelInputs, Levels, common_shift};
 ///
 /// let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
 /// let mut strategy = Strategy::DEFAULT;
-/// strategy.method = Method::Baarda;
-/// monitor.set_strategy(strategy);
-/// # Ok::<(), raim_core::monitor::MonitorError>(())
+/// strategy.method = Method::Araim;
+/// monitor.set_strategy(strategy)?; // an error that names the feature in a build without ARAIM
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -62,14 +64,11 @@ pub enum Method {
     Auto,
     /// The largest w-test, repeatedly.
     Baarda,
-    /// Searches in parity space.
-    #[cfg(feature = "searches")]
+    /// Searches in parity space. Needs the feature `searches`.
     Parity(parity::Isolation),
-    /// Consensus of disjoint subsets.
-    #[cfg(feature = "searches")]
+    /// Consensus of disjoint subsets. Needs the feature `searches`.
     Ransac,
-    /// Solution separation over all monitored fault modes: ARAIM.
-    #[cfg(feature = "araim")]
+    /// Solution separation over all monitored fault modes: ARAIM. Needs the feature `araim`.
     Araim,
 }
 
@@ -80,15 +79,44 @@ impl Method {
     }
 
     /// Returns true if sigmas are those of an integrity support message, and not the expected ones.
-    #[cfg_attr(not(feature = "araim"), expect(clippy::unused_self, reason = "no other method does"))]
     pub(crate) fn uses_ism(self) -> bool {
-        #[cfg(feature = "araim")]
-        if self == Self::Araim {
-            return true;
+        self == Self::Araim
+    }
+
+    /// Returns the method if this build has it.
+    ///
+    /// # Errors
+    /// [`MethodError`] names the feature that the build lacks.
+    pub(crate) const fn built_in(self) -> Result<Self, MethodError> {
+        match self {
+            Self::Parity(_) | Self::Ransac if !cfg!(feature = "searches") => {
+                Err(MethodError { method: self, feature: "searches" })
+            }
+            Self::Araim if !cfg!(feature = "araim") => Err(MethodError { method: self, feature: "araim" }),
+            Self::Auto | Self::Baarda | Self::Parity(_) | Self::Ransac | Self::Araim => Ok(self),
         }
-        false
     }
 }
+
+/// The method that this build lacks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct MethodError {
+    /// The method that was asked for.
+    pub method: Method,
+    /// The feature of this crate that it needs.
+    pub feature: &'static str,
+}
+
+impl fmt::Display for MethodError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("method must be one of this build: it needs the feature ")?;
+        formatter.write_str(self.feature)
+    }
+}
+
+impl core::error::Error for MethodError {}
 
 /// Most sets that [`Method::Auto`] compares: all of up to three of 40 rows, some 0.9 million
 /// instructions in `f32` on a Cortex-M4F. Beyond, the largest w-test costs a hundredth.
@@ -400,10 +428,11 @@ fn isolate<T: Real>(
         }
         #[cfg(feature = "searches")]
         Method::Ransac => ransac::exclude_in(solution, epoch, thresholds, subsets),
-        Method::Baarda => exclude_sequentially(solution, thresholds),
+        // A monitor refuses them.
+        #[cfg(not(feature = "searches"))]
+        Method::Parity(_) | Method::Ransac => Exclusion::not_isolated(Unidentified::NoSet),
         // ARAIM excludes by its own tests.
-        #[cfg(feature = "araim")]
-        Method::Araim => exclude_sequentially(solution, thresholds),
+        Method::Baarda | Method::Araim => exclude_sequentially(solution, thresholds),
     }
 }
 

@@ -23,6 +23,7 @@ use core::fmt;
 use heapless::Vec;
 use nalgebra::Vector3;
 
+use crate::bounded::CAPACITY;
 use crate::frame::LineOfSight;
 use crate::numeric::absolute::Absolute;
 use crate::numeric::real::Real;
@@ -35,17 +36,10 @@ const UNIT_SQUARED: core::ops::RangeInclusive<f64> = 0.999 * 0.999..=1.001 * 1.0
 /// Most equations of one epoch: more satellites than all systems ever show at once, and the
 /// capacity of the searches.
 ///
-/// Sets of them fit one word. On a microcontroller it is [`crate::single::CAPACITY`], because
-/// memory is scarce.
-pub const MAX_ROWS: usize = if cfg!(feature = "satellites-16") {
-    16
-} else if cfg!(feature = "satellites-32") {
-    32
-} else if cfg!(target_os = "none") {
-    48
-} else {
-    64
-};
+/// Sets of them fit one word. On a microcontroller, and without the feature `satellites-48`, it is
+/// [`crate::single::CAPACITY`], because memory is scarce.
+pub const MAX_ROWS: usize =
+    if cfg!(feature = "satellites-48") && cfg!(not(target_os = "none")) { 64 } else { CAPACITY };
 
 /// One equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -221,7 +215,7 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
-        const { assert!(N <= MAX_ROWS, "more rows than the searches have room for") };
+        const { assert!(N <= MAX_ROWS, "more rows than the searches have room for: see `satellites-48`") };
         Self { rows: Vec::new(), references: References::none() }
     }
 

@@ -53,11 +53,11 @@ use named::Named;
 use workspace::Update;
 
 pub use crate::continuity::{ContinuityError, ContinuitySettings, Recovery};
-pub use crate::integrity::Method;
 pub use crate::integrity::raim::detection::threshold::ThresholdError;
 pub use crate::integrity::raim::detection::threshold::policy::Policy;
 pub use crate::integrity::raim::isolation::parity::Isolation;
 pub use crate::integrity::raim::levels::Levels;
+pub use crate::integrity::{Method, MethodError};
 pub use crate::weighting::{Ism, IsmParameters, UserModel};
 pub use validated::MonitorError;
 
@@ -175,7 +175,12 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ///
     /// A change of clock aiding forgets the clocks. A change of adaptation forgets the residuals,
     /// as does one between expected sigmas and those of an integrity support message.
-    pub fn set_strategy(&mut self, strategy: Strategy) {
+    ///
+    /// # Errors
+    /// [`MethodError`] names the feature that the method needs and this build lacks; nothing
+    /// changes then.
+    pub fn set_strategy(&mut self, strategy: Strategy) -> Result<(), MethodError> {
+        strategy.method.built_in()?;
         if strategy.clock_aid != self.strategy.clock_aid {
             self.clocks.restart();
         }
@@ -184,6 +189,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             self.forget_residuals();
         }
         self.strategy = strategy;
+        Ok(())
     }
 
     /// Forgets the residuals of the adaptation and the evidence against the sigmas, because the
@@ -547,5 +553,30 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         report.verdict = Verdict::Unavailable(reason);
         report.tracked = epoch.observations().len() as u8;
         report.sigma_check = self.sigma_check(None);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `cargo xtask test` also runs it in a build that lacks both features.
+    #[test]
+    fn method_that_this_build_lacks_is_refused_by_the_name_of_its_feature() -> Result<(), MonitorError> {
+        let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
+        let (searches, araim) = (cfg!(feature = "searches"), cfg!(feature = "araim"));
+        let methods = [
+            (Method::Auto, "", true),
+            (Method::Parity(Isolation::Grouping), "searches", searches),
+            (Method::Ransac, "searches", searches),
+            (Method::Araim, "araim", araim),
+        ];
+        for (method, feature, is_built) in methods {
+            let want = if is_built { Ok(()) } else { Err(MethodError { method, feature }) };
+            assert_eq!(monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT }), want);
+            let kept = monitor.strategy.method;
+            assert!(is_built == (kept == method), "{kept:?}");
+        }
+        Ok(())
     }
 }

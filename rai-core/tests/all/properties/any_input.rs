@@ -80,7 +80,7 @@ fn promise_is_kept(
 
 fn monitor<T: Real>(requirements: Requirements, monitoring: Monitoring) -> Monitor<T, CAPACITY> {
     let mut monitor = Monitor::new(requirements).expect("in the tables");
-    monitor.set_strategy(monitoring);
+    monitor.set_strategy(monitoring).unwrap();
     monitor
 }
 

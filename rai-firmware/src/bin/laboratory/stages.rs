@@ -245,7 +245,7 @@ fn judge<T: Precision>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers:
         ..Strategy::CLASSIC
     };
     let mut monitor = Monitor::<T, CAPACITY>::new(requirements()).ok()?;
-    monitor.set_strategy(strategy);
+    monitor.set_strategy(strategy).ok()?;
     monitor.start_from(start(point(&mut input)?));
     for _ in 0..input.byte()? {
         let epoch = epoch(&mut input)?;

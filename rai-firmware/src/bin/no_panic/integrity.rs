@@ -301,7 +301,7 @@ fn the_pipeline<T: Real>() {
         Monitor::<T, N>::validated as fn(_) -> _,
         Monitor::<T, N>::new as fn(_) -> _,
         Monitor::<T, N>::set_requirements as fn(_, _) -> _,
-        Monitor::<T, N>::set_strategy as fn(_, _),
+        Monitor::<T, N>::set_strategy as fn(_, _) -> _,
         Monitor::<T, N>::forget_residuals as fn(_),
         Monitor::<T, N>::set_ism as fn(_, _),
         Monitor::<T, N>::ism as fn(_) -> _,
