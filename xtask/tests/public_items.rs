@@ -30,11 +30,13 @@ struct Crate<'a> {
 struct Surface {
     items: BTreeSet<String>,
     details: BTreeSet<String>,
+    /// Public methods and constants of every type, public or not, by its name.
+    methods: BTreeMap<String, Vec<String>>,
 }
 
 impl Crate<'_> {
     fn surface(&self) -> Surface {
-        let mut surface = Surface::default();
+        let mut surface = Surface { methods: self.methods(), ..Surface::default() };
         self.walk(&[], &mut surface);
         surface
     }
@@ -149,7 +151,7 @@ impl Crate<'_> {
             }
             _ => return,
         }
-        let methods = self.modules.keys().flat_map(|module| self.methods(module, name));
+        let methods = surface.methods.get(name).into_iter().flatten();
         surface.items.extend(methods.map(|method| format!("{path}::{method}")));
     }
 
@@ -163,25 +165,29 @@ impl Crate<'_> {
         active.map(text).collect()
     }
 
-    /// Returns the names of a type's public methods and constants in one module.
-    fn methods(&self, module: &[String], type_name: &str) -> Vec<String> {
-        let of_type = |item: &syn::ItemImpl| match &*item.self_ty {
-            syn::Type::Path(path) => path.path.segments.last().is_some_and(|last| last.ident == type_name),
-            _ => false,
+    /// Returns the names of all types' public methods and constants.
+    fn methods(&self) -> BTreeMap<String, Vec<String>> {
+        let mut methods = BTreeMap::<String, Vec<String>>::new();
+        for item in self.modules.keys().flat_map(|module| self.active_items(module)) {
+            if let Item::Impl(item) = item
+                && item.trait_.is_none()
+                && let syn::Type::Path(path) = &*item.self_ty
+                && let Some(last) = path.path.segments.last()
+            {
+                let names = item.items.iter().filter_map(|item| self.public_method(item));
+                methods.entry(last.ident.to_string()).or_default().extend(names);
+            }
+        }
+        methods
+    }
+
+    fn public_method(&self, item: &ImplItem) -> Option<String> {
+        let (attributes, visibility, name) = match item {
+            ImplItem::Fn(function) => (&function.attrs, &function.vis, &function.sig.ident),
+            ImplItem::Const(constant) => (&constant.attrs, &constant.vis, &constant.ident),
+            _ => return None,
         };
-        let impls = self.active_items(module).filter_map(|item| match item {
-            Item::Impl(item) if item.trait_.is_none() && of_type(item) => Some(item),
-            _ => None,
-        });
-        let names = impls.flat_map(|item| &item.items).filter_map(|item| {
-            let (attributes, visibility, name) = match item {
-                ImplItem::Fn(function) => (&function.attrs, &function.vis, &function.sig.ident),
-                ImplItem::Const(constant) => (&constant.attrs, &constant.vis, &constant.ident),
-                _ => return None,
-            };
-            (is_public(visibility) && self.is_active(attributes)).then(|| name.to_string())
-        });
-        names.collect()
+        (is_public(visibility) && self.is_active(attributes)).then(|| name.to_string())
     }
 }
 
