@@ -42,6 +42,7 @@ use crate::integrity::raim::levels::{KFactors, LevelInputs, Levels};
 use crate::least_squares::Workspace;
 use crate::numeric::real::Real;
 use crate::numeric::space::upper_triangle;
+use crate::numeric::sqrt;
 use crate::report::{MAX_EXCLUDED, ProtectionLevels, TestStatistic};
 use crate::satellite::{Constellation, SatelliteId};
 
@@ -82,7 +83,7 @@ impl Velocity {
     /// Returns the speed, m/s.
     pub fn speed_m_s(&self) -> f64 {
         let [east, north, up] = self.east_north_up_m_s.map(|component_m_s| component_m_s as f32);
-        f64::from(libm::sqrtf(east * east + north * north + up * up))
+        f64::from(sqrt(east * east + north * north + up * up))
     }
 
     /// Returns true if a receiver with this maximum speed can have the velocity, over the ground

@@ -25,6 +25,7 @@
 //! [BDS-SIS-B3I]: crate#references
 
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::numeric::sqrt;
 use raim_core::weighting::noise_factor_from_cn0;
 
 use super::root_of_squares;
@@ -151,7 +152,7 @@ fn combine(
     Some(Choice {
         bands: (pair.first, Some(pair.second)),
         range_m: second.range_m + f64::from(added_m),
-        noise_gain: libm::sqrtf(pair.share * pair.share + (1.0 - pair.share) * (1.0 - pair.share)),
+        noise_gain: sqrt(pair.share * pair.share + (1.0 - pair.share) * (1.0 - pair.share)),
         weakness: noise_factor_from_cn0(Some(strength_dbhz)),
         uncalibrated_m: root_of_squares(
             pair.share * delay_first.uncalibrated_m(),

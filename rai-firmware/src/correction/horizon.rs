@@ -4,6 +4,7 @@
 //! 1e-7. Ranges need more and do not come from here.
 
 use raim_core::frame::{Ecef, LocalFrame};
+use raim_core::numeric::sqrt;
 
 /// Place of the receiver, with its axes east, north, up.
 #[derive(Clone, Debug)]
@@ -42,7 +43,7 @@ impl Horizon {
         let [x, y, z] = coordinates_m;
         let [from_x, from_y, from_z] = self.place_m;
         let (x, y, z) = (x - from_x, y - from_y, z - from_z);
-        Way { difference_m: [x, y, z], inverse_length: 1.0 / libm::sqrtf(x * x + y * y + z * z) }
+        Way { difference_m: [x, y, z], inverse_length: 1.0 / sqrt(x * x + y * y + z * z) }
     }
 
     /// Returns the unit vector along a path: east, north, up.
@@ -54,7 +55,7 @@ impl Horizon {
 
 /// Returns the cosine of a geodetic latitude, which is never negative.
 pub(crate) fn cosine_of_latitude(sin_latitude: f32) -> f32 {
-    libm::sqrtf((1.0 - sin_latitude * sin_latitude).max(0.0))
+    sqrt((1.0 - sin_latitude * sin_latitude).max(0.0))
 }
 
 /// Returns earth-fixed coordinates, m.
@@ -66,6 +67,6 @@ pub(crate) fn coordinates_m(point: Ecef) -> [f32; 3] {
 /// 0.
 fn level_axes(point: Ecef) -> ([f32; 2], [f32; 2]) {
     let (x, y) = (point.x_m as f32, point.y_m as f32);
-    let axial = libm::sqrtf(x * x + y * y);
+    let axial = sqrt(x * x + y * y);
     if axial > 1e-6 { ([-y / axial, x / axial], [x / axial, y / axial]) } else { ([0.0, 1.0], [1.0, 0.0]) }
 }

@@ -25,6 +25,7 @@ use heapless::Vec;
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::{Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
 use raim_core::numeric::angle::sine;
+use raim_core::numeric::sqrt;
 use raim_core::satellite::SatelliteId;
 use raim_core::weighting::COARSE_M;
 
@@ -133,7 +134,7 @@ impl Located {
 
 /// Returns `√(a² + b²)`.
 fn root_of_squares(a: f32, b: f32) -> f32 {
-    if b == 0.0 { a } else { libm::sqrtf(a * a + b * b) }
+    if b == 0.0 { a } else { sqrt(a * a + b * b) }
 }
 
 /// Satellites of an epoch with known positions.

@@ -27,6 +27,7 @@
 //! [GLO-ICD]: crate#references
 
 use nalgebra::Vector3;
+use raim_core::numeric::sqrt;
 
 /// Gravity of the earth, m³/s².
 const MU_M3_S2: f64 = 3.986004418e14;
@@ -123,7 +124,7 @@ fn acceleration_m_s2(position_m: Vector3<f32>, velocity_m_s: Vector3<f32>) -> Ve
     const TWICE_RATE: f32 = (2.0 * EARTH_RATE_RAD_S) as f32;
     let (p, v) = (position_m, velocity_m_s);
     let inverse_square = p.dot(&p).recip();
-    let m = MU_M3_S2 as f32 * inverse_square * libm::sqrtf(inverse_square);
+    let m = MU_M3_S2 as f32 * inverse_square * sqrt(inverse_square);
     let k = OBLATENESS_M2 * m * inverse_square;
     let s = 5.0 * p.z * p.z * inverse_square;
     let level = RATE_SQUARED - m - k * (1.0 - s);

@@ -40,6 +40,7 @@ mod pin_in_time;
 mod precision;
 mod python;
 mod recordings;
+mod roots;
 mod second_board;
 mod service;
 mod settings;
