@@ -49,17 +49,17 @@ use crate::satellite::{Constellation, SatelliteId};
 /// Constellation that holds the one drift of all systems in a snapshot.
 const DRIFT: Constellation = Constellation::Gps;
 
-/// Range rate of one satellite.
+/// Range rate of one satellite, in the scalar that it is solved in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RangeRate {
+pub struct RangeRate<T = f64> {
     /// The satellite.
     pub satellite: SatelliteId,
     /// Unit vector receiver → satellite, east, north, up.
-    pub line_of_sight: Vector3<f64>,
+    pub line_of_sight: Vector3<T>,
     /// Measured rate less that of a receiver at rest with a perfect clock, m/s.
-    pub residual_m_s: f64,
+    pub residual_m_s: T,
     /// Standard deviation, m/s.
-    pub sigma_m_s: f64,
+    pub sigma_m_s: T,
 }
 
 /// A velocity that passed its test.
@@ -129,16 +129,15 @@ impl core::error::Error for VelocityError {}
 /// [`VelocityError`] if there is no velocity, or none that passes the test.
 pub fn estimate<T: Real, const N: usize>(
     workspace: &mut Workspace<T, N>,
-    rates: impl IntoIterator<Item = RangeRate>,
+    rates: impl IntoIterator<Item = RangeRate<T>>,
     thresholds: &Thresholds<'_>,
     factors: &KFactors<T>,
 ) -> Result<Velocity, VelocityError> {
     workspace.equations_mut().clear();
     let mut satellites = Vec::<SatelliteId, N>::new();
     for rate in rates {
-        let taken =
-            workspace.equations_mut().satellite(DRIFT, rate.line_of_sight, rate.residual_m_s, rate.sigma_m_s);
-        if taken.is_ok() {
+        let RangeRate { line_of_sight, residual_m_s, sigma_m_s, .. } = &rate;
+        if workspace.equations_mut().rate(DRIFT, line_of_sight, *residual_m_s, *sigma_m_s).is_ok() {
             // Never full, because both hold `N`.
             let _ = satellites.push(rate.satellite);
         }

@@ -436,7 +436,7 @@ const APART_MS: u32 = 128;
 #[inline(never)]
 fn range_rate(located: &Located, last: &Rates, store: &Store, point: Ecef, time: GpsTime) -> Option<f32> {
     let velocity_m_s = last.of_satellite(located, time).or_else(|| velocity_m_s(located, store, time))?;
-    let way_m = Vector3::from(coordinates_m(located.state().position - point));
+    let way_m = Vector3::from(coordinates_m(located.position() - point));
     Some(way_m.dot(&velocity_m_s) * way_m.dot(&way_m).inverse_sqrt_approx())
 }
 
@@ -444,7 +444,7 @@ fn range_rate(located: &Located, last: &Rates, store: &Store, point: Ecef, time:
 fn velocity_m_s(located: &Located, store: &Store, time: GpsTime) -> Option<Vector3<f32>> {
     let ephemeris = store.get(located.satellite(), time).ok()?;
     let later = ephemeris.at(time.later_by_ms(APART_MS), located.measured_m()?).ok()?;
-    let moved_m = coordinates_m(later.position - located.state().position);
+    let moved_m = coordinates_m(later.position - located.position());
     Some(Vector3::from(moved_m) * (1e3 / APART_MS as f32))
 }
 

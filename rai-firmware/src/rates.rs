@@ -34,16 +34,16 @@
 use heapless::Vec;
 use nalgebra::Vector3;
 use raim_core::continuity::{ContinuitySettings, Standing};
-use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, LocalAxes, SPEED_OF_LIGHT_M_S};
+use raim_core::numeric::absolute::{Absolute as _, Grid};
 use raim_core::numeric::real::Real;
 use raim_core::satellite::SatelliteId;
 use raim_core::single::{self, Monitor, Workspace};
 use raim_core::velocity::{RangeRate, Velocity, VelocityError};
 
-use crate::correction::horizon::{Horizon, coordinates_m};
+use crate::correction::horizon::Horizon;
 use crate::correction::{CAPACITY, Located, Sky};
 use crate::counters::{count, count_many, counters};
-use crate::ephemeris::SatelliteState;
 use crate::raw::{RawEpoch, RawSatellite};
 use crate::time::GpsTime;
 
@@ -100,23 +100,25 @@ struct Measured {
 
 impl Measured {
     /// Returns its equation, with the measured rate or its negative.
-    fn equation(&self, sign: f32) -> RangeRate {
+    fn equation(&self, sign: f32) -> RangeRate<f32> {
         RangeRate {
             satellite: self.satellite,
-            line_of_sight: Vector3::from(self.direction).map(f64::from),
-            residual_m_s: f64::from(sign * self.rate_m_s - self.expected_m_s),
-            sigma_m_s: f64::from(self.sigma_m_s),
+            line_of_sight: self.direction.into(),
+            residual_m_s: sign * self.rate_m_s - self.expected_m_s,
+            sigma_m_s: self.sigma_m_s,
         }
     }
 }
 
-/// State of a satellite when its signal left.
+/// State of a satellite when its signal left, in lengths whose differences are exact.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     satellite: SatelliteId,
-    state: SatelliteState,
-    /// Range, m, which gives the time at which the signal left.
-    range_m: f64,
+    position: [Grid; 3],
+    /// Satellite clock times the speed of light.
+    clock: Grid,
+    /// Range, which gives the time at which the signal left.
+    range: Grid,
     /// Edition of the ephemeris.
     edition: u32,
 }
@@ -235,7 +237,7 @@ impl Rates {
         let elapsed_ms = time.since_ms(self.time);
         let now = Seen::of(located).filter(|_| (1..=LONGEST_MS).contains(&elapsed_ms))?;
         let (before, elapsed_s) = (now.among(&self.last)?, elapsed_ms as f32 * 1e-3);
-        let (velocity_m_s, _) = now.velocity_since(before, elapsed_s, coordinates_m(now.state.position))?;
+        let (velocity_m_s, _) = now.velocity_since(before, elapsed_s, Grid::vector(now.position))?;
         Some(velocity_m_s.into())
     }
 
@@ -249,7 +251,7 @@ impl Rates {
         workspace: &mut Workspace,
     ) -> Result<Velocity, VelocityError> {
         let Self { last, trust, tally, .. } = self;
-        let horizon = Horizon::at(place, &LocalFrame::at(place));
+        let horizon = Horizon::at(place, &LocalAxes::at(place));
         let since = Since { last, raw, horizon, elapsed_s: elapsed_ms as f32 * 1e-3 };
         let (required, settings) = (monitor.validated(), monitor.continuity_settings());
         // Rates are computed on demand and not stored. A second time is needed only if the first
@@ -325,8 +327,14 @@ fn power_of_two(x: f32) -> f32 {
 
 impl Seen {
     fn of(located: &Located) -> Option<Self> {
-        let (satellite, state) = (located.satellite(), located.state());
-        Some(Self { satellite, state, range_m: located.measured_m()?, edition: located.edition() })
+        let Ecef { x_m, y_m, z_m } = located.position();
+        Some(Self {
+            satellite: located.satellite(),
+            position: [x_m, y_m, z_m].map(Grid::of),
+            clock: Grid::of(located.clock_m()),
+            range: Grid::of(located.measured_m()?),
+            edition: located.edition(),
+        })
     }
 
     /// Returns the same satellite with the same ephemeris in another epoch.
@@ -339,8 +347,9 @@ impl Seen {
     fn velocity_since(&self, before: &Self, elapsed_s: f32, place_m: [f32; 3]) -> Option<([f32; 3], f32)> {
         // The time between the departures is shorter than that between the arrivals by the growth
         // of the range.
-        let apart_s = elapsed_s - (self.range_m - before.range_m) as f32 / LIGHT_M_S;
-        let moved_m = coordinates_m(self.state.position - before.state.position);
+        let apart_s = elapsed_s - self.range.less(before.range).narrow() / LIGHT_M_S;
+        let ([x, y, z], [from_x, from_y, from_z]) = (self.position, before.position);
+        let moved_m = [x.less(from_x), y.less(from_y), z.less(from_z)].map(Grid::narrow);
         Some((velocity_at_the_end(place_m, moved_m, apart_s), apart_s)).filter(|_| apart_s > 0.0)
     }
 
@@ -348,8 +357,8 @@ impl Seen {
     /// the satellite, or `None` below the mask.
     fn range_rate_since(&self, before: &Self, elapsed_s: f32, horizon: &Horizon) -> Option<(f32, [f32; 3])> {
         // The earth turns while the signal travels.
-        let angle_rad = TURN_RAD_S / LIGHT_M_S * self.range_m as f32;
-        let place_m = coordinates_m(self.state.position);
+        let angle_rad = TURN_RAD_S / LIGHT_M_S * self.range.narrow();
+        let place_m = Grid::vector(self.position);
         let way = horizon.way_to(turned(place_m, angle_rad));
         let direction = horizon.direction(&way);
         let [.., up] = direction;
@@ -359,8 +368,8 @@ impl Seen {
         let (velocity_m_s, apart_s) = self.velocity_since(before, elapsed_s, place_m)?;
         let velocity_m_s = turned(velocity_m_s, angle_rad);
         let away_m_s = way.inverse_length * dot(way.difference_m, velocity_m_s);
-        let drift = (self.state.clock_s - before.state.clock_s) as f32 / apart_s;
-        Some((away_m_s * (1.0 - away_m_s / LIGHT_M_S) - LIGHT_M_S * drift, direction))
+        let drift_m_s = self.clock.less(before.clock).narrow() / apart_s;
+        Some((away_m_s * (1.0 - away_m_s / LIGHT_M_S) - drift_m_s, direction))
     }
 }
 

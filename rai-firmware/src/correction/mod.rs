@@ -23,14 +23,14 @@
 
 use heapless::Vec;
 use raim_core::epoch::{Epoch, Observation};
-use raim_core::frame::{Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::frame::{Ecef, LocalAxes, SPEED_OF_LIGHT_M_S};
 use raim_core::numeric::angle::sine;
 use raim_core::numeric::sqrt;
 use raim_core::satellite::SatelliteId;
 use raim_core::weighting::COARSE_M;
 
 use crate::counters::{count, counters};
-use crate::ephemeris::{self, EphemerisError, SatelliteState, Store};
+use crate::ephemeris::{self, EphemerisError, Store};
 use crate::raw::{RawEpoch, RawSatellite, RawSignal};
 use crate::settings::Systems;
 use crate::time::GpsTime;
@@ -105,9 +105,14 @@ impl Located {
         self.satellite
     }
 
-    /// Returns its position and clock when the signal left.
-    pub(crate) fn state(&self) -> SatelliteState {
-        SatelliteState { position: self.position, clock_s: self.clock_m * (1.0 / SPEED_OF_LIGHT_M_S) }
+    /// Returns its position when the signal left.
+    pub(crate) const fn position(&self) -> Ecef {
+        self.position
+    }
+
+    /// Returns its clock then, times the speed of light, m.
+    pub(crate) const fn clock_m(&self) -> f64 {
+        self.clock_m
     }
 
     /// Returns a measured range, accurate to some ten metres, m.
@@ -149,7 +154,7 @@ pub(crate) struct View {
 impl View {
     /// Returns the view from a point, above an elevation.
     pub(crate) fn from(point: Ecef, mask_rad: f64) -> Self {
-        Self { horizon: Horizon::at(point, &LocalFrame::at(point)), sin_mask: sine(mask_rad as f32) }
+        Self { horizon: Horizon::at(point, &LocalAxes::at(point)), sin_mask: sine(mask_rad as f32) }
     }
 
     fn shows(&self, located: &Located) -> bool {
