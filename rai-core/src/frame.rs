@@ -172,6 +172,8 @@ impl<T: Real> Directions<T> {
     /// [`LocalFrame::at`].
     ///
     /// `None` if no direction is up.
+    // Not inlined, so that its callers share one copy.
+    #[inline(never)]
     fn at(point: &Vector3<T>) -> Option<(Self, T)> {
         let radius = dot(point, point).sqrt_approx();
         // NaN and infinity leave here too, because they are within no bounds.

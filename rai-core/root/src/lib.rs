@@ -11,7 +11,7 @@
 //! | processor | root |
 //! |---|---|
 //! | Arm with floating-point registers in its calling convention (`eabihf`) | `VSQRT.F32`; flush-to-zero and default NaN are off after a reset |
-//! | any other | libm: an instruction on x86-64 and AArch64, else software |
+//! | any other | libm: an instruction on x86-64 and 64-bit Arm, else software |
 //!
 //! The crate exists because the instruction needs `unsafe`, which `raim-core` forbids. Reference:
 //! IEEE 754-2019, §5.4.1.

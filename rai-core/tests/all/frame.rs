@@ -119,14 +119,14 @@ fn elevation_is_that_of_the_triangle() {
 
 #[test]
 fn axes_and_height_in_single_precision_are_those_of_the_ellipsoid() {
-    for (latitude_deg, longitude_deg) in (-90..=90).step_by(3).zip((-180..180).step_by(11).cycle()) {
+    for (latitude_deg, longitude_deg) in (-90_i32..=90).step_by(3).zip((-180_i32..180).step_by(11).cycle()) {
         for height_m in [-500.0, 0.0, 8_848.0, 20e3, 400e3] {
             let [latitude_rad, longitude_rad] =
                 [latitude_deg, longitude_deg].map(|degrees| f64::from(degrees).to_radians());
             let have = LocalAxes::at(Geodetic { latitude_rad, longitude_rad, height_m }.to_ecef());
-            let ((sin, cos), (east, north)) = (latitude_rad.sin_cos(), longitude_rad.sin_cos());
+            let ((sin, cos), (sin_l, cos_l)) = (latitude_rad.sin_cos(), longitude_rad.sin_cos());
             let want =
-                [[-east, north, 0.0], [-sin * north, -sin * east, cos], [cos * north, cos * east, sin]];
+                [[-sin_l, cos_l, 0.0], [-sin * cos_l, -sin * sin_l, cos], [cos * cos_l, cos * sin_l, sin]];
             // At a pole every direction is east.
             let rows = if latitude_deg.abs() == 90 { 2..3 } else { 0..3 };
             for (have, want) in have.east_north_up()[rows.clone()].iter().zip(&want[rows]) {
