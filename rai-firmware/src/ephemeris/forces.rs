@@ -101,7 +101,7 @@ impl State {
         let (position_m, velocity_m_s) = (self.position.cast(), self.velocity.cast());
         let (whole_s, half_s) = (step_s as f32, 0.5 * step_s as f32);
         let acceleration = |moved_m: Vector3<f32>, gained_m_s: Vector3<f32>| {
-            acceleration_m_s2(position_m + moved_m, velocity_m_s + gained_m_s) + pull_m_s2
+            acceleration_after(&[position_m, velocity_m_s, pull_m_s2], &moved_m, &gained_m_s)
         };
         let first = acceleration(Vector3::zeros(), Vector3::zeros());
         let second = acceleration(velocity_m_s * half_s, first * half_s);
@@ -115,6 +115,17 @@ impl State {
             velocity: self.velocity + gained_m_s.cast(),
         }
     }
+}
+
+/// Returns the acceleration of a satellite, with a pull, that moved and gained speed, m/s².
+// Not inlined, so that the four stages of a step share one copy.
+#[inline(never)]
+fn acceleration_after(
+    [position_m, velocity_m_s, pull_m_s2]: &[Vector3<f32>; 3],
+    moved_m: &Vector3<f32>,
+    gained_m_s: &Vector3<f32>,
+) -> Vector3<f32> {
+    acceleration_m_s2(position_m + moved_m, velocity_m_s + gained_m_s) + pull_m_s2
 }
 
 /// Returns the acceleration by the equations of motion, without that by sun and moon, m/s².
