@@ -15,7 +15,7 @@ use raim_core::weighting::{
 use super::atmosphere::{Klobuchar, Place, Troposphere};
 use super::frequency::{Geometry, Ranges, Spread};
 use super::horizon::{Horizon, coordinates_m};
-use super::{CAPACITY, Choice, Located, Refusals, Sky, root_of_squares};
+use super::{CAPACITY, Choice, Located, Refusals, Sky, root_of_squares, sum_m};
 use crate::counters::count;
 use crate::raw::Band;
 use crate::time::GpsTime;
@@ -141,7 +141,7 @@ impl Site {
         let air_m = self.troposphere.delay_m(sin_elevation) + delay_m;
         Some(Corrected {
             line_of_sight,
-            range_m: choice.range_m + located.clock_m - f64::from(air_m),
+            range_m: sum_m(choice.range_m, located.clock_m, -air_m),
             sigma_m: match &self.ism {
                 Some(ism) => {
                     let support = ism.of(located.satellite.constellation());
