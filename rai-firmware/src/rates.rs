@@ -117,8 +117,8 @@ struct Seen {
     position: [Grid; 3],
     /// Satellite clock times the speed of light.
     clock: Grid,
-    /// Range, which gives the time at which the signal left.
-    range: Grid,
+    /// Range, m, which gives the time at which the signal left, to 7 ns.
+    range_m: f32,
     /// Edition of the ephemeris.
     edition: u32,
 }
@@ -257,7 +257,7 @@ impl Rates {
         // Rates are computed on demand and not stored. A second time is needed only if the first
         // sign fails.
         let mut agree_on = |sign| {
-            let rates = sky.iter().filter_map(|located| since.measure(located));
+            let rates = sky.iter().enumerate().filter_map(|(index, located)| since.measure(located, index));
             let equations = &mut rates.map(|rate| rate.equation(sign));
             let velocity = single::velocity(workspace, equations, required.thresholds(), required.factors())?;
             let is_possible = settings.is_none_or(|settings| velocity.is_within(settings.max_speed_m_s));
@@ -298,10 +298,15 @@ struct Since<'r> {
 
 impl Since<'_> {
     /// Returns the measured rate of a satellite, with the part of it that the satellite causes.
-    fn measure(&self, located: &Located) -> Option<Measured> {
+    ///
+    /// `index` is its place in the sky, near which it is in the last epoch and in the raw one.
+    fn measure(&self, located: &Located, index: usize) -> Option<Measured> {
         let now = Seen::of(located)?;
-        let before = now.among(self.last)?;
-        let satellite = self.raw.satellites.iter().find(|one| one.satellite == now.satellite)?;
+        let before = self.last.get(index).filter(|seen| now.is(seen)).or_else(|| now.among(self.last))?;
+        let is_it = |one: &&RawSatellite| one.satellite == now.satellite;
+        // The sky has the order of the raw epoch, of which it lacks some.
+        let later = self.raw.satellites.get(index..).unwrap_or_default().iter().find(is_it);
+        let satellite = later.or_else(|| self.raw.satellites.iter().find(is_it))?;
         let (rate_m_s, sigma_m_s) = rate(satellite)?;
         let (expected_m_s, direction) = now.range_rate_since(before, self.elapsed_s, &self.horizon)?;
         Some(Measured { satellite: now.satellite, direction, rate_m_s, expected_m_s, sigma_m_s })
@@ -332,14 +337,19 @@ impl Seen {
             satellite: located.satellite(),
             position: [x_m, y_m, z_m].map(Grid::of),
             clock: Grid::of(located.clock_m()),
-            range: Grid::of(located.measured_m()?),
+            range_m: located.measured_m()? as f32,
             edition: located.edition(),
         })
     }
 
     /// Returns the same satellite with the same ephemeris in another epoch.
     fn among<'s>(&self, others: &'s [Self]) -> Option<&'s Self> {
-        others.iter().find(|seen| seen.satellite == self.satellite && seen.edition == self.edition)
+        others.iter().find(|seen| self.is(seen))
+    }
+
+    /// Returns true for the same satellite with the same ephemeris.
+    fn is(&self, other: &Self) -> bool {
+        other.satellite == self.satellite && other.edition == self.edition
     }
 
     /// Returns the velocity in the earth-fixed frame, m/s, and the time between the two departures
@@ -347,7 +357,7 @@ impl Seen {
     fn velocity_since(&self, before: &Self, elapsed_s: f32, place_m: [f32; 3]) -> Option<([f32; 3], f32)> {
         // The time between the departures is shorter than that between the arrivals by the growth
         // of the range.
-        let apart_s = elapsed_s - self.range.less(before.range).narrow() / LIGHT_M_S;
+        let apart_s = elapsed_s - (self.range_m - before.range_m) / LIGHT_M_S;
         let ([x, y, z], [from_x, from_y, from_z]) = (self.position, before.position);
         let moved_m = [x.less(from_x), y.less(from_y), z.less(from_z)].map(Grid::narrow);
         Some((velocity_at_the_end(place_m, moved_m, apart_s), apart_s)).filter(|_| apart_s > 0.0)
@@ -357,7 +367,7 @@ impl Seen {
     /// the satellite, or `None` below the mask.
     fn range_rate_since(&self, before: &Self, elapsed_s: f32, horizon: &Horizon) -> Option<(f32, [f32; 3])> {
         // The earth turns while the signal travels.
-        let angle_rad = TURN_RAD_S / LIGHT_M_S * self.range.narrow();
+        let angle_rad = TURN_RAD_S / LIGHT_M_S * self.range_m;
         let place_m = Grid::vector(self.position);
         let way = horizon.way_to(turned(place_m, angle_rad));
         let direction = horizon.direction(&way);
