@@ -4,7 +4,7 @@
 //! takes a kilobyte. Most dividends here have 32 bits. For the others, a few per epoch, three
 //! divisions of the processor suffice.
 //!
-//! Reference: [Knuth1997] D. E. Knuth, *The Art of Computer Programming*, volume 2.
+//! Reference: [Knuth1997] 4.3.1, algorithm D.
 //!
 //! [Knuth1997]: crate#references
 
