@@ -29,7 +29,8 @@ pub const fn divided(number: u64, by: u32) -> (u64, u32) {
 /// Returns the digit of a quotient and the remainder: `(rest 2¹⁶ + next) / divisor`, for a rest
 /// below the divisor, whose first bit is set.
 const fn digit(rest: u32, next: u32, divisor: u32) -> (u32, u32) {
-    let (upper, lower) = (divisor >> 16, divisor & 0xFFFF);
+    // The first bit is set; saying so tells the compiler that there is no division by zero.
+    let (upper, lower) = (divisor >> 16 | 1 << 15, divisor & 0xFFFF);
     // Too large by two at most; the loop ends where the next test would not.
     let (mut digit, mut left) = (rest / upper, rest % upper);
     while left <= 0xFFFF && (digit > 0xFFFF || digit * lower > (left << 16 | next)) {
