@@ -10,6 +10,7 @@ use crate::epoch::Observation;
 use crate::frame::{Ecef, Geodetic, LinearisationPoint};
 use crate::numeric::absolute::Absolute as _;
 use crate::numeric::real::Real;
+use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 
 /// Most satellites that may be left out of one epoch ([Tian2024] treats no more than 3 faults, nor
@@ -160,7 +161,7 @@ impl Solution {
     /// Returns the position dilution of precision, dimensionless.
     pub fn pdop(&self) -> f64 {
         let (hdop, vdop) = (self.hdop as f32, self.vdop as f32);
-        f64::from(libm::sqrtf(hdop * hdop + vdop * vdop))
+        f64::from(sqrt(hdop * hdop + vdop * vdop))
     }
 }
 

@@ -35,10 +35,10 @@ use crate::time::GpsTime;
 
 /// Largest distance over which corrections hold, m: 1 km changes an elevation by 0.003° and the
 /// zenith delay by at most 0.25 m.
-const GUESS_HOLDS_M: f64 = 1e3;
+const GUESS_HOLDS_M: f32 = 1e3;
 
 /// Least distance of a receiver from the centre of the earth, m; a position below it is unknown.
-const UNKNOWN_RADIUS_M: f64 = 6e6;
+const UNKNOWN_RADIUS_M: f32 = 6e6;
 
 /// Lifetime of broadcast coefficients, ms; satellites renew them at least every six days.
 const IONOSPHERE_HOLDS_MS: u64 = 6 * 86_400_000;
@@ -265,7 +265,7 @@ impl Navigator {
             let assessment = self.room.memory.outcome();
             let found = found(&assessment.report);
             let is_believed = is_rough && assessment.searched && is_excluded(&assessment.report);
-            if !is_believed && found.is_some_and(|found| found.distance_m(guess) <= GUESS_HOLDS_M) {
+            if !is_believed && found.is_some_and(|found| is_shorter(found - guess, GUESS_HOLDS_M)) {
                 break;
             }
             is_rough = false;
@@ -456,7 +456,7 @@ const APART_MS: u32 = 128;
 #[inline(never)]
 fn range_rate(located: &Located, last: &Rates, store: &Store, point: Ecef, time: GpsTime) -> Option<f32> {
     let velocity_m_s = last.of_satellite(located, time).or_else(|| velocity_m_s(located, store, time))?;
-    let way_m = Vector3::from(coordinates_m(located.state().position - point));
+    let way_m = Vector3::from(coordinates_m(located.position() - point));
     Some(way_m.dot(&velocity_m_s) * way_m.dot(&way_m).inverse_sqrt_approx())
 }
 
@@ -464,7 +464,7 @@ fn range_rate(located: &Located, last: &Rates, store: &Store, point: Ecef, time:
 fn velocity_m_s(located: &Located, store: &Store, time: GpsTime) -> Option<Vector3<f32>> {
     let ephemeris = store.get(located.satellite(), time).ok()?;
     let later = ephemeris.at(time.later_by_ms(APART_MS), located.measured_m()?).ok()?;
-    let moved_m = coordinates_m(later.position - located.state().position);
+    let moved_m = coordinates_m(later.position - located.position());
     Some(Vector3::from(moved_m) * (1e3 / APART_MS as f32))
 }
 
@@ -477,5 +477,11 @@ fn is_excluded(report: &Report<CAPACITY>) -> bool {
 }
 
 fn is_unknown(point: Ecef) -> bool {
-    point.radius_m() < UNKNOWN_RADIUS_M
+    is_shorter(point, UNKNOWN_RADIUS_M)
+}
+
+/// Returns true if a vector is shorter than a limit, m; single precision suffices.
+fn is_shorter(vector: Ecef, limit_m: f32) -> bool {
+    let vector_m = Vector3::from(coordinates_m(vector));
+    vector_m.dot(&vector_m) < limit_m * limit_m
 }

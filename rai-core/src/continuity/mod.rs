@@ -42,6 +42,7 @@ mod motion;
 pub use motion::Motion;
 
 use crate::frame::Ecef;
+use crate::numeric::sqrt;
 use crate::report::{Alert, Protected, ProtectionLevels, Report, Unavailable, Verdict};
 
 /// Longest time for which the last protected position limits the next one, s.
@@ -241,7 +242,7 @@ fn across_m(way: Ecef, climb_m: f64) -> f64 {
     let [x, y, z, climb] = [way.x_m, way.y_m, way.z_m, climb_m].map(|length_m| length_m as f32);
     let squared = x * x + y * y + z * z - climb * climb;
     // A NaN square stays NaN, which is beyond reach.
-    f64::from(libm::sqrtf(if squared < 0.0 { 0.0 } else { squared }))
+    f64::from(sqrt(if squared < 0.0 { 0.0 } else { squared }))
 }
 
 /// Consecutive epochs that agree.

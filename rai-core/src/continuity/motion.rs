@@ -57,6 +57,7 @@ use heapless::Deque;
 use nalgebra::Vector3;
 
 use crate::frame::{Ecef, SPEED_OF_LIGHT_M_S, earth_fixed};
+use crate::numeric::sqrt;
 use crate::report::{Alert, Report};
 use crate::satellite::Constellation;
 use crate::velocity::{Velocity, VelocityError};
@@ -167,7 +168,7 @@ impl Discrepancy {
     /// accelerations explain, and of the clock.
     fn from(&self, other: &Self) -> [f32; 2] {
         let unknown_m = self.unknown_m - other.unknown_m;
-        let away_m = libm::sqrtf((self.position - other.position).norm_squared()) - unknown_m;
+        let away_m = sqrt((self.position - other.position).norm_squared()) - unknown_m;
         [away_m, (self.clock_m - other.clock_m).abs()]
     }
 
@@ -390,7 +391,7 @@ impl Motion {
             let apart_m = mark.discrepancy.clock_m - line.clock_m;
             [track + off_m.norm_squared(), clock + apart_m * apart_m]
         });
-        let [scatter_m, clock_scatter_m] = squares.map(|square| libm::sqrtf(square / count as f32));
+        let [scatter_m, clock_scatter_m] = squares.map(|square| sqrt(square / count as f32));
         let [away_m, apart_m] = now.from(&oldest.discrepancy);
         let [floor_m, clock_floor_m] = FLOORS_M;
         alert(

@@ -34,6 +34,7 @@ use crate::integrity::Judgement;
 use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
 use crate::least_squares::Snapshot;
 use crate::numeric::real::Real;
+use crate::numeric::sqrt;
 use crate::weighting::residuals::{RecentResiduals, Residuals};
 
 /// Length of one span, s.
@@ -100,7 +101,7 @@ impl Evidence {
         if ratio >= REFUTED.max(all.ratio_at(REFUTED_QUANTILE)) {
             Belief::Refuted
         } else if ratio >= all.ratio_at(SCALED_QUANTILE) {
-            Belief::Scaled(libm::sqrtf(ratio))
+            Belief::Scaled(sqrt(ratio))
         } else {
             Belief::Sound
         }

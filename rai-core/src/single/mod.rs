@@ -75,7 +75,7 @@ pub fn position(workspace: &mut Workspace, epoch: &Epoch<CAPACITY>, start: Ecef)
 #[inline(never)]
 pub fn velocity(
     workspace: &mut Workspace,
-    rates: &mut dyn Iterator<Item = RangeRate>,
+    rates: &mut dyn Iterator<Item = RangeRate<f32>>,
     thresholds: &Thresholds<'_>,
     factors: &KFactors<f32>,
 ) -> Result<Velocity, VelocityError> {

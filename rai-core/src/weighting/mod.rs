@@ -55,6 +55,7 @@
 pub mod adaptation;
 pub(crate) mod residuals;
 
+use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 
 /// Code noise at the zenith, m: a geodetic receiver's 0.3 m.
@@ -155,7 +156,7 @@ pub fn obliquity(sin_elevation: f32) -> f32 {
     /// [DO-229]: crate#references
     const RATIO_SQUARED: f32 = 0.898_665_4;
     let sine = sin_elevation.clamp(0.0, 1.0);
-    1.0 / libm::sqrtf(1.0 - RATIO_SQUARED * (1.0 - sine * sine))
+    1.0 / sqrt(1.0 - RATIO_SQUARED * (1.0 - sine * sine))
 }
 
 /// Number of sigmas with which a shared range error enters the protection levels.
@@ -274,7 +275,7 @@ pub fn integrity_sigma_m(support: &IsmParameters, promised_m: f32, budget: &Erro
     let sin_elevation = budget.sin_elevation.max(0.05);
     let troposphere_m2 = 0.12 * 0.12 * 1.001 * 1.001 / (0.002_001 + sin_elevation * sin_elevation);
     let user_m2 = user_m2(sin_elevation, budget) + budget.ionosphere_m * budget.ionosphere_m;
-    libm::sqrtf(ura_m * ura_m + user_m2 + troposphere_m2)
+    sqrt(ura_m * ura_m + user_m2 + troposphere_m2)
 }
 
 /// Returns the receiver's own part, m².
@@ -333,7 +334,7 @@ pub fn sigma_m(budget: &ErrorBudget) -> f32 {
     // Below 3° the model is not calibrated: the error stays that of 3°, where masks end.
     let sin_elevation = budget.sin_elevation.max(0.05);
     let troposphere_m = TROPOSPHERE_M / (sin_elevation + 0.05);
-    libm::sqrtf(
+    sqrt(
         budget.ephemeris_m * budget.ephemeris_m
             + user_m2(sin_elevation, budget)
             + troposphere_m * troposphere_m

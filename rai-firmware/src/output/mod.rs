@@ -14,6 +14,7 @@
 //! therefore take the position from `Statement::usable_solution` and the velocity from
 //! `Statement::usable_motion`.
 
+use raim_core::numeric::sqrt;
 use raim_core::report::{Report, Solution, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::velocity::Velocity;
@@ -46,13 +47,13 @@ impl Motion {
         let [east_m_s, north_m_s, up_m_s] = velocity.east_north_up_m_s.map(|component| component as f32);
         let [east, covariance, _, north, _, _] = velocity.covariance_m2_s2.map(|element| element as f32);
         let (mean, difference) = (0.5 * (east + north), 0.5 * (east - north));
-        let spread = libm::sqrtf(difference * difference + covariance * covariance);
-        Self { east_m_s, north_m_s, up_m_s, sigma_m_s: libm::sqrtf((mean + spread).max(0.0)) }
+        let spread = sqrt(difference * difference + covariance * covariance);
+        Self { east_m_s, north_m_s, up_m_s, sigma_m_s: sqrt((mean + spread).max(0.0)) }
     }
 
     /// Returns the speed over ground, m/s.
     pub fn speed_m_s(&self) -> f32 {
-        libm::sqrtf(self.east_m_s * self.east_m_s + self.north_m_s * self.north_m_s)
+        sqrt(self.east_m_s * self.east_m_s + self.north_m_s * self.north_m_s)
     }
 }
 

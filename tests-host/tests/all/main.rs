@@ -43,6 +43,7 @@ mod precision;
 mod python;
 mod recordings;
 mod report;
+mod roots;
 mod second_board;
 mod service;
 mod settings;

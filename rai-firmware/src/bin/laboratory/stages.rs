@@ -23,6 +23,7 @@ use crate::copies;
 use crate::epochs::{epoch, point};
 use crate::precision::Precision;
 use crate::request::{Input, Request};
+use crate::roots;
 use crate::stopwatch::Stopwatch;
 use crate::wire;
 
@@ -58,6 +59,7 @@ fn run_in<T: Precision>(
         13 => separate::<T>(input, stopwatch, answers),
         // The loops take more ticks than the timer has.
         14 => answers.write(0, &copies::compare()),
+        15 => answers.write(0, &roots::compare()),
         _ => None,
     }
 }

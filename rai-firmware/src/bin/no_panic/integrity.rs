@@ -8,7 +8,7 @@ use raim_core::allocation::AllocationError;
 use raim_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
 use raim_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Motion, Recovery};
 use raim_core::epoch::{Epoch, EpochError, EpochView};
-use raim_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
+use raim_core::frame::{Ecef, Enu, Geodetic, LocalAxes, LocalFrame};
 use raim_core::integrity::araim::{self, Allocation, AraimError, AraimScratch, Finding, Hypothesis};
 use raim_core::integrity::raim::detection::threshold::policy::{
     self, NoThreshold, ThresholdProblem, Weights,
@@ -273,7 +273,7 @@ fn velocity<T: Real>() {
     reach!(
         (|workspace, rates, thresholds, factors| {
             velocity::estimate::<T, N>(workspace, rates.iter().copied(), thresholds, factors)
-        }) as fn(_, &[RangeRate], _, _) -> _,
+        }) as fn(_, &[RangeRate<T>], _, _) -> _,
     );
 }
 
@@ -397,6 +397,11 @@ fn frames() {
         LocalFrame::rotate as fn(_, _) -> _,
         LocalFrame::unrotate as fn(_, _) -> _,
         LocalFrame::sin_elevation as fn(_, _, _) -> _,
+        LocalAxes::at as fn(_) -> _,
+        LocalAxes::east_north_up as fn(_) -> _,
+        LocalAxes::height_m as fn(_) -> _,
+        LocalAxes::sin_latitude as fn(_) -> _,
+        LocalAxes::latitude_and_longitude_rad as fn(_) -> _,
     );
 }
 

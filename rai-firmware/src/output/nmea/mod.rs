@@ -44,6 +44,7 @@ use super::Statement;
 use super::schedule::{Due, Item};
 use crate::time::GpsTime;
 
+mod digits;
 mod flow;
 mod position;
 mod proprietary;
