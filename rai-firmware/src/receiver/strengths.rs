@@ -20,7 +20,7 @@
 
 use raim_core::satellite::Constellation;
 
-use crate::raw::RawEpoch;
+use crate::raw::{RawEpoch, RawSignal};
 
 /// Least number of satellites.
 const LEAST_SATELLITES: u32 = 6;
@@ -63,7 +63,7 @@ impl Strengths {
     pub(super) fn take(&mut self, raw: &RawEpoch, now_ms: u64) -> bool {
         let mut systems = [Sums::default(); Constellation::COUNT];
         for satellite in &raw.satellites {
-            let strength = satellite.signals.first().and_then(|signal| signal.cn0_dbhz());
+            let strength = satellite.signals.first().and_then(RawSignal::cn0_dbhz);
             let system = systems.get_mut(satellite.satellite.constellation() as usize);
             if let (Some(strength), Some(system)) = (strength, system) {
                 system.count += 1;
@@ -96,7 +96,7 @@ mod tests {
     use raim_core::satellite::SatelliteId;
 
     use super::*;
-    use crate::raw::{Band, Carrier, RawSatellite, RawSignal};
+    use crate::raw::{Band, Carrier, RawSatellite};
     use crate::time::GpsTime;
 
     /// Returns an epoch with these strengths, dB-Hz, of satellites of two systems in turn.

@@ -55,9 +55,9 @@ impl Value for Option<Place> {
     fn say(&self, take: Take<'_>) {
         match self {
             Some(Place { latitude_deg, longitude_deg, height_m, sigma_m }) => {
-                [latitude_deg, longitude_deg, height_m, sigma_m]
-                    .iter()
-                    .for_each(|value| take(&plain(**value)));
+                for value in [latitude_deg, longitude_deg, height_m, sigma_m] {
+                    take(&plain(*value));
+                }
             }
             None => [OFF, "", "", ""].iter().for_each(|field| take(field)),
         }

@@ -8,7 +8,7 @@
 
 use anyhow::Result;
 use raim::signal::encode::Frequency;
-use raim::signal::fault::{Fault, Kind, Measured as _, Target};
+use raim::signal::fault::{Fault, Kind, Measured, Target};
 use raim::signal::sky::Site;
 use raim::signal::sky::raw::Simulation;
 use raim_core::frame::LocalFrame;
@@ -124,7 +124,7 @@ fn wrong(effort: Effort) -> Result<Vec<Figure>> {
 
 /// Keeps some GPS satellites of a sky, at random, or all of both systems.
 fn kept(sky: &Sky, count: usize, chance: &mut ChaCha8Rng) -> Vec<SatelliteId> {
-    let all = sky.recording.epochs.last().map_or_else(Vec::new, |epoch| epoch.satellites());
+    let all = sky.recording.epochs.last().map_or_else(Vec::new, Measured::satellites);
     let of_gps: Vec<SatelliteId> =
         all.iter().copied().filter(|id| id.constellation() == Constellation::Gps).collect();
     if count > of_gps.len() { all } else { of_gps.choose_multiple(chance, count).copied().collect() }
