@@ -8,7 +8,8 @@
 //!
 //! The counterfeit group has more satellites, and its residuals vanish once the genuine group is
 //! left out. Without a third system nothing tells which group is genuine, so that no position may
-//! be promised, whatever the sizes of the groups.
+//! be promised, whatever the sizes of the groups. A single genuine satellite would contradict
+//! nothing, so that all of them are well above the elevation mask.
 
 use anyhow::Result;
 use raim::signal::encode::Frequency;
@@ -39,6 +40,9 @@ const GENUINE: std::ops::RangeInclusive<usize> = 2..=6;
 
 /// Distance to the north, degrees: 400 km.
 const NORTH_DEG: f64 = 3.6;
+
+/// Least elevation of a genuine satellite, rad: 15°, above the mask of the module.
+const GENUINE_RAD: f64 = 0.26;
 
 /// Epochs of a run.
 const EPOCHS: u32 = 20;
@@ -76,7 +80,16 @@ fn attempt(method: &str, genuine: usize, seed: u64) -> Result<Tally> {
         seen
     };
     let counterfeit = first(&away.epochs[0], Constellation::Gps, COUNTERFEIT);
-    let kept = first(&sky.recording.epochs[0], Constellation::Galileo, genuine);
+    let sights = simulation.sights_at(0);
+    let is_high = |id: &SatelliteId| {
+        sights.iter().any(|sight| sight.satellite == *id && sight.elevation_rad() > GENUINE_RAD)
+    };
+    let mut kept = first(&sky.recording.epochs[0], Constellation::Galileo, usize::MAX);
+    kept.retain(is_high);
+    kept.truncate(genuine);
+    if kept.len() < genuine {
+        return Ok(Tally::default());
+    }
     let bytes = sky.bytes(|index, epoch| {
         epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
         let forged = away.epochs[index].satellites.iter();

@@ -60,8 +60,7 @@ fn left_out<T: Real>(galileo: usize, beidou: usize, odd_m: f64) -> usize {
 fn of_two_systems_neither_is_outvoted_by_the_other() {
     for galileo in 2..=9 {
         for beidou in 0..=1 {
-            let counts =
-                [left_out::<f32>(galileo, beidou, 0.0), left_out::<f64>(galileo, beidou, 0.0)];
+            let counts = [left_out::<f32>(galileo, beidou, 0.0), left_out::<f64>(galileo, beidou, 0.0)];
             println!(
                 "eight GPS satellites elsewhere, {galileo} of Galileo, {beidou} of BeiDou: {counts:?} of 100 skies promised"
             );
@@ -74,7 +73,9 @@ fn of_two_systems_neither_is_outvoted_by_the_other() {
 #[test]
 fn two_systems_are_not_outvoted_by_one() {
     let counts = [left_out::<f32>(4, 3, 0.0), left_out::<f64>(4, 3, 0.0)];
-    println!("eight GPS satellites elsewhere, four of Galileo, three of BeiDou: {counts:?} of 100 skies promised");
+    println!(
+        "eight GPS satellites elsewhere, four of Galileo, three of BeiDou: {counts:?} of 100 skies promised"
+    );
     assert_eq!(counts, [0, 0]);
 }
 
