@@ -14,6 +14,7 @@
 
 pub mod araim;
 pub mod raim;
+mod systems;
 
 use heapless::Vec;
 
@@ -40,6 +41,8 @@ use raim::isolation::exclusion::{
 use raim::isolation::sets::count_up_to;
 use raim::isolation::{parity, ransac};
 use raim::levels::{KFactors, LevelInputs, Levels, common_shift};
+
+pub(crate) use systems::KeptOut;
 
 /// Method that finds the faulty satellites.
 ///
@@ -200,6 +203,8 @@ pub struct Judgement<T> {
     pub test: Result<Test<T>, NoThreshold>,
     /// Test without the clock forecast.
     pub without_aiding: WithoutAiding<T>,
+    /// Constellations left out as a whole, a bit for each id.
+    pub lost_systems: u8,
     /// True if faulty satellites were searched for.
     pub searched: bool,
     /// Additional results of [`Method::Araim`].
@@ -334,14 +339,19 @@ fn judge_by_residuals<T: Real>(
             }
         }
     }
-    Judgement {
+    let mut judgement = Judgement {
         outcome: exclusion.outcome,
         excluded: exclusion.rows,
         test,
         without_aiding,
+        lost_systems: 0,
         searched,
         araim: None,
+    };
+    if matches!(judgement.outcome, ExclusionOutcome::NotIsolated(reason) if reason != Unidentified::Time) {
+        systems::leave_out_broken(solution, epoch, forecast, criteria, rates, &mut judgement);
     }
+    judgement
 }
 
 /// Tests a solution without its forecast; the solution ends as it began.
@@ -379,7 +389,11 @@ fn isolate<T: Real>(
     let thresholds = &criteria.thresholds;
     if let Search::Known(satellites) = search {
         let listed = epoch.observations().iter().enumerate();
-        let known = listed.filter(|(_, observation)| satellites.contains(&observation.satellite));
+        let equations = solution.snapshot().equations();
+        let takes_part = |index: usize| equations.get(index).is_some_and(|row| row.weight > T::zero());
+        // A system that is kept out has no rows to leave out.
+        let known = listed
+            .filter(|(index, observation)| satellites.contains(&observation.satellite) && takes_part(*index));
         let rows: Vec<usize, MAX_EXCLUDED> = gather(known.map(|(index, _)| index));
         return leave_out(solution, &rows, thresholds);
     }

@@ -55,6 +55,7 @@ fn report(said: Said) -> Report<4> {
         test: Some(TestStatistic { statistic: 1.0, threshold: 2.0, dof: said.dof }),
         protection: Some(ProtectionLevels { hpl_m: said.hpl_m, vpl_m: 30.0 }),
         excluded: Vec::new(),
+        excluded_constellations: 0,
         suspect: None,
         used: Vec::new(),
         residual_rms_m: 1.0,

@@ -42,6 +42,7 @@ fn report(epoch: Epoch) -> Report<4> {
         test: Some(TestStatistic { statistic: 1.0, threshold: 2.0, dof: 5 }),
         protection: Some(ProtectionLevels { hpl_m: 10.0, vpl_m: LEVEL_M - 10.0 }),
         excluded: Vec::new(),
+        excluded_constellations: 0,
         suspect: None,
         used: Vec::new(),
         residual_rms_m: 1.0,

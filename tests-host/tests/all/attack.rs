@@ -44,6 +44,7 @@ attacks! {
     system_that_stands_elsewhere_is_not_blamed_on_some_satellites = "shifted-system",
     few_satellites_that_stand_elsewhere_are_not_blamed_on_others = "few-shifted",
     counterfeit_system_that_outnumbers_a_genuine_one_is_not_promised = "two-truths",
+    broken_system_costs_no_promise = "broken-system",
     noise_beyond_the_sigmas_is_beyond_levels_no_more_often_than_measured = "noise-four-times",
     orbits_astray_are_beyond_levels_no_more_often_than_measured = "orbits-astray",
     rounded_ranges_are_beyond_levels_no_more_often_than_measured = "rounded-ranges",

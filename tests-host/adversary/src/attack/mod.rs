@@ -22,6 +22,7 @@
 //! | [`reflections`] | all low satellites of one side late |
 //! | [`shifted_system`] | all satellites of a system wrong at once, in agreement |
 //! | [`two_truths`] | counterfeit signals of one system beside genuine ones of another |
+//! | [`broken_system`] | more satellites of one system wrong than an exclusion may take |
 //! | [`poor_ranges`] | all ranges noisier than their sigmas, beside wrong orbits, or rounded |
 //! | [`early_ephemeris`] | ephemerides that are hours early, and crowds of absent satellites |
 //! | [`ionosphere`] | one frequency under a dense ionosphere; forged coefficients |
@@ -51,6 +52,7 @@ pub mod tally;
 pub mod victim;
 
 mod clock_ramp;
+mod broken_system;
 mod doubled_satellite;
 mod early_ephemeris;
 mod false_rates;
@@ -137,6 +139,7 @@ pub const ATTACKS: &[&Attack] = &[
     &two_truths::ATTACK,
     &poor_ranges::NOISE,
     &poor_ranges::ORBITS,
+    &broken_system::ATTACK,
     &poor_ranges::ROUNDED,
     &early_ephemeris::EARLY,
     &early_ephemeris::ABSENT,
