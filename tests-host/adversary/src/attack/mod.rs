@@ -51,8 +51,8 @@
 pub mod tally;
 pub mod victim;
 
-mod clock_ramp;
 mod broken_system;
+mod clock_ramp;
 mod doubled_satellite;
 mod early_ephemeris;
 mod false_rates;
