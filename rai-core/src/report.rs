@@ -69,8 +69,8 @@ pub enum Alert {
     /// The position moved farther than it can since it was last protected: the satellites that
     /// agree on it agree by chance, or are counterfeit.
     Jump,
-    /// The receiver clock moved otherwise than its measured drift: a second receiver, a repeater or
-    /// counterfeit signals.
+    /// The receiver clock moved otherwise than its measured drift, or without range rates than its
+    /// own past: a second receiver, a repeater or counterfeit signals.
     Clock,
     /// The position moved otherwise than its measured velocity.
     Track,
@@ -311,6 +311,9 @@ pub struct Report<const N: usize> {
     pub protection: Option<ProtectionLevels>,
     /// Satellites left out, in the order of exclusion.
     pub excluded: Vec<Suspect, MAX_EXCLUDED>,
+    /// Constellations left out as a whole, a bit for each id: found broken in this epoch, or kept
+    /// out because of earlier ones. Some of their satellites are among [`Self::excluded`].
+    pub excluded_constellations: u8,
     /// The satellite used with the largest w-test; `None` without redundancy.
     pub suspect: Option<Suspect>,
     /// Satellites in the solution, in the order of the epoch.
@@ -339,6 +342,7 @@ impl<const N: usize> Report<N> {
             test: None,
             protection: None,
             excluded: Vec::new(),
+            excluded_constellations: 0,
             suspect: None,
             used: Vec::new(),
             residual_rms_m: 0.0,
@@ -354,6 +358,7 @@ impl<const N: usize> Report<N> {
         let Self { excluded, used, .. } = self;
         excluded.clear();
         used.clear();
+        self.excluded_constellations = 0;
         (self.verdict, self.residual_rms_m, self.tracked) =
             (Verdict::Unavailable(Unavailable::NoFix), 0.0, 0);
         (self.solution, self.test, self.protection) = (None, None, None);

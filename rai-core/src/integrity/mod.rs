@@ -23,6 +23,7 @@
 
 pub mod araim;
 pub mod raim;
+mod systems;
 
 use core::fmt;
 
@@ -51,6 +52,8 @@ use raim::isolation::exclusion::{
 use raim::isolation::sets::count_up_to;
 use raim::isolation::{parity, ransac};
 use raim::levels::{KFactors, LevelInputs, Levels, common_shift};
+
+pub(crate) use systems::KeptOut;
 
 /// Method that finds the faulty satellites.
 ///
@@ -241,6 +244,8 @@ pub struct Judgement<T> {
     pub test: Result<Test<T>, NoThreshold>,
     /// Test without the clock forecast and the known height.
     pub without_aiding: WithoutAiding<T>,
+    /// Constellations left out as a whole, a bit for each id.
+    pub lost_systems: u8,
     /// True if faulty satellites were searched for.
     pub searched: bool,
     /// Additional results of [`Method::Araim`].
@@ -378,14 +383,19 @@ fn judge_by_residuals<T: Real>(
             }
         }
     }
-    Judgement {
+    let mut judgement = Judgement {
         outcome: exclusion.outcome,
         excluded: exclusion.rows,
         test,
         without_aiding,
+        lost_systems: 0,
         searched,
         araim: None,
+    };
+    if matches!(judgement.outcome, ExclusionOutcome::NotIsolated(reason) if reason != Unidentified::Time) {
+        systems::leave_out_broken(solution, epoch, &aids, criteria, rates, &mut judgement);
     }
+    judgement
 }
 
 /// Returns the row of a known height, which stands behind the satellites and touches no clock.
@@ -433,7 +443,11 @@ fn isolate<T: Real>(
     let thresholds = &criteria.thresholds;
     if let Search::Known(satellites) = search {
         let listed = epoch.observations().iter().enumerate();
-        let known = listed.filter(|(_, observation)| satellites.contains(&observation.satellite));
+        let equations = solution.snapshot().equations();
+        let takes_part = |index: usize| equations.get(index).is_some_and(|row| row.weight > T::zero());
+        // A system that is kept out has no rows to leave out.
+        let known = listed
+            .filter(|(index, observation)| satellites.contains(&observation.satellite) && takes_part(*index));
         let rows: Vec<usize, MAX_EXCLUDED> = gather(known.map(|(index, _)| index));
         return leave_out(solution, &rows, thresholds);
     }

@@ -24,6 +24,7 @@
 mod description;
 mod evidence;
 mod height;
+mod kept_out;
 mod named;
 mod validated;
 mod verdict;
@@ -36,21 +37,21 @@ use crate::continuity::{Continuity, Motion};
 use crate::epoch::{Aided, Epoch, EpochView};
 use crate::frame::Ecef;
 use crate::integrity::raim::hypotheses::time_tag::RangeRates;
-use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, leaves_enough};
+use crate::integrity::raim::isolation::exclusion::ExclusionOutcome;
 use crate::integrity::raim::isolation::ransac::Subsets;
-use crate::integrity::{Criteria, Judgement, judge};
+use crate::integrity::{Criteria, Judgement, KeptOut, judge};
 use crate::least_squares::SnapshotError;
 use crate::least_squares::fix::{Fix, FixError};
 use crate::numeric::real::Real;
-use crate::report::{Alert, Protected, Report, Unavailable, Verdict};
+use crate::report::{Alert, Report, Suspect, Unavailable, Verdict};
 use crate::requirements::Requirements;
 use crate::velocity::{Velocity, VelocityError};
 use crate::weighting::adaptation::Adaptation;
-use crate::weighting::residuals::Residuals;
 
 use description::{describe, known_height, residuals, suspects};
 use evidence::{Belief, Evidence, residuals_of_all};
 use height::HeightMemory;
+use kept_out::{KeptOutSystems, SystemsSeen};
 use named::Named;
 use workspace::Update;
 
@@ -128,6 +129,7 @@ pub struct Monitor<T: Real, const N: usize> {
     evidence: Evidence,
     named: Named,
     height: HeightMemory,
+    kept_out: KeptOutSystems,
     motion: Motion,
     continuity: Continuity,
     continuity_settings: Option<ContinuitySettings>,
@@ -159,6 +161,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
                 evidence: Evidence::new(),
                 named: Named::new(),
                 height: HeightMemory::new(),
+                kept_out: KeptOutSystems::new(),
                 motion: Motion::new(),
                 continuity: Continuity::new(),
                 continuity_settings: Some(ContinuitySettings::anywhere()),
@@ -201,6 +204,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     pub fn forget_residuals(&mut self) {
         self.adaptation.restart();
         self.evidence.restart();
+        self.kept_out.restart();
         self.motion.restart();
     }
 
@@ -229,6 +233,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Forgets the last position, so that the next may be anywhere.
     pub fn forget_position(&mut self) {
         self.continuity.forget();
+        self.kept_out.restart();
         self.motion.restart();
         self.height = HeightMemory::new();
     }
@@ -341,9 +346,14 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
             Ok(fix) => {
                 let clock_row = fix.clock_row();
+                let kept_out = self.keep_out(fix, &epoch.view());
                 let mut judgement =
                     judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
+                let is_broken = judgement.lost_systems;
+                kept_out.describe(&mut judgement);
                 self.assess(fix, &epoch.view(), &mut judgement, outcome);
+                outcome.update.systems.excluded = is_broken;
+                outcome.update.systems.kept_out_agree = kept_out.agrees;
             }
             Err(error) => self.assess_without_position(*error, epoch, outcome),
         }
@@ -362,7 +372,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.continue_from(outcome, own_clock_s, velocity);
         // Under an alert and while satellites recover from it, the exclusion may be the wrong one.
         if matches!(outcome.report.verdict, Verdict::Protected(_)) {
-            for excluded in &outcome.report.excluded {
+            // A system is doubted as a whole, not by its satellites.
+            let lost = outcome.report.excluded_constellations;
+            let is_lost = |suspect: &&Suspect| lost >> (suspect.satellite.constellation() as u8) & 1 != 0;
+            for excluded in outcome.report.excluded.iter().filter(|suspect| !is_lost(suspect)) {
                 self.named.name(excluded.satellite);
             }
         }
@@ -381,23 +394,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
         if let Some(residuals) = *residuals {
             self.adaptation.learn(*time_s, residuals);
-        }
-    }
-
-    /// Adds an epoch, promised or not, to the evidence against sigmas and satellites.
-    fn remember(&mut self, outcome: &EpochOutcome<N>) {
-        let EpochOutcome { report, update, .. } = outcome;
-        if report.verdict == Verdict::Alert(Alert::Time) {
-            // A wrong time explains the alarms about it, in which it was not told from a fault.
-            self.evidence.restart();
-        } else {
-            self.evidence.learn(update.time_s, update.evidence);
-        }
-        if update.is_refuting_scale {
-            self.adaptation.restart();
-        }
-        if update.ratio.is_some() {
-            self.named.agree(update.time_s, &report.used);
         }
     }
 
@@ -440,6 +436,14 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
+    /// Leaves out the satellites of systems that were found broken again and again.
+    fn keep_out(&self, fix: &mut Fix<'_, T>, epoch: &EpochView<'_>) -> KeptOut {
+        match self.kept_out.systems() {
+            0 => KeptOut::NONE,
+            systems => KeptOut::of(fix, epoch, systems, &self.validated.thresholds),
+        }
+    }
+
     /// Returns the scale on all sigmas while `sigma_adapt` is on.
     ///
     /// It is at least 1 on sigmas of an integrity support message, because that message covers
@@ -478,7 +482,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             judgement.scale_levels(f64::from(factor));
         }
         let verdict = match self.verdict(judgement, excluded.is_empty()) {
-            Verdict::Protected(how) => self.supported(how, belief, fix, epoch, excluded.len()),
+            Verdict::Protected(how) => {
+                let alone = judgement.single_exclusions(fix.snapshot(), epoch.observations().len()).count();
+                self.supported(how, belief, fix, epoch, alone)
+            }
             other => other,
         };
         let passed = !matches!(judgement.outcome, ExclusionOutcome::NotIsolated(_));
@@ -499,50 +506,18 @@ impl<T: Real, const N: usize> Monitor<T, N> {
                 && judgement.outcome != ExclusionOutcome::Passed,
             clocks: teaches.then(|| SolvedClocks::of(fix.snapshot())),
             residuals: ratio.filter(|_| self.strategy.sigma_adapt).map(|_| residuals(fix.snapshot(), epoch)),
+            systems: SystemsSeen { in_view: systems_of(epoch), ..SystemsSeen::NONE },
         };
         *searched = judgement.searched;
         report.excluded = excluded;
         report.height = known_height(judgement, fix.snapshot(), epoch);
+        report.excluded_constellations = judgement.lost_systems;
         report.sigma_check = self.sigma_check(ratio);
         describe(fix, epoch, verdict, judgement, report);
         if verdict == Verdict::Unavailable(Unavailable::Sigmas) {
             // A level of refuted sigmas bounds nothing.
             report.protection = None;
         }
-    }
-
-    /// Returns the belief in the sigmas after an epoch with these residuals. Epochs that are judged
-    /// independently are no evidence against each other.
-    fn belief(&self, time_s: f64, latest: Residuals) -> Belief {
-        match self.continuity_settings {
-            Some(_) => self.evidence.belief(time_s, latest),
-            None => Belief::Sound,
-        }
-    }
-
-    /// Returns the verdict on a protected epoch in the light of the evidence of those before it.
-    fn supported(
-        &self,
-        how: Protected,
-        belief: Belief,
-        fix: &Fix<'_, T>,
-        epoch: &EpochView<'_>,
-        excluded: usize,
-    ) -> Verdict {
-        if belief == Belief::Refuted {
-            return Verdict::Unavailable(Unavailable::Sigmas);
-        }
-        if self.continuity_settings.is_none() || self.named.is_empty() {
-            return Verdict::Protected(how);
-        }
-        let used =
-            fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
-        let doubtful = used.filter(|(_, observation)| self.named.contains(observation.satellite)).count();
-        // A doubtful satellite takes its degree of freedom with it.
-        if !leaves_enough(excluded.max(1) + doubtful, fix.snapshot().dof()) {
-            return Verdict::Unavailable(Unavailable::Redundancy);
-        }
-        Verdict::Protected(how)
     }
 
     /// Returns the mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs, this one
@@ -569,6 +544,11 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         report.tracked = epoch.observations().len() as u8;
         report.sigma_check = self.sigma_check(None);
     }
+}
+
+/// Returns the systems of an epoch, a bit for each id.
+fn systems_of(epoch: &EpochView<'_>) -> u8 {
+    epoch.observations().iter().fold(0, |set, seen| set | 1 << (seen.satellite.constellation() as u8))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Memory of one epoch: the workspace of its judgement, its report, and its update of the state.
 
+use super::kept_out::SystemsSeen;
 use crate::clock::SolvedClocks;
 use crate::frame::Ecef;
 use crate::integrity::MethodScratch;
@@ -109,6 +110,8 @@ pub(super) struct Update {
     pub(super) clocks: Option<SolvedClocks>,
     /// Residuals of a test that passed, by the sigmas of the epoch.
     pub(super) residuals: Option<Residuals>,
+    /// Systems in view, and those left out.
+    pub(super) systems: SystemsSeen,
 }
 
 impl Update {
@@ -122,6 +125,7 @@ impl Update {
             is_refuting_scale: false,
             clocks: None,
             residuals: None,
+            systems: SystemsSeen::NONE,
         }
     }
 }

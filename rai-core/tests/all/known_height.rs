@@ -40,7 +40,7 @@ fn epoch(
 
 fn monitor(method: Method) -> Monitor<f32, CAPACITY> {
     let mut monitor = Monitor::new(Requirements::non_precision_approach()).unwrap();
-    monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT });
+    monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT }).unwrap();
     monitor
 }
 

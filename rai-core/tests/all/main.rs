@@ -5,6 +5,7 @@
 mod absolute;
 mod adaptation;
 mod angle;
+mod broken_system;
 mod chi_square;
 mod clock;
 mod clock_aiding;

@@ -63,6 +63,8 @@ counters! {
         host_lost,
         /// Times that the pin could not be set.
         pin_failures,
+        /// Epochs in which a whole system was left out.
+        system_excluded,
     }
 }
 
@@ -312,6 +314,9 @@ impl<P: OutputPin> EpochLoop<P> {
             Verdict::Alert(_) => &mut self.verdicts.epochs_alert,
             Verdict::Unavailable(_) => &mut self.verdicts.epochs_unavailable,
         });
+        if report.excluded_constellations != 0 {
+            count(&mut self.verdicts.system_excluded);
+        }
         let statement = Statement {
             report,
             time,

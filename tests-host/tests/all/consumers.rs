@@ -52,6 +52,7 @@ fn report(verdict: Verdict) -> Report<64> {
         test: Some(TestStatistic { statistic: 0.912, threshold: 1.873, dof: 12 }),
         protection: Some(ProtectionLevels { hpl_m: 12.301, vpl_m: 18.2 }),
         excluded: heapless::Vec::new(),
+        excluded_constellations: 0,
         suspect: None,
         used: (1..10).filter_map(|number| SatelliteId::new(Constellation::Gps, number)).collect(),
         residual_rms_m: 0.934,

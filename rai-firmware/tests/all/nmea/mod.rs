@@ -107,6 +107,7 @@ fn report() -> Report<CAPACITY> {
         test: Some(TestStatistic { statistic: 0.912, threshold: 1.873, dof: 11 }),
         protection: Some(ProtectionLevels { hpl_m: 12.34, vpl_m: 18.26 }),
         excluded: Fixed::new(),
+        excluded_constellations: 0,
         suspect: Some(Suspect {
             satellite: satellite(Constellation::Beidou, 23),
             w_test: 1.5,

@@ -22,6 +22,7 @@
 //! | [`reflections`] | all low satellites of one side late |
 //! | [`shifted_system`] | all satellites of a system wrong at once, in agreement |
 //! | [`two_truths`] | counterfeit signals of one system beside genuine ones of another |
+//! | [`broken_system`] | more satellites of one system wrong than an exclusion may take |
 //! | [`poor_ranges`] | all ranges noisier than their sigmas, beside wrong orbits, or rounded |
 //! | [`early_ephemeris`] | ephemerides that are hours early, and crowds of absent satellites |
 //! | [`ionosphere`] | one frequency under a dense ionosphere; forged coefficients |
@@ -29,6 +30,7 @@
 //! | [`held_back`] | epochs that a line delays more and more; a recording that is replayed |
 //! | [`false_rates`] | range rates with the wrong sign, and random range rates |
 //! | [`rates_apart`] | ranges that move while their rates do not; a counterfeit sky after a silence |
+//! | [`repeater`] | all ranges longer by one delay, without range rates |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`forged_frames`] | frames with another time, week or place, or other leap seconds |
 //! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it; the end of a cycle of weeks |
@@ -53,6 +55,7 @@ pub mod tally;
 pub mod victim;
 
 mod alike_strengths;
+mod broken_system;
 mod clock_ramp;
 mod doubled_satellite;
 mod early_ephemeris;
@@ -73,6 +76,7 @@ mod poor_ranges;
 mod rates_apart;
 mod recordings;
 mod reflections;
+mod repeater;
 mod second_frequency;
 mod settings;
 pub mod several_faults;
@@ -139,6 +143,7 @@ pub const ATTACKS: &[&Attack] = &[
     &shifted_system::WHOLE,
     &shifted_system::FEW,
     &two_truths::ATTACK,
+    &broken_system::ATTACK,
     &poor_ranges::NOISE,
     &poor_ranges::ORBITS,
     &poor_ranges::ROUNDED,
@@ -160,6 +165,7 @@ pub const ATTACKS: &[&Attack] = &[
     &rates_apart::WALK,
     &rates_apart::DRAG,
     &rates_apart::SILENCE,
+    &repeater::ATTACK,
     &odd_ranges::APART,
     &odd_ranges::WEEK,
     &forged_frames::MOVED,
