@@ -17,7 +17,8 @@
 //! | `g`, `G` | row of the geometry: direction, and 1 for the clock of the system; of all used | 1 |
 //! | `W` | diagonal of `1/σ²` | m⁻² |
 //!
-//! A forecast clock (`CLOCKAID`) is not part of `G`, so that w-tests are slightly too large with it.
+//! A forecast clock (`CLOCKAID`) is not part of `G`, so that w-tests are slightly too large with
+//! it.
 //!
 //! References: W. Baarda, *A testing procedure for use in geodetic networks*, 1968 (w-test).
 
@@ -36,8 +37,6 @@ use raim_firmware::receiver::Receiver;
 use raim_firmware::settings::Configuration;
 use raim_firmware::time::GpsTime;
 
-use crate::page::report::View;
-
 /// Treatment of a satellite in an epoch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Fate {
@@ -49,7 +48,7 @@ pub enum Fate {
     Low,
     /// No signal as strong as `CN0MASK`.
     Weak,
-    /// Of a system that is not in `SYSTEMS`.
+    /// System not in `SYSTEMS`.
     OtherSystem,
     /// No ephemeris, or a stale or disputed one.
     NoOrbit,
@@ -116,6 +115,17 @@ pub struct Seen {
     pub w_test: Option<f64>,
     /// Treatment.
     pub fate: Fate,
+}
+
+/// The module's view of an epoch beyond its sentences.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct View {
+    /// Time tag of the epoch.
+    pub time: Option<GpsTime>,
+    /// Receiver clock times the speed of light, m: that of the first system with one.
+    pub clock_m: Option<f64>,
+    /// Satellites of the epoch.
+    pub satellites: Vec<Seen>,
 }
 
 /// Reader of the GNSS port beside a module.

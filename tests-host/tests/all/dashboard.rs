@@ -9,11 +9,11 @@ use raim::monitor::{Dashboard, draw};
 use raim::satellites::{Fate, Seen};
 use raim::signal::checksum::nmea_line;
 use raim::signal::encode::{Encoder, Frequency, Selection};
-use raim::signal::fault::{Fault, Injector};
-use raim::signal::sky::raw::Simulation;
+use raim::signal::fault::{Injector, satellite};
 use raim_core::satellite::{Constellation, SatelliteId};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
+use rig::demo::Plan;
 
 const SIZES: [(u16, u16); 2] = [(80, 24), (120, 40)];
 
@@ -143,18 +143,14 @@ fn a_command_is_shown_while_it_is_typed_and_so_is_its_answer() {
 /// Draws every picture that a user could see of a capture with an alert and a silence.
 #[test]
 fn no_frame_contradicts_itself() {
-    let recording = Simulation::above_xian(0.0, 60, 3).record();
+    let plan = Plan { satellite: satellite("G15").unwrap(), bias_m: -200.0, seed: 1 };
+    let recording = plan.simulation().unwrap().record();
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual).unwrap());
-    let faults = vec![
-        Fault::parse_inject("G15:+300@10..20").unwrap(),
-        Fault::parse_inject("C08:+280@12..20").unwrap(),
-    ];
-    let faulty = Injector::new(recording.epochs.into_iter(), faults);
-    let bytes: Vec<u8> = (0..60)
-        .zip(faulty)
+    let bytes: Vec<u8> = (0..120)
+        .zip(Injector::new(recording.epochs.into_iter(), vec![plan.fault()]))
         .map(|(second, epoch)| (second, encoder.epoch(&epoch).unwrap()))
         // Fifteen seconds are longer than the time to alert.
-        .filter(|(second, _)| !(30..45).contains(second))
+        .filter(|(second, _)| !(95..110).contains(second))
         .flat_map(|(_, bytes)| bytes)
         .collect();
     let folder = tempfile::tempdir().unwrap();
@@ -183,7 +179,7 @@ fn no_frame_contradicts_itself() {
         seen.insert(state);
         frames += 1;
     }
-    assert!(frames > 45, "{frames}");
+    assert!(frames > 100, "{frames}");
     assert_eq!(seen, BTreeSet::from(["ALERT", "PROTECTED"]));
     assert!(excluded > 0);
 }

@@ -137,7 +137,7 @@ fn settings(page: &mut Page, table: &Table) {
     page.heading("Settings");
     let row = |name: &str, value: String| vec![name.to_owned(), value];
     let mut rows = vec![
-        row("seed", format!("seed {}", identity.seed)),
+        row("random numbers", format!("seed {}", identity.seed)),
         row(
             "noise",
             match identity.noise {
@@ -146,8 +146,8 @@ fn settings(page: &mut Page, table: &Table) {
             },
         ),
     ];
-    let words = identity.settings.split("; ").map(|part| part.split_once(": ").unwrap_or(("masks", part)));
-    rows.extend(words.map(|(name, value)| row(name, value.trim_start_matches("masks ").to_owned())));
+    let words = identity.settings.split("; ").map(|part| part.split_once(": ").unwrap_or(("", part)));
+    rows.extend(words.map(|(name, value)| row(name, value.to_owned())));
     rows.push(row("specification", format!("hash {:016x}", identity.hash)));
     rows.push(row("size", format!("cells {}, rows of each {}", identity.cells, identity.rows)));
     rows.push(row("version", format!("raim {}", env!("CARGO_PKG_VERSION"))));

@@ -246,8 +246,8 @@ impl Spec {
         let errors = self.errors.iter().map(ErrorSpec::words).collect::<Vec<_>>().join(" | ");
         let set = self.judgement.set.join(" ");
         format!(
-            "masks {}°; places: {places}; times: {count} every {step_s} s from {start_s} s; skies: {skies}; errors: \
-             {errors}; set: {}",
+            "masks: elevation {}°; places: {places}; times: from {start_s} s, every {step_s} s, {count} in all; \
+             skies: {skies}; errors: {errors}; set: {}",
             list(&self.masks_deg),
             if set.is_empty() { "as at start" } else { &set }
         )
@@ -339,7 +339,7 @@ impl SkySpec {
 impl ErrorSpec {
     fn words(&self) -> String {
         match (&self.user, self.sigma_m, self.zenith_m) {
-            (Some(user), ..) => format!("{} (model of a {user} antenna)", self.name),
+            (Some(user), ..) => format!("{} (the module's model for an antenna: {user})", self.name),
             (_, Some(sigma_m), _) => format!("{} (sigma {sigma_m} m)", self.name),
             (.., zenith_m) => format!("{} (sigma {} m at the zenith)", self.name, zenith_m.unwrap_or(0.0)),
         }

@@ -8,7 +8,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{Canvas, Circle, Context};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
 
-use super::{Dashboard, draw};
+use super::Dashboard;
 use crate::satellites::{Fate, Seen};
 
 /// Decades in which the levels are drawn, m; levels below 1 m are drawn at 1 m.
@@ -51,10 +51,17 @@ pub(super) fn levels(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     frame.render_widget(Paragraph::new(states(dashboard, usize::from(strip.width))), strip);
 }
 
+/// Returns seconds of the day as `hh:mm:ss`.
+pub(super) fn clock(time_s: Option<f64>) -> String {
+    let Some(time_s) = time_s else { return "--:--:--".to_owned() };
+    let seconds = time_s as u32;
+    format!("{:02}:{:02}:{:02} UTC", seconds / 3600, seconds / 60 % 60, seconds % 60)
+}
+
 /// Returns the times of the first and of the last epoch.
 fn ends(dashboard: &Dashboard) -> Vec<String> {
     let [first, last] = [dashboard.history.front(), dashboard.history.back()];
-    [first, last].map(|point| draw::clock(point.and_then(|point| point.time_s))).to_vec()
+    [first, last].map(|point| clock(point.and_then(|point| point.time_s))).to_vec()
 }
 
 fn title() -> Line<'static> {

@@ -7,7 +7,7 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph};
 
-use super::charts::{colour, levels, satellites, sky};
+use super::charts::{clock, colour, levels, satellites, sky};
 use super::{Dashboard, Pin, keys};
 
 /// Keys in the footer.
@@ -108,13 +108,6 @@ fn pin(pin: Pin) -> Span<'static> {
         Pin::Implied(false) => ("pin LOW by the verdict", false),
     };
     Span::styled(text, if high { Color::Green } else { Color::Red })
-}
-
-/// Returns seconds of the day as `hh:mm:ss`.
-pub(super) fn clock(time_s: Option<f64>) -> String {
-    let Some(time_s) = time_s else { return "--:--:--".to_owned() };
-    let seconds = time_s as u32;
-    format!("{:02}:{:02}:{:02} UTC", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }
 
 fn place(dashboard: &Dashboard) -> String {

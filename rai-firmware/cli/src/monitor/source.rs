@@ -33,7 +33,7 @@ const DAY_S: f64 = 86_400.0;
 /// Bytes without a sentence of a module after which a port is refused.
 const NO_MODULE_BYTES: usize = 16 * 1024;
 
-/// What the module has said at once: all sentences of an epoch, or one between two epochs.
+/// Sentences that belong together: all of an epoch, or one between two epochs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Message {
     /// Lines of the host port, with their line ends.
@@ -54,7 +54,7 @@ impl Message {
 /// News of a source.
 #[derive(Clone, Debug, PartialEq)]
 pub enum News {
-    /// What the module has said.
+    /// Sentences of the module.
     Said(Message),
     /// The source has ended, with the reason.
     End(String),
@@ -258,8 +258,8 @@ fn capture(
         if let Some(output) = &output {
             control.judged(output.state.state);
         }
-        // The module has lived through the silence behind the epoch already; the pin of the epoch is
-        // that of its verdict, with which `Playback` has compared it.
+        // The module has lived through the silence behind the epoch already. The pin of the epoch
+        // is that of its verdict, with which `Playback` has compared it.
         let is_high = output.is_some_and(|output| output.state.is_protected());
         sender.send(said(&heard.of_epoch, is_high, heard.view.map(|view| view.satellites)))?;
         if let Some(stale_s) = heard.stale_s {

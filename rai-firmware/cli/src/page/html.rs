@@ -1,5 +1,5 @@
-//! One self-contained HTML page: words, tables and inline SVG; no link, no font, and a script only in
-//! a [report](super::report).
+//! One self-contained HTML page: words, tables and inline SVG; no link, no font, and a script only
+//! in a [report](super::report).
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -101,8 +101,8 @@ impl Page {
         let _ = writeln!(self.body, "<figure>{}</figure>", scalable(svg));
     }
 
-    /// Adds a picture that is drawn for a wide page and for a telephone; the page shows the one that
-    /// fits.
+    /// Adds a picture that is drawn for a wide page and for a telephone; the page shows the one
+    /// that fits.
     ///
     /// # Errors
     /// The picture cannot be drawn.
@@ -122,6 +122,11 @@ impl Page {
         }
         self.body.push_str("</div>\n");
         Ok(())
+    }
+
+    /// Lets HTML be written to the end of the page, without a copy.
+    pub(super) fn append(&mut self, write: impl FnOnce(&mut String)) {
+        write(&mut self.body);
     }
 
     /// Adds HTML as it is.

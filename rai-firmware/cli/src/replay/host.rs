@@ -5,9 +5,8 @@ use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::Configuration;
 
 use super::ahead::Ahead;
-use crate::page::report::View;
 use crate::pin::Pin;
-use crate::satellites::Watcher;
+use crate::satellites::{View, Watcher};
 use crate::sentence::{self, EpochOutput, command};
 use crate::signal::lump::Lump;
 use crate::signal::pieces;

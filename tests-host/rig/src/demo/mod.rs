@@ -131,7 +131,8 @@ impl Plan {
         let mut module = Module::start(image)?;
         let (mut moments, mut ordinary) = (Vec::new(), Vec::new());
         let pin_at_boot = module.board.pin_is_high();
-        // The same firmware in process: the sentences of the board have no residuals and directions.
+        // The same firmware in process: the sentences of the board have no residuals and no
+        // directions.
         let mut twin = replay::Module::start(&[])?;
         twin.watch();
         let mut journal = Journal::default();

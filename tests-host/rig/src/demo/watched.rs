@@ -37,7 +37,7 @@ fn play(plan: &Plan, sender: &SyncSender<News>) -> Result<()> {
     let recording = simulation.record();
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual)?);
     let mut board = EmulatedBoard::start(&image::build()?)?;
-    // The same firmware in process: the sentences of the board have no residuals and directions.
+    // The same firmware in process: the board's sentences have no residuals and no directions.
     let mut twin = Module::start(&[])?;
     twin.watch();
     let start = board.read_through("$PRAIV", PATIENCE)?.concat();

@@ -26,10 +26,12 @@ use crate::satellites::Fate;
 /// GPS time 0 in Unix time, ms.
 const GPS_EPOCH_MS: i64 = 315_964_800_000;
 
-/// Returns the values as JSON that may stand in a page.
-pub(super) fn json(journal: &Journal, facts: &Facts) -> String {
-    let mut text = String::from("{");
+/// Appends the values as JSON that may stand in a page.
+pub(super) fn json(journal: &Journal, facts: &Facts, text: &mut String) {
+    text.push('{');
     let mut field = |name: &str, value: &serde_json::Value| {
+        // Names come from a command line; none of them may end the script.
+        let value = value.to_string().replace('<', "\\u003c");
         let _ = write!(text, "\"{name}\":{value},");
     };
     field("t0", &json!(start_ms(journal)));
@@ -50,11 +52,9 @@ pub(super) fn json(journal: &Journal, facts: &Facts) -> String {
         lines.iter().map(line).collect()
     };
     field("beside", &facts.beside.iter().map(Vec::as_slice).map(beside).collect());
-    columns(journal, &mut text);
-    satellites(journal, &mut text);
+    columns(journal, text);
+    satellites(journal, text);
     text.push('}');
-    // Names come from a command line; none of them may end the script.
-    text.replace('<', "\\u003c")
 }
 
 /// Returns the Unix time of second 0, ms: UTC, or GPS time if the difference is unknown.

@@ -1,4 +1,4 @@
-//! What happened, epoch by epoch, in bounded memory.
+//! The epochs and silences of a run, in bounded memory.
 
 use raim_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
 use raim_core::satellite::SatelliteId;
@@ -8,7 +8,7 @@ use super::epochs::{Epochs, Sample, severity};
 use super::satellites::Satellites;
 use crate::page::thinned::Thinned;
 use crate::page::{Moment, Verdict};
-use crate::satellites::Seen;
+use crate::satellites::View;
 use crate::sentence::EpochOutput;
 
 /// Largest number of events in the list; further ones are counted.
@@ -16,17 +16,6 @@ const MOST_EVENTS: usize = 400;
 
 /// Milliseconds of a day.
 const DAY_MS: i64 = 86_400_000;
-
-/// The module's view of an epoch beyond its sentences.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct View {
-    /// Time tag of the epoch.
-    pub time: Option<GpsTime>,
-    /// Receiver clock times the speed of light, m: that of the first system with one.
-    pub clock_m: Option<f64>,
-    /// Satellites of the epoch.
-    pub satellites: Vec<Seen>,
-}
 
 /// One epoch or one silence.
 #[derive(Clone, Copy, Debug)]

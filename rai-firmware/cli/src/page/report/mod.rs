@@ -34,7 +34,7 @@ use super::html::Page;
 use super::{stanford, timeline};
 
 pub use facts::{Facts, command_line, settings_of};
-pub use journal::{Happened, Journal, View};
+pub use journal::{Happened, Journal};
 pub use reasons::explanation;
 
 /// Script of the page.
@@ -69,7 +69,7 @@ pub fn page(journal: &Journal, facts: &Facts) -> Result<Page> {
     tables::satellites(&mut page, journal);
     against_truth(&mut page, journal)?;
     page.raw(&format!("<style>\n{STYLE}</style>\n<script type=\"application/json\" id=\"data\">"));
-    page.raw(&data::json(journal, facts));
+    page.append(|text| data::json(journal, facts, text));
     page.raw(&format!("</script>\n<script>\n{SCRIPT}</script>\n"));
     Ok(page)
 }
