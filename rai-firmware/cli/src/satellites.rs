@@ -26,10 +26,11 @@ use std::fmt;
 
 use embedded_hal::digital::OutputPin;
 use nalgebra::{DMatrix, DVector};
-use raim_core::epoch::{CAPACITY, Epoch, Observation};
+use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::{Ecef, LocalFrame};
 use raim_core::report::{Report, Solution};
 use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::correction::CAPACITY;
 use raim_firmware::ephemeris::{EphemerisError, Store};
 use raim_firmware::input::{Event, Input};
 use raim_firmware::raw::{RawEpoch, RawSatellite, RawSignal};
