@@ -14,12 +14,12 @@
 //! levels count.
 //!
 //! Such a row is a row like any other. It takes a degree of freedom and is a candidate of every
-//! search, and its slope enters the levels. With `h = (0, 0, 1)`, `w = 1/σ_h²` and the covariance `P`
-//! of the position with the height, it has the redundancy `r = 1 − w P_UU`, the gain `g = P h` and
-//! the slopes `√(w/r) √(P_EU² + P_NU²)` and `√(w/r) P_UU`. The levels therefore bound an error of
-//! the height of any size that the test misses, as they bound that of a satellite, but not errors
-//! of both at once. Before any method searches, the row alone is left out if that explains everything
-//! and no satellite does nearly as well.
+//! search, and its slope enters the levels. With `h = (0, 0, 1)`, `w = 1/σ_h²` and the covariance
+//! `P` of the position with the height, it has the redundancy `r = 1 − w P_UU`, the gain `g = P h`
+//! and the slopes `√(w/r) √(P_EU² + P_NU²)` and `√(w/r) P_UU`. The levels therefore bound an error
+//! of the height of any size that the test misses, as they bound that of a satellite, but not
+//! errors of both at once. Before any method searches, the row alone is left out if that explains
+//! everything and no satellite does nearly as well.
 
 pub mod araim;
 pub mod raim;

@@ -1,5 +1,5 @@
-//! Memory of a known height: when a contradiction to the satellites is the height's own, and when it
-//! is that of two truths.
+//! Memory of a known height: when a contradiction to the satellites is the height's own, and when
+//! it is that of two truths.
 //!
 //! ```text
 //! d = h − u                      known height minus that of the satellites alone

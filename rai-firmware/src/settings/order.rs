@@ -1,8 +1,8 @@
 //! Orders: commands that change no setting and that the receiver carries out.
 
+use super::place::{HEIGHT_M, PLACE_SIGMA_M};
 use super::read::{next_number, none};
 use super::refusal::Refusal;
-use super::table::HEIGHT_M;
 
 /// Makes the orders from their keys. An order with numbers states the type and range of each behind
 /// its name.
@@ -48,10 +48,6 @@ macro_rules! orders {
 
 /// Range of full GPS weeks, up to the end of the eighth cycle in 2137.
 const WEEKS: (f64, f64) = (0.0, 8191.0);
-
-/// Range of the standard deviation of a height or a place, m. Below, nothing is known so well;
-/// above, it has no effect.
-pub(super) const PLACE_SIGMA_M: (f64, f64) = (0.1, 1000.0);
 
 orders! {
     "STATS" Statistics: "[Counters](#counters) by name, in as many answers as they need",

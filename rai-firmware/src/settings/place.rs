@@ -7,6 +7,13 @@ use super::read::{Values, next, next_number, number};
 use super::value::{Ranges, Spelled, Take, Value, range};
 use super::{RAD, Refusal};
 
+/// Heights above the ellipsoid, m: from the deepest trench to below the satellites.
+pub(super) const HEIGHT_M: (f64, f64) = (-12_000.0, 2_000_000.0);
+
+/// Range of the standard deviation of a height or a place, m. Below, nothing is known so well;
+/// above, it has no effect.
+pub(super) const PLACE_SIGMA_M: (f64, f64) = (0.1, 1000.0);
+
 /// Word for an antenna that may move.
 const OFF: &str = "OFF";
 

@@ -27,8 +27,7 @@ use raim_core::requirements::Requirements;
 
 use super::ionosphere;
 use super::kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, SpoofFlag, Systems};
-use super::order::PLACE_SIGMA_M;
-use super::place::Place;
+use super::place::{HEIGHT_M, PLACE_SIGMA_M, Place};
 use super::promises::{Preset, Promises};
 use super::row::settings;
 use super::value::{Spelled, Value};
@@ -81,9 +80,6 @@ const NPA: Requirements = Requirements::non_precision_approach();
 
 /// Alert limits, m: `PRAIS` has room for five digits before the point.
 const LIMIT_M: (f64, f64) = (0.1, 99_999.9);
-
-/// Heights above the ellipsoid, m: from the deepest trench to below the satellites.
-pub(super) const HEIGHT_M: (f64, f64) = (-12_000.0, 2_000_000.0);
 
 const fn nothing(_: &Configuration) -> Option<&'static str> {
     None

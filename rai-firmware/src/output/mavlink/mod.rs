@@ -14,9 +14,9 @@
 //!
 //! `GNSS_INTEGRITY` carries the protection levels in `raim_hfom` and `raim_vfom`, rounded up to a
 //! centimetre. Its layout is that of the dialect [`DIALECT`] and will change; only [`dialect`]
-//! depends on it. Its authentication state is `OK` while the receiver reports an authenticated signal,
-//! else `UNKNOWN`. A protected epoch is `OK`. An alert or an unavailable epoch is `FAILED`, but
-//! `UNKNOWN` without a fix; both figures are then invalid.
+//! depends on it. Its authentication state is `OK` while the receiver reports an authenticated
+//! signal, else `UNKNOWN`. A protected epoch is `OK`. An alert or an unavailable epoch is `FAILED`,
+//! but `UNKNOWN` without a fix; both figures are then invalid.
 //!
 //! References: [MAVLINK], the guide, `common.xml` and `development.xml`.
 //!

@@ -1,5 +1,5 @@
-//! Counterfeit signals of one antenna: all of one strength. The sign alone withdraws nothing; beside
-//! a receiver that suspects spoofing it does.
+//! Counterfeit signals of one antenna: all of one strength. The sign alone withdraws nothing;
+//! beside a receiver that suspects spoofing it does.
 
 use anyhow::{Context as _, Result};
 use raim::signal::encode::{Encoder, Frequency, Selection, ubx};

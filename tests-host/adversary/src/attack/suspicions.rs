@@ -4,8 +4,8 @@
 //! The messages are: one of another kind with less knowledge; one of the same kind from a receiver
 //! that has restarted and does not know; and a single denial without a later one.
 //!
-//! A warning that suspects spoofing, and nothing more, is no reason to withdraw anything: a receiver
-//! at rest repeated it in a clean sky for ten minutes.
+//! A warning that suspects spoofing, and nothing more, is no reason to withdraw anything: a
+//! receiver at rest repeated it in a clean sky for ten minutes.
 //!
 //! The sky itself is healthy, so only the receiver's warning contradicts the promise.
 
