@@ -61,6 +61,7 @@
 //! [Chang2021]: crate#references
 
 use super::shared::SharedError;
+use crate::numeric::sqrt;
 
 /// `ρ²`, with R = 6378.1363 km ([DO-229] A.4.4.10.4).
 ///
@@ -154,5 +155,5 @@ pub fn obliquity(sin_elevation: f32) -> f32 {
 
 /// Returns the cosine of the angle between the path and the vertical at the shell, `1/F`.
 fn cosine_at_shell(sine: f32) -> f32 {
-    libm::sqrtf(1.0 - RATIO_SQUARED * (1.0 - sine * sine))
+    sqrt(1.0 - RATIO_SQUARED * (1.0 - sine * sine))
 }

@@ -56,6 +56,7 @@ pub mod ionosphere;
 pub(crate) mod residuals;
 pub mod shared;
 
+use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 
 /// Code noise at the zenith, m: a geodetic receiver's 0.3 m.
@@ -194,6 +195,7 @@ impl IsmParameters {
 /// Model of the receiver's own noise and multipath.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum UserModel {
     /// An antenna on the ground, ranges that are not smoothed: the module's own numbers.
     Ground,
@@ -243,10 +245,12 @@ impl Ism {
     /// [`Self::RESEARCH`] aboard an aircraft.
     pub const RESEARCH_AIRBORNE: Self = Self { user: UserModel::Airborne, ..Self::RESEARCH };
 
-    /// Returns the parameters of one constellation.
-    pub fn of(&self, constellation: Constellation) -> IsmParameters {
-        let [first, ..] = self.constellations;
-        self.constellations.get(constellation as usize).copied().unwrap_or(first)
+    unstable! {
+        /// Returns the parameters of one constellation.
+        pub fn of(&self, constellation: Constellation) -> IsmParameters {
+            let [first, ..] = self.constellations;
+            self.constellations.get(constellation as usize).copied().unwrap_or(first)
+        }
     }
 
     /// Returns true if every number is in its range.
@@ -262,7 +266,7 @@ pub fn integrity_sigma_m(support: &IsmParameters, promised_m: f32, budget: &Erro
     let sin_elevation = budget.sin_elevation.max(0.05);
     let troposphere_m2 = 0.12 * 0.12 * 1.001 * 1.001 / (0.002_001 + sin_elevation * sin_elevation);
     let user_m2 = user_m2(sin_elevation, budget) + budget.ionosphere_m * budget.ionosphere_m;
-    libm::sqrtf(ura_m * ura_m + user_m2 + troposphere_m2)
+    sqrt(ura_m * ura_m + user_m2 + troposphere_m2)
 }
 
 /// Returns the receiver's own part, m².
@@ -325,7 +329,7 @@ pub fn sigma_m(budget: &ErrorBudget) -> f32 {
     // Below 3° the model is not calibrated: the error stays that of 3°, where masks end.
     let sin_elevation = budget.sin_elevation.max(0.05);
     let troposphere_m = TROPOSPHERE_M / (sin_elevation + 0.05);
-    libm::sqrtf(
+    sqrt(
         budget.ephemeris_m * budget.ephemeris_m
             + user_m2(sin_elevation, budget)
             + troposphere_m * troposphere_m

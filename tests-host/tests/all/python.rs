@@ -6,7 +6,7 @@ use std::process::Command;
 use raim::replay::{self, Window};
 use raim::signal::encode::{Frequency, Selection};
 use raim::signal::sky::raw::Simulation;
-use rig::capi::{Kind, folder, library, run};
+use rig::capi::{Kind, WHOLE, folder, library, run};
 use rig::skip;
 
 /// Epochs of the recording.
@@ -31,7 +31,7 @@ fn package_for_python_passes_its_own_tests() {
     let mut python = Command::new("python3");
     python.args(["-m", "unittest", "discover", "-s"]).arg(package.join("tests"));
     python.env("PYTHONPATH", &package).env("PYTHONDONTWRITEBYTECODE", "1");
-    python.env("RAI_LIBRARY", library(Kind::Shared, "whole").expect("the library builds"));
+    python.env("RAI_LIBRARY", library(Kind::Shared, WHOLE).expect("the library builds"));
     python.env("RAIM_CAPTURE", capture).env("RAIM_EPOCHS", EPOCHS.to_string());
     let output = python.output().expect("python3");
     let said = String::from_utf8_lossy(&output.stderr);

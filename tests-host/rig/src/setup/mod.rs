@@ -148,8 +148,9 @@ fn settle(look: fn() -> Machine) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Packages of Python that read the module's sentences and messages.
-const PYTHON_PACKAGES: [&str; 2] = ["pynmea2", "pymavlink"];
+/// Packages of Python that read the module's sentences and messages, and a simulator of the chip
+/// with its clock tree.
+const PYTHON_PACKAGES: [&str; 4] = ["pynmea2", "pymavlink", "pyubx2", "labwired==0.25.0"];
 
 /// Installs the programs that tests compare the module with: gpsd, RTKLIB's `convbin`, and packages
 /// of Python in a folder of their own below `target`. Nothing but these tests needs them.
