@@ -7,7 +7,7 @@
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `ρ` | `range_m` | m, corrected for the satellite's clock and for the atmosphere, receiver clock left in |
-//! | `m` | `common_m`, the part of the error that all ranges share ([`crate::integrity::raim::levels`]) | m at one sigma |
+//! | `m` | [`SharedError`], the part of the error that all ranges share ([`crate::integrity::raim::shared_errors`]) | m at one sigma |
 //! | `σ` | `sigma_m` | m, standard deviation of the corrected range ([`crate::weighting`]) |
 
 use core::fmt;
@@ -18,6 +18,7 @@ use crate::frame::Ecef;
 use crate::numeric::bounds::is_within;
 use crate::satellite::{Constellation, SatelliteId};
 use crate::weighting::adaptation::Adaptation;
+use crate::weighting::shared::SharedError;
 
 /// Largest range to a navigation satellite, receiver clock included, m.
 ///
@@ -142,8 +143,8 @@ impl core::error::Error for EpochError {}
 pub struct Epoch<const N: usize> {
     time_s: f64,
     observations: Vec<Observation, N>,
-    /// Shared error of each observation, m.
-    common_m: Vec<f32, N>,
+    /// Shared error of each observation.
+    shared: Vec<SharedError, N>,
     aiding: Vec<Aiding, 2>,
 }
 
@@ -154,7 +155,7 @@ impl<const N: usize> Epoch<N> {
     /// is not finite counts as 0.
     pub fn new(time_s: f64) -> Self {
         let time_s = if time_s.is_finite() { time_s } else { 0.0 };
-        Self { time_s, observations: Vec::new(), common_m: Vec::new(), aiding: Vec::new() }
+        Self { time_s, observations: Vec::new(), shared: Vec::new(), aiding: Vec::new() }
     }
 
     /// Empties the epoch for another instant, in place, so that a caller need not make a new one
@@ -162,7 +163,7 @@ impl<const N: usize> Epoch<N> {
     pub fn restart(&mut self, time_s: f64) {
         self.time_s = if time_s.is_finite() { time_s } else { 0.0 };
         self.observations.clear();
-        self.common_m.clear();
+        self.shared.clear();
         self.aiding.clear();
     }
 
@@ -171,18 +172,16 @@ impl<const N: usize> Epoch<N> {
     /// # Errors
     /// [`EpochError`] names the invalid value; the epoch is then unchanged.
     pub fn push(&mut self, observation: Observation) -> Result<(), EpochError> {
-        self.push_sharing(observation, 0.0)
+        self.push_sharing(observation, SharedError::NONE)
     }
 
     /// Adds a satellite whose range shares an error with others, such as the residual of an
     /// ionosphere model.
     ///
-    /// `common_m` is its size at one sigma, with one sign in all ranges.
-    ///
     /// # Errors
-    /// As [`Self::push`]; [`EpochError::Sigma`] also if `common_m` is negative, not finite or above
-    /// 1e6 m.
-    pub fn push_sharing(&mut self, observation: Observation, common_m: f32) -> Result<(), EpochError> {
+    /// As [`Self::push`]; [`EpochError::Sigma`] also if a number of `shared` is negative, not
+    /// finite or above 1e6 m.
+    pub fn push_sharing(&mut self, observation: Observation, shared: SharedError) -> Result<(), EpochError> {
         // NaN fails every one of these comparisons.
         if !is_within(observation.range_m.abs(), &(0.0..=RANGE_LIMIT_M)) {
             return Err(EpochError::Range(observation.range_m));
@@ -193,14 +192,14 @@ impl<const N: usize> Epoch<N> {
         if !is_within(observation.sigma_m, &SIGMA_M) {
             return Err(EpochError::Sigma(observation.sigma_m));
         }
-        if !(0.0..=1e6).contains(&common_m) {
-            return Err(EpochError::Sigma(common_m.into()));
+        if !shared.is_valid() {
+            return Err(EpochError::Sigma(shared.common_m.into()));
         }
         if self.observations.iter().any(|known| known.satellite == observation.satellite) {
             return Err(EpochError::Duplicate);
         }
         self.observations.push(observation).map_err(|_| EpochError::Full)?;
-        self.common_m.push(common_m).map_err(|_| EpochError::Full)
+        self.shared.push(shared).map_err(|_| EpochError::Full)
     }
 
     /// Adds outside knowledge: one clock and one height at most.
@@ -229,8 +228,8 @@ impl<const N: usize> Epoch<N> {
     unstable! {
         /// Returns a view without the capacity.
         pub fn view(&self) -> EpochView<'_> {
-            let Self { time_s, observations, common_m, aiding } = self;
-            EpochView { time_s: *time_s, observations, common_m, aiding }
+            let Self { time_s, observations, shared, aiding } = self;
+            EpochView { time_s: *time_s, observations, shared, aiding }
         }
     }
 
@@ -244,9 +243,9 @@ impl<const N: usize> Epoch<N> {
         &self.observations
     }
 
-    /// Returns the shared error of each observation, one sigma, m, in the same order.
-    pub fn common_m(&self) -> &[f32] {
-        &self.common_m
+    /// Returns the shared error of each observation, in the same order.
+    pub fn shared(&self) -> &[SharedError] {
+        &self.shared
     }
 
     /// Returns the aiding rows, in the order they were added.
@@ -261,7 +260,7 @@ unstable! {
     pub struct EpochView<'e> {
         time_s: f64,
         observations: &'e [Observation],
-        common_m: &'e [f32],
+        shared: &'e [SharedError],
         aiding: &'e [Aiding],
     }
 }
@@ -277,9 +276,9 @@ impl<'e> EpochView<'e> {
         self.observations
     }
 
-    /// Works like [`Epoch::common_m`].
-    pub fn common_m(&self) -> &'e [f32] {
-        self.common_m
+    /// Works like [`Epoch::shared`].
+    pub fn shared(&self) -> &'e [SharedError] {
+        self.shared
     }
 }
 
@@ -314,9 +313,9 @@ impl<'e> Aided<'e> {
     /// Iterates over the satellites, each with the standard deviation of its range, m.
     pub(crate) fn weighed(&self) -> impl Iterator<Item = (&'e Observation, f64)> {
         let scale = self.scale;
-        self.view.observations.iter().zip(self.view.common_m).map(move |(observation, &common_m)| {
+        self.view.observations.iter().zip(self.view.shared).map(move |(observation, shared)| {
             let Observation { satellite, sigma_m, .. } = *observation;
-            let scaled = |scale| Adaptation::sigma_m(scale, satellite, sigma_m, common_m);
+            let scaled = |scale| Adaptation::sigma_m(scale, satellite, sigma_m, shared.common_m);
             (observation, scale.map_or(sigma_m, scaled))
         })
     }

@@ -121,17 +121,20 @@
 //! | Blanch2015 | J. Blanch et al., *Baseline advanced RAIM user algorithm and possible improvements*, IEEE Trans. AES 51(1) (2015) 713–732 |
 //! | Bowring1985 | B. R. Bowring, *The accuracy of geodetic latitude and height equations*, Survey Review 28(218) (1985) 202–206 |
 //! | Brown1992 | R. G. Brown, *A baseline GPS RAIM scheme and a note on the equivalence of three RAIM methods*, Navigation 39(3) (1992) 301–316 |
+//! | Chang2021 | H. Chang et al., *Ionospheric spatial decorrelation assessment for GBAS daytime operations in Brazil*, Navigation 68(2) (2021) 391–404 |
 //! | Chen2009 | Chen Xiaoping et al., receiver-clock aided RAIM, J. Astronautics 30(1) (2009) 271–275 |
 //! | Cody1969 | W. J. Cody, *Rational Chebyshev approximations for the error function*, Math. Comp. 23(107) (1969) 631–637 |
 //! | DLMF | *NIST digital library of mathematical functions*, <https://dlmf.nist.gov> |
 //! | DO-229 | RTCA DO-229, *Minimum operational performance standards for global positioning system/wide area augmentation system airborne equipment* |
 //! | ED-259A | EUROCAE ED-259A, *Minimum operational performance standard for dual-frequency multi-constellation satellite-based augmentation system airborne equipment*; its noise model as MAAST has it |
+//! | Eissfeller2007 | B. Eissfeller et al., multipath of GPS and Galileo signals by a channel model, as table 1 of *J. Space Weather Space Clim.* (2013) swsc120015 gives it |
 //! | ICAO-A10 | ICAO, Annex 10 to the Convention on International Civil Aviation, *Aeronautical telecommunications*, Volume I, *Radio navigation aids*, table 3.7.2.4-1 |
 //! | IS-GPS-200 | *NAVSTAR GPS space segment/navigation user segment interfaces*, interface specification of the US Space Force |
 //! | Kiefer1960 | J. Kiefer, J. Wolfowitz, *The equivalence of two extremum problems*, Canadian J. Math. 12 (1960) 363–366 |
 //! | Klobuchar1987 | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3) (1987) 325–331 |
 //! | Lin2016 | Lin Xueyuan et al., `BeiDou` RAIM, J. Naval Aeronautical Univ. 31(6) (2016) 619–624 |
 //! | MAAST | Stanford University GPS Laboratory, *MATLAB algorithm availability simulation tool*, version for ARAIM |
+//! | Marini2021 | L. Marini-Pereira et al., *Reexamining low-latitude ionospheric error bounds: an SBAS approach for Brazil*, IEEE Trans. AES 57(1) (2021) |
 //! | Montenbruck2018 | O. Montenbruck, P. Steigenberger, A. Hauschild, *Multi-GNSS signal-in-space range error assessment: methodology and results*, Adv. Space Res. 61(12) (2018) 3020–3038 |
 //! | Parity | `BeiDou` RAIM by parity vectors with isolation by grouping (print without title page) |
 //! | Sankaran1963 | M. Sankaran, *Approximations to the non-central chi-square distribution*, Biometrika 50(1–2) (1963) 199–204 |

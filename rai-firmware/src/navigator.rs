@@ -68,6 +68,8 @@ pub struct Navigator {
     /// Ionosphere models broadcast by GPS and by `BeiDou`, with the time of arrival. Coefficients
     /// that come before the first epoch have no time until that epoch.
     ionosphere: [Option<(Klobuchar, Option<GpsTime>)>; 2],
+    /// True from the arrival of another model until the next epoch.
+    has_new_model: bool,
 }
 
 /// Memory of one epoch, with its result, kept here so that the stack does not need it.
@@ -103,6 +105,7 @@ impl Navigator {
             distrusted: None,
             known_height: None,
             ionosphere: [None; 2],
+            has_new_model: false,
         }
     }
 
@@ -135,7 +138,10 @@ impl Navigator {
             Constellation::Beidou => (of_beidou, Klobuchar::of_beidou(coefficients)),
             _ => (of_gps, Klobuchar::new(coefficients)),
         };
-        *known = heard.map(|klobuchar| (klobuchar, now)).or(*known);
+        if let Some(heard) = heard {
+            self.has_new_model |= known.is_some_and(|(known, _)| known != heard);
+            *known = Some((heard, now));
+        }
     }
 
     /// Returns the model in force: that of a command, else a fresh one of GPS, else a fresh one of
@@ -254,6 +260,7 @@ impl Navigator {
         }
         let ranges = self.ranges(guess, raw.time, configuration);
         self.learn_anew_of((ranges, configuration.systems));
+        self.learn_anew_with_model(ranges);
         let before = self.tally.ranges;
         let mut known = Vec::<SatelliteId, MAX_EXCLUDED>::new();
         let mut searches = 0;
@@ -291,6 +298,17 @@ impl Navigator {
     /// Restarts learning if ranges or systems change, because residuals of others do not apply.
     fn learn_anew_of(&mut self, learned: (Ranges, Systems)) {
         if self.learned.replace(learned).is_some_and(|before| before != learned) {
+            self.monitor.forget_residuals();
+        }
+    }
+
+    /// Restarts learning if another model of the ionosphere applies to ranges of one frequency.
+    ///
+    /// Its error, of a forged page too, is in all residuals from now on, and those of another model
+    /// would hide it.
+    fn learn_anew_with_model(&mut self, ranges: Ranges) {
+        let is_new = core::mem::take(&mut self.has_new_model);
+        if is_new && (ranges == Ranges::Singles || !self.room.sky.iter().any(Located::has_pair)) {
             self.monitor.forget_residuals();
         }
     }

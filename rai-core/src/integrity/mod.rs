@@ -37,6 +37,7 @@ use crate::report::{AraimReport, MAX_EXCLUDED, ProtectionLevels};
 use crate::requirements::Requirements;
 use crate::satellite::SatelliteId;
 use crate::weighting::Ism;
+use crate::weighting::shared::SharedError;
 #[cfg(feature = "araim")]
 use araim::judge_epoch;
 use raim::detection::Detection;
@@ -51,7 +52,8 @@ use raim::isolation::exclusion::{
 };
 use raim::isolation::sets::count_up_to;
 use raim::isolation::{parity, ransac};
-use raim::levels::{KFactors, LevelInputs, Levels, common_shift};
+use raim::levels::{KFactors, LevelInputs, Levels};
+use raim::shared_errors::shared_shift;
 
 pub(crate) use systems::KeptOut;
 
@@ -277,17 +279,17 @@ impl<T: Real> Criteria<'_, T> {
     /// Applies the global test to a snapshot under the policy, and computes the protection levels
     /// for its threshold.
     ///
-    /// `common_m` is the shared error of the first rows ([`EpochView::common_m`]).
+    /// `shared` are the shared errors of the first rows ([`EpochView::shared`]).
     ///
     /// # Errors
     /// [`NoThreshold`] names the reason why there is none.
-    pub fn test(&self, snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> Result<Test<T>, NoThreshold> {
+    pub fn test(&self, snapshot: &Snapshot<'_, T>, shared: &[SharedError]) -> Result<Test<T>, NoThreshold> {
         let exposure = LevelInputs::of(snapshot, self.levels, self.factors);
         let demand = ThresholdProblem::new(snapshot.dof(), &exposure, self.requirements, self.thresholds);
         let threshold = demand.threshold::<T>(self.policy)?;
         let detection =
             Detection { sse: snapshot.sse(), threshold: T::narrow(threshold.tau), dof: snapshot.dof() };
-        let shift = common_shift(snapshot, common_m);
+        let shift = shared_shift(snapshot, shared);
         Ok(Test { detection, levels: exposure.protect(threshold.lambda).plus(&shift) })
     }
 }
@@ -326,7 +328,7 @@ fn judge_by_residuals<T: Real>(
 ) -> Judgement<T> {
     let height = height_row(solution.snapshot(), epoch);
     let aiding = || [forecast, height].into_iter().flatten();
-    let mut test = criteria.test(solution.snapshot(), epoch.common_m());
+    let mut test = criteria.test(solution.snapshot(), epoch.shared());
     let mut exclusion = Exclusion::passed();
     let mut searched = false;
     // Independent of the policy: where a policy tolerates the effect of a satellite, a wrong time
@@ -336,7 +338,7 @@ fn judge_by_residuals<T: Real>(
         let jump = aiding().find_map(|row| jump(solution, row, &criteria.thresholds));
         searched = jump.is_none() && !matches!(search, Search::Known(_));
         exclusion = jump.unwrap_or_else(|| isolate(solution, epoch, criteria, search, subsets));
-        test = criteria.test(solution.snapshot(), epoch.common_m());
+        test = criteria.test(solution.snapshot(), epoch.shared());
     }
     let aids: Vec<usize, 2> = gather(aiding());
     let without_aiding =
@@ -373,13 +375,13 @@ fn judge_by_residuals<T: Real>(
                     let snapshot = solution.snapshot();
                     let levels = LevelInputs::of(snapshot, criteria.levels, criteria.factors)
                         .protect_against(slopes, shown, criteria.factors)
-                        .plus(&common_shift(snapshot, epoch.common_m()));
+                        .plus(&shared_shift(snapshot, epoch.shared()));
                     test.levels = test.levels.or_larger(&levels);
                 }
             }
             TimeTagOutcome::Time => {
                 exclusion = Exclusion::not_isolated(Unidentified::Time);
-                test = criteria.test(solution.snapshot(), epoch.common_m());
+                test = criteria.test(solution.snapshot(), epoch.shared());
             }
         }
     }
@@ -422,7 +424,7 @@ fn without_aids<T: Real>(
     if solution.set_aside(&taking_part).is_err() {
         return WithoutAiding::Untested;
     }
-    let test = criteria.test(solution.snapshot(), epoch.common_m());
+    let test = criteria.test(solution.snapshot(), epoch.shared());
     // These rows determined a position a moment ago.
     let _ = solution.take_back(&taking_part);
     test.map_or(WithoutAiding::Untested, WithoutAiding::Tested)

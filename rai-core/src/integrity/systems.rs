@@ -45,7 +45,7 @@ pub(super) fn leave_out_broken<T: Real>(
         let _ = solution.set_aside(&before);
         return;
     };
-    let test = criteria.test(solution.snapshot(), epoch.common_m());
+    let test = criteria.test(solution.snapshot(), epoch.shared());
     let without_aiding = without_aids(solution, aids, epoch, criteria);
     let is_contradicted = test.is_err()
         || matches!(&without_aiding, WithoutAiding::Tested(test) if test.detection.fault())

@@ -4,7 +4,7 @@
 //! ```text
 //! σ² = σ_eph² + a² σ_code² + (σ_trop / (sin el + 0.05))² + σ_iono²
 //! σ_code² = max(σ_0² + σ_mp²/sin²el, w² (σ_0² + σ_mp²))      w = 10^((42 − C/N0)/20), at least 1
-//! σ_iono  = max(delay/5, F(el) τ(φ_m))          F = 1/√(1 − (R cos el/(R + h))²)
+//! σ_iono  = a quarter of the model's residual error on one frequency, whose rest all ranges share
 //! ```
 //!
 //! | symbol | field | unit |
@@ -14,8 +14,7 @@
 //! | `w` | `weakness`: noise relative to a strong signal ([`noise_factor_from_cn0`]) | – |
 //! | `σ_0`, `σ_mp` | code noise and multipath at the zenith | m |
 //! | `σ_trop` | residual error of the tropospheric model at the zenith | m |
-//! | `σ_iono` | `ionosphere_m`, residual error of the ionospheric model along the path ([`ionosphere_sigma_m`]); 0 for the pair | m |
-//! | `τ` | at the zenith: 9, 4.5, 6 m at geomagnetic latitudes below 20°, 55° and above | m |
+//! | `σ_iono` | `ionosphere_m`, error of the ionospheric model that differs from range to range ([`ionosphere`]); 0 for the pair | m |
 //!
 //! For ARAIM ([`crate::integrity::araim`]) the orbit and clock error is that of an integrity
 //! support message, and the troposphere's model is that of [Blanch2015]:
@@ -53,7 +52,9 @@
 //! [ED-259A]: crate#references
 
 pub mod adaptation;
+pub mod ionosphere;
 pub(crate) mod residuals;
+pub mod shared;
 
 use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
@@ -128,41 +129,31 @@ pub fn noise_factor_from_cn0(cn0_dbhz: Option<f32>) -> f32 {
     }
 }
 
-/// Returns the residual error of the broadcast ionosphere model along the path on L1, one sigma, m.
+/// Returns the error of a range of one frequency that may come by way of a reflector, one sigma, m.
 ///
-/// `delay_m` is the model's delay along the path, `geomagnetic_sc` the latitude of the pierce
-/// point, in semicircles. The floor is that of [DO-229] appendix J. The model halves the delay, rms
-/// ([Klobuchar1987]), so that twice the floor remains without it.
+/// ```text
+/// σ = 20 m (w² − e²), 0 to 14 m          e² = (σ_0² + σ_mp²/sin²el) / (σ_0² + σ_mp²)
+/// ```
 ///
-/// [DO-229]: crate#references
-/// [Klobuchar1987]: crate#references
-pub fn ionosphere_sigma_m(delay_m: f32, sin_elevation: f32, geomagnetic_sc: f32, is_modelled: bool) -> f32 {
-    let latitude_deg = 180.0 * geomagnetic_sc.abs();
-    let zenith_m = if latitude_deg <= 20.0 {
-        9.0
-    } else if latitude_deg <= 55.0 {
-        4.5
-    } else {
-        6.0
-    };
-    let floor_m = zenith_m * obliquity(sin_elevation);
-    if is_modelled { floor_m.max(0.2 * delay_m) } else { 2.0 * floor_m }
-}
-
-/// Returns the ratio of a path through the ionosphere to the vertical one: a thin shell at 350 km.
-pub fn obliquity(sin_elevation: f32) -> f32 {
-    /// `(R/(R + h))²` with R = 6378.1363 km ([DO-229] A.4.4.10.4).
-    ///
-    /// [DO-229]: crate#references
-    const RATIO_SQUARED: f32 = 0.898_665_4;
-    let sine = sin_elevation.clamp(0.0, 1.0);
-    1.0 / sqrt(1.0 - RATIO_SQUARED * (1.0 - sine * sine))
+/// Under an open sky a low signal is weak, by `e²` in power at most. What is weaker than its
+/// elevation explains has a small antenna, or has lost its direct path to a wall or a roof. A
+/// reflection beside the direct path makes C/A code up to 12 m wrong ([Eissfeller2007]), and a
+/// reflection alone is late by all of its detour. On a car between tall buildings such signals are
+/// wrong by 7 m rms above 36 dB-Hz, 10 m down to 32 dB-Hz, and 28 m below. On two frequencies the
+/// combination amplifies noise and multipath threefold, which contains most of it. `weakness` is
+/// that of [`noise_factor_from_cn0`].
+///
+/// [Eissfeller2007]: crate#references
+pub fn reflection_sigma_m(sin_elevation: f32, weakness: f32) -> f32 {
+    const PER_POWER_M: f32 = 20.0;
+    const LARGEST_M: f32 = 14.0;
+    let open = code_by_elevation_m2(sin_elevation.max(0.05)) / code_by_elevation_m2(1.0);
+    (PER_POWER_M * (weakness * weakness - open)).clamp(0.0, LARGEST_M)
 }
 
 /// Number of sigmas with which a shared range error enters the protection levels.
 ///
-/// The error is not noise: it stays for hours and does not average out. Three sigmas of the
-/// ionosphere's floor are 27, 13.5 and 18 m at the zenith, the L1 delay of 166, 83 and 111 TECU.
+/// The error is not noise: it stays for hours and does not average out.
 pub const COMMON_SIGMAS: f32 = 3.0;
 
 /// Integrity support parameters of one constellation.
@@ -306,10 +297,14 @@ fn airborne_m2(sin_elevation: f32, weakness: f32) -> f32 {
 
 /// Returns code noise and multipath of one frequency, m².
 fn code_m2(sin_elevation: f32, weakness: f32) -> f32 {
+    code_by_elevation_m2(sin_elevation).max(weakness * weakness * code_by_elevation_m2(1.0))
+}
+
+/// Returns code noise and multipath of a signal under an open sky, m².
+fn code_by_elevation_m2(sin_elevation: f32) -> f32 {
     const NOISE_M2: f32 = CODE_NOISE_M * CODE_NOISE_M;
     const MULTIPATH_M2: f32 = MULTIPATH_M * MULTIPATH_M;
-    let by_elevation = NOISE_M2 + MULTIPATH_M2 / (sin_elevation * sin_elevation);
-    by_elevation.max(weakness * weakness * (NOISE_M2 + MULTIPATH_M2))
+    NOISE_M2 + MULTIPATH_M2 / (sin_elevation * sin_elevation)
 }
 
 /// Components of the error of one range.

@@ -7,6 +7,7 @@ use raim_core::monitor::Monitor;
 use raim_core::report::Report;
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
+use raim_core::weighting::shared::SharedError;
 
 const N: usize = 20;
 
@@ -60,7 +61,7 @@ fn epoch(multiple: f64, is_told: bool) -> Epoch<N> {
             sigma_m: 3.0 + delay_m(elevation_deg),
         };
         let common_m = if is_told { delay_m(elevation_deg) as f32 } else { 0.0 };
-        epoch.push_sharing(observation, common_m).unwrap();
+        epoch.push_sharing(observation, SharedError { common_m, slope_m: 0.0 }).unwrap();
     }
     epoch
 }
@@ -84,6 +85,44 @@ fn levels_grow_by_three_times_what_one_sigma_moves_the_position() {
     assert!(vertical_m > 5.0, "it lifts: {vertical_m}");
 }
 
+/// Returns the move of the position by these errors of the ranges, m.
+fn moved(errors_m: impl Fn(usize) -> f64) -> Enu {
+    let mut displaced = Epoch::<N>::new(0.0);
+    for (index, one) in epoch(0.0, false).observations().iter().enumerate() {
+        displaced.push(Observation { range_m: one.range_m + errors_m(index), ..*one }).unwrap();
+    }
+    let from = judged(&epoch(0.0, false)).solution.unwrap().position;
+    LocalFrame::at(receiver()).rotate(judged(&displaced).solution.unwrap().position - from)
+}
+
+#[test]
+fn levels_cover_an_offset_and_two_slopes_within_three_sigmas() {
+    let slope_m = |index: usize| 0.1 * (index as f64 + 1.0);
+    let level = |index: usize| (SKY[index].0.to_radians(), SKY[index].1.to_radians().cos());
+    let moves = [
+        moved(|index| delay_m(SKY[index].1)),
+        moved(|index| slope_m(index) * level(index).1 * level(index).0.sin()),
+        moved(|index| slope_m(index) * level(index).1 * level(index).0.cos()),
+    ];
+    let mut told = Epoch::<N>::new(0.0);
+    for (index, one) in epoch(0.0, false).observations().iter().enumerate() {
+        let shared = SharedError { common_m: delay_m(SKY[index].1) as f32, slope_m: slope_m(index) as f32 };
+        told.push_sharing(*one, shared).unwrap();
+    }
+    let (before, after) = (judged(&epoch(0.0, false)).protection.unwrap(), judged(&told).protection.unwrap());
+    // The largest of all directions, to a degree.
+    let along = |degrees: u32| {
+        let (sine, cosine) = f64::from(degrees).to_radians().sin_cos();
+        moves.iter().map(|moved| (moved.east * sine + moved.north * cosine).powi(2)).sum::<f64>().sqrt()
+    };
+    let horizontal_m = (0..180).map(along).fold(0.0, f64::max);
+    let vertical_m = moves.iter().map(|moved| moved.up.powi(2)).sum::<f64>().sqrt();
+    let (have, want) = (after.hpl_m - before.hpl_m, 3.0 * horizontal_m);
+    assert!((have / want - 1.0).abs() < 1e-3, "have {have}, want {want}");
+    let (have, want) = (after.vpl_m - before.vpl_m, 3.0 * vertical_m);
+    assert!((have / want - 1.0).abs() < 1e-3, "have {have}, want {want}");
+}
+
 #[test]
 fn a_shared_error_changes_neither_the_position_nor_the_test() {
     let (silent, told) = (judged(&epoch(0.7, false)), judged(&epoch(0.7, true)));
@@ -96,8 +135,12 @@ fn a_shared_error_that_is_none_is_refused() {
     let observation = *epoch(0.0, false).observations().first().unwrap();
     for common_m in [-1.0, f32::NAN, f32::INFINITY] {
         let mut epoch = Epoch::<N>::new(0.0);
-        let refused = epoch.push_sharing(observation, common_m);
-        assert!(matches!(refused, Err(EpochError::Sigma(_))), "{common_m}");
-        assert!(epoch.observations().is_empty() && epoch.common_m().is_empty());
+        for shared in
+            [SharedError { common_m, slope_m: 0.0 }, SharedError { common_m: 0.0, slope_m: common_m }]
+        {
+            let refused = epoch.push_sharing(observation, shared);
+            assert!(matches!(refused, Err(EpochError::Sigma(_))), "{common_m}");
+            assert!(epoch.observations().is_empty() && epoch.shared().is_empty());
+        }
     }
 }

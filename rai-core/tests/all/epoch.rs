@@ -4,6 +4,7 @@
 use raim_core::epoch::{Aiding, Epoch, EpochError, Observation};
 use raim_core::frame::Ecef;
 use raim_core::satellite::{Constellation, SatelliteId};
+use raim_core::weighting::shared::SharedError;
 
 fn observation(number: u8) -> Observation {
     Observation {
@@ -87,8 +88,9 @@ fn an_epoch_that_is_begun_anew_holds_nothing_of_the_one_before() {
         reused.restart(f64::from(second));
         for number in 1..=4 {
             let common_m = f32::from(number) + second as f32;
+            let shared = SharedError { common_m, slope_m: 0.5 * common_m };
             for epoch in [&mut reused, &mut fresh] {
-                assert_eq!(epoch.push_sharing(observation(number), common_m), Ok(()), "{second}: {number}");
+                assert_eq!(epoch.push_sharing(observation(number), shared), Ok(()), "{second}: {number}");
             }
         }
         assert_eq!(reused, fresh);

@@ -2,9 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 use raim_core::satellite::{Constellation, SatelliteId};
+use raim_core::weighting::ionosphere::{IonosphereError, obliquity};
 use raim_core::weighting::{
-    ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, ionosphere_sigma_m,
-    noise_factor_from_cn0, obliquity, sigma_m,
+    ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, noise_factor_from_cn0,
+    reflection_sigma_m, sigma_m,
 };
 
 const NOTHING: ErrorBudget = ErrorBudget {
@@ -109,6 +110,72 @@ fn a_normal_promise_is_replaced_and_a_worse_one_accepted() {
         }
         assert!(f32::abs(sigma_m(constellation, number, 3.3) - 3.3) < 1e-6);
     }
+}
+
+/// Returns the error of the model along the path, m.
+fn ionosphere_sigma_m(delay_m: f32, sin_elevation: f32, geomagnetic_sc: f32, is_modelled: bool) -> f32 {
+    IonosphereError::of(delay_m, sin_elevation, geomagnetic_sc, is_modelled).slant_m
+}
+
+/// The obliquity in double precision.
+fn thin_shell(sine: f64) -> f64 {
+    let cosine_at_ground = (1.0 - sine * sine).sqrt();
+    let ratio = 6_378.136_3 / 6_728.136_3;
+    1.0 / (1.0 - (ratio * cosine_at_ground).powi(2)).sqrt()
+}
+
+#[test]
+fn clock_and_height_absorb_all_but_a_quarter_of_a_common_delay() {
+    let left = |tenth_deg: u32| {
+        let sine = (f64::from(tenth_deg) / 10.0).to_radians().sin();
+        (thin_shell(sine) - (3.04 - 2.28 * sine)).abs()
+    };
+    let largest = (50..=900).map(left).fold(0.0, f64::max);
+    assert!(largest < 0.25, "{largest}");
+}
+
+#[test]
+fn a_quarter_of_the_floor_and_all_beyond_it_differs_from_range_to_range() {
+    let close = |have: f32, want: f32| assert!((have / want - 1.0).abs() < 1e-5, "have {have}, want {want}");
+    let middle = |delay_m, is_modelled| IonosphereError::of(delay_m, 1.0, 40.0 / 180.0, is_modelled);
+    close(middle(0.0, true).own_m, 1.125);
+    close(middle(0.0, false).own_m, 2.25);
+    // A fifth of 40 m is 8 m, 3.5 m above the floor.
+    close(middle(40.0, true).own_m, 1.125 + 3.5);
+    close(middle(40.0, true).shared.common_m, 8.0);
+    close(middle(0.0, true).shared.common_m, 6.0);
+    close(middle(0.0, false).shared.common_m, 12.0);
+    close(IonosphereError::of(0.0, 1.0, 0.0, true).shared.common_m, 9.0);
+    close(middle(0.0, true).times(1.5).own_m, 1.5 * 1.125);
+    close(middle(0.0, true).undivided().own_m, 4.5);
+    close(middle(0.0, true).undivided().shared.common_m, 4.5);
+}
+
+#[test]
+fn a_slope_grows_with_the_distance_to_the_pierce_point() {
+    for elevation_deg in [10.0_f64, 30.0, 60.0, 85.0] {
+        let elevation = elevation_deg.to_radians();
+        let at_shell = (6_378.136_3 / 6_728.136_3 * elevation.cos()).asin();
+        let central = std::f64::consts::FRAC_PI_2 - elevation - at_shell;
+        let distance_km = 6_728.136_3 * central.sin();
+        let want_m = 4.5 * thin_shell(elevation.sin()) * distance_km / 4000.0;
+        let error = IonosphereError::of(0.0, elevation.sin() as f32, 40.0 / 180.0, true);
+        let have_m = f64::from(error.shared.slope_m) * elevation.cos();
+        assert!((have_m / want_m - 1.0).abs() < 1e-4, "{elevation_deg}: have {have_m}, want {want_m}");
+    }
+}
+
+#[test]
+fn a_signal_weaker_than_its_elevation_explains_may_be_a_reflection() {
+    let close = |have: f32, want: f32| assert!((have - want).abs() < 1e-4, "have {have}, want {want}");
+    close(reflection_sigma_m(1.0, 1.0), 0.0);
+    close(reflection_sigma_m(1.0, 1.44_f32.sqrt()), 20.0 * 0.44);
+    close(reflection_sigma_m(1.0, 2.0), 14.0);
+    // At 30 degrees the open sky explains (0.09 + 0.36)/0.18 = 2.5 times the power.
+    close(reflection_sigma_m(0.5, 1.58), 0.0);
+    close(reflection_sigma_m(0.5, 2.7_f32.sqrt()), 20.0 * 0.2);
+    close(reflection_sigma_m(0.5, 10.0_f32.sqrt()), 14.0);
+    close(reflection_sigma_m(0.0, 1.0), 0.0);
 }
 
 #[test]

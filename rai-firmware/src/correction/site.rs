@@ -7,8 +7,10 @@ use raim_core::epoch::{Epoch, EpochError, Observation};
 use raim_core::frame::{Ecef, LocalAxes};
 use raim_core::numeric::angle::sine;
 use raim_core::satellite::Constellation;
+use raim_core::weighting::ionosphere::IonosphereError;
+use raim_core::weighting::shared::SharedError;
 use raim_core::weighting::{
-    ErrorBudget, Ism, MIXED_CARRIERS_M, UserModel, ephemeris_sigma_m, integrity_sigma_m, ionosphere_sigma_m,
+    ErrorBudget, Ism, MIXED_CARRIERS_M, UserModel, ephemeris_sigma_m, integrity_sigma_m, reflection_sigma_m,
     sigma_m,
 };
 
@@ -39,8 +41,17 @@ struct Corrected {
     line_of_sight: [f32; 3],
     range_m: f64,
     sigma_m: f32,
-    /// Part of its error that is common to all ranges, m at one sigma.
-    common_m: f32,
+    shared: SharedError,
+}
+
+/// Use of the ionosphere's residual error.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Ionosphere {
+    /// All of it is noise of each range.
+    Whole,
+    /// Divided into a part of each range and a part that all share
+    /// ([`raim_core::weighting::ionosphere`]).
+    Divided,
 }
 
 impl Site {
@@ -82,8 +93,9 @@ impl Site {
     pub fn correct(&self, sky: &Sky, refusals: &mut Refusals, epoch: &mut Epoch<CAPACITY>) {
         epoch.restart(self.time.to_s());
         let usual = Usual::of(sky, self.ranges);
+        let ionosphere = self.ionosphere_of(sky);
         for located in sky {
-            let Some(corrected) = self.observe(located, self.ranges, &usual) else {
+            let Some(corrected) = self.observe(located, self.ranges, &usual, ionosphere) else {
                 count(&mut refusals.below_mask);
                 continue;
             };
@@ -93,7 +105,7 @@ impl Site {
                 range_m: corrected.range_m,
                 sigma_m: f64::from(corrected.sigma_m),
             };
-            if let Err(error) = epoch.push_sharing(observation, corrected.common_m) {
+            if let Err(error) = epoch.push_sharing(observation, corrected.shared) {
                 count(match error {
                     EpochError::Range { .. } | EpochError::Position { .. } | EpochError::Sigma { .. } => {
                         &mut refusals.range_implausible
@@ -105,37 +117,59 @@ impl Site {
         }
     }
 
+    /// Returns the use of the ionosphere's error for these ranges: divided if all are of one
+    /// frequency, except for ARAIM.
+    fn ionosphere_of(&self, sky: &Sky) -> Ionosphere {
+        let is_pair = |located: &Located| {
+            located.range(self.ranges).is_some_and(|(choice, _)| choice.bands.1.is_some())
+        };
+        if self.ism.is_none() && !sky.iter().any(is_pair) { Ionosphere::Divided } else { Ionosphere::Whole }
+    }
+
     /// Returns the spread of the position from geometry and sigmas alone, or `None` for a singular
     /// geometry.
+    ///
+    /// The ionosphere's error is noise of each range here, so that one frequency is not preferred
+    /// to two because it trusts a model.
     pub fn spread(&self, sky: &Sky, ranges: Ranges) -> Option<Spread> {
         let (mut geometry, usual) = (Geometry::new(), Usual::of(sky, ranges));
         for located in sky {
-            if let Some(seen) = self.observe(located, ranges, &usual) {
+            if let Some(seen) = self.observe(located, ranges, &usual, Ionosphere::Whole) {
                 let system = located.satellite.constellation();
-                geometry.add(system, seen.line_of_sight, seen.sigma_m, seen.common_m);
+                geometry.add(system, seen.line_of_sight, seen.sigma_m, seen.shared.common_m);
             }
         }
         geometry.spread()
     }
 
     /// Returns the corrected range of one satellite, or `None` below the mask.
-    fn observe(&self, located: &Located, ranges: Ranges, usual: &Usual) -> Option<Corrected> {
+    fn observe(
+        &self,
+        located: &Located,
+        ranges: Ranges,
+        usual: &Usual,
+        ionosphere: Ionosphere,
+    ) -> Option<Corrected> {
         let line_of_sight = self.line_of_sight(located.position);
         let [.., sin_elevation] = line_of_sight;
         if sin_elevation < self.sin_mask {
             return None;
         }
         let (choice, promised_m) = located.range(ranges)?;
-        let (delay_m, common_m) = self.ionosphere(choice, line_of_sight);
+        let (delay_m, error) = self.ionosphere(choice, line_of_sight);
+        let (error, reflection_m) = match ionosphere {
+            Ionosphere::Whole => (error.undivided(), 0.0),
+            Ionosphere::Divided => (error, reflection_sigma_m(sin_elevation, choice.weakness)),
+        };
         let mixed_m =
             if usual.is(located.satellite.constellation(), choice) { 0.0 } else { MIXED_CARRIERS_M };
-        let receiver_m = root_of_squares(choice.uncalibrated_m, mixed_m);
+        let receiver_m = root_of_squares(root_of_squares(choice.uncalibrated_m, mixed_m), reflection_m);
         let budget = ErrorBudget {
             sin_elevation,
             ephemeris_m: root_of_squares(ephemeris_sigma_m(located.satellite, promised_m), receiver_m),
             noise_gain: choice.noise_gain,
             weakness: choice.weakness,
-            ionosphere_m: common_m,
+            ionosphere_m: error.own_m,
             user: self.ism.map_or(UserModel::Ground, |ism| ism.user),
         };
         let air_m = self.troposphere.delay_m(sin_elevation) + delay_m;
@@ -149,7 +183,7 @@ impl Site {
                 }
                 None => sigma_m(&budget),
             },
-            common_m,
+            shared: error.shared,
         })
     }
 
@@ -158,18 +192,18 @@ impl Site {
         self.horizon.direction(&self.horizon.way_to(coordinates_m(satellite)))
     }
 
-    /// Returns the ionospheric delay of a range, and the residual of the model at one sigma, m.
-    fn ionosphere(&self, choice: &Choice, line_of_sight: [f32; 3]) -> (f32, f32) {
+    /// Returns the ionospheric delay of a range, m, and the residual of the model.
+    fn ionosphere(&self, choice: &Choice, line_of_sight: [f32; 3]) -> (f32, IonosphereError) {
         let (band, None) = choice.bands else {
-            return (0.0, 0.0);
+            return (0.0, IonosphereError::NONE);
         };
         let model = self.klobuchar.unwrap_or(Klobuchar::NIGHT);
         let slant = model.slant(self.place, line_of_sight);
         let [.., sin_elevation] = line_of_sight;
-        let missed_m =
-            ionosphere_sigma_m(slant.delay_m, sin_elevation, slant.geomagnetic_sc, self.klobuchar.is_some());
+        let is_modelled = self.klobuchar.is_some();
+        let error = IonosphereError::of(slant.delay_m, sin_elevation, slant.geomagnetic_sc, is_modelled);
         let dispersion = dispersion(band);
-        (dispersion * slant.delay_m, dispersion * missed_m)
+        (dispersion * slant.delay_m, error.times(dispersion))
     }
 }
 

@@ -55,6 +55,8 @@ attacks! {
     ionosphere_with_a_slope_stays_within_the_levels = "ionosphere-slope",
     coefficients_of_zero_shrink_no_level = "ionosphere-zeros",
     one_forged_page_of_the_ionosphere_outdoes_no_level = "ionosphere-forged",
+    step_on_one_frequency_is_noticed_at_real_stations = "one-frequency-recorded",
+    step_on_one_frequency_is_noticed_under_simulated_skies = "one-frequency-simulated",
     signal_out_of_service_is_not_used = "health",
     empty_message_from_the_future_costs_no_epoch = "empty-ahead",
     empty_message_of_the_next_epoch_promises_nothing_wrong = "empty-next",

@@ -13,7 +13,7 @@ use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::detection::threshold::policy::NoThreshold;
 use crate::integrity::raim::hypotheses::time_tag::{EpochRates, RangeRates};
 use crate::integrity::raim::isolation::exclusion::{Excluded, ExclusionOutcome, Unidentified};
-use crate::integrity::raim::levels::common_shift;
+use crate::integrity::raim::shared_errors::shared_shift;
 use crate::integrity::{Criteria, Judgement, Test, WithoutAiding};
 use crate::least_squares::{Excludable, infinity};
 use crate::numeric::real::Real;
@@ -140,7 +140,7 @@ fn judgement<T: Real>(
     let levels = ProtectionLevels { hpl_m: finding.hpl_m().widen(), vpl_m: finding.vpl_m().widen() };
     // Shared range errors (one frequency's ionosphere) are invisible to every test, so that they
     // are added, as for every method.
-    let levels = levels.plus(&common_shift(snapshot, epoch.common_m()));
+    let levels = levels.plus(&shared_shift(snapshot, epoch.shared()));
     // Unmonitored faults, which have probability 0 or are too unlikely, show only in the residuals.
     // Then no level is valid, and the faulty satellite is unknown. Beyond the table no threshold is
     // known.

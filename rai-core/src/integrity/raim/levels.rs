@@ -28,10 +28,8 @@
 //! the worst missed bias, and an error beyond it is up to 84 times likelier than `P_md` at 1e-3,
 //! and 36,000 times at 1e-6.
 //!
-//! **Shared errors.** The residual error of an ionosphere model has one sign in all ranges. It is
-//! absorbed by the clocks and lifts the position, and no test sees it. [`common_shift`] adds
-//! `k_c |Σ_i w_i g_i m_i|` to each level, where `m` is that part of each range's error at one
-//! sigma. It counts as a bias, because it averages out neither over satellites nor over time.
+//! **Shared errors** of all ranges, which no test sees, add to each level
+//! ([`super::shared_errors`]).
 //!
 //! A satellite without redundancy has slope 0 if it does not move the position (the lone satellite
 //! of a constellation), else an infinite one. By the identity
@@ -72,9 +70,8 @@ use crate::numeric::chi_square::LARGEST;
 use crate::numeric::normal;
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
-use crate::numeric::space::{dot, plus_scaled, zero};
+use crate::numeric::space::dot;
 use crate::report::ProtectionLevels;
-use crate::weighting::COMMON_SIGMAS;
 
 /// Largest effect of a row's bias on the position per unit of its effect on the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -169,24 +166,6 @@ impl<T: Real> Slopes<T> {
     pub fn protect(&self, lambda: f64) -> ProtectionLevels {
         let root = T::narrow(lambda).sqrt_approx();
         ProtectionLevels { hpl_m: (self.horizontal * root).widen(), vpl_m: (self.vertical * root).widen() }
-    }
-}
-
-/// Returns the effect of shared range errors on the position, `k_c |Σ_i w_i g_i m_i|`, horizontally
-/// and vertically, m.
-///
-/// `common_m` are the `m_i` of the first rows; later rows share no error.
-pub fn common_shift<T: Real>(snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> ProtectionLevels {
-    let mut shift = zero();
-    for ((row, fit), &common_m) in snapshot.rows().zip(common_m) {
-        if common_m > 0.0 {
-            shift = plus_scaled(&shift, row.weight * T::narrow(f64::from(common_m)), &fit.gain);
-        }
-    }
-    let sigmas = f64::from(COMMON_SIGMAS);
-    ProtectionLevels {
-        hpl_m: sigmas * (shift.x * shift.x + shift.y * shift.y).sqrt_approx().widen(),
-        vpl_m: sigmas * shift.z.abs().widen(),
     }
 }
 

@@ -21,6 +21,7 @@ use raim_core::integrity::raim::isolation::exclusion;
 use raim_core::integrity::raim::isolation::parity;
 use raim_core::integrity::raim::isolation::ransac::{self, NoConsensus, Selection};
 use raim_core::integrity::raim::levels::{self, Slopes};
+use raim_core::integrity::raim::shared_errors;
 use raim_core::integrity::{self, MethodScratch};
 use raim_core::least_squares::downdate::{self, ExclusionSet, NormalisedRow};
 use raim_core::least_squares::equations::{LinearEpoch, RowError};
@@ -40,6 +41,7 @@ use raim_core::single::{self, stages};
 use raim_core::velocity::{self, RangeRate, Velocity, VelocityError};
 use raim_core::weighting;
 use raim_core::weighting::adaptation::Adaptation;
+use raim_core::weighting::ionosphere::{self, IonosphereError};
 use raim_firmware::correction::CAPACITY as N;
 
 use crate::{exhaust, reach};
@@ -115,7 +117,7 @@ fn detection_and_protection<T: Real>() {
         Slopes::<T>::protect as fn(_, _) -> _,
         levels::largest_hdop_change::<T> as fn(_) -> _,
         levels::PositionSigma::<T>::of as fn(_) -> _,
-        levels::common_shift::<T> as fn(_, _) -> _,
+        shared_errors::shared_shift::<T> as fn(_, _) -> _,
         levels::KFactors::<T>::new as fn(_, _) -> _,
         levels::LevelInputs::<T>::of as fn(_, _, _) -> _,
         levels::LevelInputs::<T>::to_faults as fn(_) -> _,
@@ -458,8 +460,11 @@ fn epochs() {
         weighting::ephemeris_sigma_m as fn(_, _) -> _,
         weighting::sigma_m as fn(_) -> _,
         weighting::noise_factor_from_cn0 as fn(_) -> _,
-        weighting::ionosphere_sigma_m as fn(_, _, _, _) -> _,
-        weighting::obliquity as fn(_) -> _,
+        weighting::reflection_sigma_m as fn(_, _) -> _,
+        IonosphereError::of as fn(_, _, _, _) -> _,
+        IonosphereError::times as fn(_, _) -> _,
+        IonosphereError::undivided as fn(_) -> _,
+        ionosphere::obliquity as fn(_) -> _,
         weighting::integrity_sigma_m as fn(_, _, _) -> _,
         weighting::Ism::of as fn(_, _) -> _,
         weighting::Ism::is_valid as fn(_) -> _,
@@ -478,10 +483,10 @@ fn epochs() {
         Epoch::<N>::view as fn(_) -> _,
         EpochView::time_s as fn(_) -> _,
         EpochView::observations as fn(_) -> _,
-        EpochView::common_m as fn(_) -> _,
+        EpochView::shared as fn(_) -> _,
         Epoch::<N>::time_s as fn(_) -> _,
         Epoch::<N>::observations as fn(_) -> _,
-        Epoch::<N>::common_m as fn(_) -> _,
+        Epoch::<N>::shared as fn(_) -> _,
         Epoch::<N>::aiding as fn(_) -> _,
     );
 }

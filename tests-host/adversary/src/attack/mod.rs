@@ -26,6 +26,7 @@
 //! | [`poor_ranges`] | all ranges noisier than their sigmas, beside wrong orbits, or rounded |
 //! | [`early_ephemeris`] | ephemerides that are hours early, and crowds of absent satellites |
 //! | [`ionosphere`] | one frequency under a dense ionosphere; forged coefficients |
+//! | [`one_frequency`] | one frequency: a step of 60 m on each satellite in turn, and the levels without it |
 //! | [`health`] | signals that one message calls healthy and another out of service |
 //! | [`held_back`] | epochs that a line delays more and more; a recording that is replayed |
 //! | [`false_rates`] | range rates with the wrong sign, and random range rates |
@@ -72,6 +73,7 @@ mod leap;
 mod learned_sigmas;
 mod namesakes;
 mod odd_ranges;
+mod one_frequency;
 mod poor_ranges;
 mod rates_apart;
 mod recordings;
@@ -154,6 +156,8 @@ pub const ATTACKS: &[&Attack] = &[
     &ionosphere::SLOPED,
     &ionosphere::ZEROS,
     &ionosphere::FORGED,
+    &one_frequency::RECORDED,
+    &one_frequency::SIMULATED,
     &health::ATTACK,
     &odd_ranges::AHEAD,
     &odd_ranges::NEXT,

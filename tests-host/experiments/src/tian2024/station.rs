@@ -88,7 +88,7 @@ pub(super) fn recorded(effort: Effort, bar: &ProgressBar) -> Result<(Section, Op
     let window = Window { every_s: step_s(effort), ..Window::ALL };
     let lumps = replay::encode(&recording, &selection, &[], &window)?;
     // For a third of the `BeiDou` satellites the receiver tracks one frequency. Without
-    // coefficients their sigma is 20 to 40 m (`weighting::ionosphere_sigma_m`), and no method could
+    // coefficients their sigma is 20 to 40 m (`weighting::ionosphere`), and no method could
     // detect 150 m in them.
     let epochs = replay::corrected(&lumps, TRUTH, MASK_RAD, recording.klobuchar);
     let of = |(index, epoch): (usize, &Epoch<ROWS>)| {

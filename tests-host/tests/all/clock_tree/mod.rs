@@ -69,6 +69,10 @@ fn image_sets_the_clock_with_and_without_a_crystal() {
             assert_eq!(have(crystal, port), others, "{crystal}: {registers}");
         }
         // Prescaler 3 divides by 32 ([RM0090] §21.4.2).
-        assert_eq!((have(crystal, "iwdg_pr"), have(crystal, "iwdg_rlr")), (3, 2000), "{crystal}: {registers}");
+        assert_eq!(
+            (have(crystal, "iwdg_pr"), have(crystal, "iwdg_rlr")),
+            (3, 2000),
+            "{crystal}: {registers}"
+        );
     }
 }
