@@ -23,6 +23,7 @@ mod evidence;
 mod faults;
 mod full_sky;
 mod fuzz_corpus;
+mod geoid;
 mod gnss_port;
 mod gpsd;
 mod host_and_target;
