@@ -148,11 +148,12 @@ fn settle(look: fn() -> Machine) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Packages of Python that read the module's sentences and messages.
-const PYTHON_PACKAGES: [&str; 2] = ["pynmea2", "pymavlink"];
+/// Packages of Python that read the module's sentences and messages, or run the notebook.
+const PYTHON_PACKAGES: [&str; 6] = ["pynmea2", "pymavlink", "numpy", "pandas", "nbconvert", "ipykernel"];
 
-/// Installs the programs that tests compare the module with: gpsd, RTKLIB's `convbin`, and packages
-/// of Python in a folder of their own below `target`. Nothing but these tests needs them.
+/// Installs the programs that tests compare the module with: gpsd, chrony, socat, RTKLIB's
+/// `convbin`, and packages of Python in a folder of their own below `target`. Nothing but these
+/// tests needs them.
 ///
 /// # Errors
 /// As [`ensure()`].
@@ -160,7 +161,7 @@ pub fn consumers() -> anyhow::Result<()> {
     let python = python_of_consumers();
     let (folder, python) = (root().join("target/consumers"), python.display().to_string());
     let folder = folder.display().to_string();
-    if !["gpsd", "convbin", "python3"].into_iter().all(on_path) {
+    if !["gpsd", "chronyd", "socat", "convbin", "python3"].into_iter().all(on_path) {
         take_all(&install(&CONSUMERS, Packages::look()))?;
     }
     run(&["python3", "-m", "venv", &folder])?;
