@@ -53,3 +53,4 @@ mod ubx;
 mod vectors;
 mod velocity;
 mod week_end;
+mod zephyr_sample;
