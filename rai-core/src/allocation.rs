@@ -81,9 +81,11 @@ impl Allocation {
         }
     }
 
-    /// Returns `PHMI`, both levels together.
-    pub const fn integrity(&self) -> f64 {
-        self.integrity_vertical + self.integrity_horizontal
+    unstable! {
+        /// Returns `PHMI`, both levels together.
+        pub const fn integrity(&self) -> f64 {
+            self.integrity_vertical + self.integrity_horizontal
+        }
     }
 
     /// Checks every field once: probabilities in (0, 0.5), consolidation in [0, 1].

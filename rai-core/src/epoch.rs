@@ -19,16 +19,6 @@ use crate::numeric::bounds::is_within;
 use crate::satellite::{Constellation, SatelliteId};
 use crate::weighting::adaptation::Adaptation;
 
-/// Most satellites in one epoch of [`single`](crate::single): more than three systems show at once
-/// anywhere on earth, or fewer if memory is scarce.
-pub const CAPACITY: usize = if cfg!(feature = "satellites-16") {
-    16
-} else if cfg!(feature = "satellites-32") {
-    32
-} else {
-    48
-};
-
 /// Largest range to a navigation satellite, receiver clock included, m.
 ///
 /// A receiver clock may be off by a second and more; nothing physical is beyond.
@@ -72,6 +62,7 @@ pub struct Observation {
 /// Outside knowledge that takes a row beside the satellites.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Aiding {
     /// A predicted receiver clock of one constellation ([Chen2009]).
     ///
@@ -96,6 +87,7 @@ pub enum Aiding {
 /// Reason why an observation or an aiding row was refused. The epoch is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum EpochError {
     /// The range is not finite or beyond ±1e9 m.
     Range(f64),
@@ -234,10 +226,12 @@ impl<const N: usize> Epoch<N> {
         if self.aiding.iter().any(same_kind) { Err(EpochError::Duplicate) } else { Ok(()) }
     }
 
-    /// Returns a view without the capacity.
-    pub fn view(&self) -> EpochView<'_> {
-        let Self { time_s, observations, common_m, aiding } = self;
-        EpochView { time_s: *time_s, observations, common_m, aiding }
+    unstable! {
+        /// Returns a view without the capacity.
+        pub fn view(&self) -> EpochView<'_> {
+            let Self { time_s, observations, common_m, aiding } = self;
+            EpochView { time_s: *time_s, observations, common_m, aiding }
+        }
     }
 
     /// Returns the seconds of the caller's continuous time scale.
@@ -261,13 +255,15 @@ impl<const N: usize> Epoch<N> {
     }
 }
 
-/// One instant's ranges independent of their storage, as the judging reads them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EpochView<'e> {
-    time_s: f64,
-    observations: &'e [Observation],
-    common_m: &'e [f32],
-    aiding: &'e [Aiding],
+unstable! {
+    /// One instant's ranges independent of their storage, as the judging reads them.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct EpochView<'e> {
+        time_s: f64,
+        observations: &'e [Observation],
+        common_m: &'e [f32],
+        aiding: &'e [Aiding],
+    }
 }
 
 impl<'e> EpochView<'e> {

@@ -17,6 +17,10 @@
 //! | 4–6 | [`integrity::araim`] | The same for several faults and whole constellations, with the risk accounted for |
 //! | 7 | [`monitor`] → [`report`] | May the position be used? |
 //!
+//! The ten types at the root and the six modules [`epoch`], [`frame`], [`monitor`], [`report`],
+//! [`requirements`] and [`satellite`] are the interface of the crate. All other modules are behind
+//! the feature `unstable`.
+//!
 //! Further modules: [`least_squares::downdate`] (the solution without any set of satellites),
 //! [`weighting`] (the error model), [`clock`] (a forecast of the receiver clock as one more row),
 //! [`continuity`] (recovery, jumps, and motion against its rates), [`velocity`], [`frame`] (WGS 84)
@@ -59,16 +63,26 @@
 //!
 //! # Features
 //!
+//! A feature only adds: no type changes and no capacity shrinks if another crate of the same
+//! program switches one on.
+//!
 //! | feature | default | effect |
 //! |---|---|---|
-//! | `araim` | yes | [`Method::Araim`], solution separation over all monitored fault modes |
-//! | `searches` | yes | [`Method::Parity`] and [`Method::Ransac`] |
+//! | `araim` | yes | builds [`Method::Araim`], solution separation over all monitored fault modes |
+//! | `searches` | yes | builds [`Method::Parity`] and [`Method::Ransac`] |
 //! | `tables` | yes | thresholds of all committed probabilities; without it those of the phases of flight |
-//! | `short-tables` | no | thresholds for no more satellites than [`single::CAPACITY`], in single precision |
-//! | `double-tables` | no | `short-tables` in double precision |
-//! | `satellites-16`, `satellites-32` | no | smaller [`single::CAPACITY`]; for a binary, not for a library |
-//! | `stages` | no | `single::stages`, the stages one by one for measurements |
+//! | `double-tables` | yes | thresholds in double precision and for all degrees of freedom; without it in single precision, for at most [`single::CAPACITY`] |
+//! | `satellites-32`, `satellites-48` | yes | at most 32 or 48 satellites in an epoch, 64 on a computer; without both 16 |
+//! | `unstable` | no | the modules behind the interface, which may change in any version: pin the exact one |
+//! | `stages` | no | `single::stages`, the stages one by one for measurements; includes `unstable` |
 //! | `defmt` | no | `defmt::Format` on public types |
+//!
+//! # Stability
+//!
+//! A breaking change of the interface is a new minor version, and the changelog marks it. Reports,
+//! reasons, errors and strategies are `#[non_exhaustive]`, so that more fields and variants are no
+//! breaking change; [`Verdict`] is exhaustive. What the feature `unstable` adds has no promise: it
+//! also makes those types exhaustive, so that a program that pins this version can match them.
 //!
 //! # Minimum supported Rust version
 //!
@@ -117,13 +131,13 @@
 //! | Kiefer1960 | J. Kiefer, J. Wolfowitz, *The equivalence of two extremum problems*, Canadian J. Math. 12 (1960) 363–366 |
 //! | Klobuchar1987 | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3) (1987) 325–331 |
 //! | Lin2016 | Lin Xueyuan et al., `BeiDou` RAIM, J. Naval Aeronautical Univ. 31(6) (2016) 619–624 |
-//! | Lomont2003 | C. Lomont, *Fast inverse square root*, Purdue University, 2003 |
 //! | MAAST | Stanford University GPS Laboratory, *MATLAB algorithm availability simulation tool*, version for ARAIM |
 //! | Montenbruck2018 | O. Montenbruck, P. Steigenberger, A. Hauschild, *Multi-GNSS signal-in-space range error assessment: methodology and results*, Adv. Space Res. 61(12) (2018) 3020–3038 |
 //! | Parity | `BeiDou` RAIM by parity vectors with isolation by grouping (print without title page) |
 //! | Sankaran1963 | M. Sankaran, *Approximations to the non-central chi-square distribution*, Biometrika 50(1–2) (1963) 199–204 |
 //! | Schroth2008 | G. Schroth et al., *Failure detection and exclusion via range consensus*, European Navigation Conference ENC-GNSS, Toulouse 2008 |
 //! | Tian2024 | Tian Binpeng et al., improved RANSAC RAIM, Navigation Positioning & Timing 11(3) (2024) 101–108 |
+//! | TSO-C129a | FAA, TSO-C129a, *Airborne Supplemental Navigation Equipment Using the Global Positioning System*, 1996 |
 //! | Ulrych1976 | T. J. Ulrych, R. W. Clayton, *Time series modelling and maximum entropy*, Phys. Earth Planet. Inter. 12(2–3) (1976) 188–200 |
 //! | Wang1994 | J. Wang, Y. Chen, *On the reliability measure of observations*, Acta Geodaet. Cartograph. Sinica, English edition (1994) 42–51 |
 //! | WGS84 | NGA.STND.0036, *Department of Defense World Geodetic System 1984*, version 1.0.0, 2014 |
@@ -133,27 +147,71 @@
 #![forbid(unsafe_code)]
 #![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![warn(clippy::missing_panics_doc)]
+// What only the feature shows is unused and out of reach without it.
+#![cfg_attr(not(feature = "unstable"), allow(dead_code, unreachable_pub, unused_imports))]
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 #[cfg(any(test, doctest))]
 extern crate std;
 
-pub mod allocation;
+/// Makes an item public with the feature `unstable`, and visible within the crate without it.
+macro_rules! unstable {
+    ($(#[$attribute:meta])* pub $($item:tt)*) => {
+        $(#[$attribute])*
+        #[cfg(feature = "unstable")]
+        pub $($item)*
+        $(#[$attribute])*
+        #[cfg(not(feature = "unstable"))]
+        pub(crate) $($item)*
+    };
+}
+
 mod bit_set;
 mod bounded;
-pub mod clock;
-pub mod continuity;
 pub mod epoch;
 pub mod frame;
-pub mod integrity;
-pub mod least_squares;
 pub mod monitor;
-pub mod numeric;
 pub mod report;
 pub mod requirements;
 pub mod satellite;
+
+// Without a promise of stability; a user of the six modules above needs nothing of them.
+#[cfg(feature = "unstable")]
+pub mod allocation;
+#[cfg(not(feature = "unstable"))]
+mod allocation;
+#[cfg(feature = "unstable")]
+pub mod clock;
+#[cfg(not(feature = "unstable"))]
+mod clock;
+#[cfg(feature = "unstable")]
+pub mod continuity;
+#[cfg(not(feature = "unstable"))]
+mod continuity;
+#[cfg(feature = "unstable")]
+pub mod integrity;
+#[cfg(not(feature = "unstable"))]
+mod integrity;
+#[cfg(feature = "unstable")]
+pub mod least_squares;
+#[cfg(not(feature = "unstable"))]
+mod least_squares;
+#[cfg(feature = "unstable")]
+pub mod numeric;
+#[cfg(not(feature = "unstable"))]
+mod numeric;
+#[cfg(feature = "unstable")]
 pub mod single;
+#[cfg(not(feature = "unstable"))]
+mod single;
+#[cfg(feature = "unstable")]
 pub mod velocity;
+#[cfg(not(feature = "unstable"))]
+mod velocity;
+#[cfg(feature = "unstable")]
 pub mod weighting;
+#[cfg(not(feature = "unstable"))]
+mod weighting;
 
 pub use epoch::{Epoch, Observation};
 pub use frame::Ecef;

@@ -10,6 +10,7 @@ use crate::epoch::Observation;
 use crate::frame::{Ecef, Geodetic, LinearisationPoint};
 use crate::numeric::absolute::Absolute as _;
 use crate::numeric::real::Real;
+use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 
 /// Most satellites that may be left out of one epoch ([Tian2024] treats no more than 3 faults, nor
@@ -43,6 +44,7 @@ pub enum Verdict {
 /// Reason why a position is protected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Protected {
     /// All satellites agree.
     Ok,
@@ -53,6 +55,7 @@ pub enum Protected {
 /// Reason why a position must not be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Alert {
     /// A fault was detected and could not be isolated.
     Fault,
@@ -66,8 +69,8 @@ pub enum Alert {
     /// The position moved farther than it can since it was last protected: the satellites that
     /// agree on it agree by chance, or are counterfeit.
     Jump,
-    /// The receiver clock moved otherwise than its measured drift: a second receiver, a repeater or
-    /// counterfeit signals.
+    /// The receiver clock moved otherwise than its measured drift, or without range rates than its
+    /// own past: a second receiver, a repeater or counterfeit signals.
     Clock,
     /// The position moved otherwise than its measured velocity.
     Track,
@@ -81,6 +84,7 @@ pub enum Alert {
 /// Reason why a position has no integrity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Unavailable {
     /// Too few satellites for a position, or the fix did not converge.
     NoFix,
@@ -121,6 +125,7 @@ pub enum Unavailable {
 /// A position with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct Solution {
     /// Earth-fixed position.
     pub position: Ecef,
@@ -143,6 +148,7 @@ impl Solution {
     ///
     /// A positive residual is a range that is too long. The residual of an excluded satellite is
     /// its bias. `T` is the scalar for directions, as in [`Monitor`](crate::Monitor).
+    #[cfg(feature = "unstable")]
     pub fn residual_m<T: Real>(&self, observation: &Observation) -> Option<f64> {
         let constellation = observation.satellite.constellation();
         let clock_m = (*self.clocks_m.get(constellation as usize)?)?;
@@ -155,13 +161,14 @@ impl Solution {
     /// Returns the position dilution of precision, dimensionless.
     pub fn pdop(&self) -> f64 {
         let (hdop, vdop) = (self.hdop as f32, self.vdop as f32);
-        f64::from(libm::sqrtf(hdop * hdop + vdop * vdop))
+        f64::from(sqrt(hdop * hdop + vdop * vdop))
     }
 }
 
 /// The global test behind the verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct TestStatistic {
     /// `√(SSE/dof)`, dimensionless.
     pub statistic: f64,
@@ -177,6 +184,7 @@ pub struct TestStatistic {
 /// ([`crate::integrity::raim::levels`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct ProtectionLevels {
     /// Horizontal protection level, m.
     pub hpl_m: f64,
@@ -185,31 +193,38 @@ pub struct ProtectionLevels {
 }
 
 impl ProtectionLevels {
-    /// Returns the sum of both.
-    #[must_use]
-    pub fn plus(&self, other: &Self) -> Self {
-        Self { hpl_m: self.hpl_m + other.hpl_m, vpl_m: self.vpl_m + other.vpl_m }
+    unstable! {
+        /// Returns the sum of both.
+        #[must_use]
+        pub fn plus(&self, other: &Self) -> Self {
+            Self { hpl_m: self.hpl_m + other.hpl_m, vpl_m: self.vpl_m + other.vpl_m }
+        }
     }
 
-    /// Returns both multiplied by a factor.
-    #[must_use]
-    pub fn times(&self, factor: f64) -> Self {
-        Self { hpl_m: factor * self.hpl_m, vpl_m: factor * self.vpl_m }
+    unstable! {
+        /// Returns both multiplied by a factor.
+        #[must_use]
+        pub fn times(&self, factor: f64) -> Self {
+            Self { hpl_m: factor * self.hpl_m, vpl_m: factor * self.vpl_m }
+        }
     }
 
-    /// Returns the larger of each; NaN counts as the largest.
-    #[must_use]
-    // Not inlined, so that its many callers share one copy.
-    #[inline(never)]
-    pub fn or_larger(&self, other: &Self) -> Self {
-        let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
-        Self { hpl_m: larger(self.hpl_m, other.hpl_m), vpl_m: larger(self.vpl_m, other.vpl_m) }
+    unstable! {
+        /// Returns the larger of each; NaN counts as the largest.
+        #[must_use]
+        // Not inlined, so that its many callers share one copy.
+        #[inline(never)]
+        pub fn or_larger(&self, other: &Self) -> Self {
+            let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+            Self { hpl_m: larger(self.hpl_m, other.hpl_m), vpl_m: larger(self.vpl_m, other.vpl_m) }
+        }
     }
 }
 
 /// Results of ARAIM beside its levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct AraimReport {
     /// Number of monitored modes.
     pub modes: u16,
@@ -236,6 +251,7 @@ pub struct AraimReport {
 /// A fault mode by its satellites; empty if the noise of all satellites dominates the level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct DominantMode {
     /// Whole constellations, a bit for each id.
     pub constellations: u8,
@@ -246,6 +262,7 @@ pub struct DominantMode {
 /// A satellite with the bias that its w-test suggests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct Suspect {
     /// The satellite.
     pub satellite: SatelliteId,
@@ -255,6 +272,18 @@ pub struct Suspect {
     pub bias_m: f64,
     /// Standard deviation of `bias_m`, m.
     pub bias_sigma_m: f64,
+}
+
+/// A known height beside the satellites of an epoch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct HeightReport {
+    /// False if it contradicts the satellites and was left out.
+    pub is_used: bool,
+    /// True if the satellites cannot be tested without it.
+    pub is_needed: bool,
+    /// Known height minus that of the satellites alone, m; 0 if they do not determine one.
+    pub difference_m: f64,
 }
 
 /// Results for one epoch, at most `N` satellites.
@@ -270,6 +299,7 @@ pub struct Suspect {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct Report<const N: usize> {
     /// The verdict with its reason.
     pub verdict: Verdict,
@@ -281,6 +311,9 @@ pub struct Report<const N: usize> {
     pub protection: Option<ProtectionLevels>,
     /// Satellites left out, in the order of exclusion.
     pub excluded: Vec<Suspect, MAX_EXCLUDED>,
+    /// Constellations left out as a whole, a bit for each id: found broken in this epoch, or kept
+    /// out because of earlier ones. Some of their satellites are among [`Self::excluded`].
+    pub excluded_constellations: u8,
     /// The satellite used with the largest w-test; `None` without redundancy.
     pub suspect: Option<Suspect>,
     /// Satellites in the solution, in the order of the epoch.
@@ -291,6 +324,8 @@ pub struct Report<const N: usize> {
     pub tracked: u8,
     /// Results of ARAIM beside its levels, if that is the method.
     pub araim: Option<AraimReport>,
+    /// The known height, if the epoch came with one.
+    pub height: Option<HeightReport>,
     /// Mean of SSE/dof over the last epochs: about 1 if sigma is right, `None` before the first
     /// test.
     pub sigma_check: Option<f64>,
@@ -307,11 +342,13 @@ impl<const N: usize> Report<N> {
             test: None,
             protection: None,
             excluded: Vec::new(),
+            excluded_constellations: 0,
             suspect: None,
             used: Vec::new(),
             residual_rms_m: 0.0,
             tracked: 0,
             araim: None,
+            height: None,
             sigma_check: None,
         }
     }
@@ -321,9 +358,10 @@ impl<const N: usize> Report<N> {
         let Self { excluded, used, .. } = self;
         excluded.clear();
         used.clear();
+        self.excluded_constellations = 0;
         (self.verdict, self.residual_rms_m, self.tracked) =
             (Verdict::Unavailable(Unavailable::NoFix), 0.0, 0);
         (self.solution, self.test, self.protection) = (None, None, None);
-        (self.suspect, self.araim, self.sigma_check) = (None, None, None);
+        (self.suspect, self.araim, self.height, self.sigma_check) = (None, None, None, None);
     }
 }

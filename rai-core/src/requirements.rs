@@ -10,8 +10,8 @@
 
 use core::fmt;
 
-use crate::allocation::{Allocation, AllocationError};
-use crate::numeric::probability::Probability;
+pub use crate::allocation::{Allocation, AllocationError};
+pub use crate::numeric::probability::Probability;
 
 /// Requirements of an operation.
 ///

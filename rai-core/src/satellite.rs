@@ -55,9 +55,11 @@ impl Constellation {
         }
     }
 
-    /// Returns the constellation of a RINEX letter.
-    pub fn from_letter(letter: char) -> Option<Self> {
-        Self::ALL.into_iter().find(|constellation| constellation.letter() == letter)
+    unstable! {
+        /// Returns the constellation of a RINEX letter.
+        pub fn from_letter(letter: char) -> Option<Self> {
+            Self::ALL.into_iter().find(|constellation| constellation.letter() == letter)
+        }
     }
 }
 
@@ -97,13 +99,15 @@ impl SatelliteId {
         if number <= 10 { Self::new(Constellation::Gps, QZSS + number) } else { None }
     }
 
-    /// Returns a satellite by the letter and the number of its name.
-    pub fn from_name(letter: char, number: u8) -> Option<Self> {
-        match letter {
-            'J' => Self::qzss(number),
-            _ => Constellation::from_letter(letter)
-                .filter(|_| number <= 99)
-                .and_then(|constellation| Self::new(constellation, number)),
+    unstable! {
+        /// Returns a satellite by the letter and the number of its name.
+        pub fn from_name(letter: char, number: u8) -> Option<Self> {
+            match letter {
+                'J' => Self::qzss(number),
+                _ => Constellation::from_letter(letter)
+                    .filter(|_| number <= 99)
+                    .and_then(|constellation| Self::new(constellation, number)),
+            }
         }
     }
 

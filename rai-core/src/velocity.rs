@@ -42,23 +42,24 @@ use crate::integrity::raim::levels::{KFactors, LevelInputs, Levels};
 use crate::least_squares::Workspace;
 use crate::numeric::real::Real;
 use crate::numeric::space::upper_triangle;
+use crate::numeric::sqrt;
 use crate::report::{MAX_EXCLUDED, ProtectionLevels, TestStatistic};
 use crate::satellite::{Constellation, SatelliteId};
 
 /// Constellation that holds the one drift of all systems in a snapshot.
 const DRIFT: Constellation = Constellation::Gps;
 
-/// Range rate of one satellite.
+/// Range rate of one satellite, in the scalar that it is solved in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RangeRate {
+pub struct RangeRate<T = f64> {
     /// The satellite.
     pub satellite: SatelliteId,
     /// Unit vector receiver → satellite, east, north, up.
-    pub line_of_sight: Vector3<f64>,
+    pub line_of_sight: Vector3<T>,
     /// Measured rate less that of a receiver at rest with a perfect clock, m/s.
-    pub residual_m_s: f64,
+    pub residual_m_s: T,
     /// Standard deviation, m/s.
-    pub sigma_m_s: f64,
+    pub sigma_m_s: T,
 }
 
 /// A velocity that passed its test.
@@ -82,7 +83,7 @@ impl Velocity {
     /// Returns the speed, m/s.
     pub fn speed_m_s(&self) -> f64 {
         let [east, north, up] = self.east_north_up_m_s.map(|component_m_s| component_m_s as f32);
-        f64::from(libm::sqrtf(east * east + north * north + up * up))
+        f64::from(sqrt(east * east + north * north + up * up))
     }
 
     /// Returns true if a receiver with this maximum speed can have the velocity, over the ground
@@ -100,6 +101,7 @@ impl Velocity {
 /// Reason why there is no velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum VelocityError {
     /// Fewer than five usable rates, so that no test is possible.
     Redundancy,
@@ -128,16 +130,15 @@ impl core::error::Error for VelocityError {}
 /// [`VelocityError`] if there is no velocity, or none that passes the test.
 pub fn estimate<T: Real, const N: usize>(
     workspace: &mut Workspace<T, N>,
-    rates: impl IntoIterator<Item = RangeRate>,
+    rates: impl IntoIterator<Item = RangeRate<T>>,
     thresholds: &Thresholds<'_>,
     factors: &KFactors<T>,
 ) -> Result<Velocity, VelocityError> {
     workspace.equations_mut().clear();
     let mut satellites = Vec::<SatelliteId, N>::new();
     for rate in rates {
-        let taken =
-            workspace.equations_mut().satellite(DRIFT, rate.line_of_sight, rate.residual_m_s, rate.sigma_m_s);
-        if taken.is_ok() {
+        let RangeRate { line_of_sight, residual_m_s, sigma_m_s, .. } = &rate;
+        if workspace.equations_mut().rate(DRIFT, line_of_sight, *residual_m_s, *sigma_m_s).is_ok() {
             // Never full, because both hold `N`.
             let _ = satellites.push(rate.satellite);
         }

@@ -42,7 +42,7 @@ def build(env):
     features = env.GetProjectOption("custom_rai_features", "whole")
     out = os.path.join(env.subst("$BUILD_DIR"), "rai")
     command = ["cargo", "rustc", "--package", "rai-capi", "--lib", "--crate-type", "staticlib"]
-    command += ["--profile", "firmware", "--no-default-features", "--features", features + ",panic-handler"]
+    command += ["--profile", "firmware", "--no-default-features", "--features", features + ",satellites-48,panic-handler"]
     command += ["--target", target, "--target-dir", out]
     subprocess.run(command, cwd=here, check=True)
     from SCons.Script import DefaultEnvironment  # only exists within PlatformIO

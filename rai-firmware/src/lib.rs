@@ -85,6 +85,7 @@
 //! | `IS-QZSS-PNT` | Cabinet Office of Japan, *Quasi-Zenith Satellite System interface specification, satellite positioning, navigation and timing service* |
 //! | `ITU-R TF.460-6` | ITU-R Recommendation TF.460-6, *Standard-frequency and time-signal emissions*, 2002 |
 //! | `Klobuchar1987` | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3) (1987) 325–331 |
+//! | `Knuth1997` | D. E. Knuth, *The Art of Computer Programming*, volume 2, *Seminumerical Algorithms*, 3rd edition, Addison-Wesley, 1997 |
 //! | `MAVLINK` | `MAVLink` developer guide, *Serialization*, <https://mavlink.io/en/guide/serialization.html>, and the message definitions `common.xml` and `development.xml` |
 //! | `NMEA-0183` | National Marine Electronics Association, *NMEA 0183, standard for interfacing marine electronic devices*, version 4.11, 2018 |
 //! | `OS-SDD` | European Union, *Galileo open service, service definition document*, version 1.3, 2023 |
@@ -112,6 +113,7 @@ pub mod division;
 pub mod ephemeris;
 pub mod epoch_loop;
 pub mod input;
+mod known_place;
 mod median;
 pub mod navigator;
 pub mod outlet;

@@ -9,7 +9,7 @@ use core::cell::Cell;
 
 use heapless::Vec;
 use nalgebra::Vector3;
-use raim_core::epoch::Epoch;
+use raim_core::epoch::{Aiding, Epoch};
 use raim_core::frame::Ecef;
 #[cfg(feature = "araim")]
 use raim_core::monitor::Method;
@@ -27,17 +27,18 @@ use crate::correction::{
     CAPACITY, Klobuchar, Located, Preference, Ranges, Site, Sky, Tally, View, coarse, locate_within,
 };
 use crate::ephemeris::{Ephemeris, Insertion, Store};
+use crate::known_place::is_elsewhere;
 use crate::rates::{RateTally, Rates};
 use crate::raw::RawEpoch;
-use crate::settings::{Configuration, Frequencies, Systems};
+use crate::settings::{Configuration, Frequencies, Place, Systems};
 use crate::time::GpsTime;
 
 /// Largest distance over which corrections hold, m: 1 km changes an elevation by 0.003° and the
 /// zenith delay by at most 0.25 m.
-const GUESS_HOLDS_M: f64 = 1e3;
+const GUESS_HOLDS_M: f32 = 1e3;
 
 /// Least distance of a receiver from the centre of the earth, m; a position below it is unknown.
-const UNKNOWN_RADIUS_M: f64 = 6e6;
+const UNKNOWN_RADIUS_M: f32 = 6e6;
 
 /// Lifetime of broadcast coefficients, ms; satellites renew them at least every six days.
 const IONOSPHERE_HOLDS_MS: u64 = 6 * 86_400_000;
@@ -62,6 +63,8 @@ pub struct Navigator {
     velocity: Option<Velocity>,
     /// Alert that overrides the verdict, however well ranges agree with each other.
     distrusted: Option<Alert>,
+    /// Height of the next epoch that is known from outside.
+    known_height: Option<Aiding>,
     /// Ionosphere models broadcast by GPS and by `BeiDou`, with the time of arrival. Coefficients
     /// that come before the first epoch have no time until that epoch.
     ionosphere: [Option<(Klobuchar, Option<GpsTime>)>; 2],
@@ -98,6 +101,7 @@ impl Navigator {
             rates: Rates::new(),
             velocity: None,
             distrusted: None,
+            known_height: None,
             ionosphere: [None; 2],
         }
     }
@@ -148,6 +152,11 @@ impl Navigator {
         self.distrusted = reason;
     }
 
+    /// Sets the height of the next epoch that is known from outside, or that there is none.
+    pub fn know_height(&mut self, height: Option<Aiding>) {
+        self.known_height = height;
+    }
+
     /// Takes a first guess of the position, which has no effect after a fix.
     pub fn guess(&mut self, point: Ecef) {
         if is_unknown(self.monitor.start()) {
@@ -161,8 +170,9 @@ impl Navigator {
     /// As for [`Self::new`]; on error nothing has changed.
     pub fn configure(&mut self, configuration: &Configuration) -> Result<(), MonitorError> {
         self.monitor.set_requirements(configuration.requirements())?;
-        self.monitor.set_strategy(configuration.strategy());
-        // The core accepts every value within the ranges of the commands.
+        // The core accepts every value within the ranges of the commands, and no word sets a method
+        // that this build lacks.
+        let _ = self.monitor.set_strategy(configuration.strategy());
         let _ = self.monitor.set_continuity(configuration.continuity());
         self.monitor.set_ism(configuration.promises.ism());
         Ok(())
@@ -255,7 +265,7 @@ impl Navigator {
             let assessment = self.room.memory.outcome();
             let found = found(&assessment.report);
             let is_believed = is_rough && assessment.searched && is_excluded(&assessment.report);
-            if !is_believed && found.is_some_and(|found| found.distance_m(guess) <= GUESS_HOLDS_M) {
+            if !is_believed && found.is_some_and(|found| is_shorter(found - guess, GUESS_HOLDS_M)) {
                 break;
             }
             is_rough = false;
@@ -275,7 +285,7 @@ impl Navigator {
             self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
         }
         let refused_a_range = self.tally.ranges.range_implausible != before.range_implausible;
-        self.conclude(raw, came_ms, refused_a_range, without_orbit)
+        self.conclude(raw, came_ms, configuration.place.as_ref(), refused_a_range, without_orbit)
     }
 
     /// Restarts learning if ranges or systems change, because residuals of others do not apply.
@@ -316,12 +326,16 @@ impl Navigator {
         &mut self,
         raw: &RawEpoch,
         came_ms: u64,
+        fixed: Option<&Place>,
         refused_a_range: bool,
         without_orbit: u32,
     ) -> &mut Report<CAPACITY> {
         let Room { sky, memory, .. } = &mut self.room;
         if let Some(reason) = self.distrusted {
             memory.outcome_mut().override_alert(reason);
+        }
+        if fixed.is_some_and(|place| is_elsewhere(place, &memory.outcome().report)) {
+            memory.outcome_mut().withdraw(Unavailable::Place);
         }
         // Under an alert no velocity is reported, and computing one at a wrong place would only
         // cost time.
@@ -402,6 +416,12 @@ impl Navigator {
             Site::new(point, time, configuration.mask_rad(), klobuchar).with_ranges(ranges).weighted_by(ism);
         let Room { sky, epoch, .. } = &mut self.room;
         site.correct(sky, &mut self.tally.ranges, epoch);
+        // The forecast of a clock may take the last row.
+        let has_room = epoch.observations().len() + 1 < CAPACITY;
+        if let Some(height) = self.known_height.filter(|_| has_room && configuration.method.allows_aiding()) {
+            // Its values were checked when they were read.
+            let _ = epoch.aid(height);
+        }
     }
 
     /// Returns the parameters that weight the ranges: the ISM for ARAIM, otherwise none.
@@ -436,7 +456,7 @@ const APART_MS: u32 = 128;
 #[inline(never)]
 fn range_rate(located: &Located, last: &Rates, store: &Store, point: Ecef, time: GpsTime) -> Option<f32> {
     let velocity_m_s = last.of_satellite(located, time).or_else(|| velocity_m_s(located, store, time))?;
-    let way_m = Vector3::from(coordinates_m(located.state().position - point));
+    let way_m = Vector3::from(coordinates_m(located.position() - point));
     Some(way_m.dot(&velocity_m_s) * way_m.dot(&way_m).inverse_sqrt_approx())
 }
 
@@ -444,7 +464,7 @@ fn range_rate(located: &Located, last: &Rates, store: &Store, point: Ecef, time:
 fn velocity_m_s(located: &Located, store: &Store, time: GpsTime) -> Option<Vector3<f32>> {
     let ephemeris = store.get(located.satellite(), time).ok()?;
     let later = ephemeris.at(time.later_by_ms(APART_MS), located.measured_m()?).ok()?;
-    let moved_m = coordinates_m(later.position - located.state().position);
+    let moved_m = coordinates_m(later.position - located.position());
     Some(Vector3::from(moved_m) * (1e3 / APART_MS as f32))
 }
 
@@ -457,5 +477,11 @@ fn is_excluded(report: &Report<CAPACITY>) -> bool {
 }
 
 fn is_unknown(point: Ecef) -> bool {
-    point.radius_m() < UNKNOWN_RADIUS_M
+    is_shorter(point, UNKNOWN_RADIUS_M)
+}
+
+/// Returns true if a vector is shorter than a limit, m; single precision suffices.
+fn is_shorter(vector: Ecef, limit_m: f32) -> bool {
+    let vector_m = Vector3::from(coordinates_m(vector));
+    vector_m.dot(&vector_m) < limit_m * limit_m
 }

@@ -34,16 +34,16 @@
 use heapless::Vec;
 use nalgebra::Vector3;
 use raim_core::continuity::{ContinuitySettings, Standing};
-use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, LocalAxes, SPEED_OF_LIGHT_M_S};
+use raim_core::numeric::absolute::{Absolute as _, Grid};
 use raim_core::numeric::real::Real;
 use raim_core::satellite::SatelliteId;
 use raim_core::single::{self, Monitor, Workspace};
 use raim_core::velocity::{RangeRate, Velocity, VelocityError};
 
-use crate::correction::horizon::{Horizon, coordinates_m};
+use crate::correction::horizon::Horizon;
 use crate::correction::{CAPACITY, Located, Sky};
 use crate::counters::{count, count_many, counters};
-use crate::ephemeris::SatelliteState;
 use crate::raw::{RawEpoch, RawSatellite};
 use crate::time::GpsTime;
 
@@ -100,23 +100,25 @@ struct Measured {
 
 impl Measured {
     /// Returns its equation, with the measured rate or its negative.
-    fn equation(&self, sign: f32) -> RangeRate {
+    fn equation(&self, sign: f32) -> RangeRate<f32> {
         RangeRate {
             satellite: self.satellite,
-            line_of_sight: Vector3::from(self.direction).map(f64::from),
-            residual_m_s: f64::from(sign * self.rate_m_s - self.expected_m_s),
-            sigma_m_s: f64::from(self.sigma_m_s),
+            line_of_sight: self.direction.into(),
+            residual_m_s: sign * self.rate_m_s - self.expected_m_s,
+            sigma_m_s: self.sigma_m_s,
         }
     }
 }
 
-/// State of a satellite when its signal left.
+/// State of a satellite when its signal left, in lengths whose differences are exact.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     satellite: SatelliteId,
-    state: SatelliteState,
-    /// Range, m, which gives the time at which the signal left.
-    range_m: f64,
+    position: [Grid; 3],
+    /// Satellite clock times the speed of light.
+    clock: Grid,
+    /// Range, m, which gives the time at which the signal left, to 7 ns.
+    range_m: f32,
     /// Edition of the ephemeris.
     edition: u32,
 }
@@ -235,7 +237,7 @@ impl Rates {
         let elapsed_ms = time.since_ms(self.time);
         let now = Seen::of(located).filter(|_| (1..=LONGEST_MS).contains(&elapsed_ms))?;
         let (before, elapsed_s) = (now.among(&self.last)?, elapsed_ms as f32 * 1e-3);
-        let (velocity_m_s, _) = now.velocity_since(before, elapsed_s, coordinates_m(now.state.position))?;
+        let (velocity_m_s, _) = now.velocity_since(before, elapsed_s, Grid::vector(now.position))?;
         Some(velocity_m_s.into())
     }
 
@@ -249,13 +251,13 @@ impl Rates {
         workspace: &mut Workspace,
     ) -> Result<Velocity, VelocityError> {
         let Self { last, trust, tally, .. } = self;
-        let horizon = Horizon::at(place, &LocalFrame::at(place));
+        let horizon = Horizon::at(place, &LocalAxes::at(place));
         let since = Since { last, raw, horizon, elapsed_s: elapsed_ms as f32 * 1e-3 };
         let (required, settings) = (monitor.validated(), monitor.continuity_settings());
         // Rates are computed on demand and not stored. A second time is needed only if the first
         // sign fails.
         let mut agree_on = |sign| {
-            let rates = sky.iter().filter_map(|located| since.measure(located));
+            let rates = sky.iter().enumerate().filter_map(|(index, located)| since.measure(located, index));
             let equations = &mut rates.map(|rate| rate.equation(sign));
             let velocity = single::velocity(workspace, equations, required.thresholds(), required.factors())?;
             let is_possible = settings.is_none_or(|settings| velocity.is_within(settings.max_speed_m_s));
@@ -296,10 +298,15 @@ struct Since<'r> {
 
 impl Since<'_> {
     /// Returns the measured rate of a satellite, with the part of it that the satellite causes.
-    fn measure(&self, located: &Located) -> Option<Measured> {
+    ///
+    /// `index` is its place in the sky, near which it is in the last epoch and in the raw one.
+    fn measure(&self, located: &Located, index: usize) -> Option<Measured> {
         let now = Seen::of(located)?;
-        let before = now.among(self.last)?;
-        let satellite = self.raw.satellites.iter().find(|one| one.satellite == now.satellite)?;
+        let before = self.last.get(index).filter(|seen| now.is(seen)).or_else(|| now.among(self.last))?;
+        let is_it = |one: &&RawSatellite| one.satellite == now.satellite;
+        // The sky has the order of the raw epoch, of which it lacks some.
+        let later = self.raw.satellites.get(index..).unwrap_or_default().iter().find(is_it);
+        let satellite = later.or_else(|| self.raw.satellites.iter().find(is_it))?;
         let (rate_m_s, sigma_m_s) = rate(satellite)?;
         let (expected_m_s, direction) = now.range_rate_since(before, self.elapsed_s, &self.horizon)?;
         Some(Measured { satellite: now.satellite, direction, rate_m_s, expected_m_s, sigma_m_s })
@@ -325,13 +332,24 @@ fn power_of_two(x: f32) -> f32 {
 
 impl Seen {
     fn of(located: &Located) -> Option<Self> {
-        let (satellite, state) = (located.satellite(), located.state());
-        Some(Self { satellite, state, range_m: located.measured_m()?, edition: located.edition() })
+        let Ecef { x_m, y_m, z_m } = located.position();
+        Some(Self {
+            satellite: located.satellite(),
+            position: [x_m, y_m, z_m].map(Grid::of),
+            clock: Grid::of(located.clock_m()),
+            range_m: located.measured_m()? as f32,
+            edition: located.edition(),
+        })
     }
 
     /// Returns the same satellite with the same ephemeris in another epoch.
     fn among<'s>(&self, others: &'s [Self]) -> Option<&'s Self> {
-        others.iter().find(|seen| seen.satellite == self.satellite && seen.edition == self.edition)
+        others.iter().find(|seen| self.is(seen))
+    }
+
+    /// Returns true for the same satellite with the same ephemeris.
+    fn is(&self, other: &Self) -> bool {
+        other.satellite == self.satellite && other.edition == self.edition
     }
 
     /// Returns the velocity in the earth-fixed frame, m/s, and the time between the two departures
@@ -339,8 +357,9 @@ impl Seen {
     fn velocity_since(&self, before: &Self, elapsed_s: f32, place_m: [f32; 3]) -> Option<([f32; 3], f32)> {
         // The time between the departures is shorter than that between the arrivals by the growth
         // of the range.
-        let apart_s = elapsed_s - (self.range_m - before.range_m) as f32 / LIGHT_M_S;
-        let moved_m = coordinates_m(self.state.position - before.state.position);
+        let apart_s = elapsed_s - (self.range_m - before.range_m) / LIGHT_M_S;
+        let ([x, y, z], [from_x, from_y, from_z]) = (self.position, before.position);
+        let moved_m = [x.less(from_x), y.less(from_y), z.less(from_z)].map(Grid::narrow);
         Some((velocity_at_the_end(place_m, moved_m, apart_s), apart_s)).filter(|_| apart_s > 0.0)
     }
 
@@ -348,8 +367,8 @@ impl Seen {
     /// the satellite, or `None` below the mask.
     fn range_rate_since(&self, before: &Self, elapsed_s: f32, horizon: &Horizon) -> Option<(f32, [f32; 3])> {
         // The earth turns while the signal travels.
-        let angle_rad = TURN_RAD_S / LIGHT_M_S * self.range_m as f32;
-        let place_m = coordinates_m(self.state.position);
+        let angle_rad = TURN_RAD_S / LIGHT_M_S * self.range_m;
+        let place_m = Grid::vector(self.position);
         let way = horizon.way_to(turned(place_m, angle_rad));
         let direction = horizon.direction(&way);
         let [.., up] = direction;
@@ -359,8 +378,8 @@ impl Seen {
         let (velocity_m_s, apart_s) = self.velocity_since(before, elapsed_s, place_m)?;
         let velocity_m_s = turned(velocity_m_s, angle_rad);
         let away_m_s = way.inverse_length * dot(way.difference_m, velocity_m_s);
-        let drift = (self.state.clock_s - before.state.clock_s) as f32 / apart_s;
-        Some((away_m_s * (1.0 - away_m_s / LIGHT_M_S) - LIGHT_M_S * drift, direction))
+        let drift_m_s = self.clock.less(before.clock).narrow() / apart_s;
+        Some((away_m_s * (1.0 - away_m_s / LIGHT_M_S) - drift_m_s, direction))
     }
 }
 

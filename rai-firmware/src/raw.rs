@@ -9,10 +9,10 @@
 //! | `f` | [`Carrier::frequency_hz`] | Hz |
 //! | `k` | [`Carrier::channel`] | – |
 //!
-//! A signal takes 16 bytes and an epoch 3.5 KiB. Carrier to noise density has steps of 1/16 dB-Hz
-//! and Doppler of 1/1024 Hz, which hold every value of the formats exactly. Values without a user
-//! here, such as a receiver's own sigma and its lock time, are not stored. References: [IS-GPS-200]
-//! 3.3.1.1, [BDS-SIS-B1I] 4.1, [GLO-ICD] 3.3.1.1.
+//! A signal takes 16 bytes, and an epoch of 64 satellites 3.5 KiB. Carrier to noise density has
+//! steps of 1/16 dB-Hz and Doppler of 1/1024 Hz, which hold every value of the formats exactly.
+//! Values without a user here, such as a receiver's own sigma and its lock time, are not stored.
+//! References: [IS-GPS-200] 3.3.1.1, [BDS-SIS-B1I] 4.1, [GLO-ICD] 3.3.1.1.
 //!
 //! [IS-GPS-200]: crate#references
 //! [BDS-SIS-B1I]: crate#references
@@ -24,8 +24,9 @@ use raim_core::satellite::SatelliteId;
 
 use crate::time::GpsTime;
 
-/// Most satellites of an epoch.
-pub const EPOCH_CAPACITY: usize = 64;
+/// Most satellites of an epoch, 64 beside room for 48 in the core: those that are used, and those
+/// of systems that are not in use or below the mask, which come in the same messages.
+pub const EPOCH_CAPACITY: usize = raim_core::single::CAPACITY + 16;
 
 /// Most signals of one satellite. Only `BeiDou` satellites have more bands; see [`Band::is_spare`].
 pub const SIGNAL_CAPACITY: usize = 3;

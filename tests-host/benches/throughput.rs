@@ -40,7 +40,7 @@ fn judge<T: Real>(
     let epoch = epoch(count, 2, faults).expect("a sky of so many");
     let mut monitor =
         Monitor::<T, CAPACITY>::new(Requirements::non_precision_approach()).expect("requirements");
-    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC });
+    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC }).expect("every method is built in");
     monitor.start_from(site().position);
     group.bench_function(id, |bencher| bencher.iter(|| monitor.process(black_box(&epoch))));
 }

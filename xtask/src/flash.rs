@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::ensure;
-use rig::image::{self, Chip, Image};
+use rig::image::{Chip, Image, Named};
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -14,7 +14,10 @@ pub(crate) struct Arguments {
     /// Only check that the image fits the chip and would start; needs no probe
     #[arg(long)]
     dry_run: bool,
-    /// Image to write (default: a fresh build)
+    /// Name of the image to build and write; `cargo xtask image` lists them
+    #[arg(long, default_value = "fast", conflicts_with = "image")]
+    named: String,
+    /// File of an image to write instead
     #[arg(long)]
     image: Option<PathBuf>,
 }
@@ -22,14 +25,16 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let chip = Chip::named(&arguments.chip)?;
-    let path = arguments.image.clone().map_or_else(fresh, Ok)?;
+    let path = arguments.image.clone().map_or_else(|| fresh(&arguments.named), Ok)?;
     check(&path, &chip)?;
     if arguments.dry_run { Ok(()) } else { write(&path, &chip) }
 }
 
-fn fresh() -> anyhow::Result<PathBuf> {
+/// Builds a named image, which prints the chips that carry it.
+fn fresh(name: &str) -> anyhow::Result<PathBuf> {
+    let named = Named::of(name)?;
     rig::setup::ensure()?;
-    image::build()
+    crate::image::build(named).map(|(path, _)| path)
 }
 
 fn check(path: &Path, chip: &Chip) -> anyhow::Result<()> {

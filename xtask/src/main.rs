@@ -11,9 +11,11 @@ mod coverage;
 mod demo;
 #[cfg(target_os = "linux")]
 mod endure;
+mod evidence;
 mod flash;
 mod fuzz;
 mod header;
+mod image;
 mod miri;
 mod mutants;
 mod nightly;
@@ -85,7 +87,9 @@ enum Command {
     Archives(release::ArchiveArguments),
     /// Builds and checks every artefact of a release, with checksums and a bill of materials.
     Release(release::Arguments),
-    /// Writes the image to a chip, or checks that it fits.
+    /// Builds named images, and compares their memory with their limits.
+    Image(image::Arguments),
+    /// Writes an image to a chip, or checks that it fits.
     Flash(flash::Arguments),
     /// Shows the state of a module on a serial port.
     Monitor(raim::monitor::command::Arguments),
@@ -124,6 +128,7 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
         Command::Header(arguments) => header::run(&arguments),
         Command::Archives(arguments) => release::build_archives(&arguments),
         Command::Release(arguments) => release::run(&arguments),
+        Command::Image(arguments) => image::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Monitor(arguments) => raim::monitor::command::run(&arguments, Some(&rig::demo::watched)),
     }

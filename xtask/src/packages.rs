@@ -9,15 +9,16 @@ use anyhow::{Context as _, Result, ensure};
 use crate::cargo::{command, root, spawn};
 
 /// Packages in their order; each needs those before it.
-pub(crate) const PACKAGES: [&str; 3] = ["raim-core", "raim-firmware", "raim"];
+pub(crate) const PACKAGES: [&str; 4] = ["raim-root", "raim-core", "raim-firmware", "raim"];
 
 /// Separate workspace, so that cargo does not find ours. One package finds the others beside it,
 /// not in the registry, because ours are not published.
 const WORKSPACE: &str = "[workspace]
 resolver = \"3\"
-members = [\"raim-core\", \"raim-firmware\", \"raim\"]
+members = [\"raim-root\", \"raim-core\", \"raim-firmware\", \"raim\"]
 
 [patch.crates-io]
+raim-root = { path = \"raim-root\" }
 raim-core = { path = \"raim-core\" }
 raim-firmware = { path = \"raim-firmware\" }
 ";
@@ -31,8 +32,12 @@ pub(crate) fn verify() -> Result<()> {
     let manifest = unpacked.join("Cargo.toml").display().to_string();
     let folder = unpacked.join("target").display().to_string();
     let place = ["--manifest-path", manifest.as_str(), "--target-dir", folder.as_str()];
-    let [core, firmware, command_line] = PACKAGES;
-    spawn(command(&["test", "--quiet", "--doc", "-p", core, "-p", firmware]).args(place))?;
+    let [_, core, firmware, command_line] = PACKAGES;
+    // The core by itself first: beside the firmware it has the feature `unstable`, without which
+    // its examples must do.
+    spawn(command(&["test", "--quiet", "--doc", "-p", core]).args(place))?;
+    spawn(command(&["check", "--quiet", "--examples", "-p", core]).args(place))?;
+    spawn(command(&["test", "--quiet", "--doc", "-p", firmware]).args(place))?;
     spawn(command(&["check", "--quiet", "-p", command_line]).args(place))
 }
 

@@ -11,21 +11,26 @@ use raim::page::html::write_file;
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Names of the experiments to run (default: all)
+    /// Names of the experiments to run (default: all), or `evidence` for the page of requirements,
+    /// faults and configuration
     experiments: Vec<String>,
     /// Run a reduced version of everything, in two minutes
     #[arg(long)]
-    quick: bool,
+    pub(crate) quick: bool,
     /// Print one JSON object per experiment instead of tables
     #[arg(long)]
     json: bool,
     /// Folder for the page and its pictures
     #[arg(long, value_name = "FOLDER", default_value = "target/reproduce")]
-    report: PathBuf,
+    pub(crate) report: PathBuf,
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if arguments.experiments.iter().any(|name| name == crate::evidence::NAME) {
+        ensure!(arguments.experiments.len() == 1, "`{}` runs alone", crate::evidence::NAME);
+        return crate::evidence::run(arguments);
+    }
     let experiments = chosen(&arguments.experiments)?;
     if cfg!(debug_assertions) {
         return crate::cargo::again_optimised("some values are out of bounds");
@@ -74,10 +79,12 @@ fn chosen(names: &[String]) -> anyhow::Result<Vec<Experiment>> {
 fn named(name: &str) -> anyhow::Result<Experiment> {
     let known = || EXPERIMENTS.iter().map(|experiment| experiment.name).collect::<Vec<_>>().join(", ");
     let found = EXPERIMENTS.iter().find(|experiment| experiment.name == name).copied();
-    found.with_context(|| format!("`{name}` is not an experiment; the experiments are {}, or all", known()))
+    found.with_context(|| {
+        format!("`{name}` is not an experiment; the experiments are {}, evidence, or all", known())
+    })
 }
 
-fn progress(name: &'static str) -> ProgressBar {
+pub(crate) fn progress(name: &'static str) -> ProgressBar {
     let style = ProgressStyle::with_template("{prefix} {bar:40} {percent:>3} % {msg} ({eta} to go)");
     let bar = ProgressBar::new(1).with_prefix(name);
     match style {

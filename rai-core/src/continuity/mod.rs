@@ -20,9 +20,7 @@
 //! | a jump | also when time has made the position reachable, or after [`Continuity::forget`]; or when the contradicting epochs have agreed for [`WEAK`], and those that led to the anchor had not |
 //!
 //! **After a silence** longer than the time to alert, the first position must be where the receiver
-//! can be expected: within `(1.5 u + 10 m/s) Δt` of the anchor, `u` the last speed. A position
-//! farther away must first agree for as long as the way to it takes at `v`: ten minutes of silence
-//! would otherwise make a place 300 km away good enough at once.
+//! can be expected, or agree for longer ([`reach`]).
 //!
 //! An epoch that agrees only after an exclusion, with one degree of freedom left, does not count,
 //! because among many satellites that disagree some pair always remains that agrees. A first epoch
@@ -38,11 +36,15 @@
 //! caller has its own clock.
 
 mod motion;
+mod oscillator;
+mod reach;
 
 pub use motion::Motion;
+pub use reach::DELAY_S;
 
-use crate::frame::Ecef;
-use crate::report::{Alert, Protected, ProtectionLevels, Report, Unavailable, Verdict};
+use reach::{BoundedPosition, Instant};
+
+use crate::report::{Alert, Protected, Report, Unavailable, Verdict};
 
 /// Longest time for which the last protected position limits the next one, s.
 ///
@@ -52,15 +54,6 @@ pub const ANCHOR_AGE_S: f64 = 86_400.0;
 /// Longest gap in an agreement that continues, s: three epochs of a logger with one epoch in five
 /// minutes.
 pub const GAP_S: f64 = 900.0;
-
-/// Speed that is expected of a receiver beyond its last one, m/s, and the factor on that.
-const EXPECTED_M_S: (f64, f64) = (10.0, 1.5);
-
-/// Speed that is expected of a receiver whose velocity was never known, m/s.
-const UNKNOWN_SPEED_M_S: f64 = 50.0;
-
-/// Largest variation of the delay from an epoch to the caller's clock, s.
-pub const DELAY_S: f64 = 1.0;
 
 /// Required agreement if one of its epochs has only one degree of freedom.
 pub const WEAK: Recovery = Recovery { epochs: 10, seconds: 10.0 };
@@ -85,11 +78,13 @@ impl Recovery {
         Self { epochs: self.epochs.max(other.epochs), seconds: self.seconds.max(other.seconds) }
     }
 
-    /// Returns true if an agreement of this length suffices; [`WEAK`] applies if one of its epochs
-    /// had one degree of freedom.
-    pub fn is_met(self, epochs: u16, seconds: f64, is_weak: bool) -> bool {
-        let wanted = if is_weak { self.at_least(WEAK) } else { self };
-        epochs >= wanted.epochs && seconds >= wanted.seconds
+    unstable! {
+        /// Returns true if an agreement of this length suffices; [`WEAK`] applies if one of its
+        /// epochs had one degree of freedom.
+        pub fn is_met(self, epochs: u16, seconds: f64, is_weak: bool) -> bool {
+            let wanted = if is_weak { self.at_least(WEAK) } else { self };
+            epochs >= wanted.epochs && seconds >= wanted.seconds
+        }
     }
 }
 
@@ -146,6 +141,7 @@ impl ContinuitySettings {
 /// The setting that is out of its range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum ContinuityError {
     /// `max_speed_m_s` is outside [0, 1e5].
     Speed(f64),
@@ -171,75 +167,6 @@ impl core::fmt::Display for ContinuityError {
 }
 
 impl core::error::Error for ContinuityError {}
-
-/// Time of an epoch, by both clocks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Instant {
-    epoch_s: f64,
-    own_s: Option<f64>,
-}
-
-impl Instant {
-    /// Returns the time since an earlier instant, s; 0 if it goes back.
-    // Not inlined, so that its many callers share one copy.
-    #[inline(never)]
-    fn since_s(self, earlier: Self) -> f64 {
-        let by_epochs_s = (self.epoch_s - earlier.epoch_s).max(0.0);
-        match self.own_s.zip(earlier.own_s) {
-            Some((own_s, earlier_s)) => by_epochs_s.min((own_s - earlier_s).max(0.0) + DELAY_S),
-            None => by_epochs_s,
-        }
-    }
-}
-
-/// A position with the levels that bound its error.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct BoundedPosition {
-    instant: Instant,
-    position: Ecef,
-    height_m: f64,
-    levels: ProtectionLevels,
-}
-
-impl BoundedPosition {
-    /// Returns true if a receiver can have moved from there to here. A NaN distance is beyond
-    /// reach.
-    fn is_within_reach_of(&self, from: &Self, max_speed_m_s: f64) -> bool {
-        let way_m = max_speed_m_s * self.instant.since_s(from.instant);
-        let climb_m = (self.height_m - from.height_m).abs();
-        let ground_m = across_m(self.position - from.position, climb_m);
-        ground_m <= way_m + self.levels.hpl_m + from.levels.hpl_m
-            && climb_m <= way_m + self.levels.vpl_m + from.levels.vpl_m
-    }
-}
-
-impl BoundedPosition {
-    /// Returns the distance to an earlier position, m.
-    fn distance_m(&self, from: &Self) -> f64 {
-        across_m(self.position - from.position, 0.0)
-    }
-
-    /// Returns how long this position must agree after a silence, s: 0 if the receiver is expected
-    /// here, otherwise the time of the way at the highest speed.
-    fn wait_s(&self, from: &Self, speed_m_s: f64, max_speed_m_s: f64) -> f64 {
-        let (beyond_m_s, factor) = EXPECTED_M_S;
-        let expected_m_s = (factor * speed_m_s + beyond_m_s).min(max_speed_m_s);
-        if self.is_within_reach_of(from, expected_m_s) {
-            return 0.0;
-        }
-        // A highest speed of zero makes the wait infinite or NaN, which the age of an anchor ends.
-        self.distance_m(from) / max_speed_m_s
-    }
-}
-
-/// Returns the horizontal part of the way between two points, m. Metres suffice, because levels are
-/// no smaller.
-fn across_m(way: Ecef, climb_m: f64) -> f64 {
-    let [x, y, z, climb] = [way.x_m, way.y_m, way.z_m, climb_m].map(|length_m| length_m as f32);
-    let squared = x * x + y * y + z * z - climb * climb;
-    // A NaN square stays NaN, which is beyond reach.
-    f64::from(libm::sqrtf(if squared < 0.0 { 0.0 } else { squared }))
-}
 
 /// Consecutive epochs that agree.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -287,6 +214,8 @@ pub struct Continuity {
     latest_s: Option<f64>,
     /// Speed at the anchor, m/s.
     speed_m_s: Option<f64>,
+    /// True after a silence, until a promise: an alert in between does not end the required wait.
+    is_after_silence: bool,
     /// Agreement required because of a silence, s.
     wait_s: f64,
     /// True after rates contradicted position or clock, until a promise.
@@ -310,6 +239,7 @@ impl Continuity {
             agreement: None,
             latest_s: None,
             speed_m_s: None,
+            is_after_silence: false,
             wait_s: 0.0,
             is_doubted: false,
         }
@@ -330,7 +260,7 @@ impl Continuity {
     /// whose epochs are farther apart than the time to alert would never recover.
     pub fn interrupt(&mut self) {
         if self.standing == Standing::Good {
-            self.standing = Standing::New;
+            (self.standing, self.is_after_silence) = (Standing::New, true);
         }
     }
 
@@ -356,12 +286,18 @@ impl Continuity {
                 height_m: solution.geodetic.height_m,
                 levels,
             });
-        let dof = report.test.map_or(0, |test| test.dof);
+        // A known height is no witness for the satellites.
+        let aided = u8::from(report.height.is_some_and(|height| height.is_used));
+        let dof = report.test.map_or(0, |test| test.dof.saturating_sub(aided));
         match (report.verdict, place) {
             (Verdict::Protected(how), Some(place)) => self.promise(settings, how, place, dof, speed_m_s),
             // A missing position is never protected.
             (Verdict::Protected(_), None) => Verdict::Unavailable(Unavailable::NoFix),
-            (Verdict::Alert(reason), _) => self.lose(Verdict::Alert(reason)),
+            (Verdict::Alert(reason), _) => {
+                // A clock without rates leaps once, and no drift has to show again.
+                self.is_doubted |= reason == Alert::Track || reason == Alert::Clock && speed_m_s.is_some();
+                self.lose(Verdict::Alert(reason))
+            }
             (Verdict::Unavailable(reason), _) => {
                 // Levels above the limits are no evidence against the satellites.
                 let is_level = matches!(
@@ -403,8 +339,10 @@ impl Continuity {
         if !(settings.min_height_m..=settings.max_height_m).contains(&place.height_m) {
             return self.lose(Verdict::Unavailable(Unavailable::Place));
         }
-        if self.standing == Standing::New || self.wait_s > 0.0 {
-            self.wait_s = self.wait_at(&place, settings.max_speed_m_s);
+        if self.is_after_silence {
+            self.wait_s = self
+                .anchor
+                .map_or(0.0, |anchor| place.wait_s(&anchor.last, self.speed_m_s, settings.max_speed_m_s));
         }
         if self.wait_s > 0.0 {
             self.standing = Standing::Lost;
@@ -418,7 +356,7 @@ impl Continuity {
                 return Verdict::Unavailable(Unavailable::Recovering);
             }
         }
-        (self.wait_s, self.is_doubted) = (0.0, false);
+        (self.is_after_silence, self.wait_s, self.is_doubted) = (false, 0.0, false);
         let implied_m_s = self.anchor.map(|anchor| {
             place.distance_m(&anchor.last) / place.instant.since_s(anchor.last.instant).max(1.0)
         });
@@ -428,12 +366,6 @@ impl Continuity {
         self.anchor = Some(self.anchor.map_or(agreement, |anchor| anchor.extended(place, is_weak)));
         self.standing = Standing::Good;
         Verdict::Protected(how)
-    }
-
-    /// Returns the agreement that a place requires after a silence, s.
-    fn wait_at(&self, place: &BoundedPosition, max_speed_m_s: f64) -> f64 {
-        let speed_m_s = self.speed_m_s.unwrap_or(UNKNOWN_SPEED_M_S);
-        self.anchor.map_or(0.0, |anchor| place.wait_s(&anchor.last, speed_m_s, max_speed_m_s))
     }
 
     /// Returns true if epochs out of the anchor's reach have agreed for [`WEAK`], while those that
@@ -469,7 +401,6 @@ impl Continuity {
 
     /// Records the loss of protection, which then requires an agreement.
     fn lose(&mut self, verdict: Verdict) -> Verdict {
-        self.is_doubted |= matches!(verdict, Verdict::Alert(Alert::Clock | Alert::Track));
         (self.standing, self.agreement) = (Standing::Lost, None);
         verdict
     }

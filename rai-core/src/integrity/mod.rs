@@ -8,12 +8,24 @@
 //! [`judge`] is the only place that distinguishes one [`Method`] from another. A [`Judgement`] is
 //! the method's result; the monitor derives the verdict from it ([`crate::monitor`]).
 //!
-//! **A clock forecast beside the satellites** lets four satellites be tested, but it confirms
-//! itself. If the satellites can be tested without it, both tests must pass, and the larger
-//! protection levels count.
+//! **A clock forecast or a known height beside the satellites** lets four satellites be tested. A
+//! forecast confirms itself, and a height may be wrong for as long as somebody states it. If the
+//! satellites can be tested without these rows, both tests must pass, and the larger protection
+//! levels count.
+//!
+//! Such a row is a row like any other. It takes a degree of freedom and is a candidate of every
+//! search, and its slope enters the levels. With `h = (0, 0, 1)`, `w = 1/σ_h²` and the covariance `P`
+//! of the position with the height, it has the redundancy `r = 1 − w P_UU`, the gain `g = P h` and
+//! the slopes `√(w/r) √(P_EU² + P_NU²)` and `√(w/r) P_UU`. The levels therefore bound an error of
+//! the height of any size that the test misses, as they bound that of a satellite, but not errors
+//! of both at once. Before any method searches, the row alone is left out if that explains everything
+//! and no satellite does nearly as well.
 
 pub mod araim;
 pub mod raim;
+mod systems;
+
+use core::fmt;
 
 use heapless::Vec;
 
@@ -41,6 +53,8 @@ use raim::isolation::sets::count_up_to;
 use raim::isolation::{parity, ransac};
 use raim::levels::{KFactors, LevelInputs, Levels, common_shift};
 
+pub(crate) use systems::KeptOut;
+
 /// Method that finds the faulty satellites.
 ///
 /// ```
@@ -48,44 +62,74 @@ use raim::levels::{KFactors, LevelInputs, Levels, common_shift};
 /// use raim_core::monitor::Strategy;
 ///
 /// let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
-/// monitor.set_strategy(Strategy { method: Method::Baarda, ..Strategy::DEFAULT });
-/// # Ok::<(), raim_core::monitor::MonitorError>(())
+/// let mut strategy = Strategy::DEFAULT;
+/// strategy.method = Method::Araim;
+/// monitor.set_strategy(strategy)?; // an error that names the feature in a build without ARAIM
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Method {
     /// Every set of one row, then of two, then of three, within [`AUTOMATIC_SETS`]; beyond, the
     /// largest w-test.
     Auto,
     /// The largest w-test, repeatedly.
     Baarda,
-    /// Searches in parity space.
-    #[cfg(feature = "searches")]
+    /// Searches in parity space. Needs the feature `searches`.
     Parity(parity::Isolation),
-    /// Consensus of disjoint subsets.
-    #[cfg(feature = "searches")]
+    /// Consensus of disjoint subsets. Needs the feature `searches`.
     Ransac,
-    /// Solution separation over all monitored fault modes: ARAIM.
-    #[cfg(feature = "araim")]
+    /// Solution separation over all monitored fault modes: ARAIM. Needs the feature `araim`.
     Araim,
 }
 
 impl Method {
-    /// Returns true if a clock forecast may take a row: ARAIM has no fault mode for it.
-    pub(crate) fn allows_clock_aiding(self) -> bool {
+    /// Returns true if a clock forecast or a known height may take a row: ARAIM has no fault mode
+    /// for them.
+    pub fn allows_aiding(self) -> bool {
         !self.uses_ism()
     }
 
     /// Returns true if sigmas are those of an integrity support message, and not the expected ones.
-    #[cfg_attr(not(feature = "araim"), expect(clippy::unused_self, reason = "no other method does"))]
     pub(crate) fn uses_ism(self) -> bool {
-        #[cfg(feature = "araim")]
-        if self == Self::Araim {
-            return true;
+        self == Self::Araim
+    }
+
+    /// Returns the method if this build has it.
+    ///
+    /// # Errors
+    /// [`MethodError`] names the feature that the build lacks.
+    pub(crate) const fn built_in(self) -> Result<Self, MethodError> {
+        match self {
+            Self::Parity(_) | Self::Ransac if !cfg!(feature = "searches") => {
+                Err(MethodError { method: self, feature: "searches" })
+            }
+            Self::Araim if !cfg!(feature = "araim") => Err(MethodError { method: self, feature: "araim" }),
+            Self::Auto | Self::Baarda | Self::Parity(_) | Self::Ransac | Self::Araim => Ok(self),
         }
-        false
     }
 }
+
+/// The method that this build lacks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct MethodError {
+    /// The method that was asked for.
+    pub method: Method,
+    /// The feature of this crate that it needs.
+    pub feature: &'static str,
+}
+
+impl fmt::Display for MethodError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("method must be one of this build: it needs the feature ")?;
+        formatter.write_str(self.feature)
+    }
+}
+
+impl core::error::Error for MethodError {}
 
 /// Most sets that [`Method::Auto`] compares: all of up to three of 40 rows, some 0.9 million
 /// instructions in `f32` on a Cortex-M4F. Beyond, the largest w-test costs a hundredth.
@@ -178,12 +222,12 @@ pub struct Test<T> {
     pub levels: ProtectionLevels,
 }
 
-/// The test without the clock forecast.
+/// The test without the clock forecast and the known height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WithoutAiding<T> {
-    /// No forecast takes part.
+    /// Neither takes part.
     Always,
-    /// The satellites cannot be tested without the forecast.
+    /// The satellites cannot be tested without them.
     Untested,
     /// The test of the satellites alone.
     Tested(Test<T>),
@@ -198,8 +242,10 @@ pub struct Judgement<T> {
     pub excluded: Vec<Excluded<T>, MAX_EXCLUDED>,
     /// Test of the remaining rows, or the reason why there is none.
     pub test: Result<Test<T>, NoThreshold>,
-    /// Test without the clock forecast.
+    /// Test without the clock forecast and the known height.
     pub without_aiding: WithoutAiding<T>,
+    /// Constellations left out as a whole, a bit for each id.
+    pub lost_systems: u8,
     /// True if faulty satellites were searched for.
     pub searched: bool,
     /// Additional results of [`Method::Araim`].
@@ -278,6 +324,8 @@ fn judge_by_residuals<T: Real>(
     rates: Option<&RangeRates<'_>>,
     subsets: &mut ransac::Subsets,
 ) -> Judgement<T> {
+    let height = height_row(solution.snapshot(), epoch);
+    let aiding = || [forecast, height].into_iter().flatten();
     let mut test = criteria.test(solution.snapshot(), epoch.common_m());
     let mut exclusion = Exclusion::passed();
     let mut searched = false;
@@ -285,20 +333,21 @@ fn judge_by_residuals<T: Real>(
     // may have a larger one.
     let is_odd = test.is_ok() && is_suspicious(solution.snapshot(), &criteria.thresholds);
     if test.as_ref().is_ok_and(|test| test.detection.fault()) {
-        let jump = forecast.and_then(|row| jump(solution, row, &criteria.thresholds));
+        let jump = aiding().find_map(|row| jump(solution, row, &criteria.thresholds));
         searched = jump.is_none() && !matches!(search, Search::Known(_));
         exclusion = jump.unwrap_or_else(|| isolate(solution, epoch, criteria, search, subsets));
         test = criteria.test(solution.snapshot(), epoch.common_m());
     }
+    let aids: Vec<usize, 2> = gather(aiding());
     let without_aiding =
-        forecast.map_or(WithoutAiding::Always, |row| without_forecast(solution, row, epoch, criteria));
+        if aids.is_empty() { WithoutAiding::Always } else { without_aids(solution, &aids, epoch, criteria) };
     if let WithoutAiding::Tested(test) = &without_aiding
         && test.detection.fault()
     {
         exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::NoSet);
     }
     if exclusion.outcome == ExclusionOutcome::Isolated && test.is_ok() {
-        let satellites = exclusion.rows.iter().filter(|excluded| Some(excluded.index) != forecast).count();
+        let satellites = exclusion.rows.iter().filter(|excluded| !aids.contains(&excluded.index)).count();
         if !leaves_enough(satellites, solution.snapshot().dof()) {
             exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::NoRedundancy);
         } else if search != Search::Rough && !separable(solution, &exclusion, &criteria.thresholds) {
@@ -334,33 +383,48 @@ fn judge_by_residuals<T: Real>(
             }
         }
     }
-    Judgement {
+    let mut judgement = Judgement {
         outcome: exclusion.outcome,
         excluded: exclusion.rows,
         test,
         without_aiding,
+        lost_systems: 0,
         searched,
         araim: None,
+    };
+    if matches!(judgement.outcome, ExclusionOutcome::NotIsolated(reason) if reason != Unidentified::Time) {
+        systems::leave_out_broken(solution, epoch, &aids, criteria, rates, &mut judgement);
     }
+    judgement
 }
 
-/// Tests a solution without its forecast; the solution ends as it began.
-fn without_forecast<T: Real>(
+/// Returns the row of a known height, which stands behind the satellites and touches no clock.
+pub(crate) fn height_row<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Option<usize> {
+    let satellites = epoch.observations().len();
+    let behind = snapshot.equations().get(satellites..)?;
+    Some(satellites + behind.iter().position(|row| row.clock.is_none())?)
+}
+
+/// Tests a solution without its aiding rows; the solution ends as it began.
+#[inline(never)]
+fn without_aids<T: Real>(
     solution: &mut impl Excludable<T>,
-    row: usize,
+    aids: &[usize],
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_, T>,
 ) -> WithoutAiding<T> {
-    let takes_part = solution.snapshot().row(row).is_some_and(|(row, _)| row.weight > T::zero());
-    if !takes_part {
+    let takes_part =
+        |row: &usize| solution.snapshot().row(*row).is_some_and(|(row, _)| row.weight > T::zero());
+    let taking_part: Vec<usize, 2> = gather(aids.iter().copied().filter(takes_part));
+    if taking_part.is_empty() {
         return WithoutAiding::Always;
     }
-    if solution.set_aside(&[row]).is_err() {
+    if solution.set_aside(&taking_part).is_err() {
         return WithoutAiding::Untested;
     }
     let test = criteria.test(solution.snapshot(), epoch.common_m());
     // These rows determined a position a moment ago.
-    let _ = solution.take_back(&[row]);
+    let _ = solution.take_back(&taking_part);
     test.map_or(WithoutAiding::Untested, WithoutAiding::Tested)
 }
 
@@ -379,7 +443,11 @@ fn isolate<T: Real>(
     let thresholds = &criteria.thresholds;
     if let Search::Known(satellites) = search {
         let listed = epoch.observations().iter().enumerate();
-        let known = listed.filter(|(_, observation)| satellites.contains(&observation.satellite));
+        let equations = solution.snapshot().equations();
+        let takes_part = |index: usize| equations.get(index).is_some_and(|row| row.weight > T::zero());
+        // A system that is kept out has no rows to leave out.
+        let known = listed
+            .filter(|(index, observation)| satellites.contains(&observation.satellite) && takes_part(*index));
         let rows: Vec<usize, MAX_EXCLUDED> = gather(known.map(|(index, _)| index));
         return leave_out(solution, &rows, thresholds);
     }
@@ -397,10 +465,11 @@ fn isolate<T: Real>(
         }
         #[cfg(feature = "searches")]
         Method::Ransac => ransac::exclude_in(solution, epoch, thresholds, subsets),
-        Method::Baarda => exclude_sequentially(solution, thresholds),
+        // A monitor refuses them.
+        #[cfg(not(feature = "searches"))]
+        Method::Parity(_) | Method::Ransac => Exclusion::not_isolated(Unidentified::NoSet),
         // ARAIM excludes by its own tests.
-        #[cfg(feature = "araim")]
-        Method::Araim => exclude_sequentially(solution, thresholds),
+        Method::Baarda | Method::Araim => exclude_sequentially(solution, thresholds),
     }
 }
 
@@ -418,7 +487,7 @@ fn isolate_within_budget<T: Real>(
     parity::exclude(parity::Isolation::Grouping, solution, thresholds, &limits)
 }
 
-/// Returns the exclusion of the forecast alone, if it explains everything and no satellite does
+/// Returns the exclusion of an aiding row alone, if it explains everything and no satellite does
 /// nearly as well.
 ///
 /// This comes before any method: a jump of a millisecond shows in every satellite's test, and
@@ -429,9 +498,9 @@ fn jump<T: Real>(
     thresholds: &Thresholds<'_>,
 ) -> Option<Exclusion<T>> {
     let (_, fit) = solution.snapshot().row(row)?;
-    let forecast = Excluded { index: row, w_test: fit.w_test() };
+    let aid = Excluded { index: row, w_test: fit.w_test() };
     solution.leave_out(row).ok()?;
-    let jump = Exclusion { rows: gather([forecast]), outcome: ExclusionOutcome::Isolated };
+    let jump = Exclusion { rows: gather([aid]), outcome: ExclusionOutcome::Isolated };
     if Detection::passes(solution.snapshot(), thresholds) && separable(solution, &jump, thresholds) {
         return Some(jump);
     }

@@ -23,6 +23,7 @@ use core::fmt;
 use heapless::Vec;
 use nalgebra::Vector3;
 
+use crate::bounded::CAPACITY;
 use crate::frame::LineOfSight;
 use crate::numeric::absolute::Absolute;
 use crate::numeric::real::Real;
@@ -35,17 +36,10 @@ const UNIT_SQUARED: core::ops::RangeInclusive<f64> = 0.999 * 0.999..=1.001 * 1.0
 /// Most equations of one epoch: more satellites than all systems ever show at once, and the
 /// capacity of the searches.
 ///
-/// Sets of them fit one word. On a microcontroller it is [`crate::single::CAPACITY`], because
-/// memory is scarce.
-pub const MAX_ROWS: usize = if cfg!(feature = "satellites-16") {
-    16
-} else if cfg!(feature = "satellites-32") {
-    32
-} else if cfg!(target_os = "none") {
-    48
-} else {
-    64
-};
+/// Sets of them fit one word. On a microcontroller, and without the feature `satellites-48`, it is
+/// [`crate::single::CAPACITY`], because memory is scarce.
+pub const MAX_ROWS: usize =
+    if cfg!(feature = "satellites-48") && cfg!(not(target_os = "none")) { 64 } else { CAPACITY };
 
 /// One equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,13 +61,12 @@ impl<T: Real> Row<T> {
         clock: Option<Constellation>,
         design: Vector3<T>,
         residual: T,
-        sigma_m: f64,
+        sigma: T,
     ) -> Result<Self, RowError> {
         // The difference of two infinities is NaN.
         if !residual.is_finite() {
             return Err(RowError::Residual);
         }
-        let sigma = T::narrow(sigma_m);
         let weight = (sigma * sigma).recip();
         // Outside the scalar's range a row would silently have no weight or infinite weight.
         if !(sigma > T::zero() && weight > T::zero() && weight.is_finite()) {
@@ -84,7 +77,7 @@ impl<T: Real> Row<T> {
 
     /// Returns the row of a known height.
     pub(crate) fn height(residual_m: f64, sigma_m: f64) -> Result<Self, RowError> {
-        Self::new(None, Vector3::z(), T::narrow(residual_m), sigma_m)
+        Self::new(None, Vector3::z(), T::narrow(residual_m), T::narrow(sigma_m))
     }
 
     /// Leaves the row out of everything computed from now on.
@@ -167,7 +160,8 @@ impl<T: Real> References<T> {
         let reference = self.of(constellation).unwrap_or(longer);
         // Small terms are subtracted last, because the scalar's digits then suffice.
         let residual = longer.less(reference).narrow() - (sight.distance.rest + sight.rotation);
-        let row = Row::new(Some(constellation), scaled(-T::one(), &sight.direction), residual, sigma_m)?;
+        let design = scaled(-T::one(), &sight.direction);
+        let row = Row::new(Some(constellation), design, residual, T::narrow(sigma_m))?;
         self.keep(constellation, reference);
         Ok(row)
     }
@@ -191,7 +185,28 @@ impl<T: Real> References<T> {
     ) -> Result<Row<T>, RowError> {
         let reference = self.of(constellation).unwrap_or_else(|| T::Absolute::of(residual_m));
         let residual = T::narrow(residual_m - reference.widen());
-        let row = Row::new(Some(constellation), design, residual, sigma_m)?;
+        let row = Row::new(Some(constellation), design, residual, T::narrow(sigma_m))?;
+        self.keep(constellation, reference);
+        Ok(row)
+    }
+
+    /// Returns the row of a range rate, all in the scalar: in m/s what others are in m.
+    fn rate(
+        &mut self,
+        constellation: Constellation,
+        line_of_sight: &Vector3<T>,
+        residual: T,
+        sigma: T,
+    ) -> Result<Row<T>, RowError> {
+        let (shortest, longest) = (T::narrow(*UNIT_SQUARED.start()), T::narrow(*UNIT_SQUARED.end()));
+        let squared = dot(line_of_sight, line_of_sight);
+        // NaN is within no bounds.
+        if !(squared >= shortest && squared <= longest) {
+            return Err(RowError::LineOfSight);
+        }
+        let reference = self.of(constellation).unwrap_or_else(|| T::Absolute::of(residual.widen()));
+        let design = scaled(-T::one(), line_of_sight);
+        let row = Row::new(Some(constellation), design, residual - reference.narrow(), sigma)?;
         self.keep(constellation, reference);
         Ok(row)
     }
@@ -221,7 +236,7 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
-        const { assert!(N <= MAX_ROWS, "more rows than the searches have room for") };
+        const { assert!(N <= MAX_ROWS, "more rows than the searches have room for: see `satellites-48`") };
         Self { rows: Vec::new(), references: References::none() }
     }
 
@@ -240,6 +255,20 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         sigma_m: f64,
     ) -> Result<(), RowError> {
         self.add(|references| references.satellite(constellation, line_of_sight, residual_m, sigma_m))
+    }
+
+    /// Adds a range rate like [`Self::satellite`] a range, in the scalar.
+    ///
+    /// # Errors
+    /// As [`Self::satellite`].
+    pub(crate) fn rate(
+        &mut self,
+        constellation: Constellation,
+        line_of_sight: &Vector3<T>,
+        residual_m_s: T,
+        sigma_m_s: T,
+    ) -> Result<(), RowError> {
+        self.add(|references| references.rate(constellation, line_of_sight, residual_m_s, sigma_m_s))
     }
 
     /// Adds a predicted clock of a constellation, on the same scale as its residuals.

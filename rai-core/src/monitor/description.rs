@@ -6,12 +6,14 @@ use crate::bounded::gather;
 use crate::epoch::EpochView;
 use crate::frame::LocalFrame;
 use crate::integrity::raim::isolation::baarda;
-use crate::integrity::{Judgement, Test};
+use crate::integrity::{Judgement, Test, WithoutAiding, height_row};
 use crate::least_squares::Snapshot;
 use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
 use crate::numeric::space::{dot, upper_triangle};
-use crate::report::{AraimReport, MAX_EXCLUDED, Report, Solution, Suspect, TestStatistic, Verdict};
+use crate::report::{
+    AraimReport, HeightReport, MAX_EXCLUDED, Report, Solution, Suspect, TestStatistic, Verdict,
+};
 use crate::satellite::Constellation;
 use crate::weighting::residuals::Residuals;
 
@@ -49,6 +51,21 @@ pub(super) fn suspects<T: Real>(
         })
     });
     gather(listed)
+}
+
+/// Returns the known height of an epoch beside the satellites.
+pub(super) fn known_height<T: Real>(
+    judgement: &Judgement<T>,
+    snapshot: &Snapshot<'_, T>,
+    epoch: &EpochView<'_>,
+) -> Option<HeightReport> {
+    let (row, fit) = snapshot.row(height_row(snapshot, epoch)?)?;
+    let is_used = row.weight > T::zero();
+    // The residual of a left-out row is that of a prediction already.
+    let share = if is_used { fit.redundancy } else { T::one() };
+    let difference = if share >= T::UNTESTABLE { fit.residual / share } else { T::zero() };
+    let is_needed = matches!(judgement.without_aiding, WithoutAiding::Untested);
+    Some(HeightReport { is_used, is_needed, difference_m: difference.widen() })
 }
 
 /// Writes the report on a position, except for the excluded satellites and the sigma check, which

@@ -18,6 +18,7 @@
 //!
 //! - The largest residual of the excluded satellites does not count, because a level allows for one
 //!   faulty satellite. Each of the others counts with [`MOST_EXCLUDED`] at most.
+//! - The satellites of a system that was left out as a whole do not count: it is one fault.
 //! - An epoch counts with [`MOST_RATIO`] times its degrees of freedom at most, so that a short
 //!   alert does not end all promises of a minute: among residuals as large as their sigmas, half of
 //!   the minute must contradict them.
@@ -30,10 +31,15 @@
 //! Assumes that the epochs of a minute are independent. Multipath that repeats from epoch to epoch
 //! raises the ratio's spread, not its mean.
 
+use super::{EpochOutcome, Monitor};
+use crate::epoch::{EpochView, Observation};
 use crate::integrity::Judgement;
-use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
+use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified, leaves_enough};
 use crate::least_squares::Snapshot;
+use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
+use crate::numeric::sqrt;
+use crate::report::{Alert, Protected, Unavailable, Verdict};
 use crate::weighting::residuals::{RecentResiduals, Residuals};
 
 /// Length of one span, s.
@@ -100,10 +106,76 @@ impl Evidence {
         if ratio >= REFUTED.max(all.ratio_at(REFUTED_QUANTILE)) {
             Belief::Refuted
         } else if ratio >= all.ratio_at(SCALED_QUANTILE) {
-            Belief::Scaled(libm::sqrtf(ratio))
+            Belief::Scaled(sqrt(ratio))
         } else {
             Belief::Sound
         }
+    }
+}
+
+impl<T: Real, const N: usize> Monitor<T, N> {
+    /// Adds an epoch, promised or not, to the evidence against sigmas and satellites.
+    pub(super) fn remember(&mut self, outcome: &EpochOutcome<N>) {
+        let EpochOutcome { report, update, .. } = outcome;
+        if report.verdict == Verdict::Alert(Alert::Time) {
+            // A wrong time explains the alarms about it, in which it was not told from a fault.
+            self.evidence.restart();
+        } else {
+            self.evidence.learn(update.time_s, update.evidence);
+        }
+        if update.is_refuting_scale {
+            self.adaptation.restart();
+        }
+        if update.ratio.is_some() {
+            self.named.agree(update.time_s, &report.used);
+            self.kept_out.learn(update.time_s, update.systems);
+        }
+    }
+
+    /// Returns the belief in the sigmas after an epoch with these residuals. Epochs that are judged
+    /// independently are no evidence against each other.
+    pub(super) fn belief(&self, time_s: f64, latest: Residuals) -> Belief {
+        match self.continuity_settings {
+            Some(_) => self.evidence.belief(time_s, latest),
+            None => Belief::Sound,
+        }
+    }
+
+    /// Returns true if a system that is kept out takes part, because the others alone determine no
+    /// position.
+    fn rests_on_kept_out(&self, fix: &Fix<'_, T>, epoch: &EpochView<'_>) -> bool {
+        let systems = self.kept_out.systems();
+        let is_kept_out = |seen: &Observation| systems >> (seen.satellite.constellation() as u8) & 1 != 0;
+        let mut rows = fix.snapshot().rows().zip(epoch.observations());
+        systems != 0 && rows.any(|((row, _), seen)| row.weight > T::zero() && is_kept_out(seen))
+    }
+
+    /// Returns the verdict on a protected epoch in the light of the evidence of those before it.
+    pub(super) fn supported(
+        &self,
+        how: Protected,
+        belief: Belief,
+        fix: &Fix<'_, T>,
+        epoch: &EpochView<'_>,
+        excluded: usize,
+    ) -> Verdict {
+        if belief == Belief::Refuted {
+            return Verdict::Unavailable(Unavailable::Sigmas);
+        }
+        if self.rests_on_kept_out(fix, epoch) {
+            return Verdict::Unavailable(Unavailable::Redundancy);
+        }
+        if self.continuity_settings.is_none() || self.named.is_empty() {
+            return Verdict::Protected(how);
+        }
+        let used =
+            fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
+        let doubtful = used.filter(|(_, observation)| self.named.contains(observation.satellite)).count();
+        // A doubtful satellite takes its degree of freedom with it.
+        if !leaves_enough(excluded.max(1) + doubtful, fix.snapshot().dof()) {
+            return Verdict::Unavailable(Unavailable::Redundancy);
+        }
+        Verdict::Protected(how)
     }
 }
 
@@ -118,8 +190,7 @@ pub(super) fn residuals_of_all<T: Real>(
         return Residuals::NONE;
     }
     let (mut sum, mut largest, mut count) = (0.0_f32, 0.0_f32, 0_u32);
-    for excluded in judgement.excluded.iter().filter(|excluded| excluded.index < satellites) {
-        let Some((row, fit)) = snapshot.row(excluded.index) else { continue };
+    for (row, fit) in judgement.single_exclusions(snapshot, satellites) {
         let normalised = (fit.residual / row.sigma).widen() as f32;
         let square = (normalised * normalised).min(MOST_EXCLUDED);
         (sum, largest, count) = (sum + square, largest.max(square), count + 1);

@@ -23,6 +23,8 @@
 
 mod description;
 mod evidence;
+mod height;
+mod kept_out;
 mod named;
 mod validated;
 mod verdict;
@@ -31,41 +33,49 @@ mod workspace;
 use heapless::Deque;
 
 use crate::clock::{Clocks, SolvedClocks};
-use crate::continuity::{Continuity, ContinuityError, ContinuitySettings, Motion};
+use crate::continuity::{Continuity, Motion};
 use crate::epoch::{Aided, Epoch, EpochView};
 use crate::frame::Ecef;
-use crate::integrity::raim::detection::threshold::policy::Policy;
 use crate::integrity::raim::hypotheses::time_tag::RangeRates;
-use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, leaves_enough};
+use crate::integrity::raim::isolation::exclusion::ExclusionOutcome;
 use crate::integrity::raim::isolation::ransac::Subsets;
-use crate::integrity::raim::levels::Levels;
-use crate::integrity::{Criteria, Judgement, judge};
+use crate::integrity::{Criteria, Judgement, KeptOut, judge};
 use crate::least_squares::SnapshotError;
 use crate::least_squares::fix::{Fix, FixError};
 use crate::numeric::real::Real;
-use crate::report::{Alert, Protected, Report, Unavailable, Verdict};
+use crate::report::{Alert, Report, Suspect, Unavailable, Verdict};
 use crate::requirements::Requirements;
 use crate::velocity::{Velocity, VelocityError};
-use crate::weighting::Ism;
 use crate::weighting::adaptation::Adaptation;
-use crate::weighting::residuals::Residuals;
 
-use description::{describe, residuals, suspects};
+use description::{describe, known_height, residuals, suspects};
 use evidence::{Belief, Evidence, residuals_of_all};
+use height::HeightMemory;
+use kept_out::{KeptOutSystems, SystemsSeen};
 use named::Named;
 use workspace::Update;
 
-pub use crate::integrity::{Method, Search};
-pub use validated::{MonitorError, ValidatedRequirements};
-pub use workspace::{EpochOutcome, MonitorWorkspace};
+pub use crate::continuity::{ContinuityError, ContinuitySettings, Recovery};
+pub use crate::integrity::raim::detection::threshold::ThresholdError;
+pub use crate::integrity::raim::detection::threshold::policy::Policy;
+pub use crate::integrity::raim::isolation::parity::Isolation;
+pub use crate::integrity::raim::levels::Levels;
+pub use crate::integrity::{Method, MethodError};
+pub use crate::weighting::{Ism, IsmParameters, UserModel};
+pub use validated::MonitorError;
+
+unstable! { pub use crate::integrity::Search; }
+unstable! { pub use validated::ValidatedRequirements; }
+unstable! { pub use workspace::{EpochOutcome, MonitorWorkspace}; }
 
 /// Number of epochs over which SSE/dof is averaged: with 10 degrees of freedom the mean is then
 /// known to 6 %.
-pub const SIGMA_CHECK_WINDOW: usize = 60;
+const SIGMA_CHECK_WINDOW: usize = 60;
 
 /// Configuration of the monitoring: threshold, method, levels and aiding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub struct Strategy {
     /// Threshold policy of the global test.
     pub policy: Policy,
@@ -118,6 +128,8 @@ pub struct Monitor<T: Real, const N: usize> {
     ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
     evidence: Evidence,
     named: Named,
+    height: HeightMemory,
+    kept_out: KeptOutSystems,
     motion: Motion,
     continuity: Continuity,
     continuity_settings: Option<ContinuitySettings>,
@@ -132,24 +144,28 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         Ok(Self::of(ValidatedRequirements::new(requirements)?))
     }
 
-    /// Works like [`Self::new`], from validated requirements.
-    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
-    #[inline(always)]
-    pub fn of(validated: ValidatedRequirements<T>) -> Self {
-        Self {
-            validated,
-            strategy: Strategy::DEFAULT,
-            ism: Ism::ICAO,
-            clocks: Clocks::new(),
-            adaptation: Adaptation::new(),
-            subsets: Subsets::new(),
-            start: Ecef::CENTRE,
-            ratios: Deque::new(),
-            evidence: Evidence::new(),
-            named: Named::new(),
-            motion: Motion::new(),
-            continuity: Continuity::new(),
-            continuity_settings: Some(ContinuitySettings::anywhere()),
+    unstable! {
+        /// Works like [`Self::new`], from validated requirements.
+        #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+        #[inline(always)]
+        pub fn of(validated: ValidatedRequirements<T>) -> Self {
+            Self {
+                validated,
+                strategy: Strategy::DEFAULT,
+                ism: Ism::ICAO,
+                clocks: Clocks::new(),
+                adaptation: Adaptation::new(),
+                subsets: Subsets::new(),
+                start: Ecef::CENTRE,
+                ratios: Deque::new(),
+                evidence: Evidence::new(),
+                named: Named::new(),
+                height: HeightMemory::new(),
+                kept_out: KeptOutSystems::new(),
+                motion: Motion::new(),
+                continuity: Continuity::new(),
+                continuity_settings: Some(ContinuitySettings::anywhere()),
+            }
         }
     }
 
@@ -166,7 +182,12 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ///
     /// A change of clock aiding forgets the clocks. A change of adaptation forgets the residuals,
     /// as does one between expected sigmas and those of an integrity support message.
-    pub fn set_strategy(&mut self, strategy: Strategy) {
+    ///
+    /// # Errors
+    /// [`MethodError`] names the feature that the method needs and this build lacks; nothing
+    /// changes then.
+    pub fn set_strategy(&mut self, strategy: Strategy) -> Result<(), MethodError> {
+        strategy.method.built_in()?;
         if strategy.clock_aid != self.strategy.clock_aid {
             self.clocks.restart();
         }
@@ -175,6 +196,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             self.forget_residuals();
         }
         self.strategy = strategy;
+        Ok(())
     }
 
     /// Forgets the residuals of the adaptation and the evidence against the sigmas, because the
@@ -182,6 +204,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     pub fn forget_residuals(&mut self) {
         self.adaptation.restart();
         self.evidence.restart();
+        self.kept_out.restart();
         self.motion.restart();
     }
 
@@ -202,6 +225,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Judges every epoch independently from now on: without jumps and without recovery.
     ///
     /// Experiments that draw each epoch independently need it.
+    #[cfg(feature = "unstable")]
     pub fn disable_continuity(&mut self) {
         self.continuity_settings = None;
     }
@@ -209,7 +233,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Forgets the last position, so that the next may be anywhere.
     pub fn forget_position(&mut self) {
         self.continuity.forget();
+        self.kept_out.restart();
         self.motion.restart();
+        self.height = HeightMemory::new();
     }
 
     /// Restarts the continuity after a gap longer than the time to alert: the next epoch is judged
@@ -239,6 +265,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// Returns the validated requirements, with their thresholds and factors.
+    #[cfg(feature = "unstable")]
     pub fn validated(&self) -> &ValidatedRequirements<T> {
         &self.validated
     }
@@ -260,9 +287,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         // Moved out while the monitor is read, and moved back.
         let mut memory = MonitorWorkspace::new();
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
-        self.judge(epoch, self.start, Search::Anew, None, &mut memory);
+        self.judge_about(epoch, self.start, Search::Anew, None, &mut memory);
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
-        self.learn(&mut memory.outcome, None, Err(VelocityError::Redundancy));
+        self.learn_from(&mut memory.outcome, None, Err(VelocityError::Redundancy));
         memory.outcome.report
     }
 
@@ -274,7 +301,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// several successive points, and learns once, from the last. A caller that knows orbits passes
     /// `rates`: without them a wrong time tag counts as faulty satellites
     /// ([`crate::integrity::raim::hypotheses::time_tag`]).
-    #[inline(never)]
+    #[cfg(feature = "unstable")]
     pub fn judge<'m>(
         &self,
         epoch: &Epoch<N>,
@@ -283,21 +310,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         rates: Option<&RangeRates<'_>>,
         memory: &'m mut MonitorWorkspace<T, N>,
     ) -> &'m mut EpochOutcome<N> {
-        let is_aided = self.strategy.clock_aid && self.strategy.method.allows_clock_aiding();
-        let forecast = self.clocks.aiding(&epoch.view()).filter(|_| is_aided);
-        let scale = self.scale(epoch.time_s());
-        let MonitorWorkspace { workspace, scratch, outcome } = memory;
-        // Judged in place, because a copy would be on the stack below every search.
-        match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
-            Ok(fix) => {
-                let clock_row = fix.clock_row();
-                let mut judgement =
-                    judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
-                self.assess(fix, &epoch.view(), &mut judgement, outcome);
-            }
-            Err(error) => self.assess_without_position(*error, epoch, outcome),
-        }
-        outcome
+        self.judge_about(epoch, start, search, rates, memory)
     }
 
     /// Updates the state from a judged epoch: the start of the next fix, the sigma check, and the
@@ -305,8 +318,51 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ///
     /// `own_clock_s` is the arrival of the epoch by a clock that no signal can set, if the caller
     /// has one. `velocity` is that of the epoch, or the reason why its range rates gave none.
-    #[inline(never)]
+    #[cfg(feature = "unstable")]
     pub fn learn(
+        &mut self,
+        outcome: &mut EpochOutcome<N>,
+        own_clock_s: Option<f64>,
+        velocity: Result<&Velocity, VelocityError>,
+    ) {
+        self.learn_from(outcome, own_clock_s, velocity);
+    }
+
+    /// Judges an epoch, for [`Self::process`] and for those who judge step by step.
+    #[inline(never)]
+    pub(crate) fn judge_about<'m>(
+        &self,
+        epoch: &Epoch<N>,
+        start: Ecef,
+        search: Search<'_>,
+        rates: Option<&RangeRates<'_>>,
+        memory: &'m mut MonitorWorkspace<T, N>,
+    ) -> &'m mut EpochOutcome<N> {
+        let is_aided = self.strategy.clock_aid && self.strategy.method.allows_aiding();
+        let forecast = self.clocks.aiding(&epoch.view()).filter(|_| is_aided);
+        let scale = self.scale(epoch.time_s());
+        let MonitorWorkspace { workspace, scratch, outcome } = memory;
+        // Judged in place, because a copy would be on the stack below every search.
+        match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
+            Ok(fix) => {
+                let clock_row = fix.clock_row();
+                let kept_out = self.keep_out(fix, &epoch.view());
+                let mut judgement =
+                    judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
+                let is_broken = judgement.lost_systems;
+                kept_out.describe(&mut judgement);
+                self.assess(fix, &epoch.view(), &mut judgement, outcome);
+                outcome.update.systems.excluded = is_broken;
+                outcome.update.systems.kept_out_agree = kept_out.agrees;
+            }
+            Err(error) => self.assess_without_position(*error, epoch, outcome),
+        }
+        outcome
+    }
+
+    /// Updates the state from a judged epoch, likewise.
+    #[inline(never)]
+    fn learn_from(
         &mut self,
         outcome: &mut EpochOutcome<N>,
         own_clock_s: Option<f64>,
@@ -316,7 +372,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.continue_from(outcome, own_clock_s, velocity);
         // Under an alert and while satellites recover from it, the exclusion may be the wrong one.
         if matches!(outcome.report.verdict, Verdict::Protected(_)) {
-            for excluded in &outcome.report.excluded {
+            // A system is doubted as a whole, not by its satellites.
+            let lost = outcome.report.excluded_constellations;
+            let is_lost = |suspect: &&Suspect| lost >> (suspect.satellite.constellation() as u8) & 1 != 0;
+            for excluded in outcome.report.excluded.iter().filter(|suspect| !is_lost(suspect)) {
                 self.named.name(excluded.satellite);
             }
         }
@@ -338,23 +397,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Adds an epoch, promised or not, to the evidence against sigmas and satellites.
-    fn remember(&mut self, outcome: &EpochOutcome<N>) {
-        let EpochOutcome { report, update, .. } = outcome;
-        if report.verdict == Verdict::Alert(Alert::Time) {
-            // A wrong time explains the alarms about it, in which it was not told from a fault.
-            self.evidence.restart();
-        } else {
-            self.evidence.learn(update.time_s, update.evidence);
-        }
-        if update.is_refuting_scale {
-            self.adaptation.restart();
-        }
-        if update.ratio.is_some() {
-            self.named.agree(update.time_s, &report.used);
-        }
-    }
-
     /// Applies continuity to an epoch. An epoch that loses its protection by it updates no state
     /// either.
     fn continue_from(
@@ -370,6 +412,15 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         {
             report.verdict = Verdict::Alert(contradiction);
         }
+        if let Some(height) = &report.height
+            && !matches!(report.verdict, Verdict::Alert(_))
+        {
+            report.verdict = self.height.judge(update.time_s, height, report.verdict);
+            if matches!(report.verdict, Verdict::Alert(_)) {
+                report.protection = None;
+                *update = Update::none(update.time_s);
+            }
+        }
         let speed_m_s = velocity.ok().map(Velocity::speed_m_s);
         report.verdict = self.continuity.conclude(settings, update.time_s, own_clock_s, report, speed_m_s);
         match report.verdict {
@@ -382,6 +433,14 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             }
             Verdict::Unavailable(Unavailable::Recovering) => update.clocks = None,
             _ => {}
+        }
+    }
+
+    /// Leaves out the satellites of systems that were found broken again and again.
+    fn keep_out(&self, fix: &mut Fix<'_, T>, epoch: &EpochView<'_>) -> KeptOut {
+        match self.kept_out.systems() {
+            0 => KeptOut::NONE,
+            systems => KeptOut::of(fix, epoch, systems, &self.validated.thresholds),
         }
     }
 
@@ -423,7 +482,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             judgement.scale_levels(f64::from(factor));
         }
         let verdict = match self.verdict(judgement, excluded.is_empty()) {
-            Verdict::Protected(how) => self.supported(how, belief, fix, epoch, excluded.len()),
+            Verdict::Protected(how) => {
+                let alone = judgement.single_exclusions(fix.snapshot(), epoch.observations().len()).count();
+                self.supported(how, belief, fix, epoch, alone)
+            }
             other => other,
         };
         let passed = !matches!(judgement.outcome, ExclusionOutcome::NotIsolated(_));
@@ -444,49 +506,18 @@ impl<T: Real, const N: usize> Monitor<T, N> {
                 && judgement.outcome != ExclusionOutcome::Passed,
             clocks: teaches.then(|| SolvedClocks::of(fix.snapshot())),
             residuals: ratio.filter(|_| self.strategy.sigma_adapt).map(|_| residuals(fix.snapshot(), epoch)),
+            systems: SystemsSeen { in_view: systems_of(epoch), ..SystemsSeen::NONE },
         };
         *searched = judgement.searched;
         report.excluded = excluded;
+        report.height = known_height(judgement, fix.snapshot(), epoch);
+        report.excluded_constellations = judgement.lost_systems;
         report.sigma_check = self.sigma_check(ratio);
         describe(fix, epoch, verdict, judgement, report);
         if verdict == Verdict::Unavailable(Unavailable::Sigmas) {
             // A level of refuted sigmas bounds nothing.
             report.protection = None;
         }
-    }
-
-    /// Returns the belief in the sigmas after an epoch with these residuals. Epochs that are judged
-    /// independently are no evidence against each other.
-    fn belief(&self, time_s: f64, latest: Residuals) -> Belief {
-        match self.continuity_settings {
-            Some(_) => self.evidence.belief(time_s, latest),
-            None => Belief::Sound,
-        }
-    }
-
-    /// Returns the verdict on a protected epoch in the light of the evidence of those before it.
-    fn supported(
-        &self,
-        how: Protected,
-        belief: Belief,
-        fix: &Fix<'_, T>,
-        epoch: &EpochView<'_>,
-        excluded: usize,
-    ) -> Verdict {
-        if belief == Belief::Refuted {
-            return Verdict::Unavailable(Unavailable::Sigmas);
-        }
-        if self.continuity_settings.is_none() || self.named.is_empty() {
-            return Verdict::Protected(how);
-        }
-        let used =
-            fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
-        let doubtful = used.filter(|(_, observation)| self.named.contains(observation.satellite)).count();
-        // A doubtful satellite takes its degree of freedom with it.
-        if !leaves_enough(excluded.max(1) + doubtful, fix.snapshot().dof()) {
-            return Verdict::Unavailable(Unavailable::Redundancy);
-        }
-        Verdict::Protected(how)
     }
 
     /// Returns the mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs, this one
@@ -512,5 +543,35 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         report.verdict = Verdict::Unavailable(reason);
         report.tracked = epoch.observations().len() as u8;
         report.sigma_check = self.sigma_check(None);
+    }
+}
+
+/// Returns the systems of an epoch, a bit for each id.
+fn systems_of(epoch: &EpochView<'_>) -> u8 {
+    epoch.observations().iter().fold(0, |set, seen| set | 1 << (seen.satellite.constellation() as u8))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `cargo xtask test` also runs it in a build that lacks both features.
+    #[test]
+    fn method_that_this_build_lacks_is_refused_by_the_name_of_its_feature() -> Result<(), MonitorError> {
+        let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
+        let (searches, araim) = (cfg!(feature = "searches"), cfg!(feature = "araim"));
+        let methods = [
+            (Method::Auto, "", true),
+            (Method::Parity(Isolation::Grouping), "searches", searches),
+            (Method::Ransac, "searches", searches),
+            (Method::Araim, "araim", araim),
+        ];
+        for (method, feature, is_built) in methods {
+            let want = if is_built { Ok(()) } else { Err(MethodError { method, feature }) };
+            assert_eq!(monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT }), want);
+            let kept = monitor.strategy.method;
+            assert!(is_built == (kept == method), "{kept:?}");
+        }
+        Ok(())
     }
 }

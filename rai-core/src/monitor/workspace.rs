@@ -1,11 +1,12 @@
 //! Memory of one epoch: the workspace of its judgement, its report, and its update of the state.
 
+use super::kept_out::SystemsSeen;
 use crate::clock::SolvedClocks;
 use crate::frame::Ecef;
 use crate::integrity::MethodScratch;
 use crate::least_squares::Workspace;
 use crate::numeric::real::Real;
-use crate::report::{Alert, Report, Verdict};
+use crate::report::{Alert, Report, Unavailable, Verdict};
 use crate::weighting::residuals::Residuals;
 
 /// Memory for judging, which also holds the outcome.
@@ -81,6 +82,18 @@ impl<const N: usize> EpochOutcome<N> {
     }
 }
 
+impl<const N: usize> EpochOutcome<N> {
+    /// Withdraws a promise for a reason outside the ranges, before
+    /// [`Monitor::learn`](super::Monitor::learn). The epoch then updates nothing. Any other verdict
+    /// stays.
+    pub fn withdraw(&mut self, reason: Unavailable) {
+        if matches!(self.report.verdict, Verdict::Protected(_)) {
+            self.report.verdict = Verdict::Unavailable(reason);
+            self.update = Update::none(self.update.time_s);
+        }
+    }
+}
+
 /// Update of the state by [`Monitor::learn`](super::Monitor::learn).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Update {
@@ -97,6 +110,8 @@ pub(super) struct Update {
     pub(super) clocks: Option<SolvedClocks>,
     /// Residuals of a test that passed, by the sigmas of the epoch.
     pub(super) residuals: Option<Residuals>,
+    /// Systems in view, and those left out.
+    pub(super) systems: SystemsSeen,
 }
 
 impl Update {
@@ -110,6 +125,7 @@ impl Update {
             is_refuting_scale: false,
             clocks: None,
             residuals: None,
+            systems: SystemsSeen::NONE,
         }
     }
 }

@@ -24,7 +24,7 @@
 
 use core::fmt::Debug;
 
-use super::root;
+use super::sqrt;
 
 /// A length in two parts, a large and a small one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,7 +156,7 @@ impl Absolute<f32> for Grid {
         const LOWER: u32 = 31;
         const SCALE: f32 = (1_u64 << LOWER) as f32 / (1_u64 << (Grid::DIGITS + Grid::COARSER + 1)) as f32;
         let [x, y, z] = coordinates.map(coarse);
-        let approximate = (root::single(x * x + y * y + z * z) as u32).max(1);
+        let approximate = (sqrt(x * x + y * y + z * z) as u32).max(1);
         let whole = i64::from(approximate) << Self::COARSER;
         let squares =
             coordinates.iter().fold(whole.wrapping_mul(whole).wrapping_neg(), |sum, Self(value)| {

@@ -9,6 +9,7 @@ pub mod normal;
 pub mod precision;
 pub mod probability;
 pub mod real;
-mod root;
 mod scalars;
 pub(crate) mod space;
+
+pub use raim_root::sqrt;

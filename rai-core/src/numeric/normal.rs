@@ -26,7 +26,7 @@
 //! [Cody1969]: crate#references
 
 use super::real::Real;
-use super::root::single_inverse;
+use super::sqrt;
 
 pub use super::real::Tail;
 
@@ -200,7 +200,7 @@ pub(super) fn single_quantile(p: f32) -> f32 {
         return distance * quotient(&SINGLE_CENTRE, (CENTRE * CENTRE) as f32 - distance * distance);
     }
     let squared = -libm::logf(p);
-    let root = squared * single_inverse(squared);
+    let root = sqrt(squared);
     let (near, far) = (root - 1.6, root - FAR as f32);
     if far <= 0.0 { quotient(&SINGLE_TAIL, near) } else { quotient(&SINGLE_FAR, far) }
 }

@@ -5,7 +5,7 @@ use super::angle::sine;
 use super::normal;
 use super::precision::{DOUBLE, Precision, SINGLE};
 use super::real::{Real, Tail};
-use super::root;
+use super::sqrt;
 
 impl Real for f64 {
     type Absolute = f64;
@@ -59,11 +59,11 @@ impl Real for f32 {
     }
     #[inline]
     fn sqrt_approx(self) -> Self {
-        root::single(self)
+        sqrt(self)
     }
     #[inline]
     fn inverse_sqrt_approx(self) -> Self {
-        root::single_inverse(self)
+        sqrt(self).recip()
     }
     fn sine_and_cosine(self) -> (Self, Self) {
         // Excess of a quarter turn over its nearest number.

@@ -7,7 +7,7 @@
 #[cfg(feature = "stages")]
 pub mod stages;
 
-pub use crate::epoch::CAPACITY;
+pub use crate::bounded::CAPACITY;
 
 use crate::epoch::Epoch;
 use crate::frame::Ecef;
@@ -50,7 +50,7 @@ pub fn judge<'m>(
     rates: Option<&RangeRates<'_>>,
     memory: &'m mut MonitorWorkspace,
 ) -> &'m mut EpochOutcome {
-    monitor.judge(epoch, start, search, rates, memory)
+    monitor.judge_about(epoch, start, search, rates, memory)
 }
 
 /// Calls [`Workspace::solve`].
@@ -75,7 +75,7 @@ pub fn position(workspace: &mut Workspace, epoch: &Epoch<CAPACITY>, start: Ecef)
 #[inline(never)]
 pub fn velocity(
     workspace: &mut Workspace,
-    rates: &mut dyn Iterator<Item = RangeRate>,
+    rates: &mut dyn Iterator<Item = RangeRate<f32>>,
     thresholds: &Thresholds<'_>,
     factors: &KFactors<f32>,
 ) -> Result<Velocity, VelocityError> {

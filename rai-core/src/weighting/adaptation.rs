@@ -32,6 +32,7 @@
 
 use super::ephemeris_sigma_m;
 use super::residuals::RecentResiduals;
+use crate::numeric::sqrt;
 use crate::satellite::SatelliteId;
 
 pub use super::residuals::Residuals;
@@ -92,7 +93,7 @@ impl Adaptation {
             |minute: Residuals| minute.dof > 0 && minute.ratio() > factor * minute.ratio_at(CONFIDENCE);
         let is_quiet = factor < 1.0 && !self.minutes.at(time_s).any(contradicts);
         let least = if is_quiet { *SCALES.start() } else { 1.0 };
-        f64::from(libm::sqrtf(factor)).clamp(least, *SCALES.end())
+        f64::from(sqrt(factor)).clamp(least, *SCALES.end())
     }
 
     /// Returns a scaled sigma, m.
@@ -101,7 +102,7 @@ impl Adaptation {
     /// shared part of the error, unless the sigma was below already.
     pub fn sigma_m(scale: f64, satellite: SatelliteId, sigma_m: f64, common_m: f32) -> f64 {
         let orbit_m = ephemeris_sigma_m(satellite, 0.0);
-        let floor_m = f64::from(libm::sqrtf(orbit_m * orbit_m + common_m * common_m)).min(sigma_m);
+        let floor_m = f64::from(sqrt(orbit_m * orbit_m + common_m * common_m)).min(sigma_m);
         (scale * sigma_m).max(floor_m)
     }
 }

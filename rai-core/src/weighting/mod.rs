@@ -55,6 +55,7 @@
 pub mod adaptation;
 pub(crate) mod residuals;
 
+use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 
 /// Code noise at the zenith, m: a geodetic receiver's 0.3 m.
@@ -155,7 +156,7 @@ pub fn obliquity(sin_elevation: f32) -> f32 {
     /// [DO-229]: crate#references
     const RATIO_SQUARED: f32 = 0.898_665_4;
     let sine = sin_elevation.clamp(0.0, 1.0);
-    1.0 / libm::sqrtf(1.0 - RATIO_SQUARED * (1.0 - sine * sine))
+    1.0 / sqrt(1.0 - RATIO_SQUARED * (1.0 - sine * sine))
 }
 
 /// Number of sigmas with which a shared range error enters the protection levels.
@@ -203,6 +204,7 @@ impl IsmParameters {
 /// Model of the receiver's own noise and multipath.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum UserModel {
     /// An antenna on the ground, ranges that are not smoothed: the module's own numbers.
     Ground,
@@ -252,10 +254,12 @@ impl Ism {
     /// [`Self::RESEARCH`] aboard an aircraft.
     pub const RESEARCH_AIRBORNE: Self = Self { user: UserModel::Airborne, ..Self::RESEARCH };
 
-    /// Returns the parameters of one constellation.
-    pub fn of(&self, constellation: Constellation) -> IsmParameters {
-        let [first, ..] = self.constellations;
-        self.constellations.get(constellation as usize).copied().unwrap_or(first)
+    unstable! {
+        /// Returns the parameters of one constellation.
+        pub fn of(&self, constellation: Constellation) -> IsmParameters {
+            let [first, ..] = self.constellations;
+            self.constellations.get(constellation as usize).copied().unwrap_or(first)
+        }
     }
 
     /// Returns true if every number is in its range.
@@ -271,7 +275,7 @@ pub fn integrity_sigma_m(support: &IsmParameters, promised_m: f32, budget: &Erro
     let sin_elevation = budget.sin_elevation.max(0.05);
     let troposphere_m2 = 0.12 * 0.12 * 1.001 * 1.001 / (0.002_001 + sin_elevation * sin_elevation);
     let user_m2 = user_m2(sin_elevation, budget) + budget.ionosphere_m * budget.ionosphere_m;
-    libm::sqrtf(ura_m * ura_m + user_m2 + troposphere_m2)
+    sqrt(ura_m * ura_m + user_m2 + troposphere_m2)
 }
 
 /// Returns the receiver's own part, m².
@@ -330,7 +334,7 @@ pub fn sigma_m(budget: &ErrorBudget) -> f32 {
     // Below 3° the model is not calibrated: the error stays that of 3°, where masks end.
     let sin_elevation = budget.sin_elevation.max(0.05);
     let troposphere_m = TROPOSPHERE_M / (sin_elevation + 0.05);
-    libm::sqrtf(
+    sqrt(
         budget.ephemeris_m * budget.ephemeris_m
             + user_m2(sin_elevation, budget)
             + troposphere_m * troposphere_m

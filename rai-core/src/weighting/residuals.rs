@@ -6,6 +6,8 @@
 //!
 //! The cube is accurate to 1e-4 from 600 degrees of freedom on, and to 2 % from 10 on.
 
+use crate::numeric::sqrt;
+
 /// Residuals of an epoch, or of several.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residuals {
@@ -34,7 +36,7 @@ impl Residuals {
     #[inline(never)]
     pub(crate) fn ratio_at(self, normal: f32) -> f32 {
         let spread = 2.0 / (9.0 * self.dof as f32);
-        let root = 1.0 - spread + normal * libm::sqrtf(spread);
+        let root = 1.0 - spread + normal * sqrt(spread);
         root * root * root
     }
 }

@@ -100,7 +100,7 @@ fn one_noisy_minute_ends_a_scale_below_one() {
 fn quiet_then(strategy: Strategy, noise_after: f64, epochs: u32, seed: u64) -> Vec<Report<16>> {
     const QUIET: u32 = 900;
     let mut monitor = Monitor::<f64, 16>::new(Requirements::non_precision_approach()).unwrap();
-    monitor.set_strategy(strategy);
+    monitor.set_strategy(strategy).unwrap();
     let mut chance = Noise(seed);
     let mut judge = |second: u32| {
         let sigmas = if second < QUIET { 0.45 } else { noise_after };

@@ -55,11 +55,13 @@ fn report(said: Said) -> Report<4> {
         test: Some(TestStatistic { statistic: 1.0, threshold: 2.0, dof: said.dof }),
         protection: Some(ProtectionLevels { hpl_m: said.hpl_m, vpl_m: 30.0 }),
         excluded: Vec::new(),
+        excluded_constellations: 0,
         suspect: None,
         used: Vec::new(),
         residual_rms_m: 1.0,
         tracked: 4,
         araim: None,
+        height: None,
         sigma_check: None,
     }
 }
@@ -371,6 +373,23 @@ fn a_silence_makes_no_place_good_that_the_receiver_is_not_expected_at() {
     // Of a receiver without Doppler frequencies 50 m/s are expected, and 10 more.
     assert_eq!(after_silence(600.0, 40e3, None, 1), [OK]);
     assert_eq!(after_silence(600.0, 80e3, None, 1), [RECOVERING]);
+}
+
+/// A clock that leaps across the silence is an alert, after which the way to the place must still
+/// be waited for.
+#[test]
+fn an_alert_after_a_silence_makes_no_place_good_either() {
+    let mut continuity = Continuity::new();
+    let settings = ContinuitySettings::anywhere();
+    assert_eq!(continuity.conclude(&settings, 0.0, None, &report(HERE), Some(0.0)), OK);
+    continuity.interrupt();
+    let leaping = Report { verdict: Verdict::Alert(Alert::Clock), ..report(north(300e3)) };
+    let _ = continuity.conclude(&settings, 600.0, None, &leaping, Some(0.0));
+    for second in 1..=580 {
+        let time_s = 600.0 + f64::from(second);
+        let have = continuity.conclude(&settings, time_s, None, &report(north(300e3)), Some(0.0));
+        assert_eq!(have, RECOVERING, "{second} s");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Frames against closed forms of the ellipsoid.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::float_cmp)]
 
-use raim_core::frame::{Ecef, Enu, FLATTENING, Geodetic, LocalFrame, SEMI_MAJOR_AXIS_M};
+use raim_core::frame::{Ecef, Enu, FLATTENING, Geodetic, LocalAxes, LocalFrame, SEMI_MAJOR_AXIS_M};
 
 fn assert_close(what: &str, have: f64, want: f64, tolerance: f64) {
     assert!((have - want).abs() <= tolerance, "{what}: have {have}, want {want}");
@@ -115,4 +115,35 @@ fn elevation_is_that_of_the_triangle() {
     assert_close("below", up_of(Enu { east: -4e6, north: 0.0, up: -3e6 }), -0.6, 1e-12);
     assert_close("horizon", up_of(Enu { east: 1e6, north: 1e6, up: 0.0 }), 0.0, 1e-12);
     assert_eq!(frame.sin_elevation(origin, origin), 1.0, "a point at the origin is overhead");
+}
+
+#[test]
+fn axes_and_height_in_single_precision_are_those_of_the_ellipsoid() {
+    for (latitude_deg, longitude_deg) in (-90_i32..=90).step_by(3).zip((-180_i32..180).step_by(11).cycle()) {
+        for height_m in [-500.0, 0.0, 8_848.0, 20e3, 400e3] {
+            let [latitude_rad, longitude_rad] =
+                [latitude_deg, longitude_deg].map(|degrees| f64::from(degrees).to_radians());
+            let have = LocalAxes::at(Geodetic { latitude_rad, longitude_rad, height_m }.to_ecef());
+            let ((sin, cos), (sin_l, cos_l)) = (latitude_rad.sin_cos(), longitude_rad.sin_cos());
+            let want =
+                [[-sin_l, cos_l, 0.0], [-sin * cos_l, -sin * sin_l, cos], [cos * cos_l, cos * sin_l, sin]];
+            // At a pole every direction is east.
+            let rows = if latitude_deg.abs() == 90 { 2..3 } else { 0..3 };
+            for (have, want) in have.east_north_up()[rows.clone()].iter().zip(&want[rows]) {
+                for (have, want) in have.iter().zip(want) {
+                    assert_close("axis", f64::from(*have), *want, 3e-7);
+                }
+            }
+            assert_close("sine", f64::from(have.sin_latitude()), sin, 3e-7);
+            // One centimetre, and as much again for each 20 km, where the air has ended.
+            let tolerance_m = 0.01 * (1.0 + height_m.abs() / 20e3);
+            assert_close("height", f64::from(have.height_m()), height_m, tolerance_m);
+            let [latitude, longitude] = have.latitude_and_longitude_rad();
+            assert_close("latitude", f64::from(latitude), latitude_rad, 5e-7);
+            if latitude_deg.abs() < 90 {
+                assert_close("longitude", f64::from(longitude), longitude_rad, 5e-7);
+            }
+        }
+    }
+    assert_eq!(LocalAxes::at(Ecef::CENTRE).height_m(), -SEMI_MAJOR_AXIS_M as f32);
 }

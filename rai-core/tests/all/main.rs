@@ -5,6 +5,7 @@
 mod absolute;
 mod adaptation;
 mod angle;
+mod broken_system;
 mod chi_square;
 mod clock;
 mod clock_aiding;
@@ -16,6 +17,7 @@ mod detection;
 mod epoch;
 mod frame;
 mod kept_subsets;
+mod known_height;
 mod least_squares;
 mod monitor;
 mod monitor_limits;

@@ -82,7 +82,7 @@ fn clock_m(second: u32) -> f64 {
 /// satellites.
 fn coasting<const N: usize>(count: usize) -> Monitor<f64, N> {
     let mut monitor = Monitor::new(npa()).unwrap();
-    monitor.set_strategy(Strategy { clock_aid: true, ..Strategy::CLASSIC });
+    monitor.set_strategy(Strategy { clock_aid: true, ..Strategy::CLASSIC }).unwrap();
     for second in 0..90 {
         let observations = seen(&DIRECTIONS[..count], clock_m(second));
         assert_eq!(monitor.process(&epoch(f64::from(second), &observations)).verdict, OK, "{second} s");
@@ -95,11 +95,11 @@ fn clocks_are_forgotten_where_aiding_changes_and_only_there() {
     let mut monitor = coasting::<CAPACITY>(8);
     let four = epoch(90.0, &seen(&DIRECTIONS[..4], clock_m(90)));
     let aided = Strategy { clock_aid: true, ..Strategy::CLASSIC };
-    monitor.set_strategy(Strategy { method: Method::Ransac, ..aided });
+    monitor.set_strategy(Strategy { method: Method::Ransac, ..aided }).unwrap();
     assert!(monitor.clone().process(&four).test.is_some(), "with the forecast there is something to test");
-    monitor.set_strategy(Strategy::CLASSIC);
+    monitor.set_strategy(Strategy::CLASSIC).unwrap();
     assert!(monitor.clone().process(&four).test.is_none());
-    monitor.set_strategy(aided);
+    monitor.set_strategy(aided).unwrap();
     assert!(monitor.process(&four).test.is_none(), "forgotten in between");
 }
 
@@ -219,7 +219,7 @@ fn with_fault(directions: &[(f64, f64)], height: bool) -> Epoch<CAPACITY> {
 fn consensus_of_another_sky_is_not_that_of_this_one() {
     let fresh = || {
         let mut monitor = monitor(npa());
-        monitor.set_strategy(Strategy { method: Method::Ransac, ..Strategy::CLASSIC });
+        monitor.set_strategy(Strategy { method: Method::Ransac, ..Strategy::CLASSIC }).unwrap();
         monitor.start_from(receiver());
         monitor
     };

@@ -45,7 +45,7 @@ fn sky(count: usize, systems: usize, seed: u64) -> Epoch<CAPACITY> {
 
 fn judged(method: Method, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY> {
     let mut monitor = Monitor::<f32, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
-    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC });
+    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC }).unwrap();
     monitor.start_from(receiver());
     monitor.process(epoch)
 }

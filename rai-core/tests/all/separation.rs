@@ -34,7 +34,7 @@ fn visible(constellations: &[Constellation], count: usize) -> Vec<Observation> {
 
 fn monitor(requirements: Requirements) -> Monitor<f32, CAPACITY> {
     let mut monitor = Monitor::new(requirements).unwrap();
-    monitor.set_strategy(Pursuit { method: Method::Araim, ..Pursuit::CLASSIC });
+    monitor.set_strategy(Pursuit { method: Method::Araim, ..Pursuit::CLASSIC }).unwrap();
     monitor.set_ism(Ism::RESEARCH);
     monitor
 }

@@ -57,7 +57,7 @@ fn judge(method: Method, observations: &[Observation]) -> Report<CAPACITY> {
         epoch.push(*observation).unwrap();
     }
     let mut monitor = Monitor::<f32, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
-    monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT });
+    monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT }).unwrap();
     monitor.process(&epoch)
 }
 

@@ -47,7 +47,7 @@ fn clock_m(second: u32) -> f64 {
 /// Returns a monitor with clock aiding that has seen a minute and a half of seven satellites.
 fn coasting() -> (Monitor<f32, CAPACITY>, u32) {
     let mut monitor = Monitor::new(Requirements::non_precision_approach()).unwrap();
-    monitor.set_strategy(Strategy { clock_aid: true, ..Strategy::CLASSIC });
+    monitor.set_strategy(Strategy { clock_aid: true, ..Strategy::CLASSIC }).unwrap();
     for second in 0..90 {
         let report = judge(&mut monitor, f64::from(second), &visible(7, clock_m(second)));
         assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "second {second}");
@@ -85,7 +85,8 @@ fn a_jump_of_the_clock_is_no_satellites_fault_by_any_method() {
     for method in [Method::Baarda, Method::Ransac].into_iter().chain(parity) {
         for jump_m in [300.0, -238_668.0] {
             let (mut monitor, now) = coasting();
-            monitor.set_strategy(Strategy { method, clock_aid: true, ..Strategy::CLASSIC });
+            monitor.disable_continuity();
+            monitor.set_strategy(Strategy { method, clock_aid: true, ..Strategy::CLASSIC }).unwrap();
             for second in now..now + 20 {
                 let sky = visible(7, clock_m(second) + jump_m);
                 let report = judge(&mut monitor, f64::from(second), &sky);
@@ -103,6 +104,7 @@ fn a_jump_of_the_clock_is_no_satellites_fault_by_any_method() {
 #[test]
 fn a_jump_of_the_clock_is_no_satellites_fault() {
     let (mut monitor, now) = coasting();
+    monitor.disable_continuity();
     let report = judge(&mut monitor, f64::from(now), &visible(7, clock_m(now) + 300.0));
     assert_eq!(report.verdict, Verdict::Protected(Protected::Ok));
     assert!(report.excluded.is_empty());
@@ -110,11 +112,21 @@ fn a_jump_of_the_clock_is_no_satellites_fault() {
     assert!(error_m < 0.1, "{error_m} m");
 }
 
+/// No satellite is blamed, but another clock may be that of another receiver.
+#[test]
+fn a_jump_of_the_clock_contradicts_its_past() {
+    let (mut monitor, now) = coasting();
+    let report = judge(&mut monitor, f64::from(now), &visible(7, clock_m(now) + 300.0));
+    assert_eq!(report.verdict, Verdict::Alert(Alert::Clock));
+    assert!(report.excluded.is_empty());
+}
+
 #[test]
 fn a_jump_of_the_clock_is_the_clocks_beside_a_known_height_too() {
     let (mut monitor, now) = coasting();
+    monitor.disable_continuity();
     let method = Method::Parity(parity::Isolation::Hybrid);
-    monitor.set_strategy(Strategy { method, clock_aid: true, ..Strategy::CLASSIC });
+    monitor.set_strategy(Strategy { method, clock_aid: true, ..Strategy::CLASSIC }).unwrap();
     let mut epoch = Epoch::new(f64::from(now));
     for observation in visible(7, clock_m(now) - 238_668.0) {
         epoch.push(observation).unwrap();
@@ -142,7 +154,7 @@ fn generous() -> Requirements {
 fn a_higher_threshold_passes_a_fault_that_the_limit_can_bear() {
     let thresholds = [Policy::T1, Policy::TOp, Policy::T2].map(|policy| {
         let mut monitor = Monitor::new(generous()).unwrap();
-        monitor.set_strategy(Strategy { policy, ..Strategy::CLASSIC });
+        monitor.set_strategy(Strategy { policy, ..Strategy::CLASSIC }).unwrap();
         let report = judge(&mut monitor, 0.0, &visible(7, 0.0));
         assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "{policy:?}");
         (report.test.unwrap().threshold, report.protection.unwrap().hpl_m)
@@ -164,7 +176,7 @@ fn no_threshold_between_the_risks_is_an_unavailability() {
         [(Policy::T1, Unavailable::Hpl), (Policy::TOp, Unavailable::Risk), (Policy::T2, Unavailable::Risk)]
     {
         let mut monitor = Monitor::new(tight).unwrap();
-        monitor.set_strategy(Strategy { policy, ..Strategy::CLASSIC });
+        monitor.set_strategy(Strategy { policy, ..Strategy::CLASSIC }).unwrap();
         let report = judge(&mut monitor, 0.0, &visible(7, 0.0));
         assert_eq!(report.verdict, Verdict::Unavailable(want), "{policy:?}");
     }

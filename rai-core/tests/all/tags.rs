@@ -67,7 +67,7 @@ fn judge(
         epoch.push(*observation).unwrap();
     }
     let mut monitor = Monitor::<f32, CAPACITY>::new(requirements).unwrap();
-    monitor.set_strategy(strategy);
+    monitor.set_strategy(strategy).unwrap();
     let mut memory = MonitorWorkspace::new();
     monitor.judge(&epoch, receiver(), Search::Anew, rates, &mut memory).report.clone()
 }

@@ -58,6 +58,13 @@ fn rates(count: usize) -> Vec<RangeRate> {
 }
 
 fn solve(rates: Vec<RangeRate>) -> Result<Velocity, VelocityError> {
+    let single = |rate: RangeRate| RangeRate {
+        satellite: rate.satellite,
+        line_of_sight: rate.line_of_sight.map(|component| component as f32),
+        residual_m_s: rate.residual_m_s as f32,
+        sigma_m_s: rate.sigma_m_s as f32,
+    };
+    let rates = rates.into_iter().map(single);
     estimate(&mut Workspace::<f32, 48>::new(), rates, &thresholds(), &factors())
 }
 

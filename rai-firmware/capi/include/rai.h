@@ -26,6 +26,11 @@
 
 #include <stddef.h>
 #include <stdint.h>
+/* A program defines RAI_SATELLITES_16 or RAI_SATELLITES_32 if its library was built for no more satellites than that. */
+#if !defined(RAI_SATELLITES_16) && !defined(RAI_SATELLITES_32)
+#define RAI_SATELLITES_48
+#endif
+
 /* Version of the package that this header came with; rai_version() returns that of the library. */
 #define RAI_VERSION "0.2.0"
 
@@ -139,42 +144,42 @@
  */
 #define RAI_LEVELS_SLOPE 1
 
-#if defined(RAI_SATELLITES_16)
+#if !(defined(RAI_SATELLITES_32) || defined(RAI_SATELLITES_48))
 /**
  * Most satellites in one epoch.
  */
 #define RAI_MAX_SATELLITES 16
 #endif
 
-#if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_16))
+#if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_48))
 /**
  * Most satellites in one epoch.
  */
 #define RAI_MAX_SATELLITES 32
 #endif
 
-#if !(defined(RAI_SATELLITES_16) || defined(RAI_SATELLITES_32))
+#if defined(RAI_SATELLITES_48)
 /**
  * Most satellites in one epoch.
  */
 #define RAI_MAX_SATELLITES 48
 #endif
 
-#if defined(RAI_SATELLITES_16)
+#if !(defined(RAI_SATELLITES_32) || defined(RAI_SATELLITES_48))
 /**
  * Words of eight bytes of a monitor, enough on every processor.
  */
 #define RAI_MONITOR_WORDS 1408
 #endif
 
-#if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_16))
+#if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_48))
 /**
  * Words of eight bytes of a monitor, enough on every processor.
  */
 #define RAI_MONITOR_WORDS 1792
 #endif
 
-#if !(defined(RAI_SATELLITES_16) || defined(RAI_SATELLITES_32))
+#if defined(RAI_SATELLITES_48)
 /**
  * Words of eight bytes of a monitor, enough on every processor.
  */
@@ -186,21 +191,21 @@
  */
 #define RAI_MONITOR_SIZE (RAI_MONITOR_WORDS * 8)
 
-#if defined(RAI_SATELLITES_16)
+#if !(defined(RAI_SATELLITES_32) || defined(RAI_SATELLITES_48))
 /**
  * Words of eight bytes of a receiver, enough on every processor.
  */
 #define RAI_RECEIVER_WORDS 5376
 #endif
 
-#if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_16))
+#if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_48))
 /**
  * Words of eight bytes of a receiver, enough on every processor.
  */
 #define RAI_RECEIVER_WORDS 6016
 #endif
 
-#if !(defined(RAI_SATELLITES_16) || defined(RAI_SATELLITES_32))
+#if defined(RAI_SATELLITES_48)
 /**
  * Words of eight bytes of a receiver, enough on every processor.
  */

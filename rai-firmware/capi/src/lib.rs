@@ -45,8 +45,8 @@
 //! | `tables` | thresholds for all committed probabilities |
 //! | `searches` | `RAI_METHOD_SIMULTANEOUS` to `RAI_METHOD_RANSAC` |
 //! | `araim` | `RAI_METHOD_SEPARATION` |
-//! | `whole` | all of these |
-//! | `satellites-16`, `satellites-32` | fewer satellites than 48, in less memory |
+//! | `whole` | all of the above |
+//! | `satellites-32`, `satellites-48` | at most 32 or 48 satellites in an epoch; without both 16, in less memory |
 //!
 //! `cargo xtask bench` prints the flash of each feature, and the memory of the objects.
 //!

@@ -151,7 +151,7 @@ fn configure(monitor: &mut Monitor, settings: &rai_settings_t) -> Result<(), rai
     // All settings are read before any is changed.
     let (strategy, continuity) = (settings.strategy()?, settings.continuity()?);
     monitor.set_requirements(settings.requirements()?).map_err(refusal_of)?;
-    monitor.set_strategy(strategy);
+    monitor.set_strategy(strategy).map_err(|_| RAI_STATUS_METHOD)?;
     monitor.set_continuity(continuity).map_err(|_| RAI_STATUS_SETTING)
 }
 

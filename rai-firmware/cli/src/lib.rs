@@ -15,6 +15,7 @@
 //! |---|---|
 //! | [`signal`] | what the module receives: skies, recordings, captures, faults, encoders |
 //! | [`sentence`], [`pin`] | what it sends: its sentences, parsed; the integrity pin of a module in process |
+//! | [`satellites`] | satellites of an epoch: direction, C/N0, residual, reason for which one is not used |
 //! | [`page`] | pictures and pages of the results |
 //! | [`run`] | the module as a service |
 //! | [`replay`] | a recording or a capture through the module, from input to report |
@@ -74,5 +75,7 @@ pub mod page;
 pub mod replay;
 #[cfg(feature = "commands")]
 pub mod run;
+#[cfg(feature = "commands")]
+pub mod satellites;
 #[cfg(feature = "commands")]
 pub mod second_opinion;

@@ -47,6 +47,7 @@
 use core::f32::consts::PI;
 
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::numeric::sqrt;
 
 use crate::raw::Band;
 use crate::time::{BEIDOU_OFFSET_MS, GpsTime};
@@ -83,7 +84,7 @@ impl Troposphere {
     /// Returns the delay towards an elevation, m. Below the horizon it is that at the horizon.
     pub fn delay_m(self, sin_elevation: f32) -> f32 {
         let sin_elevation = sin_elevation.clamp(0.0, 1.0);
-        self.zenith_m * 1.001 / libm::sqrtf(0.002001 + sin_elevation * sin_elevation)
+        self.zenith_m * 1.001 / sqrt(0.002001 + sin_elevation * sin_elevation)
     }
 }
 
@@ -168,7 +169,7 @@ impl Klobuchar {
     /// for a direction or a place that is not finite.
     pub fn slant(&self, place: Place, line_of_sight: [f32; 3]) -> Slant {
         let [east, north, up] = line_of_sight;
-        let horizontal = libm::sqrtf(east * east + north * north);
+        let horizontal = sqrt(east * east + north * north);
         let elevation_sc = libm::atan2f(up.max(0.0), horizontal) / PI;
         let pierce = PiercePoint::of(place, [east, north], horizontal, elevation_sc);
         let (vertical_s, longer) = match self.model {
@@ -193,12 +194,12 @@ impl Klobuchar {
             (ratio * ratio) as f32
         };
         // Cosine of the elevation, for a unit vector above the horizon.
-        let cos_elevation = (horizontal / libm::sqrtf(horizontal * horizontal + up * up)).min(1.0);
+        let cos_elevation = (horizontal / sqrt(horizontal * horizontal + up * up)).min(1.0);
         let (latitude_sc, longitude_sc) = on_the_sphere(place, [east, north], horizontal, cos_elevation);
         let local_s = local_time_s(longitude_sc, place.time_of_day_s - BEIDOU_OFFSET_MS as f32 * 1e-3);
         let slanted = SHELL_RATIO * cos_elevation;
         let vertical_s = TO_L1 * self.beidou_vertical_s(latitude_sc.abs(), local_s);
-        (vertical_s, 1.0 / libm::sqrtf(1.0 - slanted * slanted))
+        (vertical_s, 1.0 / sqrt(1.0 - slanted * slanted))
     }
 
     /// Returns the vertical delay on B1I by `BeiDou`'s model, s; `latitude_sc` is geographic,

@@ -24,7 +24,7 @@ use raim_core::satellite::Constellation;
 
 use super::choice::ionosphere_free;
 use super::twins::remove;
-use super::{CAPACITY, Located, Sky};
+use super::{CAPACITY, Located, Sky, difference_m};
 use crate::median::{apart_m, median};
 use crate::raw::Band;
 
@@ -53,7 +53,7 @@ fn group_of(located: &Located) -> Option<Group> {
 /// Returns the delay of the ionosphere that the bands of a satellite measure, m.
 fn delay_m(located: &Located) -> Option<f32> {
     let (pair, single) = (located.choices.pair.as_ref()?, located.choices.single.as_ref()?);
-    Some((single.range_m - pair.range_m) as f32)
+    Some(difference_m(single.range_m, pair.range_m))
 }
 
 /// Removes the satellites whose bands no ionosphere explains, and counts them.

@@ -25,9 +25,10 @@
 //! [BDS-SIS-B3I]: crate#references
 
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::numeric::sqrt;
 use raim_core::weighting::noise_factor_from_cn0;
 
-use super::root_of_squares;
+use super::{difference_m, root_of_squares, sum_m};
 use crate::ephemeris::Ephemeris;
 use crate::raw::{Band, RawSignal};
 
@@ -140,7 +141,7 @@ fn combine(
     // k_a P_a + (1 − k_a) P_b = P_b + k_a (P_a − P_b): the added part is small, so that single
     // precision holds it.
     let delay_s = delay_second.seconds() + pair.share * (delay_first.seconds() - delay_second.seconds());
-    let apart_m = (first.range_m - second.range_m) as f32;
+    let apart_m = difference_m(first.range_m, second.range_m);
     let added_m = pair.share * apart_m - LIGHT_M_S * delay_s;
     // A signal without its code is tracked by the other, and has its strength.
     let strength_dbhz = match (first.is_codeless(), second.is_codeless()) {
@@ -150,8 +151,8 @@ fn combine(
     };
     Some(Choice {
         bands: (pair.first, Some(pair.second)),
-        range_m: second.range_m + f64::from(added_m),
-        noise_gain: libm::sqrtf(pair.share * pair.share + (1.0 - pair.share) * (1.0 - pair.share)),
+        range_m: sum_m(second.range_m, 0.0, added_m),
+        noise_gain: sqrt(pair.share * pair.share + (1.0 - pair.share) * (1.0 - pair.share)),
         weakness: noise_factor_from_cn0(Some(strength_dbhz)),
         uncalibrated_m: root_of_squares(
             pair.share * delay_first.uncalibrated_m(),
@@ -165,7 +166,7 @@ fn alone(signal: &RawSignal, ephemeris: &Ephemeris, unsaid_dbhz: f32) -> Option<
     let delay = ephemeris.group_delay(signal.carrier.band)?;
     Some(Choice {
         bands: (signal.carrier.band, None),
-        range_m: signal.range_m - f64::from(LIGHT_M_S * delay.seconds()),
+        range_m: sum_m(signal.range_m, 0.0, -LIGHT_M_S * delay.seconds()),
         noise_gain: 1.0,
         weakness: noise_factor_from_cn0(Some(strength(signal, unsaid_dbhz))),
         uncalibrated_m: delay.uncalibrated_m(),

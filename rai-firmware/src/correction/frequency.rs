@@ -26,6 +26,7 @@
 //! the delay between carriers. With clock aiding the set never changes, because the clock forecast
 //! would take that for a jump.
 
+use raim_core::numeric::sqrt;
 use raim_core::satellite::Constellation;
 use raim_core::weighting::COMMON_SIGMAS;
 
@@ -178,11 +179,11 @@ impl Geometry {
             eu * pull[0] + nu * pull[1] + uu * pull[2],
         ];
         let (mean, half) = (0.5 * (ee + nn), 0.5 * (ee - nn));
-        let major = mean + libm::sqrtf(half * half + en * en);
-        let aside = libm::sqrtf(shift[0] * shift[0] + shift[1] * shift[1]);
+        let major = mean + sqrt(half * half + en * en);
+        let aside = sqrt(shift[0] * shift[0] + shift[1] * shift[1]);
         let spread = Spread {
-            horizontal_m: HORIZONTAL * libm::sqrtf(major) + COMMON_SIGMAS * aside,
-            vertical_m: VERTICAL * libm::sqrtf(uu) + COMMON_SIGMAS * shift[2].abs(),
+            horizontal_m: HORIZONTAL * sqrt(major) + COMMON_SIGMAS * aside,
+            vertical_m: VERTICAL * sqrt(uu) + COMMON_SIGMAS * shift[2].abs(),
         };
         (spread.horizontal_m.is_finite() && spread.vertical_m.is_finite()).then_some(spread)
     }

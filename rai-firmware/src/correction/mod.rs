@@ -23,13 +23,14 @@
 
 use heapless::Vec;
 use raim_core::epoch::{Epoch, Observation};
-use raim_core::frame::{Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::frame::{Ecef, LocalAxes, SPEED_OF_LIGHT_M_S};
 use raim_core::numeric::angle::sine;
+use raim_core::numeric::sqrt;
 use raim_core::satellite::SatelliteId;
 use raim_core::weighting::COARSE_M;
 
 use crate::counters::{count, counters};
-use crate::ephemeris::{self, EphemerisError, SatelliteState, Store};
+use crate::ephemeris::{self, EphemerisError, Store, nearest, scaled};
 use crate::raw::{RawEpoch, RawSatellite, RawSignal};
 use crate::settings::Systems;
 use crate::time::GpsTime;
@@ -104,9 +105,14 @@ impl Located {
         self.satellite
     }
 
-    /// Returns its position and clock when the signal left.
-    pub(crate) fn state(&self) -> SatelliteState {
-        SatelliteState { position: self.position, clock_s: self.clock_m * (1.0 / SPEED_OF_LIGHT_M_S) }
+    /// Returns its position when the signal left.
+    pub(crate) const fn position(&self) -> Ecef {
+        self.position
+    }
+
+    /// Returns its clock then, times the speed of light, m.
+    pub(crate) const fn clock_m(&self) -> f64 {
+        self.clock_m
     }
 
     /// Returns a measured range, accurate to some ten metres, m.
@@ -133,7 +139,42 @@ impl Located {
 
 /// Returns `√(a² + b²)`.
 fn root_of_squares(a: f32, b: f32) -> f32 {
-    if b == 0.0 { a } else { libm::sqrtf(a * a + b * b) }
+    if b == 0.0 { a } else { sqrt(a * a + b * b) }
+}
+
+/// Binary digits behind the point of lengths as integers, which hold every digit of a range. Their
+/// sums cost a third of those of doubles here.
+const DIGITS: i32 = 32;
+
+/// Returns `first + second + added`, for lengths up to 10⁹ m.
+#[inline(never)]
+fn sum_m(first_m: f64, second_m: f64, added_m: f32) -> f64 {
+    /// Digits of the larger part of the added length.
+    const COARSE: i32 = 12;
+    /// Largest added length whose larger part fits 32 bits, m.
+    const LARGEST_M: f32 = 5e5;
+    if !(added_m.abs() < LARGEST_M) {
+        return first_m + second_m + f64::from(added_m);
+    }
+    let coarse = (added_m * (1 << COARSE) as f32) as i32;
+    let rest_m = added_m - coarse as f32 * (1.0 / (1 << COARSE) as f32);
+    let rest = (rest_m * (1_u64 << DIGITS) as f32) as i32;
+    let added = (i64::from(coarse) << (DIGITS - COARSE)) + i64::from(rest);
+    // What is not finite becomes a length that no epoch accepts, and does not overflow.
+    let sum = nearest(first_m, DIGITS).wrapping_add(nearest(second_m, DIGITS));
+    scaled(sum.wrapping_add(added), -DIGITS)
+}
+
+/// Returns the difference of two lengths up to 5·10⁷ m, to the digits of a single, m.
+#[inline(never)]
+fn difference_m(first_m: f64, second_m: f64) -> f32 {
+    /// Bits of the lower part; both parts fit 32.
+    const LOWER: i32 = 27;
+    const COARSE_M: f32 = 1.0 / (1 << (DIGITS - LOWER)) as f32;
+    const FINE_M: f32 = 1.0 / (1_u64 << DIGITS) as f32;
+    let difference = nearest(first_m, DIGITS).wrapping_sub(nearest(second_m, DIGITS));
+    let lower = (difference & ((1 << LOWER) - 1)) as i32;
+    (difference >> LOWER) as i32 as f32 * COARSE_M + lower as f32 * FINE_M
 }
 
 /// Satellites of an epoch with known positions.
@@ -148,7 +189,7 @@ pub(crate) struct View {
 impl View {
     /// Returns the view from a point, above an elevation.
     pub(crate) fn from(point: Ecef, mask_rad: f64) -> Self {
-        Self { horizon: Horizon::at(point, &LocalFrame::at(point)), sin_mask: sine(mask_rad as f32) }
+        Self { horizon: Horizon::at(point, &LocalAxes::at(point)), sin_mask: sine(mask_rad as f32) }
     }
 
     fn shows(&self, located: &Located) -> bool {
@@ -295,5 +336,28 @@ pub fn coarse(sky: &Sky, time: GpsTime, epoch: &mut Epoch<CAPACITY>) {
             range_m: choice.range_m + located.clock_m,
             sigma_m: f64::from(COARSE_M),
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{difference_m, sum_m};
+
+    #[test]
+    fn sums_and_differences_of_lengths_are_those_of_doubles() {
+        let lengths_m = [1.0e7, 2.345_678_901_234e7, 5.2e7, -123_456.789, 0.0, 3.7e7];
+        let added_m = [0.0, 1e-6, -2.997_924_6, 7.123_456, -137.25, 9_999.9, 4.9e5, -5e5, 1e6, -4.2e7_f32];
+        for (first, second) in lengths_m.iter().flat_map(|a| lengths_m.iter().map(move |b| (*a, *b))) {
+            for added in added_m {
+                let (have, want) = (sum_m(first, second, added), first + second + f64::from(added));
+                // Roundings of the two additions, and one of the integers.
+                assert!((have - want).abs() <= 3e-8, "{first} + {second} + {added}: {have}, not {want}");
+            }
+            let (have, want) = (f64::from(difference_m(first, second)), first - second);
+            // Three roundings to 24 digits.
+            assert!((have - want).abs() <= 1e-9 + 1.2e-7 * want.abs(), "{first} - {second}: {have}");
+        }
+        assert!(!(sum_m(f64::NAN, 2e7, 1.0).abs() <= 1e9), "no length");
+        assert!(!(sum_m(f64::INFINITY, -2e7, 1.0).abs() <= 1e9), "no length");
     }
 }

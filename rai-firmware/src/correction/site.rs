@@ -4,7 +4,7 @@
 //! digits of single precision.
 
 use raim_core::epoch::{Epoch, EpochError, Observation};
-use raim_core::frame::{Ecef, LocalFrame};
+use raim_core::frame::{Ecef, LocalAxes};
 use raim_core::numeric::angle::sine;
 use raim_core::satellite::Constellation;
 use raim_core::weighting::{
@@ -14,8 +14,8 @@ use raim_core::weighting::{
 
 use super::atmosphere::{Klobuchar, Place, Troposphere};
 use super::frequency::{Geometry, Ranges, Spread};
-use super::horizon::{Horizon, coordinates_m, cosine_of_latitude};
-use super::{CAPACITY, Choice, Located, Refusals, Sky, root_of_squares};
+use super::horizon::{Horizon, coordinates_m};
+use super::{CAPACITY, Choice, Located, Refusals, Sky, root_of_squares, sum_m};
 use crate::counters::count;
 use crate::raw::Band;
 use crate::time::GpsTime;
@@ -50,16 +50,14 @@ impl Site {
     /// the ionosphere, if its coefficients are known. The site prefers pairs of frequencies, until
     /// [`Self::with_ranges`] changes that.
     pub fn new(point: Ecef, time: GpsTime, mask_rad: f64, klobuchar: Option<Klobuchar>) -> Self {
-        let frame = LocalFrame::at(point);
-        let sin_latitude = frame.sin_latitude() as f32;
-        let latitude_rad = libm::atan2f(sin_latitude, cosine_of_latitude(sin_latitude));
-        let longitude_rad = libm::atan2f(point.y_m as f32, point.x_m as f32);
+        let axes = LocalAxes::at(point);
+        let [latitude_rad, longitude_rad] = axes.latitude_and_longitude_rad();
         Self {
-            horizon: Horizon::at(point, &frame),
+            horizon: Horizon::at(point, &axes),
             time,
             place: Place::at(latitude_rad, longitude_rad, time),
             sin_mask: sine(mask_rad as f32),
-            troposphere: Troposphere::above(frame.height_m() as f32, sin_latitude),
+            troposphere: Troposphere::above(axes.height_m(), axes.sin_latitude()),
             klobuchar,
             ranges: Ranges::Pairs,
             ism: None,
@@ -143,7 +141,7 @@ impl Site {
         let air_m = self.troposphere.delay_m(sin_elevation) + delay_m;
         Some(Corrected {
             line_of_sight,
-            range_m: choice.range_m + located.clock_m - f64::from(air_m),
+            range_m: sum_m(choice.range_m, located.clock_m, -air_m),
             sigma_m: match &self.ism {
                 Some(ism) => {
                     let support = ism.of(located.satellite.constellation());

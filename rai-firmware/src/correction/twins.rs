@@ -11,7 +11,7 @@
 //! a close approach.
 
 use super::horizon::coordinates_m;
-use super::{CAPACITY, Sky};
+use super::{CAPACITY, Located, Sky};
 use crate::counters::count;
 
 /// Distance below which two satellites are one, m.
@@ -26,15 +26,32 @@ pub(super) fn remove_twins(sky: &mut Sky, counter: &mut u32) {
         *place = coordinates_m(located.position);
     }
     let mut doubled = 0_u64;
-    for (index, (here, one)) in places.iter().zip(sky.iter()).enumerate() {
-        for (other_index, (there, other)) in places.iter().zip(sky.iter()).enumerate().skip(index + 1) {
-            let is_near = here.iter().zip(there).all(|(a, b)| (a - b).abs() < ONE_M);
-            if is_near && one.satellite.constellation() == other.satellite.constellation() {
-                doubled |= 1 << index | 1 << other_index;
+    let places = places.get(..sky.len()).unwrap_or_default();
+    for (index, here) in places.iter().enumerate() {
+        let [x_m, ..] = *here;
+        let others = places.get(index + 1..).unwrap_or_default();
+        for (other_index, there) in others.iter().enumerate() {
+            // One coordinate decides about nearly every pair.
+            if (x_m - there[0]).abs() < ONE_M
+                && is_one(here, there)
+                && is_of_one_system(sky, index, index + 1 + other_index)
+            {
+                doubled |= 1 << index | 1 << (index + 1 + other_index);
             }
         }
     }
     remove(sky, doubled, counter);
+}
+
+/// Returns true if two places are near each other in every coordinate.
+fn is_one(here: &[f32; 3], there: &[f32; 3]) -> bool {
+    here.iter().zip(there).all(|(a, b)| (a - b).abs() < ONE_M)
+}
+
+/// Returns true if the satellites at two places of the sky are of one system.
+fn is_of_one_system(sky: &Sky, one: usize, other: usize) -> bool {
+    let system = |index| sky.get(index).map(|located: &Located| located.satellite.constellation());
+    system(one) == system(other)
 }
 
 /// Removes the satellites at these places of the sky, one bit each, and counts them.

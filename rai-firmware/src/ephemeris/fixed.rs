@@ -26,13 +26,21 @@ pub(super) const ONE_Q62: i64 = 1 << 62;
 /// The number 2π in 2⁻⁶⁰.
 const TURN_RAD_Q60: i64 = 7_244_019_458_077_122_842;
 
-/// Returns the upper half of a product, `a b / 2⁶⁴`, rounded down and low by up to 3 units.
+/// Returns the upper half of a product, `a b / 2⁶⁴`, within one unit of its floor, for factors
+/// below `2⁶³ − 2³¹`.
 ///
-/// The product of the lower halves is left out, because it could only carry.
-pub(super) const fn mul_high(a: i64, b: i64) -> i64 {
-    let (a_high, a_low) = (a >> 32, a & 0xFFFF_FFFF);
-    let (b_high, b_low) = (b >> 32, b & 0xFFFF_FFFF);
-    a_high * b_high + ((a_high * b_low) >> 32) + ((a_low * b_high) >> 32)
+/// The lower halves have signs, because this processor multiplies and adds those in one
+/// instruction. Their product, a quarter of a unit at most, is left out.
+pub(crate) const fn mul_high(a: i64, b: i64) -> i64 {
+    let ((a_high, a_low), (b_high, b_low)) = (halves(a), halves(b));
+    a_high * b_high + ((a_high * b_low + a_low * b_high) >> 32)
+}
+
+/// Splits a number into its nearest multiple of 2³², in units of it, and the rest.
+const fn halves(number: i64) -> (i64, i64) {
+    let low = number as i32;
+    let high = ((number >> 32) as i32).wrapping_add(low.is_negative() as i32);
+    (high as i64, low as i64)
 }
 
 /// Returns the product of a quantity with a ratio in 2⁻⁶², in the unit of the quantity.
@@ -42,9 +50,38 @@ pub(super) const fn times_q62(quantity: i64, ratio_q62: i64) -> i64 {
     mul_high(quantity, ratio_q62) << 2
 }
 
-/// Returns `units · 2^exponent`, rounded like the conversion of the integer.
-pub(super) const fn scaled(units: i64, exponent: i32) -> f64 {
-    times_power_of_two(units as f64, exponent)
+/// Returns `units · 2^exponent`, rounded like the conversion of the integer, if the result is a
+/// normal number.
+///
+/// The double is composed of its words, because the conversion is a call of twice the cost.
+#[inline(never)]
+pub(crate) const fn scaled(units: i64, exponent: i32) -> f64 {
+    const DROPPED_BITS: u32 = 11;
+    const HALF: u32 = 1 << (DROPPED_BITS - 1);
+    let size = units.unsigned_abs();
+    let (mut high, mut low) = ((size >> 32) as u32, size as u32);
+    let mut power = 1022 + 63 + exponent;
+    if high == 0 {
+        if low == 0 {
+            return 0.0;
+        }
+        (high, low, power) = (low, 0, power - 32);
+    }
+    let zeros = high.leading_zeros();
+    (high, low) = shifted(high, low, zeros);
+    let (kept, dropped) = (high << (32 - DROPPED_BITS) | low >> DROPPED_BITS, low & (2 * HALF - 1));
+    // Ties go to the even neighbour, and a carry raises the exponent.
+    let is_up = dropped + (kept & 1) > HALF;
+    let upper = ((power - zeros.cast_signed()) as u32) << 20;
+    let bits = ((upper + (high >> DROPPED_BITS)) as u64) << 32 | kept as u64;
+    f64::from_bits((bits + is_up as u64) | (units as u64 & 1 << 63))
+}
+
+/// Returns two words shifted to the left by fewer bits than a word has.
+///
+/// The compiler's shift of 64 bits also covers more.
+const fn shifted(high: u32, low: u32, by: u32) -> (u32, u32) {
+    (high << by | low >> 1 >> (31 - by), low << by)
 }
 
 /// Returns `value · 2^exponent`, if neither is beyond the normal numbers.
@@ -63,7 +100,7 @@ pub(crate) const fn times_power_of_two(value: f64, exponent: i32) -> f64 {
 /// It is the inverse of [`scaled`]. The significand is shifted, because a multiplication, a
 /// rounding and a conversion are calls.
 #[inline(never)]
-pub(super) const fn nearest(value: f64, exponent: i32) -> i64 {
+pub(crate) const fn nearest(value: f64, exponent: i32) -> i64 {
     const SIGNIFICAND_BITS: i32 = 52;
     const LARGEST: i64 = 1 << 62;
     let bits = value.to_bits();
@@ -72,7 +109,11 @@ pub(super) const fn nearest(value: f64, exponent: i32) -> i64 {
     let size = match power {
         ..-53 => 0,
         -53..0 => ((significand >> (-power - 1)) + 1) >> 1,
-        0..10 => significand << power,
+        0..10 => {
+            let (high, low) = ((significand >> 32) as u32, significand as u32);
+            let (high, low) = shifted(high, low, power as u32);
+            ((high as u64) << 32 | low as u64).cast_signed()
+        }
         10.. => LARGEST,
     };
     if value.is_sign_negative() { -size } else { size }
@@ -126,7 +167,7 @@ impl Turns {
 
     /// Returns an angle of at most 1/8 turn, rad.
     pub(super) const fn to_radians_q62(self) -> i64 {
-        mul_high(self.0 << 2, TURN_RAD_Q60)
+        mul_high(self.0 << 1, TURN_RAD_Q60) << 1
     }
 
     /// Returns the number of 2⁻⁶⁴ turns, from −½ to ½ turn.
@@ -139,7 +180,7 @@ impl Turns {
         // The nearest 1/256 turn, and the rest in 2⁻⁷² turns.
         let nearest = self.0.wrapping_add(1 << 55) >> 56;
         let (quarter, step) = ((nearest >> 6) & 3, (nearest & 63) as usize);
-        let x_q68 = mul_high(self.0.wrapping_sub(nearest << 56) << 8, TURN_RAD_Q60);
+        let x_q68 = mul_high(self.0.wrapping_sub(nearest << 56) << 7, TURN_RAD_Q60) << 1;
         Direction { sin_q62: SINES_Q62[step], cos_q62: SINES_Q62[64 - step] }
             .turned_by(x_q68)
             .quarters(quarter)
@@ -228,8 +269,8 @@ impl Direction {
     const fn turned_by(self, x_q68: i64) -> Self {
         /// Factors 1/6, 1/24, 1/120 and 1/720 in 2⁻³².
         const OVER: [u32; 4] = [715_827_883, 178_956_971, 35_791_394, 5_965_232];
-        // The product can be low by 3 units, which must not make a square negative.
-        let square_q72 = mul_high(x_q68, x_q68) + 3;
+        // The product can be low by a unit, which must not make a square negative.
+        let square_q72 = mul_high(x_q68, x_q68) + 1;
         let square_q44 = (square_q72 >> 28) as u32;
         let fourth_q56 = upper(square_q44, square_q44);
         let sixth_q68 = upper(fourth_q56, square_q44);
@@ -312,12 +353,33 @@ mod tests {
     }
 
     #[test]
-    fn products_are_low_by_at_most_three_units() {
-        let factors = [0, 1, -1, i64::MAX, i64::MIN, ONE_Q62, -ONE_Q62, 0x1234_5678_9ABC_DEF0, -0xFFFF_FFFF];
+    fn products_are_within_a_unit() {
+        const LARGEST: i64 = i64::MAX - (1 << 31);
+        let edges = [0, 1, -1, 1 << 31, -1 << 31, LARGEST, i64::MIN, ONE_Q62, -ONE_Q62, -0xFFFF_FFFF];
+        let lattice = (0..60_i64).map(|index| index.wrapping_mul(922_337_203_685_477_581).min(LARGEST));
+        let factors: std::vec::Vec<_> = edges.into_iter().chain(lattice).collect();
         for (a, b) in factors.iter().flat_map(|a| factors.iter().map(move |b| (*a, *b))) {
             let want = (i128::from(a) * i128::from(b)) >> 64;
-            let low = want - i128::from(mul_high(a, b));
-            assert!((0..=3).contains(&low), "{a} × {b}: {low}");
+            let off = want - i128::from(mul_high(a, b));
+            assert!((-1..=1).contains(&off), "{a} × {b}: {off}");
+        }
+    }
+
+    #[test]
+    fn integers_become_doubles_as_by_a_conversion() {
+        let powers = (0..63).flat_map(|power| (-2..=2).map(move |by| (1_i64 << power) + by));
+        // Ties of 53 bits, to even both ways, and their neighbours.
+        let ties = [0x20_0000_0000_0001, 0x20_0000_0000_0003].into_iter();
+        let ties =
+            ties.flat_map(|tie| (0..9).flat_map(move |shift| (-1..=1).map(move |by| (tie << shift) + by)));
+        let lattice = (0..1_000_i64).map(|index| index.wrapping_mul(922_337_203_685_477_581));
+        for units in powers.chain(ties).chain(lattice).chain([i64::MAX, i64::MIN]) {
+            for (units, exponent) in
+                [-62, -36, 0, 9].into_iter().flat_map(|e| [(units, e), (units.wrapping_neg(), e)])
+            {
+                let want = units as f64 * libm::exp2(f64::from(exponent));
+                assert_eq!(scaled(units, exponent).to_bits(), want.to_bits(), "{units} · 2^{exponent}");
+            }
         }
     }
 

@@ -62,7 +62,7 @@ use crate::time::GpsTime;
 use crate::time::WEEK_MS;
 use clock::Clock;
 
-pub(crate) use fixed::times_power_of_two;
+pub(crate) use fixed::{mul_high, nearest, scaled, times_power_of_two};
 
 pub use accuracy::{galileo_sisa_m, glonass_accuracy_m, ura_m};
 pub use broadcast::{Broadcast, BroadcastError};
@@ -309,13 +309,14 @@ impl Ephemeris {
     /// of light, or if `received` is more than a day from the reference time;
     /// [`EphemerisError::Stale`] for a state vector that is more than half an hour old.
     pub fn at(&self, received: GpsTime, range_m: f64) -> Result<SatelliteState, EphemerisError> {
-        const PER_METRE_2_46: f64 = (1_u64 << 46) as f64 / SPEED_OF_LIGHT_M_S;
+        const PER_METRE_2_77: i64 = ((1_u128 << 77) / SPEED_OF_LIGHT_M_S as u128) as i64;
         let since_toe_ms = received.since_ms(self.toe);
         let is_travel = is_within(range_m, &(0.0..=SPEED_OF_LIGHT_M_S));
         if !is_travel || since_toe_ms.unsigned_abs() > Elapsed::LIMIT_MS {
             return Err(EphemerisError::TravelTime);
         }
-        let shown = Elapsed::of_ms(since_toe_ms).earlier((range_m * PER_METRE_2_46) as i64);
+        let travel_2_46 = mul_high(nearest(range_m, 33), PER_METRE_2_77);
+        let shown = Elapsed::of_ms(since_toe_ms).earlier(travel_2_46);
         let polynomial_s62 = self.clock.polynomial_s62(shown);
         let motion = self.orbit.at(shown.earlier(polynomial_s62 >> 16))?;
         let clock_s = fixed::scaled(polynomial_s62 + motion.relativity_s62, -62);

@@ -22,9 +22,9 @@
 //! signals; the orbit of F/NAV replaces it only if it is stale. The statements of each message
 //! about the health of its own signals count at once ([`Ephemeris::merge_health`]).
 //!
-//! **Room** for [`CAPACITY`] satellites, 9 KiB: as many as an epoch has, and more than four systems
-//! show at once. A stream may carry twice as many. If the store is full, the least useful set gives
-//! way, in this order:
+//! **Room** for [`CAPACITY`] satellites, as many as an epoch has: 64 take 9 KiB, and are more than
+//! four systems show at once. A stream may carry twice as many. If the store is full, the least
+//! useful set gives way, in this order:
 //!
 //! 1. a stale set;
 //! 2. a satellite that was not in the last epochs ([`Sight`]), with or without a set;
@@ -52,8 +52,8 @@ use super::{Ephemeris, EphemerisError, Source};
 use crate::counters::count;
 use crate::time::GpsTime;
 
-/// Number of satellites that the store holds.
-pub const CAPACITY: usize = 64;
+/// Number of satellites that the store holds, as many as a raw epoch.
+pub const CAPACITY: usize = crate::raw::EPOCH_CAPACITY;
 
 /// Number of contradicting sets that the store holds.
 const RIVALS: usize = 6;

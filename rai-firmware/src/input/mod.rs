@@ -17,7 +17,7 @@
 //! | `assembly` | joins the messages of one instant to one epoch |
 //! | `epoch_ranges` | ranges of one epoch |
 //! | `turns` | detection of two receivers that take turns on one line |
-//! | `suspicion` | jamming and spoofing that a receiver reports |
+//! | `suspicion` | reports of a receiver on its own signals |
 //! | `system` | satellite numbers of each system |
 //! | `calendar`, `message_week`, `present_week`, `roll_over`, `week_votes` | the present week, and time that only goes forward |
 //! | `leap_seconds` | GPS time minus UTC |
@@ -37,7 +37,7 @@
 //!     Event::Redated(present) => drop(present.week),
 //!     Event::Position(point) => drop(point.radius_m()),
 //!     Event::Ionosphere(constellation, coefficients) => drop((constellation, coefficients)),
-//!     Event::Jamming(jamming) => drop(jamming.spoofing),
+//!     Event::SelfReport(report) => drop(report),
 //!     Event::Rivalry(rivalry) => drop(rivalry),
 //! });
 //! ```
@@ -87,7 +87,7 @@ use protocol::{Extent, Frame, Measurements, Protocol, formats};
 pub use counters::Counters;
 pub use leap_seconds::{LeapSecond, LeapSource};
 pub use message_week::NOT_BEFORE_WEEK;
-pub use suspicion::{Jamming, Suspicion, Suspicions};
+pub use suspicion::{Jamming, LoggedEvents, ReceiverLevels, Reporter, SelfReport, Suspicion, Suspicions};
 
 /// Event in the stream of bytes.
 #[derive(Debug)]
@@ -104,8 +104,8 @@ pub enum Event<'a> {
     /// Coefficients of the ionosphere that the satellites of GPS or `BeiDou` broadcast, each for
     /// its own model, `α0…α3, β0…β3`.
     Ionosphere(Constellation, [f64; 8]),
-    /// Jamming and spoofing that the receiver reports.
-    Jamming(Jamming),
+    /// Report of the receiver on its own signals.
+    SelfReport(SelfReport),
     /// Evidence that the ranges of the next epoch are not all of one antenna at one instant.
     Rivalry(Rivalry),
 }
@@ -139,9 +139,9 @@ enum Message<'a> {
     /// Coefficients of the ionosphere with their system, and GPS time minus UTC, s.
     #[cfg(feature = "ubx")]
     Corrections(Option<(Constellation, [f64; 8])>, Option<u8>),
-    /// Jamming and spoofing that the receiver reports.
+    /// Report of the receiver on its own signals.
     #[cfg(feature = "ubx")]
-    Jamming(Jamming),
+    SelfReport(SelfReport),
 }
 
 /// Message with ranges.
@@ -328,7 +328,7 @@ impl Input {
                     }
                 }
                 #[cfg(feature = "ubx")]
-                Some(Message::Jamming(jamming)) => tell(Event::Jamming(jamming)),
+                Some(Message::SelfReport(report)) => tell(Event::SelfReport(report)),
                 None => {}
             }
         }

@@ -1,4 +1,25 @@
-//! Jamming and spoofing that a receiver reports, in any format.
+//! Reports of a receiver on its own signals, in any format: jamming, spoofing, authentication and
+//! protection levels.
+//!
+//! ```text
+//! state = max of the states of all reporters, each for at most 3 s after its last message
+//! certain from the first message that affirms spoofing, until every reporter denies it
+//! distrust while certain, and for 10 s after a certainty of at least 1 s
+//! ```
+//!
+//! | constant | meaning | unit |
+//! |---|---|---|
+//! | [`HOLDS_MS`] | time for which a message holds | ms |
+//! | [`AFFIRMED_MS`] | certainty from which distrust outlives it | ms |
+//! | [`AFTER_MS`] | time of distrust after a certainty | ms |
+//!
+//! Silence is no denial: a receiver that was certain and restarts knows nothing, and the certainty
+//! stays. A state of *suspected* alone is no reason for distrust, because a receiver at rest behind
+//! an attenuator reported it in 571 of 581 clean epochs. It counts beside a sign of the module's
+//! own ([`Suspicions::confirms`]).
+//!
+//! These reports only take promises back. None of them makes a position usable or excludes a
+//! satellite.
 
 /// Certainty of the receiver about an interference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -14,78 +35,210 @@ pub enum Suspicion {
     Sure,
 }
 
+/// Part of the receiver that reports interference. Each has a state with an age of its own, so that
+/// one of them never cancels what another reports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reporter {
+    /// Detector of jamming and spoofing.
+    Detector,
+    /// State of navigation.
+    Navigation,
+    /// Radio front end.
+    FrontEnd,
+}
+
 /// Interference in one message; `None` for a kind that the message does not cover.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Jamming {
+    /// Part that reports.
+    pub reporter: Reporter,
     /// Jamming: noise that hides the signals.
     pub jamming: Option<Suspicion>,
     /// Spoofing: false signals.
     pub spoofing: Option<Suspicion>,
 }
 
-/// Time for which a reported state holds, ms.
-const HOLDS_MS: u64 = 60_000;
+/// Latest events in the receiver's log of interference: seconds since each, or `None` without one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LoggedEvents {
+    /// Age of the latest event of jamming, s.
+    pub jamming_s: Option<u32>,
+    /// Age of the latest event of spoofing, s.
+    pub spoofing_s: Option<u32>,
+}
 
-/// States that a receiver has reported in all its messages, each with its own age.
+/// Protection levels that the receiver itself computes. The module reports them beside its own and
+/// never uses them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReceiverLevels {
+    /// Number of the frame of the axes, as the receiver states it.
+    pub frame: u8,
+    /// Level along each axis of the frame, mm.
+    pub axes_mm: [u32; 3],
+    /// Risk of misleading information per hour: coefficient and power of ten.
+    pub risk: (u8, i8),
+}
+
+/// Report of the receiver on its own signals, in one message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SelfReport {
+    /// Interference at present.
+    Interference(Jamming),
+    /// Log of interference.
+    Log(LoggedEvents),
+    /// Number of signals whose navigation message is authenticated.
+    Authentication(u8),
+    /// Protection levels of the receiver; `None` if it has no valid ones.
+    Levels(Option<ReceiverLevels>),
+}
+
+/// Time for which a message holds, ms.
+const HOLDS_MS: u64 = 3_000;
+
+/// Time of certainty from which distrust outlives it, ms.
+const AFFIRMED_MS: u64 = 1_000;
+
+/// Time of distrust after a certainty, and time for which a logged event or a sign of the module's
+/// own counts, ms.
+const AFTER_MS: u64 = 10_000;
+
+/// Interference as one part of the receiver reports it, with the time of each state, ms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Reported {
+    jamming: (Suspicion, u64),
+    spoofing: (Suspicion, u64),
+}
+
+/// Reports of a receiver in all its messages, each with its own age.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Suspicions {
     /// Jamming: noise that hides the signals.
     pub jamming: Suspicion,
     /// Spoofing: false signals.
     pub spoofing: Suspicion,
-    /// True after a message that covers both kinds.
-    is_told_both: bool,
-    /// Time of the message with the state of jamming, ms.
-    jamming_ms: u64,
-    /// Time of the message with the state of spoofing, ms.
-    spoofing_ms: u64,
+    reported: [Reported; 3],
+    /// Time of the latest logged event of jamming and of spoofing, ms.
+    logged_ms: [Option<u64>; 2],
+    /// Beginning of the present certainty of spoofing, ms.
+    affirmed_ms: Option<u64>,
+    /// True after a certainty of at least [`AFFIRMED_MS`], until it has been denied for
+    /// [`AFTER_MS`].
+    is_held: bool,
+    /// Time since which spoofing is denied, ms.
+    denied_ms: Option<u64>,
+    /// Number of authenticated signals, and the time of the message, ms.
+    authenticated: Option<(u8, u64)>,
+    /// Levels of the receiver, and the time of the message, ms.
+    levels: Option<(ReceiverLevels, u64)>,
+}
+
+/// Returns true while something of this time counts.
+fn is_within(hold_ms: u64, said_ms: u64, now_ms: u64) -> bool {
+    now_ms.abs_diff(said_ms) <= hold_ms
 }
 
 impl Suspicions {
-    /// States before the first message.
-    pub const NONE: Self = Self {
-        jamming: Suspicion::Unknown,
-        spoofing: Suspicion::Unknown,
-        is_told_both: false,
-        jamming_ms: 0,
-        spoofing_ms: 0,
+    /// State before the first message.
+    pub const NONE: Self = {
+        const REPORTED: Reported =
+            Reported { jamming: (Suspicion::Unknown, 0), spoofing: (Suspicion::Unknown, 0) };
+        Self {
+            jamming: Suspicion::Unknown,
+            spoofing: Suspicion::Unknown,
+            reported: [REPORTED; 3],
+            logged_ms: [None; 2],
+            affirmed_ms: None,
+            is_held: false,
+            denied_ms: None,
+            authenticated: None,
+            levels: None,
+        }
     };
 
-    /// Takes a message. A message that covers only spoofing never lowers the state of one that
-    /// covers both. If a certain state is followed by an unknown one, as after a restart of the
-    /// receiver, the certain state stays. A message renews the age of a state only if it reports
-    /// that state.
-    pub fn hear(&mut self, said: &Jamming, now_ms: u64) {
-        let knows_both = said.jamming.is_some();
-        if let Some(spoofing) = said.spoofing {
-            let knows_less = self.is_told_both && !knows_both;
-            let is_kept = knows_less || self.is_sure() && spoofing == Suspicion::Unknown;
-            self.spoofing = spoofing.max(if is_kept { self.spoofing } else { Suspicion::Unknown });
-            if self.spoofing == spoofing {
-                self.spoofing_ms = now_ms;
+    /// Takes a message.
+    #[inline(never)]
+    pub fn hear(&mut self, said: &SelfReport, now_ms: u64) {
+        match said {
+            SelfReport::Interference(said) => {
+                if let Some(reported) = self.reported.get_mut(said.reporter as usize) {
+                    reported.jamming = said.jamming.map_or(reported.jamming, |state| (state, now_ms));
+                    reported.spoofing = said.spoofing.map_or(reported.spoofing, |state| (state, now_ms));
+                }
             }
+            SelfReport::Log(events) => {
+                let ages_s = [events.jamming_s, events.spoofing_s];
+                for (logged_ms, age_s) in self.logged_ms.iter_mut().zip(ages_s) {
+                    let came_ms = age_s.and_then(|age_s| now_ms.checked_sub(u64::from(age_s) * 1000));
+                    *logged_ms = came_ms.max(*logged_ms);
+                }
+            }
+            SelfReport::Authentication(signals) => self.authenticated = Some((*signals, now_ms)),
+            SelfReport::Levels(levels) => self.levels = levels.map(|levels| (levels, now_ms)),
         }
-        if let Some(jamming) = said.jamming {
-            (self.jamming, self.jamming_ms) = (jamming, now_ms);
-        }
-        self.is_told_both |= knows_both;
+        self.age(now_ms);
     }
 
-    /// Sets each state to unknown that no message has renewed for a minute, except a certain state
-    /// of spoofing.
+    /// Discards every state that no message has renewed for [`HOLDS_MS`], and ends distrust.
+    #[inline(never)]
     pub fn age(&mut self, now_ms: u64) {
-        let is_old = |said_ms: u64| now_ms.abs_diff(said_ms) > HOLDS_MS;
-        if is_old(self.jamming_ms) {
-            self.jamming = Suspicion::Unknown;
+        let fresh = |(state, said_ms)| {
+            if is_within(HOLDS_MS, said_ms, now_ms) { state } else { Suspicion::Unknown }
+        };
+        let logged = self.logged_ms.map(|logged_ms| match logged_ms {
+            Some(logged_ms) if is_within(AFTER_MS, logged_ms, now_ms) => Suspicion::Suspected,
+            _ => Suspicion::Unknown,
+        });
+        [self.jamming, self.spoofing] = logged;
+        for reported in &self.reported {
+            self.jamming = self.jamming.max(fresh(reported.jamming));
+            self.spoofing = self.spoofing.max(fresh(reported.spoofing));
         }
-        if is_old(self.spoofing_ms) && !self.is_sure() {
-            self.spoofing = Suspicion::Unknown;
-        }
+        self.authenticated = self.authenticated.filter(|(_, said_ms)| is_within(HOLDS_MS, *said_ms, now_ms));
+        self.levels = self.levels.filter(|(_, said_ms)| is_within(HOLDS_MS, *said_ms, now_ms));
+        self.hold(now_ms);
     }
 
-    /// Returns true if no signal may be trusted.
+    /// Begins, continues or ends the distrust.
+    fn hold(&mut self, now_ms: u64) {
+        match self.spoofing {
+            Suspicion::Sure => {
+                self.affirmed_ms.get_or_insert(now_ms);
+                self.denied_ms = None;
+            }
+            Suspicion::None | Suspicion::Suspected => {
+                self.affirmed_ms = None;
+                self.denied_ms.get_or_insert(now_ms);
+            }
+            // Silence neither affirms nor denies.
+            Suspicion::Unknown => self.denied_ms = None,
+        }
+        self.is_held |= self.affirmed_ms.is_some_and(|since_ms| now_ms.abs_diff(since_ms) >= AFFIRMED_MS);
+        let is_over = self.denied_ms.is_some_and(|since_ms| !is_within(AFTER_MS, since_ms, now_ms));
+        self.is_held &= !is_over;
+    }
+
+    /// Returns true if no signal may be trusted: the receiver is certain of spoofing, or was until
+    /// lately.
     pub fn is_sure(&self) -> bool {
-        self.spoofing == Suspicion::Sure
+        self.is_held || self.affirmed_ms.is_some()
+    }
+
+    /// Returns true if the receiver suspects spoofing, which beside a sign of the module's own at
+    /// `sign_ms` is a reason for distrust.
+    pub fn confirms(&self, sign_ms: Option<u64>, now_ms: u64) -> bool {
+        let is_recent = sign_ms.is_some_and(|sign_ms| is_within(AFTER_MS, sign_ms, now_ms));
+        is_recent && self.spoofing >= Suspicion::Suspected
+    }
+
+    /// Returns the number of signals whose navigation message is authenticated, if the receiver
+    /// states it.
+    pub fn authenticated(&self) -> Option<u8> {
+        self.authenticated.map(|(signals, _)| signals)
+    }
+
+    /// Returns the protection levels of the receiver, if it has valid ones.
+    pub fn levels(&self) -> Option<ReceiverLevels> {
+        self.levels.map(|(levels, _)| levels)
     }
 }
 
@@ -110,10 +263,14 @@ impl Suspicion {
 mod tests {
     use super::*;
 
-    const NAV_STATUS: Jamming = Jamming { jamming: None, spoofing: Some(Suspicion::None) };
+    fn nav_status(spoofing: Suspicion) -> SelfReport {
+        let reporter = Reporter::Navigation;
+        SelfReport::Interference(Jamming { reporter, jamming: None, spoofing: Some(spoofing) })
+    }
 
-    fn sec_sig(jamming: Suspicion, spoofing: Suspicion) -> Jamming {
-        Jamming { jamming: Some(jamming), spoofing: Some(spoofing) }
+    fn sec_sig(jamming: Suspicion, spoofing: Suspicion) -> SelfReport {
+        let reporter = Reporter::Detector;
+        SelfReport::Interference(Jamming { reporter, jamming: Some(jamming), spoofing: Some(spoofing) })
     }
 
     /// [UBX-F9] NAV-STATUS has no field of jamming, and so cannot renew its state.
@@ -123,26 +280,94 @@ mod tests {
     fn message_without_jamming_does_not_renew_its_state() {
         let mut said = Suspicions::NONE;
         said.hear(&sec_sig(Suspicion::Sure, Suspicion::None), 0);
-        for second in 1..=120 {
-            said.hear(&NAV_STATUS, 1000 * second);
-            said.age(1000 * second);
-            let want = if second <= 60 { Suspicion::Sure } else { Suspicion::Unknown };
+        for second in 1..=10 {
+            said.hear(&nav_status(Suspicion::None), 1000 * second);
+            let want = if second <= 3 { Suspicion::Sure } else { Suspicion::Unknown };
             assert_eq!(said.jamming, want, "{second} s");
             assert_eq!(said.spoofing, Suspicion::None, "renewed by its own message, {second} s");
         }
     }
 
     #[test]
-    fn message_that_says_less_does_not_renew_what_it_cannot_lower() {
+    fn one_reporter_does_not_cancel_another() {
         let mut said = Suspicions::NONE;
         said.hear(&sec_sig(Suspicion::None, Suspicion::Suspected), 0);
-        for second in 1..=60 {
-            said.hear(&NAV_STATUS, 1000 * second);
-            said.age(1000 * second);
-            assert_eq!(said.spoofing, Suspicion::Suspected, "{second} s");
+        for ms in [100, 1000, 3000] {
+            said.hear(&nav_status(Suspicion::None), ms);
+            assert_eq!(said.spoofing, Suspicion::Suspected, "{ms} ms");
         }
-        said.age(61_000);
-        said.hear(&NAV_STATUS, 61_000);
+        said.hear(&nav_status(Suspicion::None), 3001);
         assert_eq!(said.spoofing, Suspicion::None);
+    }
+
+    #[test]
+    fn certainty_is_distrusted_until_ten_seconds_after_it() {
+        let mut said = Suspicions::NONE;
+        for second in 0..=2 {
+            said.hear(&sec_sig(Suspicion::None, Suspicion::Sure), 1000 * second);
+            assert!(said.is_sure(), "{second} s");
+        }
+        for second in 3..=30 {
+            said.hear(&sec_sig(Suspicion::None, Suspicion::None), 1000 * second);
+            assert_eq!(said.is_sure(), second <= 13, "{second} s");
+        }
+    }
+
+    #[test]
+    fn certainty_of_an_instant_ends_with_its_denial() {
+        let mut said = Suspicions::NONE;
+        said.hear(&sec_sig(Suspicion::None, Suspicion::Sure), 0);
+        assert!(said.is_sure());
+        said.hear(&sec_sig(Suspicion::None, Suspicion::None), 900);
+        assert!(!said.is_sure());
+    }
+
+    #[test]
+    fn silence_makes_the_state_unknown_and_denies_nothing() {
+        let mut said = Suspicions::NONE;
+        said.hear(&sec_sig(Suspicion::Suspected, Suspicion::Sure), 0);
+        for second in 1..=60 {
+            said.age(1000 * second);
+            let is_fresh = second <= 3;
+            assert_eq!(said.spoofing == Suspicion::Sure, is_fresh, "{second} s");
+            assert_eq!(said.jamming == Suspicion::Unknown, !is_fresh, "{second} s");
+            assert!(said.is_sure(), "{second} s");
+        }
+    }
+
+    #[test]
+    fn suspicion_counts_beside_a_sign_of_the_last_ten_seconds_alone() {
+        let mut said = Suspicions::NONE;
+        said.hear(&sec_sig(Suspicion::None, Suspicion::Suspected), 20_000);
+        assert!(!said.is_sure() && !said.confirms(None, 20_000));
+        assert!(said.confirms(Some(10_000), 20_000) && !said.confirms(Some(9_999), 20_000));
+        said.hear(&sec_sig(Suspicion::None, Suspicion::None), 20_000);
+        assert!(!said.confirms(Some(20_000), 20_000));
+    }
+
+    #[test]
+    fn logged_event_is_a_suspicion_for_ten_seconds_and_never_a_certainty() {
+        let mut said = Suspicions::NONE;
+        said.hear(&SelfReport::Log(LoggedEvents { jamming_s: None, spoofing_s: Some(4) }), 30_000);
+        for (second, want) in
+            [(30, Suspicion::Suspected), (36, Suspicion::Suspected), (37, Suspicion::Unknown)]
+        {
+            said.age(1000 * second);
+            assert_eq!((said.spoofing, said.jamming), (want, Suspicion::Unknown), "{second} s");
+            assert!(!said.is_sure());
+        }
+    }
+
+    #[test]
+    fn authentication_and_levels_are_as_old_as_their_message() {
+        let levels = ReceiverLevels { frame: 1, axes_mm: [1000, 2000, 3000], risk: (1, -7) };
+        let mut said = Suspicions::NONE;
+        said.hear(&SelfReport::Authentication(5), 0);
+        said.hear(&SelfReport::Levels(Some(levels)), 1000);
+        assert_eq!((said.authenticated(), said.levels()), (Some(5), Some(levels)));
+        said.age(3001);
+        assert_eq!((said.authenticated(), said.levels()), (None, Some(levels)));
+        said.hear(&SelfReport::Levels(None), 3500);
+        assert_eq!(said.levels(), None);
     }
 }

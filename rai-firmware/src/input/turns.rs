@@ -29,6 +29,7 @@ use raim_core::frame::SPEED_OF_LIGHT_M_S;
 use raim_core::satellite::SatelliteId;
 
 use super::Rivalry;
+use crate::ephemeris::nearest;
 use crate::median::{apart_m, median};
 use crate::raw::{Band, RawEpoch};
 use crate::time::GpsTime;
@@ -51,6 +52,10 @@ const MOST_SPREADS: f32 = 4.0;
 /// Least share of one bend that the other explains: the square of their correlation.
 const EXPLAINED: f32 = 0.95;
 
+/// Steps of a stored range in a metre, as a power of two, and metres in a step.
+const STEPS_POWER: i32 = 9;
+const STEP_M: f32 = 1.0 / (1 << STEPS_POWER) as f32;
+
 /// Range that light travels in a millisecond, m.
 const MILLISECOND_M: f32 = (SPEED_OF_LIGHT_M_S * 1e-3) as f32;
 
@@ -59,8 +64,8 @@ const MILLISECOND_M: f32 = (SPEED_OF_LIGHT_M_S * 1e-3) as f32;
 struct Track {
     satellite: SatelliteId,
     band: Band,
-    /// Last range modulo 2³² mm.
-    range_mm: u32,
+    /// Last range modulo 2³² steps.
+    range: u32,
     /// Last step of the range relative to that of the first satellite, m; NaN if unknown.
     step_m: f32,
     /// Last bend of the range without that of the clock, m; NaN if it is unknown, or if too few
@@ -120,15 +125,15 @@ impl Turns {
         let (before_ms, now_ms) = (self.step_ms, step_ms as f32);
         let mut tracks = Vec::<Track, TRACKS, u8>::new();
         let (mut before, mut bends) = (Vec::<f32, TRACKS>::new(), Vec::<f32, TRACKS>::new());
-        let mut first_mm = None;
+        let mut first = None;
         for raw in &epoch.satellites {
             let Some(signal) = raw.signals.first() else { continue };
             let band = signal.carrier.band;
             let mut track = Track {
                 satellite: raw.satellite,
                 band,
-                // A range has at most 5.2e10 mm; only its last digits are needed.
-                range_mm: (signal.range_m * 1e3) as u64 as u32,
+                // Only the last digits of a range are needed.
+                range: nearest(signal.range_m, STEPS_POWER) as u32,
                 step_m: f32::NAN,
                 bend_m: f32::NAN,
             };
@@ -138,9 +143,9 @@ impl Turns {
                 && let Some(known) =
                     self.known(tracks.len()).filter(is_same).or_else(|| self.tracks.iter().find(is_same))
             {
-                let moved_mm = track.range_mm.wrapping_sub(known.range_mm);
-                let apart_mm = moved_mm.wrapping_sub(*first_mm.get_or_insert(moved_mm)).cast_signed();
-                track.step_m = without_milliseconds(apart_mm as f32 * 1e-3);
+                let moved = track.range.wrapping_sub(known.range);
+                let apart = moved.wrapping_sub(*first.get_or_insert(moved)).cast_signed();
+                track.step_m = without_milliseconds(apart as f32 * STEP_M);
                 track.bend_m = (known.step_m * now_ms - track.step_m * before_ms) / (before_ms + now_ms);
                 before_m = known.bend_m;
                 if track.bend_m.is_finite() {

@@ -15,10 +15,12 @@
 //! therefore take the position from `Statement::usable_solution` and the velocity from
 //! `Statement::usable_motion`.
 
+use raim_core::numeric::sqrt;
 use raim_core::report::{Report, Solution, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::velocity::Velocity;
 
+use crate::input::{ReceiverLevels, Suspicions};
 use crate::time::GpsTime;
 
 pub mod geoid;
@@ -47,24 +49,40 @@ impl Motion {
         let [east_m_s, north_m_s, up_m_s] = velocity.east_north_up_m_s.map(|component| component as f32);
         let [east, covariance, _, north, _, _] = velocity.covariance_m2_s2.map(|element| element as f32);
         let (mean, difference) = (0.5 * (east + north), 0.5 * (east - north));
-        let spread = libm::sqrtf(difference * difference + covariance * covariance);
-        Self { east_m_s, north_m_s, up_m_s, sigma_m_s: libm::sqrtf((mean + spread).max(0.0)) }
+        let spread = sqrt(difference * difference + covariance * covariance);
+        Self { east_m_s, north_m_s, up_m_s, sigma_m_s: sqrt((mean + spread).max(0.0)) }
     }
 
     /// Returns the speed over ground, m/s.
     pub fn speed_m_s(&self) -> f32 {
-        libm::sqrtf(self.east_m_s * self.east_m_s + self.north_m_s * self.north_m_s)
+        sqrt(self.east_m_s * self.east_m_s + self.north_m_s * self.north_m_s)
     }
 }
 
-/// Interference that the receiver reports, with the values of `PRAIN`: 0 unknown, 1 none, 2
-/// suspected or mitigated, 3 certain.
+/// Reports of the receiver on its own signals. Interference has the values of `PRAIN`: 0 unknown, 1
+/// none, 2 suspected or mitigated, 3 certain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Interference {
     /// Jamming: noise that hides the signals.
     pub jamming: u8,
     /// Spoofing: false signals.
     pub spoofing: u8,
+    /// Number of signals whose navigation message is authenticated, if the receiver states it.
+    pub authenticated: Option<u8>,
+    /// Protection levels of the receiver, if it has valid ones.
+    pub levels: Option<ReceiverLevels>,
+}
+
+impl Interference {
+    /// Returns the reports in force.
+    pub fn of(word: &Suspicions) -> Self {
+        Self {
+            jamming: word.jamming.number(),
+            spoofing: word.spoofing.number(),
+            authenticated: word.authenticated(),
+            levels: word.levels(),
+        }
+    }
 }
 
 /// Everything that is reported of one epoch.
@@ -80,7 +98,7 @@ pub struct Statement<'r, const N: usize> {
     pub requirements: &'r Requirements,
     /// Velocity, if it passed its test.
     pub motion: Option<Motion>,
-    /// Interference that the receiver reports.
+    /// Reports of the receiver on its own signals.
     pub interference: Interference,
     /// Hash of the settings in force.
     pub settings_hash: u32,

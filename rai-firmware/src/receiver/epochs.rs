@@ -3,21 +3,24 @@
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
+use raim_core::epoch::Aiding;
 use raim_core::monitor::MonitorError;
 use raim_core::report::{Alert, Report, Unavailable, Verdict};
 use raim_core::satellite::Constellation;
 use raim_core::single::ValidatedRequirements;
 
 use super::lateness::Lateness;
+use super::strengths::Strengths;
 use crate::counters::{count, counters};
 use crate::ephemeris::{Ephemeris, Insertion};
 use crate::input::{Event, Rivalry, Suspicions};
+use crate::known_place::{HostHeight, aiding_of};
 use crate::navigator::Navigator;
 use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
 use crate::output::{Interference, Motion, Statement};
 use crate::publisher::Publisher;
 use crate::selftest::{self, Failure};
-use crate::settings::Configuration;
+use crate::settings::{Configuration, SpoofFlag};
 use crate::time::GpsTime;
 
 /// Number of epochs without protection after an epoch came again with other ranges.
@@ -50,10 +53,18 @@ counters! {
         ephemerides_kept,
         /// Ephemerides that contradict the one in use.
         ephemerides_disputed,
+        /// Epochs whose known height contradicted the satellites and was left out.
+        heights_excluded,
+        /// Heights of the host that none replaced before they were too old.
+        heights_expired,
+        /// Epochs whose signals have the strengths of a counterfeit.
+        strengths_alike,
         /// Sentences that the host port did not take.
         host_lost,
         /// Times that the pin could not be set.
         pin_failures,
+        /// Epochs in which a whole system was left out.
+        system_excluded,
     }
 }
 
@@ -83,6 +94,11 @@ pub(super) struct EpochLoop<P> {
     /// in force.
     pub(super) is_confirmed: bool,
     pub(super) interference: Suspicions,
+    /// Time of the last sign of the module's own that signals may be counterfeit, ms.
+    sign_ms: Option<u64>,
+    strengths: Strengths,
+    /// Height that the host has stated.
+    pub(super) host_height: Option<HostHeight>,
     /// Number of epochs for which an epoch that came again with other ranges still counts.
     rivalled: u8,
     /// Number of epochs for which nothing is promised.
@@ -123,6 +139,9 @@ impl<P: OutputPin> EpochLoop<P> {
             is_sound: true,
             is_confirmed: true,
             interference: Suspicions::NONE,
+            sign_ms: None,
+            strengths: Strengths::NONE,
+            host_height: None,
             rivalled: 0,
             doubted: 0,
             rivalries: 0,
@@ -134,7 +153,8 @@ impl<P: OutputPin> EpochLoop<P> {
     pub(super) fn forget(&mut self) {
         self.navigator.forget_position();
         self.lateness.forget();
-        self.interference = Suspicions::NONE;
+        (self.interference, self.sign_ms, self.host_height) = (Suspicions::NONE, None, None);
+        self.strengths = Strengths::NONE;
         (self.rivalled, self.doubted, self.rivalries) = (0, 0, 0);
     }
 
@@ -168,12 +188,31 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 
     /// Returns the reason for which no position may be used, however well ranges agree.
-    fn distrust(&self) -> Option<Alert> {
-        if self.interference.is_sure() {
+    fn distrust(&self, now_ms: u64) -> Option<Alert> {
+        if self.is_spoofed(now_ms) {
             return Some(Alert::Spoofed);
         }
         let is_rivalled = self.doubted > 0 || self.rivalries >= FIRM_RIVALRIES;
         Some(Alert::Ambiguous).filter(|_| is_rivalled)
+    }
+
+    /// Returns the height of an epoch that came at `came_ms`: that of the host, or else that of a
+    /// fixed antenna. A height of the host that has expired is discarded and counted.
+    fn known_height(&mut self, came_ms: u64) -> Option<Aiding> {
+        let climb_m_s =
+            self.navigator.velocity().map_or(0.0, |velocity| velocity.east_north_up_m_s[2] as f32);
+        let of_host = self.host_height.and_then(|height| height.aiding(came_ms, climb_m_s));
+        if of_host.is_none() && self.host_height.take().is_some() {
+            count(&mut self.verdicts.heights_expired);
+        }
+        of_host.or_else(|| self.configuration.place.as_ref().map(aiding_of))
+    }
+
+    /// Returns true if the receiver reports counterfeit signals and its word counts.
+    fn is_spoofed(&self, now_ms: u64) -> bool {
+        let word = &self.interference;
+        self.configuration.spoof_flag == SpoofFlag::Hold
+            && (word.is_sure() || word.confirms(self.sign_ms, now_ms))
     }
 
     /// Handles an event; returns true if an epoch was judged.
@@ -197,7 +236,13 @@ impl<P: OutputPin> EpochLoop<P> {
                     return false;
                 }
                 self.interference.age(now_ms);
-                self.navigator.distrust(self.distrust());
+                if self.strengths.take(raw, now_ms) {
+                    count(&mut self.verdicts.strengths_alike);
+                    self.sign_ms = Some(now_ms);
+                }
+                self.navigator.distrust(self.distrust(now_ms));
+                let height = self.known_height(*came_ms);
+                self.navigator.know_height(height);
                 self.rivalled = self.rivalled.saturating_sub(1);
                 self.doubted = self.doubted.saturating_sub(1);
                 let report = self.navigator.judge(raw, *came_ms, &self.configuration);
@@ -208,6 +253,9 @@ impl<P: OutputPin> EpochLoop<P> {
                     _ if !self.is_confirmed => Verdict::Unavailable(Unavailable::Settings),
                     verdict => verdict,
                 };
+                if is_sign(report.verdict) {
+                    self.sign_ms = Some(now_ms);
+                }
                 if agree(report) {
                     self.lateness.learn(raw.time, *came_ms);
                     self.agreed = Some((raw.time, *came_ms));
@@ -225,9 +273,9 @@ impl<P: OutputPin> EpochLoop<P> {
                 self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
             }
             Event::Rivalry(rivalry) => self.hear_rival(*rivalry),
-            Event::Jamming(said) => {
+            Event::SelfReport(said) => {
                 self.interference.hear(said, now_ms);
-                if self.interference.is_sure() {
+                if self.is_spoofed(now_ms) {
                     self.drive_pin(false);
                 }
             }
@@ -258,21 +306,24 @@ impl<P: OutputPin> EpochLoop<P> {
         self.last_time = Some(time);
         self.last_epoch_ms = due_ms;
         self.sigma_check = report.sigma_check;
+        if report.height.is_some_and(|height| !height.is_used) {
+            count(&mut self.verdicts.heights_excluded);
+        }
         count(match verdict {
             Verdict::Protected(_) => &mut self.verdicts.epochs_protected,
             Verdict::Alert(_) => &mut self.verdicts.epochs_alert,
             Verdict::Unavailable(_) => &mut self.verdicts.epochs_unavailable,
         });
+        if report.excluded_constellations != 0 {
+            count(&mut self.verdicts.system_excluded);
+        }
         let statement = Statement {
             report,
             time,
             gps_minus_utc_s: self.gps_minus_utc_s,
             requirements: &self.configuration.requirements(),
             motion: self.navigator.velocity().map(Motion::of),
-            interference: Interference {
-                jamming: self.interference.jamming.number(),
-                spoofing: self.interference.spoofing.number(),
-            },
+            interference: Interference::of(&self.interference),
             settings_hash: self.publisher.settings_hash(),
         };
         let written = self.publisher.tell(&statement, &self.configuration.outputs, host);
@@ -369,6 +420,12 @@ impl<P: OutputPin> EpochLoop<P> {
             count(&mut self.verdicts.host_lost);
         }
     }
+}
+
+/// Returns true for a verdict that counterfeit signals may cause.
+const fn is_sign(verdict: Verdict) -> bool {
+    use Alert::{Ambiguous, Clock, Jump, Time, Track};
+    matches!(verdict, Verdict::Alert(Ambiguous | Clock | Jump | Time | Track))
 }
 
 /// Returns true if ranges agree with orbits that determine the week, even if not well enough for

@@ -29,6 +29,7 @@
 
 mod epochs;
 mod lateness;
+mod strengths;
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
@@ -43,6 +44,7 @@ use crate::board::{PortLosses, SEALED_BYTES};
 use crate::correction::CAPACITY;
 use crate::counters::{at, count_many};
 use crate::input::{Input, LeapSecond, Suspicion};
+use crate::known_place::HostHeight;
 use crate::output::nmea::{Losses, write_answer, write_counters, write_refusal, write_version};
 use crate::settings::{Action, CommandPort, Configuration, Heard, Order, Refusal, Unsealed};
 
@@ -91,6 +93,8 @@ pub struct Receiver<P> {
     commands: CommandPort,
     epochs: EpochLoop<P>,
     last_byte_ms: Option<u64>,
+    /// Time of the last call that had one, ms.
+    now_ms: u64,
     has_paused: bool,
     /// Number of the counter with which a long answer continues.
     next_counter: Option<usize>,
@@ -113,6 +117,7 @@ impl<P: OutputPin> Receiver<P> {
             epochs: EpochLoop::new(pin, boot.clock_error_ppm)?,
             boot,
             last_byte_ms: None,
+            now_ms: 0,
             has_paused: true,
             next_counter: None,
             losses: PortLosses::NONE,
@@ -166,7 +171,7 @@ impl<P: OutputPin> Receiver<P> {
     /// Takes bytes of the GNSS port that came at `came_ms`. Returns true if an epoch was judged.
     #[inline(never)]
     pub fn gnss_since<W: Write>(&mut self, bytes: &[u8], came_ms: u64, now_ms: u64, host: &mut W) -> bool {
-        self.last_byte_ms = Some(came_ms);
+        (self.last_byte_ms, self.now_ms) = (Some(came_ms), now_ms);
         self.has_paused = false;
         let is_behind = now_ms.saturating_sub(came_ms) > LAG_MS;
         let Self { input, epochs, .. } = self;
@@ -209,6 +214,7 @@ impl<P: OutputPin> Receiver<P> {
     /// an epoch was judged or an alert raised.
     #[inline(never)]
     pub fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
+        self.now_ms = now_ms;
         let Self { input, epochs, .. } = self;
         let mut judged = false;
         let silent_ms = self.last_byte_ms.map(|last_ms| now_ms.saturating_sub(last_ms));
@@ -327,6 +333,10 @@ impl<P: OutputPin> Receiver<P> {
             Action::Order(Order::Week(week)) => {
                 self.input.assume(week);
                 self.epochs.forget_lateness();
+                Ok(())
+            }
+            Action::Order(Order::Height(height_m, sigma_m)) => {
+                self.epochs.host_height = Some(HostHeight { height_m, sigma_m, came_ms: self.now_ms });
                 Ok(())
             }
             Action::Order(Order::Reset) => {

@@ -29,6 +29,15 @@ pub enum Sigma {
     Adapted,
 }
 
+/// Use of the receiver's own reports of spoofing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpoofFlag {
+    /// They are reported, and change no verdict.
+    Say,
+    /// They take promises back.
+    Hold,
+}
+
 /// Satellite systems, as a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Systems(u8);

@@ -1,23 +1,24 @@
 //! Orders: commands that change no setting and that the receiver carries out.
 
-use super::read::{Values, next_number, none};
+use super::read::{next_number, none};
 use super::refusal::Refusal;
+use super::table::HEIGHT_M;
 
-/// Makes the orders from their keys. An order with a number states the number's type and range
-/// behind its name.
+/// Makes the orders from their keys. An order with numbers states the type and range of each behind
+/// its name.
 macro_rules! orders {
-    ($($key:literal $order:ident $(($of:ident in $range:expr))?: $text:literal,)*) => {
+    ($($key:literal $order:ident $(($($of:ident in $range:expr),+))?: $text:literal,)*) => {
         /// Order of the host.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum Order {
-            $(#[doc = $text] $order $(($of))?,)*
+            $(#[doc = $text] $order $(($($of),+))?,)*
         }
 
         impl Order {
             /// Key of every order, its values, and one line for INTERFACES.md, which a test
             /// compares.
             pub const ALL: &'static [[&'static str; 3]] =
-                &[$([$key, orders!(@values $($of)?), $text],)*];
+                &[$([$key, orders!(@values $($($of)+)?), $text],)*];
 
             /// Reads the order with this key and its values; `None` if no order has it.
             pub fn read<'v>(
@@ -25,7 +26,7 @@ macro_rules! orders {
                 mut values: impl Iterator<Item = &'v str>,
             ) -> Option<Result<Self, Refusal>> {
                 match key {
-                    $($key => Some(orders!(@read values, $order $(($of in $range))?)),)*
+                    $($key => Some(orders!(@read values, $order $(($($of in $range),+))?)),)*
                     _ => None,
                 }
             }
@@ -33,16 +34,24 @@ macro_rules! orders {
     };
     (@values) => { "none" };
     (@values $of:ident) => { "one number" };
+    (@values $first:ident $second:ident) => { "two numbers" };
     (@read $values:ident, $order:ident) => {
         none(&mut $values).map(|()| Self::$order)
     };
-    (@read $values:ident, $order:ident ($of:ident in $range:expr)) => {
-        number(&mut $values, $range).map(|number| Self::$order(number as $of))
+    (@read $values:ident, $order:ident ($($of:ident in $range:expr),+)) => {
+        (|| {
+            let order = Self::$order($(next_number(&mut $values, $range)? as $of),+);
+            none(&mut $values).map(|()| order)
+        })()
     };
 }
 
 /// Range of full GPS weeks, up to the end of the eighth cycle in 2137.
 const WEEKS: (f64, f64) = (0.0, 8191.0);
+
+/// Range of the standard deviation of a height or a place, m. Below, nothing is known so well;
+/// above, it has no effect.
+pub(super) const PLACE_SIGMA_M: (f64, f64) = (0.1, 1000.0);
 
 orders! {
     "STATS" Statistics: "[Counters](#counters) by name, in as many answers as they need",
@@ -50,11 +59,6 @@ orders! {
     "CONFIRM" Confirm: "The settings in force are meant",
     "FORGET" Forget: "The module forgets the last position, the delays of epochs, the time, the source of the ranges, and the receiver's word on jamming and spoofing",
     "WEEK" Week(u16 in WEEKS): "The next epoch is of this GPS week, 0 to 8191, not rolled over: the date of a recording, or of GPS alone after November 2038",
+    "HEIGHTAID" Height(f64 in HEIGHT_M, f64 in PLACE_SIGMA_M): "The antenna is now at this height above the ellipsoid, m, known to this standard deviation, m: from a barometer, a map or a deck. For 10 s it takes a row beside the satellites, with a standard deviation of at least 3 m that grows by 3 m/s and the vertical speed",
     "RESET" Reset: "The module starts again, with the pin low",
-}
-
-/// Reads one number, and refuses further values.
-fn number(values: Values<'_, '_>, range: (f64, f64)) -> Result<f64, Refusal> {
-    let number = next_number(values, range)?;
-    none(values).map(|()| number)
 }

@@ -9,7 +9,7 @@ use crate::counters::{self, count};
 use crate::output::nmea::write_answer;
 
 /// Work that a command leaves to the receiver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
     /// The settings have changed, and the change has been answered.
     Reconfigured,
@@ -156,7 +156,7 @@ fn obey<W: Write>(
         Ok(Understood::Order(order)) => {
             count(&mut counters.obeyed);
             let answered = match order {
-                Order::Confirm | Order::Forget | Order::Week(_) | Order::Reset => {
+                Order::Confirm | Order::Forget | Order::Week(_) | Order::Height(..) | Order::Reset => {
                     write_answer(line.key(), line.values(), None, host)
                 }
                 Order::Statistics | Order::SelfTest => Ok(()),

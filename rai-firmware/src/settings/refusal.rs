@@ -1,7 +1,8 @@
 //! Reasons for which a command changes nothing, in words that fit an answer.
 
 use embedded_io::Write;
-use raim_core::integrity::raim::detection::threshold::ThresholdError;
+use raim_core::integrity::raim::detection::threshold::{self, ThresholdError};
+use raim_core::numeric::probability::Probability;
 
 use super::scientific;
 use crate::output::nmea::write_refusal;
@@ -32,18 +33,21 @@ pub enum Refusal {
     AllZero,
     /// The probability is not in the tables.
     NotInTables {
-        /// Probability in the tables with the closest ratio.
-        nearest: raim_core::numeric::probability::Probability,
+        /// Probability in the tables with the closest ratio, in its place there, so that every
+        /// outcome of a command fits two registers.
+        nearest: &'static Probability,
     },
 }
 
 impl From<ThresholdError> for Refusal {
     fn from(error: ThresholdError) -> Self {
-        match error {
-            ThresholdError::FalseAlarm { nearest, .. } | ThresholdError::MissedDetection { nearest, .. } => {
-                Self::NotInTables { nearest }
-            }
-        }
+        let (tables, nearest) = match error {
+            ThresholdError::FalseAlarm { nearest, .. } => (threshold::false_alarms(), nearest),
+            ThresholdError::MissedDetection { nearest, .. } => (threshold::missed_detections(), nearest),
+        };
+        // The error names one of the tables.
+        let found = tables.iter().find(|known| known.get().to_bits() == nearest.get().to_bits());
+        found.map_or(Self::OutOfRange, |nearest| Self::NotInTables { nearest })
     }
 }
 

@@ -241,7 +241,7 @@ mod tests {
                     CLOCKAID,OFF\nCN0MASK,28\nVMAX,515\nHEIGHT,-500,20000\nRECOVER,3,3\nFREQ,AUTO\n\
                     SIGMA,FIXED\nBAUD,AUTO\nOUTPUT,RMC,1\nOUTPUT,GGA,1\nOUTPUT,GNS,1\nOUTPUT,VTG,1\n\
                     OUTPUT,ZDA,1\nOUTPUT,GSA,1\nOUTPUT,GST,1\nOUTPUT,GBS,1\nOUTPUT,HEARTBEAT,0\n\
-                    OUTPUT,GPS_INPUT,0\nOUTPUT,GNSS_INTEGRITY,0\nISM,ICAO\n";
+                    OUTPUT,GPS_INPUT,0\nOUTPUT,GNSS_INTEGRITY,0\nISM,ICAO\nSPOOFFLAG,HOLD\nPLACE,OFF\n";
         assert_eq!(have.strip_suffix("TOY,3\n"), Some(want));
     }
 

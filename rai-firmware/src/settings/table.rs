@@ -26,7 +26,9 @@ use raim_core::numeric::probability::Probability;
 use raim_core::requirements::Requirements;
 
 use super::ionosphere;
-use super::kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, Systems};
+use super::kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, SpoofFlag, Systems};
+use super::order::PLACE_SIGMA_M;
+use super::place::Place;
 use super::promises::{Preset, Promises};
 use super::row::settings;
 use super::value::{Spelled, Value};
@@ -81,7 +83,7 @@ const NPA: Requirements = Requirements::non_precision_approach();
 const LIMIT_M: (f64, f64) = (0.1, 99_999.9);
 
 /// Heights above the ellipsoid, m: from the deepest trench to below the satellites.
-const HEIGHT_M: (f64, f64) = (-12_000.0, 2_000_000.0);
+pub(super) const HEIGHT_M: (f64, f64) = (-12_000.0, 2_000_000.0);
 
 const fn nothing(_: &Configuration) -> Option<&'static str> {
     None
@@ -345,6 +347,28 @@ settings! {
         warning: Configuration::warning_of_promises,
         example: "G,2.4,2.4,0,1e-5,1e-4",
         text: "Integrity support of the satellites, for `SEPARATION`, by a preset; those that end in `-AIR` have the noise of an airborne antenna. Or that of one system until the next preset: `ISM,G,URA,URE,b_nom,P_sat,P_const` with the letter G, R, E or C, and probabilities of 0 or within the range. A fault so unlikely that nothing watches for it is an alert where the global test sees it",
+    }
+    "SPOOFFLAG" Spoofing {
+        spoof_flag: SpoofFlag = SpoofFlag::Hold,
+        ranges: &[],
+        unit: "",
+        fields: "word",
+        promise: true,
+        phase: Apart,
+        warning: nothing,
+        example: "SAY",
+        text: "The receiver's own report of spoofing: `HOLD` takes the promise back while the receiver is sure of it and for 10 s after a second of certainty, or while it suspects it within 10 s after `AMBIGUOUS`, `CLOCK`, `JUMP`, `TIME`, `TRACK` or alike signal strengths; `SAY` only reports it",
+    }
+    "PLACE" FixedPlace {
+        place: Option<Place> = None,
+        ranges: &[(-90.0, 90.0), (-180.0, 180.0), HEIGHT_M, PLACE_SIGMA_M],
+        unit: "°, °, m, m",
+        fields: "latitude, longitude, height and standard deviation; or `OFF` and three empty fields",
+        promise: true,
+        phase: Apart,
+        warning: nothing,
+        example: "55.49,8.45,63.2,1",
+        text: "Place of a fixed antenna: latitude, longitude, height above the ellipsoid and standard deviation, which counts as at least 3 m. The height takes a row beside the satellites unless `HEIGHTAID` states one. A position that is farther from the place than its level and 5.33 standard deviations is not promised (`PLACE`). `OFF` for an antenna that may move",
     }
     #[cfg(test)]
     "TOY" Toy {

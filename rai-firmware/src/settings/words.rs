@@ -5,12 +5,11 @@
 //! a wrong word from a missing feature.
 
 use raim_core::integrity::raim::detection::threshold::policy::Policy;
-#[cfg(feature = "searches")]
 use raim_core::integrity::raim::isolation::parity::Isolation;
 use raim_core::monitor::Method;
 
 use super::Phase;
-use super::kinds::{Baud, Frequencies, Levels, Sigma};
+use super::kinds::{Baud, Frequencies, Levels, Sigma, SpoofFlag};
 use super::promises::Preset;
 use super::word::Word;
 
@@ -34,7 +33,7 @@ macro_rules! words {
     ($type:ty {
         $($word:literal = [$($meaning:tt)+] $(if $feature:literal)?,)+
         $(alias $alias:literal = [$($aliased:tt)+] $(if $alias_feature:literal)?,)*
-        $(no word = [$($wordless:tt)+] if $core_feature:literal,)?
+        $(no word = [$($wordless:tt)+],)?
     }) => {
         impl Word for $type {
             const WORDS: &'static [&'static str] = &[$($word,)+ $($alias,)*];
@@ -45,16 +44,9 @@ macro_rules! words {
 
             fn word(self) -> &'static str {
                 match self {
-                    $($(#[cfg(feature = $feature)])? $($meaning)+ => $word,)+
+                    $($($meaning)+ => $word,)+
                     // No command sets this variant.
-                    $(#[cfg(feature = $core_feature)] $($wordless)+ => "",)?
-                    // Another crate of the same program may have built the core with features that
-                    // this crate lacks.
-                    $($(
-                        #[cfg(not(feature = $feature))]
-                        #[allow(unreachable_patterns, reason = "the core has it only with its own feature")]
-                        _ => $word,
-                    )?)+
+                    $($($wordless)+ => "",)?
                 }
             }
         }
@@ -86,7 +78,7 @@ words! { Method {
     "SEPARATION" = [Method::Araim] if "araim",
     alias "ARAIM" = [Method::Araim] if "araim",
     // Step of the hybrid method, which a paper compares with the whole method.
-    no word = [Method::Parity(Isolation::HybridWithoutGrouping)] if "searches",
+    no word = [Method::Parity(Isolation::HybridWithoutGrouping)],
 } }
 
 words! { Levels {
@@ -103,6 +95,11 @@ words! { Frequencies {
 words! { Sigma {
     "FIXED" = [Sigma::Fixed],
     "ADAPT" = [Sigma::Adapted],
+} }
+
+words! { SpoofFlag {
+    "SAY" = [SpoofFlag::Say],
+    "HOLD" = [SpoofFlag::Hold],
 } }
 
 words! { Preset {

@@ -71,6 +71,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     tian2024::EXPERIMENT,
     methods::EXPERIMENT,
     probabilities::EXPERIMENT,
+    probabilities::edge::EXPERIMENT,
     araim::EXPERIMENT,
 ];
 

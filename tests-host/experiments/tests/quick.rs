@@ -59,3 +59,8 @@ fn probabilities() {
 fn araim() {
     holds("araim");
 }
+
+#[test]
+fn fde() {
+    holds("fde");
+}

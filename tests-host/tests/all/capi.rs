@@ -11,7 +11,7 @@ use raim::signal::encode::{Frequency, Selection};
 use raim::signal::sky::raw::Simulation;
 use raim_firmware::receiver::{Boot, Receiver};
 use rig::capi::program::{STRICT, SYSTEM};
-use rig::capi::{self, Kind, folder, library, run};
+use rig::capi::{self, Kind, WHOLE, folder, library, run};
 use rig::skip;
 
 fn example(name: &str) -> PathBuf {
@@ -57,7 +57,7 @@ fn monitor_from_c_names_the_satellite_that_is_wrong() {
     if !has(&["gcc", "g++"]) {
         return;
     }
-    let library = library(Kind::Static, "whole").expect("the library builds");
+    let library = library(Kind::Static, WHOLE).expect("the library builds");
     let out = tempfile::tempdir().expect("a folder");
     let modes: [(&str, &[&str]); 3] = [
         ("gcc", &["-std=c99"]),
@@ -78,8 +78,8 @@ fn monitor_from_python_says_what_it_says_from_c() {
     if !has(&["gcc", "python3"]) {
         return;
     }
-    let shared = library(Kind::Shared, "whole").expect("the library builds");
-    let fixed = library(Kind::Static, "whole").expect("the library builds");
+    let shared = library(Kind::Shared, WHOLE).expect("the library builds");
+    let fixed = library(Kind::Static, WHOLE).expect("the library builds");
     let out = tempfile::tempdir().expect("a folder");
     let program = compile("gcc", &example("monitor.c"), &fixed, &["-std=c99"], out.path());
     let want = run(&mut Command::new(program)).expect("protected");
@@ -94,7 +94,7 @@ fn receiver_from_c_says_every_byte_that_it_says_from_rust() {
     if !has(&["gcc"]) {
         return;
     }
-    let library = library(Kind::Static, "whole").expect("the library builds");
+    let library = library(Kind::Static, WHOLE).expect("the library builds");
     let out = tempfile::tempdir().expect("a folder");
     let flags = ["-std=c11", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
     let program = compile("gcc", &example("receiver.c"), &library, &flags, out.path());

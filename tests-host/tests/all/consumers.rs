@@ -52,10 +52,12 @@ fn report(verdict: Verdict) -> Report<64> {
         test: Some(TestStatistic { statistic: 0.912, threshold: 1.873, dof: 12 }),
         protection: Some(ProtectionLevels { hpl_m: 12.301, vpl_m: 18.2 }),
         excluded: heapless::Vec::new(),
+        excluded_constellations: 0,
         suspect: None,
         used: (1..10).filter_map(|number| SatelliteId::new(Constellation::Gps, number)).collect(),
         residual_rms_m: 0.934,
         tracked: 10,
+        height: None,
         sigma_check: None,
         araim: None,
     }
@@ -74,7 +76,7 @@ fn told(
         gps_minus_utc_s: GPS_MINUS_UTC_S,
         requirements: &requirements,
         motion,
-        interference: Interference { jamming: 2, spoofing: 1 },
+        interference: Interference { jamming: 2, spoofing: 1, ..Interference::default() },
         settings_hash: 0,
     };
     let mut bytes = Vec::new();

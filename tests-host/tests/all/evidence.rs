@@ -61,10 +61,12 @@ const F9P: &str = "real/f9p_sfrbx.ubx";
 const STREAMS: Evidence = Program("independent UBX writer, read back by RTKLIB and pyubx2");
 /// `rtcm-rs` writes them from a table of its own.
 const RTCM_RS: Evidence = Program("rtcm-rs");
+/// `pyubx2` writes the messages from its own table; `ubx::own_reports` reads them.
+const PYUBX2: Evidence = Program("pyubx2");
 /// RTKLIB's `convbin` gives the same values for the same bits; `ubx::rtklib` compares them.
 const RTKLIB: Evidence = Program("RTKLIB");
 
-const ROWS: [(Rule, &str, Evidence); 76] = [
+const ROWS: [(Rule, &str, Evidence); 80] = [
     (Rtcm(1005), "1005", Program("example frame of RTCM 10403.3, 4.2")),
     (Rtcm(1006), "1006", Recorded(F9R)),
     (Rtcm(1019), "1019", Recorded(F9R)),
@@ -95,8 +97,12 @@ const ROWS: [(Rule, &str, Evidence); 76] = [
     (Rtcm(1127), "1127", Recorded(GMSD7)),
     (Ubx(0x02, 0x15), "RXM-RAWX", STREAMS),
     (Ubx(0x02, 0x13), "RXM-SFRBX", Recorded(F9P)),
-    (Ubx(0x27, 0x09), "SEC-SIG", Unconfirmed),
-    (Ubx(0x01, 0x03), "NAV-STATUS", Unconfirmed),
+    (Ubx(0x27, 0x09), "SEC-SIG", PYUBX2),
+    (Ubx(0x27, 0x10), "SEC-SIGLOG", PYUBX2),
+    (Ubx(0x0A, 0x38), "MON-RF", Recorded(F9R)),
+    (Ubx(0x01, 0x03), "NAV-STATUS", PYUBX2),
+    (Ubx(0x01, 0x43), "NAV-SIG", Recorded(F9R)),
+    (Ubx(0x01, 0x62), "NAV-PL", PYUBX2),
     (Bits(0, 0), "GPS LNAV", Recorded(F9P)),
     (Bits(2, 0), "Galileo I/NAV under signal 0", Unconfirmed),
     (Bits(2, 1), "Galileo I/NAV", Recorded(F9P)),

@@ -60,6 +60,7 @@ fn report(verdict: Verdict) -> Report<64> {
         test: Some(TestStatistic { statistic: 0.912, threshold: 1.873, dof: 12 }),
         protection: Some(ProtectionLevels { hpl_m: 12.3, vpl_m: 18.2 }),
         excluded: heapless::Vec::new(),
+        excluded_constellations: 0,
         suspect: SatelliteId::new(Constellation::Beidou, 12).map(|satellite| Suspect {
             satellite,
             w_test: 1.5,
@@ -70,6 +71,7 @@ fn report(verdict: Verdict) -> Report<64> {
         residual_rms_m: 0.934,
         tracked: 19,
         araim: None,
+        height: None,
         sigma_check: None,
     }
 }

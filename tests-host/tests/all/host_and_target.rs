@@ -72,12 +72,14 @@ impl Life {
         let (method, policy, clock_aid) = self.strategy;
         let mut monitor =
             Monitor::<T, CAPACITY>::new(Requirements::non_precision_approach()).expect("in the tables");
-        monitor.set_strategy(Strategy {
-            method: METHODS[method],
-            policy: POLICIES[policy],
-            clock_aid,
-            ..Strategy::CLASSIC
-        });
+        monitor
+            .set_strategy(Strategy {
+                method: METHODS[method],
+                policy: POLICIES[policy],
+                clock_aid,
+                ..Strategy::CLASSIC
+            })
+            .expect("every method is built in");
         monitor.start_from(self.start);
         self.epochs.iter().map(|epoch| format!("{:?}", monitor.process(epoch))).collect()
     }

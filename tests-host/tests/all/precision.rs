@@ -78,7 +78,7 @@ impl Pair {
             Event::Redated(_)
             | Event::Position(_)
             | Event::Ionosphere(..)
-            | Event::Jamming(_)
+            | Event::SelfReport(_)
             | Event::Rivalry(_) => {}
         });
         for epoch in &epochs {

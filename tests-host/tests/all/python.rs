@@ -7,7 +7,7 @@ use std::process::Command;
 use raim::replay::{self, Window};
 use raim::signal::encode::{Frequency, Selection};
 use raim::signal::sky::raw::Simulation;
-use rig::capi::{Kind, folder, library, run};
+use rig::capi::{Kind, WHOLE, folder, library, run};
 use rig::{setup, skip};
 use serde_json::Value;
 
@@ -36,7 +36,7 @@ fn with_recording(python: &Path, out: &Path) -> Command {
     std::fs::write(&capture, bytes).expect("a file");
     let mut python = Command::new(python);
     python.env("PYTHONPATH", package()).env("PYTHONDONTWRITEBYTECODE", "1");
-    python.env("RAI_LIBRARY", library(Kind::Shared, "whole").expect("the library builds"));
+    python.env("RAI_LIBRARY", library(Kind::Shared, WHOLE).expect("the library builds"));
     python.env("RAIM_CAPTURE", capture).env("RAIM_EPOCHS", EPOCHS.to_string());
     python
 }

@@ -53,7 +53,7 @@ fn hear() -> Heard {
             Event::Redated(_)
             | Event::Position(_)
             | Event::Ionosphere(..)
-            | Event::Jamming(_)
+            | Event::SelfReport(_)
             | Event::Rivalry(_) => {}
         });
     }

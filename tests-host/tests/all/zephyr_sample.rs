@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use raim::replay::{self, Window};
 use raim::signal::encode::{Frequency, Selection};
 use raim::signal::sky::raw::Simulation;
-use rig::capi::{Kind, folder, library, run};
+use rig::capi::{Kind, WHOLE, folder, library, run};
 use rig::skip;
 
 /// Time to alert at start, ms, and the longest delay of the sample: one tick, and the rest of one.
@@ -27,7 +27,7 @@ fn pin_of_the_zephyr_sample_rises_with_the_sky_and_falls_in_a_silence() {
     compile.args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-o"]).arg(&program);
     compile.arg("-I").arg(stub.join("include")).arg("-I").arg(folder().join("include"));
     compile.arg(folder().join("../../zephyr/samples/pin/src/main.c")).arg(stub.join("board.c"));
-    compile.arg(library(Kind::Static, "whole").expect("the library builds"));
+    compile.arg(library(Kind::Static, WHOLE).expect("the library builds"));
     run(compile.args(["-lm", "-lpthread", "-ldl"])).expect("the sample compiles");
 
     let recording = Simulation::above_xian(7200.0, 40, 3).record();

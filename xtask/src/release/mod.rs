@@ -5,7 +5,7 @@
 //! |---|---|
 //! | packages of the libraries | unpacked outside the workspace, compiled, examples run |
 //! | header, and an archive for C per processor | header as the sources; every function of it in the archive |
-//! | firmware images | fit the chip |
+//! | named firmware images | are within their limits and fit the chip |
 //! | `rai` as a program and as a Debian package | prints its version; `dpkg-deb` reads the package |
 //! | `rai`, static | asks for no library and no loader; prints its version if this processor runs it |
 //! | Python wheel | installed into a fresh environment, imported |
@@ -26,7 +26,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
-use rig::image::{self, Chip, CompiledFor, Image};
+use rig::image::{Chip, NAMED, Named};
 
 use crate::cargo::root;
 pub(crate) use archives::{Arguments as ArchiveArguments, run as build_archives};
@@ -113,15 +113,14 @@ fn header(out: &Path) -> Result<Built> {
     Ok(Built::Files(vec![files::copy(&rig::capi::header_path(), &out.join("rai.h"))?]))
 }
 
-/// Builds the images for speed and for size.
+/// Builds the named images.
 fn images(out: &Path) -> Result<Built> {
     let chip = Chip::named("STM32F405RGTx")?;
-    let build = |(compiled_for, suffix): (CompiledFor, &str)| {
-        let path = image::build_compiled_for(compiled_for)?;
-        let findings = Image::open(&path)?.check(&chip);
+    let build = |named: &Named| {
+        let (path, image) = crate::image::build(named)?;
+        let findings = image.check(&chip);
         ensure!(findings.is_empty(), "the image does not fit: {}", findings.join("; "));
-        files::copy(&path, &out.join(format!("raim-firmware-{VERSION}-stm32f405{suffix}.elf")))
+        files::copy(&path, &out.join(format!("raim-firmware-{VERSION}-stm32f405-{}.elf", named.name)))
     };
-    let both = [(CompiledFor::Speed, ""), (CompiledFor::Size, "-small")];
-    Ok(Built::Files(both.into_iter().map(build).collect::<Result<_>>()?))
+    Ok(Built::Files(NAMED.iter().map(build).collect::<Result<_>>()?))
 }

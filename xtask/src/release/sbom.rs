@@ -115,7 +115,8 @@ mod tests {
         let names: BTreeSet<_> =
             components.iter().filter_map(|component| component["name"].as_str()).collect();
         assert!(
-            names.is_superset(&["raim", "raim-core", "raim-firmware", "nalgebra", "clap"].into()),
+            names
+                .is_superset(&["raim", "raim-core", "raim-firmware", "raim-root", "nalgebra", "clap"].into()),
             "{names:?}"
         );
         assert!(!names.contains("tests-host") && !names.contains("proptest"), "{names:?}");

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 
 use anyhow::{Context as _, Result, ensure};
-use rig::image::{self, Chip, Image};
+use rig::image::{self, Chip, NAMED, Named};
 use rig::setup;
 use rig::skip;
 
@@ -76,8 +76,10 @@ pub(super) const STEPS: &[Step] = &[
     step("licences and sources of dependencies", Lane::Host, When::Whole, |_, _| dependencies()),
     step("lints of the image", Lane::Target, When::Whole, |_, _| lints_of_the_image()),
     step("libraries on other processors", Lane::Target, When::Whole, |_, _| libraries()),
+    step("features of the core", Lane::Target, When::Whole, |_, _| features_of_the_core()),
     step("image", Lane::Target, When::Both, |_, _| done(image::build())),
-    step("memory of the image", Lane::Target, When::Both, |_, _| sizes()),
+    step("memory of the image", Lane::Target, When::Both, |_, _| sizes(&NAMED[..1])),
+    step("memory of the other named images", Lane::Target, When::Whole, |_, _| sizes(&NAMED[1..])),
     step("no panic", Lane::Target, When::Whole, |_, _| done(rig::no_panic::prove())),
     step("costs on the target", Lane::Target, When::Whole, |_, _| {
         done(crate::bench::run(&crate::bench::Arguments { check: true, ..Default::default() }))
@@ -107,6 +109,28 @@ fn libraries() -> Result<Done> {
         vec!["check", "--profile=firmware", "--package=raim-core", "--package=raim-firmware", "--lib"];
     arguments.extend(setup::TARGETS.iter().flat_map(|target| ["--target", target]));
     cargo(&arguments)
+}
+
+/// Checks the core without features, with each alone and with all. `cargo test -p xtask --test
+/// public_items` compares what they add.
+fn features_of_the_core() -> Result<Done> {
+    let check = |features: &[&str]| {
+        let what = ["clippy", "--quiet", "--package=raim-core", "--lib"];
+        spawn(command(&what).args(features).args(["--", "-D", "warnings"]))
+    };
+    for feature in ["", "araim", "searches", "tables", "double-tables", "satellites-32", "satellites-48"] {
+        check(&["--no-default-features", "--features", feature])?;
+    }
+    check(&["--all-features"])?;
+    let lacking = [
+        "test",
+        "--quiet",
+        "--package=raim-core",
+        "--lib",
+        "--no-default-features",
+        "--features=satellites-48",
+    ];
+    cargo(&[&lacking[..], &["method_that_this_build_lacks"]].concat())
 }
 
 /// Runs all tests, by nextest if it is installed because it is faster, and counts those that cannot
@@ -166,11 +190,14 @@ fn documentation() -> Result<Done> {
     done(spawn(command(&arguments).env("RUSTDOCFLAGS", "-D warnings")))
 }
 
-fn sizes() -> Result<Done> {
-    let image = Image::open(&image::build()?)?;
-    println!("{image}");
-    let findings = image.check(&Chip::named("STM32F405RGTx")?);
-    ensure!(findings.is_empty(), "{}", findings.join("; "));
+/// Compares images with their limits and with the chip of the board.
+fn sizes(images: &[Named]) -> Result<Done> {
+    let chip = Chip::named("STM32F405RGTx")?;
+    for named in images {
+        let (_, image) = crate::image::build(named)?;
+        let findings = image.check(&chip);
+        ensure!(findings.is_empty(), "{}: {}", named.name, findings.join("; "));
+    }
     Ok(Done::Passed)
 }
 

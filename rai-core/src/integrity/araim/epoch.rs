@@ -103,6 +103,7 @@ fn refused<T: Real>(outcome: ExclusionOutcome, reason: NoThreshold) -> Judgement
         excluded: Vec::new(),
         test: Err(reason),
         without_aiding: WithoutAiding::Always,
+        lost_systems: 0,
         searched: false,
         araim: None,
     }
@@ -154,6 +155,7 @@ fn judgement<T: Real>(
         excluded: gather::<_, MAX_EXCLUDED>(excluded),
         test: Ok(Test { detection, levels }),
         without_aiding: WithoutAiding::Always,
+        lost_systems: lost,
         searched: judged.whole.alarm,
         araim: Some(described(epoch, judged, finding, lost)),
     }

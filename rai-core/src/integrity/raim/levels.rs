@@ -193,6 +193,7 @@ pub fn common_shift<T: Real>(snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> Pr
 /// Quantity that a protection level bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Levels {
     /// The error of a position that is reported as protected: fault and noise together.
     Bound,

@@ -99,7 +99,7 @@ fn finish(path: &Path, arguments: &Arguments) -> Result<()> {
 /// Draws a whole table, and prints a line for each case.
 fn show(table: &Table, folder: &Path, numbers: bool) -> Result<()> {
     let page = write_report(table, folder, numbers)?;
-    let (columns, lines) = summary_lines(&cases(table));
+    let (columns, lines) = summary_lines(&cases(table), table.identity.noise);
     for line in lines {
         for (column, cell) in columns.iter().zip(line).filter(|(_, cell)| !cell.is_empty()) {
             println!("{column:<28} {cell}");

@@ -7,12 +7,22 @@ use super::table::Row;
 use crate::page::canvas::{Ground, Mark, SERIES};
 use crate::page::chart::{Axis, LineChart, Series};
 
+/// Usual width of the picture, pixels.
+pub const WIDTH_PX: u32 = 980;
+
 /// Draws a quantity of each case: on a grid the mean of each circle of latitude, otherwise place by
 /// place.
 ///
 /// # Errors
 /// If plotters cannot draw it.
-pub fn svg(cases: &[Case<'_>], column: &str, factor: f64, label: &str, ground: Ground) -> Result<String> {
+pub fn svg(
+    cases: &[Case<'_>],
+    column: &str,
+    factor: f64,
+    label: &str,
+    width_px: u32,
+    ground: Ground,
+) -> Result<String> {
     let is_grid = cases.first().is_some_and(|case| grid_step_deg(case).is_some());
     let marks = [Mark::Line, Mark::Dashed];
     let styles = marks.into_iter().flat_map(|mark| SERIES.map(|colour| (colour, mark))).cycle();
@@ -29,7 +39,7 @@ pub fn svg(cases: &[Case<'_>], column: &str, factor: f64, label: &str, ground: G
         series: series.collect(),
         spans: Vec::new(),
     };
-    chart.svg((980, 380), ground)
+    chart.svg((width_px, 380), ground)
 }
 
 fn by_latitude(case: &Case<'_>, column: &str, factor: f64) -> Vec<(f64, f64)> {

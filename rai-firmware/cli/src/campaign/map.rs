@@ -11,7 +11,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::world::shore;
-use crate::page::canvas::{Area, Ground, INK, RGBColor, TEXT_PX, svg, text};
+use crate::page::canvas::{Area, Ground, INK, NARROW_PX, RGBColor, TEXT_PX, svg, text, width_px};
 
 /// Colours from the worst class to the best.
 const COLOURS: [RGBColor; 8] = [
@@ -90,6 +90,8 @@ pub struct Atlas<'a> {
     pub panels: &'a [Panel],
     /// Number of maps in a line.
     pub columns: i32,
+    /// Width of the picture, pixels; 0 for the usual one.
+    pub width_px: u32,
     /// Size of a box, degrees.
     pub step_deg: f64,
     /// Scale of the classes.
@@ -98,15 +100,21 @@ pub struct Atlas<'a> {
     pub numbers: bool,
 }
 
-/// Sizes of a map and of its surroundings, pixels.
+/// Usual width of a map, twice its height, pixels.
 const WIDTH_PX: i32 = 468;
-const HEIGHT_PX: i32 = 234;
+/// Sizes around a map, pixels.
 const GAP_PX: i32 = 16;
 const TITLE_PX: i32 = 24;
 const TOP_PX: i32 = 40;
 const BOTTOM_PX: i32 = 44;
 
 impl Atlas<'_> {
+    /// Returns the usual width of the picture, pixels.
+    pub fn width_px(&self) -> u32 {
+        let columns = self.columns.clamp(1, i32::try_from(self.panels.len()).unwrap_or(1).max(1));
+        (GAP_PX + columns * (WIDTH_PX + GAP_PX)).unsigned_abs()
+    }
+
     /// Draws the picture.
     ///
     /// # Errors
@@ -115,27 +123,31 @@ impl Atlas<'_> {
         let panels = i32::try_from(self.panels.len())?;
         let columns = self.columns.clamp(1, panels.max(1));
         let lines = (panels + columns - 1) / columns;
-        let width = GAP_PX + columns * (WIDTH_PX + GAP_PX);
-        let height = TOP_PX + lines * (HEIGHT_PX + TITLE_PX + GAP_PX) + BOTTOM_PX;
+        let usual = self.width_px().cast_signed();
+        let width = if self.width_px == 0 { usual } else { self.width_px.cast_signed() };
+        let map = Map::of((width - GAP_PX) / columns - GAP_PX);
+        let bottom = if width < NARROW_PX { BOTTOM_PX + 20 } else { BOTTOM_PX };
+        let height = TOP_PX + lines * (map.height + TITLE_PX + GAP_PX) + bottom;
         svg((width.unsigned_abs(), height.unsigned_abs()), ground, &self.title, |area| {
             let style = text(TEXT_PX + 3, INK, HPos::Left, VPos::Top);
             area.draw(&Text::new(self.title.clone(), (GAP_PX, 10), style))?;
             for (index, panel) in (0..).zip(self.panels) {
-                let left = GAP_PX + index % columns * (WIDTH_PX + GAP_PX);
-                let top = TOP_PX + index / columns * (HEIGHT_PX + TITLE_PX + GAP_PX);
-                self.panel(area, panel, (left, top))?;
+                let left = GAP_PX + index % columns * (map.width + GAP_PX);
+                let top = TOP_PX + index / columns * (map.height + TITLE_PX + GAP_PX);
+                self.panel(area, panel, map, (left, top))?;
             }
-            self.legend(area, height - BOTTOM_PX + 8)
+            self.legend(area, width, height - bottom + 8)
         })
     }
 
-    fn panel(&self, area: &Area<'_>, panel: &Panel, (left, top): (i32, i32)) -> Result<()> {
-        let style = text(TEXT_PX, INK, HPos::Left, VPos::Top);
+    fn panel(&self, area: &Area<'_>, panel: &Panel, map: Map, (left, top): (i32, i32)) -> Result<()> {
+        let size_px = if width_px(&panel.title, TEXT_PX) > map.width { TEXT_PX - 3 } else { TEXT_PX };
+        let style = text(size_px, INK, HPos::Left, VPos::Top);
         area.draw(&Text::new(panel.title.clone(), (left, top), style))?;
         let top = top + TITLE_PX;
         let place = |longitude: f64, latitude: f64| {
-            let x = f64::from(WIDTH_PX) * (longitude + 180.0) / 360.0;
-            let y = f64::from(HEIGHT_PX) * (90.0 - latitude) / 180.0;
+            let x = f64::from(map.width) * (longitude + 180.0) / 360.0;
+            let y = f64::from(map.height) * (90.0 - latitude) / 180.0;
             (left + x.round() as i32, top + y.round() as i32)
         };
         let half = self.step_deg / 2.0;
@@ -170,7 +182,7 @@ impl Atlas<'_> {
                 area.draw(&Text::new(words, place(tile.longitude_deg, tile.latitude_deg), style))?;
             }
         }
-        let frame = Rectangle::new([(left, top), (left + WIDTH_PX, top + HEIGHT_PX)], INK.mix(0.5));
+        let frame = Rectangle::new([(left, top), (left + map.width, top + map.height)], INK.mix(0.5));
         area.draw(&frame)?;
         Ok(())
     }
@@ -191,18 +203,33 @@ impl Atlas<'_> {
         Ok(())
     }
 
-    fn legend(&self, area: &Area<'_>, y: i32) -> Result<()> {
-        const BOX_PX: i32 = 48;
+    fn legend(&self, area: &Area<'_>, width: i32, y: i32) -> Result<()> {
         let label = text(TEXT_PX, INK, HPos::Left, VPos::Center);
         area.draw(&Text::new(self.scale.label, (GAP_PX, y + 7), label))?;
-        let left = GAP_PX + crate::page::canvas::width_px(self.scale.label, TEXT_PX) + 10;
+        // A narrow picture has its classes below their label.
+        let beside = GAP_PX + width_px(self.scale.label, TEXT_PX) + 10;
+        let (left, y) = if width < NARROW_PX { (GAP_PX, y + 20) } else { (beside, y) };
+        let box_px = ((width - left - GAP_PX) / COLOURS.len().try_into().unwrap_or(1)).min(48);
         for (index, (colour, words)) in (0..).zip(COLOURS.iter().zip(self.scale.words)) {
-            let x = left + index * BOX_PX;
-            area.draw(&Rectangle::new([(x, y), (x + BOX_PX, y + 14)], colour.filled()))?;
+            let x = left + index * box_px;
+            area.draw(&Rectangle::new([(x, y), (x + box_px, y + 14)], colour.filled()))?;
             let style = text(TEXT_PX - 2, INK, HPos::Center, VPos::Top);
-            area.draw(&Text::new(words, (x + BOX_PX / 2, y + 17), style))?;
+            area.draw(&Text::new(words, (x + box_px / 2, y + 17), style))?;
         }
         Ok(())
+    }
+}
+
+/// Size of a map, pixels.
+#[derive(Clone, Copy)]
+struct Map {
+    width: i32,
+    height: i32,
+}
+
+impl Map {
+    const fn of(width: i32) -> Self {
+        Self { width, height: width / 2 }
     }
 }
 

@@ -8,8 +8,55 @@ use super::table::{Row, Table};
 pub struct Case<'t> {
     /// Method and sky, with everything that distinguishes the case from the others.
     pub title: String,
+    /// Faults whose effect its levels bound.
+    pub promise: Promise,
     /// One row per place.
     pub rows: Vec<&'t Row>,
+}
+
+/// Faults whose effect the levels of a method bound. Levels of different promises do not compare: a
+/// level that bounds less is smaller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Promise {
+    /// Several satellites at once and whole systems, by the integrity support message.
+    Several,
+    /// One satellite, together with the noise.
+    One,
+    /// One satellite, without the noise.
+    OneWithoutNoise,
+}
+
+impl Promise {
+    fn of(row: &Row) -> Self {
+        match (row.text("method"), row.text("levels")) {
+            ("SEPARATION" | "ARAIM", _) => Self::Several,
+            (_, "SLOPE") => Self::OneWithoutNoise,
+            _ => Self::One,
+        }
+    }
+
+    /// Returns the promise in words.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Several => "several satellites and whole systems at once",
+            Self::One => "one satellite and the noise",
+            Self::OneWithoutNoise => "one satellite without the noise",
+        }
+    }
+
+    /// Returns the promise in as few words as a title of a map has room for.
+    const fn short(self) -> &'static str {
+        match self {
+            Self::Several => "bounds several faults",
+            Self::One => "bounds one fault",
+            Self::OneWithoutNoise => "bounds one fault, no noise",
+        }
+    }
+}
+
+/// Returns true if the cases make different promises.
+pub fn promises_differ(cases: &[Case<'_>]) -> bool {
+    cases.windows(2).any(|pair| pair[0].promise != pair[1].promise)
 }
 
 /// Columns in which cases differ.
@@ -28,14 +75,28 @@ pub fn cases(table: &Table) -> Vec<Case<'_>> {
     }
     let differs: Vec<bool> =
         (0..PARTS.len()).map(|part| cases.iter().any(|(key, _)| key[part] != cases[0].0[part])).collect();
-    let titled = |(key, rows): ([String; 7], _)| {
+    let title = |key: &[String; 7]| {
         let words = key.iter().zip(PARTS).zip(&differs);
         let said = words.filter(|((word, part), differs)| *word != "-" && (*part == "method" || **differs));
         let said = said
             .map(|((word, part), _)| if part == "mask_deg" { format!("mask {word}°") } else { word.clone() });
-        Case { title: said.collect::<Vec<_>>().join(", "), rows }
+        said.collect::<Vec<_>>().join(", ")
     };
-    cases.into_iter().map(titled).collect()
+    let titled: Vec<_> = cases.iter().map(|(key, _)| title(key)).collect();
+    let mut cases: Vec<Case<'_>> = cases
+        .into_iter()
+        .zip(titled)
+        .map(|((_, rows), title)| {
+            let promise = rows.first().map_or(Promise::One, |row| Promise::of(row));
+            Case { title, promise, rows }
+        })
+        .collect();
+    if promises_differ(&cases) {
+        for case in &mut cases {
+            case.title = format!("{} ({})", case.title, case.promise.short());
+        }
+    }
+    cases
 }
 
 /// Returns the size of the boxes, degrees, if the places are a grid over the globe.

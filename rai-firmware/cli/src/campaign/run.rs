@@ -88,6 +88,8 @@ impl Campaign {
         let identity = Identity {
             name: spec.name.clone(),
             seed: spec.seed,
+            noise: spec.noise,
+            settings: spec.words(),
             hash: fingerprint(&spec, &skies, &places),
             cells: skies.len() * spec.masks_deg.len() * spec.errors.len() * places.len(),
             rows: spec.faults.len() * judges.len(),

@@ -233,6 +233,26 @@ impl Spec {
         Ok(spec)
     }
 
+    /// Returns everything that the columns of a table do not have, in one line.
+    pub fn words(&self) -> String {
+        let list = |numbers: &[f64]| numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+        let places = match (&self.places.grid_deg, &self.places.points, &self.places.track) {
+            (Some(step_deg), ..) => format!("a grid of {step_deg}° at {} m", self.places.height_m),
+            (_, Some(points), _) => format!("{} points", points.len()),
+            (.., track) => format!("the track {}", track.as_deref().unwrap_or("")),
+        };
+        let TimesSpec { start_s, step_s, count } = &self.times;
+        let skies = self.skies.iter().map(SkySpec::words).collect::<Vec<_>>().join(" | ");
+        let errors = self.errors.iter().map(ErrorSpec::words).collect::<Vec<_>>().join(" | ");
+        let set = self.judgement.set.join(" ");
+        format!(
+            "masks: elevation {}°; places: {places}; times: from {start_s} s, every {step_s} s, {count} in all; \
+             skies: {skies}; errors: {errors}; set: {}",
+            list(&self.masks_deg),
+            if set.is_empty() { "as at start" } else { &set }
+        )
+    }
+
     fn check(&self) -> Result<()> {
         ensure!(
             !self.name.is_empty() && self.name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c)),
@@ -294,6 +314,12 @@ impl PlacesSpec {
 }
 
 impl SkySpec {
+    fn words(&self) -> String {
+        let almanacs = self.almanacs.iter().map(|almanac| format!("{} of {}", almanac.file, almanac.system));
+        let sources = self.fleets.iter().chain(&self.navigation).cloned().chain(almanacs);
+        format!("{} ({})", self.name, sources.collect::<Vec<_>>().join(" "))
+    }
+
     fn check(&self) -> Result<()> {
         word("skies.name", &self.name)?;
         ensure!(
@@ -311,6 +337,14 @@ impl SkySpec {
 }
 
 impl ErrorSpec {
+    fn words(&self) -> String {
+        match (&self.user, self.sigma_m, self.zenith_m) {
+            (Some(user), ..) => format!("{} (the module's model for an antenna: {user})", self.name),
+            (_, Some(sigma_m), _) => format!("{} (sigma {sigma_m} m)", self.name),
+            (.., zenith_m) => format!("{} (sigma {} m at the zenith)", self.name, zenith_m.unwrap_or(0.0)),
+        }
+    }
+
     fn check(&self) -> Result<()> {
         word("errors.name", &self.name)?;
         let given = [self.user.is_some(), self.sigma_m.is_some(), self.zenith_m.is_some()];

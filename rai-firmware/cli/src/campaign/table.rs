@@ -1,7 +1,7 @@
 //! Rows of a campaign as text: CSV below one line that identifies the campaign.
 //!
 //! ```text
-//! # rai campaign 1,lpv200,seed 1,specification 0123456789abcdef,cells 648,rows 4
+//! # rai campaign 2,lpv200,seed 1,noise 0,specification 0123456789abcdef,cells 648,rows 4,masks: elevation 5°; …
 //! cell,sky,mask_deg,errors,fault,method,policy,levels,place,lat_deg,lon_deg,height_m,epochs,…
 //! 0,GPS and Galileo,5,airborne,none,SEPARATION,-,-,-85 -175,-85,-175,0,144,…
 //! ```
@@ -23,38 +23,47 @@ const KEYS: [&str; 12] = [
 ];
 
 /// Identity of a table: its first line.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Identity {
     /// Name of the campaign.
     pub name: String,
     /// Seed of the campaign.
     pub seed: u64,
+    /// Ratio of the drawn noise to the expected sigma.
+    pub noise: f64,
     /// Hash of the specification and the files that it names.
     pub hash: u64,
     /// Number of cells of the whole campaign.
     pub cells: usize,
     /// Number of rows per cell.
     pub rows: usize,
+    /// Settings in words, which may contain commas.
+    pub settings: String,
 }
 
 impl Identity {
     /// Formats the line, without its end.
     pub fn line(&self) -> String {
-        let Self { name, seed, hash, cells, rows } = self;
-        format!("# rai campaign 1,{name},seed {seed},specification {hash:016x},cells {cells},rows {rows}")
+        let Self { name, seed, noise, hash, cells, rows, settings } = self;
+        format!(
+            "# rai campaign 2,{name},seed {seed},noise {noise},specification {hash:016x},cells {cells},rows {rows},\
+             {settings}"
+        )
     }
 
     /// Parses the line.
     fn read(line: &str) -> Option<Self> {
-        let mut fields = line.strip_prefix("# rai campaign 1,")?.split(',');
+        let mut fields = line.strip_prefix("# rai campaign 2,")?.splitn(7, ',');
         let name = fields.next()?.to_owned();
         let mut number = |prefix: &str| fields.next()?.strip_prefix(prefix).map(str::to_owned);
         let identity = Self {
             name,
             seed: number("seed ")?.parse().ok()?,
+            noise: number("noise ")?.parse().ok()?,
             hash: u64::from_str_radix(&number("specification ")?, 16).ok()?,
             cells: number("cells ")?.parse().ok()?,
             rows: number("rows ")?.parse().ok()?,
+            settings: number("")?,
         };
         (identity.rows > 0 && identity.line() == line).then_some(identity)
     }

@@ -9,7 +9,7 @@ use ratatui::widgets::canvas::{Canvas, Circle, Context};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
 
 use super::Dashboard;
-use super::heaven::Body;
+use crate::satellites::{Fate, Seen};
 
 /// Decades in which the levels are drawn, m; levels below 1 m are drawn at 1 m.
 const DECADES: [&str; 5] = ["1 m", "10", "100", "1 km", "10"];
@@ -45,10 +45,23 @@ pub(super) fn levels(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     });
     let newest = history.len().max(60) as f64;
     let chart = Chart::new(datasets.collect())
-        .x_axis(Axis::default().bounds([newest - 60.0_f64.max(newest), newest]))
+        .x_axis(Axis::default().bounds([newest - 60.0_f64.max(newest), newest]).labels(ends(dashboard)))
         .y_axis(Axis::default().bounds([0.0, (DECADES.len() - 1) as f64]).labels(DECADES));
     frame.render_widget(chart, curves);
     frame.render_widget(Paragraph::new(states(dashboard, usize::from(strip.width))), strip);
+}
+
+/// Returns seconds of the day as `hh:mm:ss`.
+pub(super) fn clock(time_s: Option<f64>) -> String {
+    let Some(time_s) = time_s else { return "--:--:--".to_owned() };
+    let seconds = time_s as u32;
+    format!("{:02}:{:02}:{:02} UTC", seconds / 3600, seconds / 60 % 60, seconds % 60)
+}
+
+/// Returns the times of the first and of the last epoch.
+fn ends(dashboard: &Dashboard) -> Vec<String> {
+    let [first, last] = [dashboard.history.front(), dashboard.history.back()];
+    [first, last].map(|point| clock(point.and_then(|point| point.time_s))).to_vec()
 }
 
 fn title() -> Line<'static> {
@@ -82,7 +95,9 @@ fn states(dashboard: &Dashboard, width: usize) -> Line<'static> {
 /// Draws the sky: zenith in the middle, horizon at the rim, north up, east to the right.
 pub(super) fn sky(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     let block = Block::bordered().title(" Sky ");
-    if dashboard.heaven.is_empty() {
+    let is_placed = |seen: &&Seen| seen.elevation_rad.is_some_and(|elevation_rad| elevation_rad >= 0.0);
+    let placed: Vec<&Seen> = dashboard.satellites.iter().filter(is_placed).collect();
+    if placed.is_empty() {
         let text = "no orbits come with the sentences;\nwatch a capture or --demo to see the sky";
         frame.render_widget(Paragraph::new(text).block(block), area);
         return;
@@ -99,21 +114,76 @@ pub(super) fn sky(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
                 }
                 context.print(0.0, 1.05, Line::styled("N", Color::DarkGray));
                 context.layer();
-                dashboard.heaven.iter().for_each(|body| place(context, body, dashboard));
+                for seen in &placed {
+                    place(context, seen);
+                }
             },
         );
     frame.render_widget(canvas, area);
 }
 
 /// Draws a satellite by its name: red and with a mark if it is excluded, dim if it is not used.
-fn place(context: &mut Context<'_>, body: &Body, dashboard: &Dashboard) {
-    let radius = 1.0 - body.elevation_rad / std::f64::consts::FRAC_PI_2;
-    let is_left_out = dashboard.left_out.get(&body.satellite).is_some_and(|left_out| left_out.is_now);
-    let (text, colour) = if is_left_out {
-        (format!("{}!", body.satellite), Color::Red)
-    } else {
-        (body.satellite.to_string(), Color::White)
+fn place(context: &mut Context<'_>, seen: &Seen) {
+    let (Some(azimuth_rad), Some(elevation_rad)) = (seen.azimuth_rad, seen.elevation_rad) else { return };
+    let radius = 1.0 - elevation_rad / std::f64::consts::FRAC_PI_2;
+    let (text, colour) = match seen.fate {
+        Fate::Excluded => (format!("{}!", seen.satellite), Color::Red),
+        Fate::Used => (seen.satellite.to_string(), Color::White),
+        _ => (seen.satellite.to_string().to_lowercase(), Color::DarkGray),
     };
-    let (sin, cos) = body.azimuth_rad.sin_cos();
+    let (sin, cos) = azimuth_rad.sin_cos();
     context.print(radius * sin, radius * cos, Line::styled(text, colour));
+}
+
+/// Draws all satellites in columns: the excluded first, then those used, then the others with the
+/// reason.
+pub(super) fn satellites(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
+    const COLUMN: u16 = 26;
+    let count = |is: fn(Fate) -> bool| dashboard.satellites.iter().filter(|seen| is(seen.fate)).count();
+    let (used, excluded) = (count(|fate| fate == Fate::Used), count(|fate| fate == Fate::Excluded));
+    let others = dashboard.satellites.len() - used - excluded;
+    let title = format!(" Satellites: {used} used, {excluded} excluded, {others} not used ");
+    let block = Block::bordered().title(title);
+    let inner = block.inner(area);
+    frame.render_widget(block, area);
+    if dashboard.satellites.is_empty() {
+        frame.render_widget(Paragraph::new("none so far"), inner);
+        return;
+    }
+    let mut all: Vec<&Seen> = dashboard.satellites.iter().collect();
+    all.sort_by_key(|seen| (rank(seen.fate), seen.satellite));
+    let columns = (inner.width / COLUMN).max(1);
+    let rows = usize::from(inner.height.saturating_sub(1)).max(1);
+    let heading = Line::styled(format!("{:<4}{:<6}{:>6}{:>8}", "", "", "dB-Hz", "res. m"), Color::DarkGray);
+    for (column, group) in (0..columns).zip(all.chunks(rows)) {
+        let place = Rect { x: inner.x + column * COLUMN, width: COLUMN.min(inner.width), ..inner };
+        let lines: Vec<Line<'_>> =
+            std::iter::once(heading.clone()).chain(group.iter().map(|seen| line(seen))).collect();
+        frame.render_widget(Paragraph::new(lines), place.intersection(inner));
+    }
+}
+
+const fn rank(fate: Fate) -> u8 {
+    match fate {
+        Fate::Excluded => 0,
+        Fate::Used => 1,
+        _ => 2,
+    }
+}
+
+fn line(seen: &Seen) -> Line<'static> {
+    let number = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.1}"));
+    let (word, colour) = match seen.fate {
+        Fate::Used => ("used", Color::White),
+        Fate::Excluded => ("EXCL", Color::Red),
+        Fate::Low => ("low", Color::DarkGray),
+        Fate::Weak => ("weak", Color::DarkGray),
+        Fate::OtherSystem => ("off", Color::DarkGray),
+        Fate::NoOrbit => ("orbit", Color::DarkGray),
+        Fate::Unhealthy => ("ill", Color::DarkGray),
+        Fate::Other => ("unfit", Color::DarkGray),
+        Fate::NoPosition => ("–", Color::DarkGray),
+    };
+    let (cn0, residual) = (number(seen.cn0_dbhz), number(seen.residual_m));
+    Line::styled(format!("{:<4}{word:<6}{cn0:>6}{residual:>8}", seen.satellite.to_string()), colour)
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
+use super::keys::{Action, Key};
 use super::source::{self, Choice, News, Source};
 use super::speed::{Control, Speed};
 use super::{Dashboard, draw, plain};
@@ -75,6 +76,7 @@ pub fn run(arguments: &Arguments, demonstration: Option<Demonstration>) -> anyho
         print(&source, record.as_mut(), arguments.raw)
     } else {
         let mut dashboard = Dashboard::of(&source.name);
+        dashboard.takes_commands = source.commands.is_some();
         if let Some(Choice::File(_, control)) = choice {
             dashboard.control = Some(control);
         }
@@ -108,17 +110,18 @@ fn note(line: &str, record: &mut Option<&mut File>) -> anyhow::Result<()> {
 fn print(source: &Source, mut record: Option<&mut File>, is_raw: bool) -> anyhow::Result<()> {
     for news in &source.news {
         match news {
-            News::Line(line) => {
-                note(&line, &mut record)?;
-                if is_raw {
-                    println!("{}", line.trim_end());
-                } else if let Some(words) = plain::words(line.trim_end()) {
-                    println!("{words}");
+            News::Said(message) => {
+                for line in &message.lines {
+                    note(line, &mut record)?;
+                    if is_raw {
+                        println!("{}", line.trim_end());
+                    } else if let Some(words) = plain::words(line.trim_end()) {
+                        println!("{words}");
+                    }
                 }
             }
             News::End(_) => break,
             News::Failed(why) => bail!(why),
-            News::PinLevel(_) | News::Heaven(_) => {}
         }
     }
     Ok(())
@@ -137,18 +140,17 @@ fn watch(source: &mut Source, mut dashboard: Dashboard, mut record: Option<&mut 
         if let Err(error) = terminal.draw(|frame| draw::draw(frame, &dashboard)) {
             break Err(error.into());
         }
-        let key = match key() {
-            Ok(key) => key,
+        // A source that is none is reported as `replay` reports it, and not by an empty picture.
+        if failure.is_err() && dashboard.epochs == 0 {
+            break Ok(());
+        }
+        match key() {
+            Ok(key) => match key.and_then(|key| dashboard.press(key)) {
+                Some(Action::Quit) => break Ok(()),
+                Some(Action::Send(body)) => send(source, &body),
+                None => {}
+            },
             Err(error) => break Err(error),
-        };
-        match (key, &dashboard.control) {
-            (Some('q'), _) => break Ok(()),
-            (Some(' '), _) => dashboard.is_paused = !dashboard.is_paused,
-            (Some('c'), _) => ask(source),
-            (Some('+' | '='), Some(control)) => control.faster(),
-            (Some('-'), Some(control)) => control.slower(),
-            (Some('a'), Some(control)) => control.seek_alert(),
-            _ => {}
         }
     };
     ratatui::restore();
@@ -167,16 +169,14 @@ fn hear(
     let mut patience = FRAME;
     while !dashboard.is_paused && begun.elapsed() < FRAME {
         match source.news.recv_timeout(patience) {
-            Ok(News::Line(line)) => {
-                note(&line, record)?;
-                dashboard.hear(&line);
+            Ok(News::Said(message)) => {
+                message.lines.iter().try_for_each(|line| note(line, record))?;
+                dashboard.take(&message);
                 // Every epoch of a live source, or of a file at its own speed, is drawn.
-                if line.starts_with("$PRAIN") && !dashboard.control.as_ref().is_some_and(is_fast) {
+                if !dashboard.control.as_ref().is_some_and(is_fast) {
                     break;
                 }
             }
-            Ok(News::PinLevel(is_high)) => dashboard.see_pin(is_high),
-            Ok(News::Heaven(bodies)) => dashboard.heaven = bodies,
             Ok(News::End(why)) => dashboard.ended = Some(why),
             Ok(News::Failed(why)) => {
                 dashboard.ended = Some(why.clone());
@@ -189,25 +189,27 @@ fn hear(
     Ok(None)
 }
 
-/// Returns the letter that was pressed, if any.
-fn key() -> anyhow::Result<Option<char>> {
+/// Returns the key that was pressed, if any.
+fn key() -> anyhow::Result<Option<Key>> {
     if !event::poll(Duration::from_millis(20))? {
         return Ok(None);
     }
     Ok(match event::read()? {
         Event::Key(key) if key.kind == KeyEventKind::Press => match key.code {
-            KeyCode::Esc => Some('q'),
-            KeyCode::Char(letter) => Some(letter),
+            KeyCode::Esc => Some(Key::Escape),
+            KeyCode::Enter => Some(Key::Enter),
+            KeyCode::Backspace => Some(Key::Back),
+            KeyCode::Char(letter) => Some(Key::Letter(letter)),
             _ => None,
         },
         _ => None,
     })
 }
 
-/// Requests the counters of the module, unless the source takes no commands.
-fn ask(source: &mut Source) {
+/// Sends a command to the module, unless the source takes none.
+fn send(source: &mut Source, body: &str) {
     if let Some(commands) = &mut source.commands {
         // A port that takes no commands can still be watched.
-        let _ = commands.write_all(command("STATS").as_bytes());
+        let _ = commands.write_all(command(body).as_bytes());
     }
 }

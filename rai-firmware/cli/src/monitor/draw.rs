@@ -7,14 +7,23 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph};
 
-use super::charts::{colour, levels, sky};
-use super::{Dashboard, Pin};
+use super::charts::{clock, colour, levels, satellites, sky};
+use super::{Dashboard, Pin, keys};
 
 /// Keys in the footer.
-const KEYS: &str = " q quit   space pause   c ask for the counters ";
+const KEYS: &str = " q quit  space pause  s satellites ";
 
-/// Keys for a file, which takes no commands.
-const FILE_KEYS: &str = " q quit   space pause   + faster   - slower   a next alert ";
+/// Keys for a source that takes commands.
+const COMMAND_KEYS: &str = " c counters  p phase  h HAL  v VAL ";
+
+/// Keys for a file.
+const FILE_KEYS: &str = " + faster  - slower  a next alert ";
+
+/// Width from which on the satellites are listed beside the sky, characters.
+const WIDE: u16 = 120;
+
+/// Width of that list: two columns.
+const SATELLITES_WIDTH: u16 = 54;
 
 /// Draws everything.
 pub fn draw(frame: &mut Frame, dashboard: &Dashboard) {
@@ -27,9 +36,20 @@ pub fn draw(frame: &mut Frame, dashboard: &Dashboard) {
     ])
     .areas(frame.area());
     header(frame, head, dashboard);
-    let [chart, plot] = Layout::horizontal([Constraint::Percentage(58), Constraint::Fill(1)]).areas(middle);
-    levels(frame, chart, dashboard);
-    sky(frame, plot, dashboard);
+    if dashboard.shows_satellites {
+        satellites(frame, middle, dashboard);
+    } else if middle.width >= WIDE {
+        let parts = [Constraint::Fill(1), Constraint::Fill(1), Constraint::Length(SATELLITES_WIDTH)];
+        let [chart, plot, list] = Layout::horizontal(parts).areas(middle);
+        levels(frame, chart, dashboard);
+        sky(frame, plot, dashboard);
+        satellites(frame, list, dashboard);
+    } else {
+        let [chart, plot] =
+            Layout::horizontal([Constraint::Percentage(58), Constraint::Fill(1)]).areas(middle);
+        levels(frame, chart, dashboard);
+        sky(frame, plot, dashboard);
+    }
     let [left, centre, right] =
         Layout::horizontal([Constraint::Fill(3), Constraint::Fill(4), Constraint::Fill(3)]).areas(lists);
     left_out(frame, left, dashboard);
@@ -88,13 +108,6 @@ fn pin(pin: Pin) -> Span<'static> {
         Pin::Implied(false) => ("pin LOW by the verdict", false),
     };
     Span::styled(text, if high { Color::Green } else { Color::Red })
-}
-
-/// Returns seconds of the day as `hh:mm:ss`.
-fn clock(time_s: Option<f64>) -> String {
-    let Some(time_s) = time_s else { return "--:--:--".to_owned() };
-    let seconds = time_s as u32;
-    format!("{:02}:{:02}:{:02} UTC", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }
 
 fn place(dashboard: &Dashboard) -> String {
@@ -192,7 +205,15 @@ fn footer(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
             None => dashboard.source.clone(),
         },
     };
-    let keys = if dashboard.control.is_some() { FILE_KEYS } else { KEYS };
+    let text = if let Some((setting, value)) = &dashboard.prompt {
+        format!(" {setting} ({}): {value}_   enter sends, escape cancels", keys::values(setting))
+    } else {
+        let of_file = if dashboard.control.is_some() { FILE_KEYS } else { "" };
+        let of_commands = if dashboard.takes_commands { COMMAND_KEYS } else { "" };
+        let answer =
+            dashboard.answer.as_ref().map(|answer| format!(" answer: {answer} ")).unwrap_or_default();
+        format!("{KEYS}{of_commands}{of_file}{answer} {state}")
+    };
     let style = Style::new().add_modifier(Modifier::REVERSED);
-    frame.render_widget(Paragraph::new(Line::styled(format!("{keys}  {state}"), style)), area);
+    frame.render_widget(Paragraph::new(Line::styled(text, style)), area);
 }

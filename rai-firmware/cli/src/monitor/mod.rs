@@ -12,15 +12,17 @@
 //! | [`Dashboard`] | state of the module, as far as it is shown |
 //! | [`draw`] | the picture |
 //! | [`plain`] | the same as lines of text |
-//! | [`heaven`] | directions of satellites, if the source sends orbits |
+//! | [`keys`] | meaning of the keys, and commands to the module |
 //!
-//! The pin is shown as the source knows it. The emulated board reports its level; behind a wire the
-//! verdict implies the level, and the picture marks it so.
+//! Everything about an epoch reaches the picture in one message, so that no picture contradicts
+//! itself. The pin is shown as the source knows it. The emulated board reports its level; behind a
+//! wire the verdict implies the level, and the picture marks it so.
 
+mod batch;
 mod charts;
 pub mod command;
 pub mod draw;
-pub mod heaven;
+pub mod keys;
 mod model;
 pub mod plain;
 pub mod source;

@@ -6,8 +6,9 @@ use raim_core::frame::Geodetic;
 use raim_core::satellite::SatelliteId;
 use raim_firmware::settings::{Configuration, Setting};
 
-use super::heaven::Body;
+use super::source::Message;
 use super::speed::Control;
+use crate::satellites::{Fate, Seen};
 use crate::sentence::{self, Excluded, Sentence, State};
 
 /// Number of epochs stored for the curves: ten minutes at one a second.
@@ -16,6 +17,8 @@ const MEMORY: usize = 600;
 /// One epoch of the curves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
+    /// Time of day in UTC, s.
+    pub time_s: Option<f64>,
     /// `P`, `A` or `U`.
     pub state: char,
     /// Protection levels, m.
@@ -62,8 +65,8 @@ pub struct Dashboard {
     pub pin: Pin,
     /// Satellites left out so far.
     pub left_out: BTreeMap<SatelliteId, LeftOut>,
-    /// Directions of the satellites.
-    pub heaven: Vec<Body>,
+    /// Satellites of the last epoch, as far as the source knows them.
+    pub satellites: Vec<Seen>,
     /// Settings by name; empty ones are left out.
     pub settings: Vec<(&'static str, String)>,
     /// Hash of the settings.
@@ -88,7 +91,17 @@ pub struct Dashboard {
     pub is_paused: bool,
     /// Speed at which a file is shown.
     pub control: Option<Control>,
+    /// True if the source takes commands.
+    pub takes_commands: bool,
+    /// True if the picture is the list of all satellites.
+    pub shows_satellites: bool,
+    /// Command that the user is typing: its key, and the value so far.
+    pub prompt: Option<(&'static str, String)>,
+    /// Last answer to a command.
+    pub answer: Option<String>,
     incomplete_settings: Vec<String>,
+    /// Satellites used, by `GSA`, before the verdict of their epoch.
+    listed: Vec<Seen>,
 }
 
 impl Dashboard {
@@ -97,8 +110,21 @@ impl Dashboard {
         Self { source: source.to_owned(), ..Self::default() }
     }
 
+    /// Takes everything that belongs together, so that no picture shows a part of it.
+    pub fn take(&mut self, message: &Message) {
+        for line in &message.lines {
+            self.hear(line);
+        }
+        if let Some(is_high) = message.pin {
+            self.pin = Pin::Seen(is_high);
+        }
+        if let Some(satellites) = &message.satellites {
+            self.satellites.clone_from(satellites);
+        }
+    }
+
     /// Takes one line of the host port.
-    pub fn hear(&mut self, line: &str) {
+    fn hear(&mut self, line: &str) {
         match sentence::parse(line) {
             Ok(Sentence::Position(position)) => self.position = position,
             Ok(Sentence::State(state)) => self.judged(state),
@@ -108,20 +134,17 @@ impl Dashboard {
         }
     }
 
-    /// Takes the level of the pin from a source that knows it.
-    pub fn see_pin(&mut self, is_high: bool) {
-        self.pin = Pin::Seen(is_high);
-    }
-
     fn judged(&mut self, state: State) {
         self.left_out.values_mut().for_each(|left_out| left_out.is_now = false);
-        if !matches!(self.pin, Pin::Seen(_)) {
-            self.pin = Pin::Implied(state.is_protected());
-        }
+        // A level that was seen is of another verdict.
+        self.pin = Pin::Implied(state.is_protected());
+        // A source that knows more sends it with the epoch.
+        self.satellites = std::mem::take(&mut self.listed);
         if self.history.len() == MEMORY {
             self.history.pop_front();
         }
         self.history.push_back(Point {
+            time_s: state.time_s,
             state: state.state,
             levels_m: [state.hpl_m, state.vpl_m],
             limits_m: [state.hal_m, state.val_m],
@@ -137,6 +160,10 @@ impl Dashboard {
             is_now: true,
         });
         *entry = LeftOut { epochs: entry.epochs + 1, bias_m: excluded.bias_m, is_now: true };
+        let Excluded { satellite, bias_m, w_test } = excluded;
+        let seen =
+            Seen { residual_m: Some(bias_m), w_test: Some(w_test), ..named_only(satellite, Fate::Excluded) };
+        self.satellites.push(seen);
     }
 
     /// Takes a sentence that only the module has.
@@ -156,17 +183,25 @@ impl Dashboard {
                 let counts: Vec<u64> = losses.iter().filter_map(|count| count.parse().ok()).collect();
                 self.losses = counts.get(..4).and_then(|counts| counts.try_into().ok());
             }
+            [talker, "A", _, numbers @ .., _, _, _, system] if talker.ends_with("GSA") => {
+                self.listed.extend(numbers.iter().filter_map(|number| used(system, number)));
+            }
+            ["PRAIA", "STATS", ..] => self.count(&fields),
+            ["PRAIA", answer @ ..] => self.answer = Some(answer.join(" ")),
             ["PRAIV", version, git, cause, selftest, ..] => {
                 self.greeting = Some([version, git, cause, selftest].map(|text| (*text).to_owned()));
             }
-            ["PRAIA", "STATS", counters @ .., _] => {
-                for pair in counters.chunks_exact(2) {
-                    if let Ok(count) = pair[1].parse() {
-                        self.counters.insert(pair[0].to_owned(), count);
-                    }
-                }
-            }
             _ => {}
+        }
+    }
+
+    /// Takes names and values of an answer to `STATS`.
+    fn count(&mut self, fields: &[&str]) {
+        let counters = fields.get(2..fields.len().saturating_sub(1)).unwrap_or_default();
+        for pair in counters.chunks_exact(2) {
+            if let Ok(count) = pair[1].parse() {
+                self.counters.insert(pair[0].to_owned(), count);
+            }
         }
     }
 
@@ -181,6 +216,31 @@ impl Dashboard {
             hash.clone_into(&mut self.hash);
         }
     }
+}
+
+/// Returns a satellite of which only the name and the treatment are known.
+fn named_only(satellite: SatelliteId, fate: Fate) -> Seen {
+    Seen {
+        satellite,
+        azimuth_rad: None,
+        elevation_rad: None,
+        cn0_dbhz: None,
+        residual_m: None,
+        sigma_m: None,
+        w_test: None,
+        fate,
+    }
+}
+
+/// Returns a satellite that `GSA` lists, by the system id and the number of NMEA 0183.
+fn used(system: &str, number: &str) -> Option<Seen> {
+    /// Letter of each system id, and the difference of its numbers from those of RINEX.
+    const SYSTEMS: [(char, u8); 5] = [('G', 0), ('R', 64), ('E', 0), ('C', 0), ('J', 0)];
+    let number: u8 = number.parse().ok()?;
+    let id: usize = system.parse().ok()?;
+    let (letter, more) = *SYSTEMS.get(id.checked_sub(1)?)?;
+    let own = if number > more { number - more } else { number };
+    format!("{letter}{own:02}").parse().ok().map(|satellite| named_only(satellite, Fate::Used))
 }
 
 /// Returns the settings by their keys, as far as there is room: of a setting with many fields the
@@ -222,8 +282,12 @@ mod tests {
             "PRAIX,120000.00,1,G05,-23.400,81.2",
             "PRAIN,120000.00,0123ABCD,10,1,2",
         ]);
-        let want =
-            Point { state: 'P', levels_m: [Some(12.3), Some(18.4)], limits_m: [Some(40.0), Some(35.0)] };
+        let want = Point {
+            time_s: Some(43_200.0),
+            state: 'P',
+            levels_m: [Some(12.3), Some(18.4)],
+            limits_m: [Some(40.0), Some(35.0)],
+        };
         assert_eq!((have.history.back(), have.pin), (Some(&want), Pin::Implied(true)));
         let left_out: Vec<_> =
             have.left_out.iter().map(|(id, left_out)| (id.to_string(), left_out.epochs)).collect();
@@ -232,11 +296,29 @@ mod tests {
     }
 
     #[test]
-    fn a_pin_that_is_seen_is_not_implied() {
+    fn a_pin_that_is_seen_is_not_implied_and_is_of_its_own_verdict() {
+        let verdict = nmea_line("PRAIS,120000.00,P,OK,10,9,5,0.912,1.764,12.3,18.4,40.0,35.0");
         let mut have = heard(&[]);
-        have.see_pin(false);
-        have.hear(&nmea_line("PRAIS,120000.00,P,OK,10,9,5,0.912,1.764,12.3,18.4,40.0,35.0"));
+        have.take(&Message { lines: vec![verdict.clone()], pin: Some(false), satellites: None });
         assert_eq!(have.pin, Pin::Seen(false));
+        have.take(&Message { lines: vec![verdict], pin: None, satellites: None });
+        assert_eq!(have.pin, Pin::Implied(true));
+    }
+
+    #[test]
+    fn without_orbits_the_satellites_are_those_of_the_sentences() {
+        let have = heard(&[
+            "GPGSA,A,3,01,05,,,,,,,,,,,1.22,0.59,1.07,1",
+            "GLGSA,A,3,65,88,,,,,,,,,,,1.22,0.59,1.07,2",
+            "PRAIS,120000.00,P,EXCLUDED,10,9,5,0.912,1.764,12.3,18.4,40.0,35.0",
+            "PRAIX,120000.00,1,E09,-23.400,81.2",
+        ]);
+        let names: Vec<_> =
+            have.satellites.iter().map(|seen| (seen.satellite.to_string(), seen.fate)).collect();
+        let want = ["G01", "G05", "R01", "R24"].map(|name| (name.to_owned(), Fate::Used));
+        assert_eq!(names[..4], want);
+        assert_eq!(names[4], ("E09".to_owned(), Fate::Excluded));
+        assert_eq!(have.satellites[4].residual_m, Some(81.2));
     }
 
     #[test]

@@ -7,7 +7,7 @@ pub fn words(line: &str) -> Option<String> {
     match sentence::parse(line) {
         Ok(Sentence::State(state)) => Some(state_words(&state)),
         Ok(Sentence::Excluded(excluded)) => {
-            Some(format!("           left out: {}, {:.1} m off", excluded.satellite, excluded.bias_m))
+            Some(format!("            left out: {}, {:.1} m off", excluded.satellite, excluded.bias_m))
         }
         Ok(_) => {
             let is_news =
@@ -28,8 +28,8 @@ fn state_words(state: &State) -> String {
     let number =
         |value: Option<f64>, unit: &str| value.map_or("–".to_owned(), |value| format!("{value:.1}{unit}"));
     format!(
-        "{:>9} {verdict:<11} {:<10} {:>2}/{:<2} statistic {} of {}  HPL {}  VPL {}",
-        state.time_s.map_or("–".to_owned(), |time| format!("{time:.1}")),
+        "{:>10} {verdict:<11} {:<10} {:>2}/{:<2} statistic {} of {}  HPL {}  VPL {}",
+        state.time_s.map_or("–".to_owned(), clock),
         state.reason,
         state.used,
         state.tracked,
@@ -38,6 +38,12 @@ fn state_words(state: &State) -> String {
         number(state.hpl_m, " m"),
         number(state.vpl_m, " m"),
     )
+}
+
+/// Returns seconds of the day as `hh:mm:ss.s`, never rounded up.
+fn clock(time_s: f64) -> String {
+    let tenths = (time_s * 10.0 + 1e-6) as u64;
+    format!("{:02}:{:02}:{:02}.{}", tenths / 36_000, tenths / 600 % 60, tenths / 10 % 60, tenths % 10)
 }
 
 #[cfg(test)]
@@ -49,7 +55,7 @@ mod tests {
     fn a_verdict_is_said_in_words_and_noise_is_not() {
         let have = words(nmea_line("PRAIS,120000.00,A,FAULT,10,9,5,3.912,1.764,,,40.0,35.0").trim_end())
             .expect("words");
-        assert_eq!(have, "  43200.0 ALERT       FAULT       9/10 statistic 3.9 of 1.8  HPL –  VPL –");
+        assert_eq!(have, "12:00:00.0 ALERT       FAULT       9/10 statistic 3.9 of 1.8  HPL –  VPL –");
         assert_eq!(words("$PRAIS,1*00"), None);
         assert_eq!(words(nmea_line("PRAIN,120000.00,0123ABCD,10,1,0").trim_end()), None);
     }

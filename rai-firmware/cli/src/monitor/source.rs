@@ -3,21 +3,24 @@
 //! Each source is a thread that sends its news, and ends with the reason for its end. The sentences
 //! of a module are recorded as they come; a recording is a source again. Captures are read as
 //! `replay` reads them, and time passes by the tags.
+//!
+//! Everything about one epoch is one message: its sentences, the pin, the satellites. A picture
+//! between two messages therefore never shows the verdict of one epoch beside the pin of another.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{self, Receiver, SyncSender, sync_channel};
 use std::thread;
 
 use anyhow::{Context, Result, ensure};
-use raim_core::frame::Ecef;
 
-use super::heaven::{Body, Heaven};
+use super::batch::Batches;
 use super::speed::Control;
 use crate::replay::{Pace, Playback, Window};
+use crate::satellites::Seen;
 use crate::sentence::{self, Sentence};
 use crate::signal::capture::{Bytes, Lumps, has_frames};
 
@@ -27,15 +30,32 @@ const LONGEST_PAUSE_S: f64 = 60.0;
 /// Seconds of a day, at whose end the time of sentences restarts.
 const DAY_S: f64 = 86_400.0;
 
+/// Bytes without a sentence of a module after which a port is refused.
+const NO_MODULE_BYTES: usize = 16 * 1024;
+
+/// Sentences that belong together: all of an epoch, or one between two epochs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Message {
+    /// Lines of the host port, with their line ends.
+    pub lines: Vec<String>,
+    /// The level of the pin after them; `None` if the source does not know it.
+    pub pin: Option<bool>,
+    /// Satellites of the epoch; `None` if the source does not know them, or without an epoch.
+    pub satellites: Option<Vec<Seen>>,
+}
+
+impl Message {
+    /// Returns the lines of a text as a message.
+    pub fn of(text: &str, pin: Option<bool>, satellites: Option<Vec<Seen>>) -> Self {
+        Self { lines: text.split_inclusive('\n').map(str::to_owned).collect(), pin, satellites }
+    }
+}
+
 /// News of a source.
 #[derive(Clone, Debug, PartialEq)]
 pub enum News {
-    /// A line of the host port, with its line end.
-    Line(String),
-    /// The level of the pin.
-    PinLevel(bool),
-    /// Directions of the satellites.
-    Heaven(Vec<Body>),
+    /// Sentences of the module.
+    Said(Message),
     /// The source has ended, with the reason.
     End(String),
     /// The source has failed, with the reason.
@@ -75,28 +95,30 @@ pub fn open(choice: &Choice) -> Result<Source> {
             let port = serial(path)?;
             // Without permission to write, the port can still be read.
             let commands = File::options().append(true).open(path).ok();
-            spawn(sender, |sender| lines(BufReader::new(port), sender, None));
+            spawn(sender, |sender| module(BufReader::new(port), sender));
             (path.display().to_string(), commands.map(|file| Box::new(file) as Box<dyn Write + Send>))
         }
         Choice::Tcp(address) => {
             let stream = TcpStream::connect(address).with_context(|| format!("{address} does not answer"))?;
             let commands = stream.try_clone()?;
-            spawn(sender, |sender| lines(BufReader::new(stream), sender, None));
+            spawn(sender, |sender| module(BufReader::new(stream), sender));
             (address.clone(), Some(Box::new(commands)))
         }
         Choice::File(path, control) => {
             let name = path.display().to_string();
             let bytes = Bytes::open(&name, f64::INFINITY).with_context(|| name.clone())?;
             let (control, file) = (control.clone(), name.clone());
+            let (writer, commands) = mpsc::channel();
+            let is_said = holds_sentences(bytes.head());
             spawn(sender, move |sender| {
-                let shown = if holds_sentences(bytes.head()) {
-                    lines(BufReader::new(bytes), sender, Some(&control))
+                let shown = if is_said {
+                    recorded(BufReader::new(bytes), sender, &control)
                 } else {
-                    capture(bytes, sender, &control)
+                    capture(bytes, sender, &control, &commands)
                 };
                 shown.context(file)
             });
-            (name, None)
+            (name, (!is_said).then(|| Box::new(Commands(writer)) as Box<dyn Write + Send>))
         }
     };
     Ok(Source { news, commands, name })
@@ -147,72 +169,113 @@ fn serial(path: &Path) -> Result<File> {
     Ok(port)
 }
 
-/// Sends lines as they come; lines of a file at the pace of the times of the verdicts.
-fn lines(
-    mut reader: impl BufRead,
-    sender: &SyncSender<News>,
-    control: Option<&Control>,
-) -> Result<&'static str> {
-    let (mut line, mut last_s) = (Vec::new(), None);
-    while reader.read_until(b'\n', &mut line).context("cannot be read")? > 0 {
-        let text = String::from_utf8_lossy(&std::mem::take(&mut line)).into_owned();
-        if let (Some(control), Ok(Sentence::State(state))) = (control, sentence::parse(&text)) {
-            let passed_s = state.time_s.zip(last_s).map_or(0.0, |(time_s, last_s)| {
-                let passed_s: f64 = time_s - last_s;
-                passed_s.rem_euclid(DAY_S)
-            });
-            control.wait(passed_s.min(LONGEST_PAUSE_S));
-            control.judged(state.state);
-            last_s = state.time_s.or(last_s);
-        }
-        sender.send(News::Line(text))?;
+/// Commands for a module in process.
+struct Commands(mpsc::Sender<Vec<u8>>);
+
+impl Write for Commands {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        // The file has ended if nobody receives; then there is no module to command.
+        let _ = self.0.send(bytes.to_vec());
+        Ok(bytes.len())
     }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Sends the sentences of a module behind a port, epoch by epoch. A port of something else is
+/// refused.
+fn module(mut reader: impl BufRead, sender: &SyncSender<News>) -> Result<&'static str> {
+    let (mut line, mut batches, mut unknown) = (Vec::new(), Batches::default(), 0);
+    while reader.read_until(b'\n', &mut line).context("cannot be read")? > 0 {
+        let text = String::from_utf8_lossy(&line).into_owned();
+        let is_of_module = text.starts_with("$PRAI") && sentence::parse(&text).is_ok();
+        unknown = if is_of_module { 0 } else { unknown + line.len() };
+        ensure!(
+            unknown < NO_MODULE_BYTES,
+            "{unknown} bytes came and no sentence of the module ($PRAIS): is this the port of {}?",
+            if has_frames(&line) { "a receiver? `run` and `replay` read it" } else { "the module" }
+        );
+        line.clear();
+        for lines in batches.push(text) {
+            sender.send(News::Said(Message { lines, ..Message::default() }))?;
+        }
+    }
+    let lines = batches.end();
+    sender.send(News::Said(Message { lines, ..Message::default() }))?;
     Ok("the end")
 }
 
-/// Sends the sentences of the module in process for a capture.
-fn capture(bytes: Bytes, sender: &SyncSender<News>, control: &Control) -> Result<&'static str> {
+/// Sends recorded sentences at the pace of the times of the verdicts.
+fn recorded(mut reader: impl BufRead, sender: &SyncSender<News>, control: &Control) -> Result<&'static str> {
+    let (mut line, mut batches, mut last_s) = (Vec::new(), Batches::default(), None);
+    while reader.read_until(b'\n', &mut line).context("cannot be read")? > 0 {
+        let text = String::from_utf8_lossy(&std::mem::take(&mut line)).into_owned();
+        for lines in batches.push(text) {
+            pace(&lines, &mut last_s, control);
+            sender.send(News::Said(Message { lines, ..Message::default() }))?;
+        }
+    }
+    let lines = batches.end();
+    sender.send(News::Said(Message { lines, ..Message::default() }))?;
+    Ok("the end")
+}
+
+/// Lets the time pass between the last verdict and that in some lines.
+fn pace(lines: &[String], last_s: &mut Option<f64>, control: &Control) {
+    for line in lines {
+        let Ok(Sentence::State(state)) = sentence::parse(line) else { continue };
+        let passed_s = state.time_s.zip(*last_s).map_or(0.0, |(time_s, last_s)| {
+            let passed_s: f64 = time_s - last_s;
+            passed_s.rem_euclid(DAY_S)
+        });
+        control.wait(passed_s.min(LONGEST_PAUSE_S));
+        control.judged(state.state);
+        *last_s = state.time_s.or(*last_s);
+    }
+}
+
+/// Sends the sentences of the module in process for a capture, and obeys commands between its
+/// epochs.
+fn capture(
+    bytes: Bytes,
+    sender: &SyncSender<News>,
+    control: &Control,
+    commands: &mpsc::Receiver<Vec<u8>>,
+) -> Result<&'static str> {
     let mut lumps = Lumps::of(bytes, None, &[], &Window::ALL)?;
     let mut playback = Playback::start(lumps.by_ref(), &[], Pace::Recorded)?;
-    let mut heaven = Heaven::new();
-    let (mut place, mut now_s) = (Ecef::CENTRE, 0.0);
-    tell(&playback.greeting()?, &mut place, sender)?;
-    while let Some((lump, said)) = playback.advance()? {
+    playback.watch();
+    let mut now_s = 0.0;
+    let said = |text: &str, pin, satellites| News::Said(Message::of(text, Some(pin), satellites));
+    let greeting = playback.greeting()?;
+    sender.send(said(&greeting, playback.pin_is_high(), None))?;
+    while let Some((lump, heard)) = playback.advance()? {
         control.wait(lump.elapsed_s - now_s);
         now_s = lump.elapsed_s;
-        if let Some(output) = said.output()? {
+        let output = heard.output()?;
+        if let Some(output) = &output {
             control.judged(output.state.state);
         }
-        tell(&said.of_epoch, &mut place, sender)?;
-        if let Some(bodies) = heaven.hear(&lump.bytes, lump.elapsed_ms(), place) {
-            sender.send(News::Heaven(bodies))?;
-        }
-        // After a silence the pin is low.
-        let is_high = said.output()?.is_some_and(|output| output.state.is_protected());
-        sender.send(News::PinLevel(is_high))?;
-        if let Some(stale_s) = said.stale_s {
+        // The module has lived through the silence behind the epoch already. The pin of the epoch
+        // is that of its verdict, with which `Playback` has compared it.
+        let is_high = output.is_some_and(|output| output.state.is_protected());
+        sender.send(said(&heard.of_epoch, is_high, heard.view.map(|view| view.satellites)))?;
+        if let Some(stale_s) = heard.stale_s {
             control.wait(stale_s - now_s);
             now_s = stale_s;
             control.judged('A');
-            sender.send(News::PinLevel(false))?;
         }
-        tell(&said.of_silence, &mut place, sender)?;
+        if !heard.of_silence.is_empty() {
+            sender.send(said(&heard.of_silence, playback.pin_is_high(), None))?;
+        }
+        while let Ok(command) = commands.try_recv() {
+            let answer = playback.command(&command)?;
+            sender.send(said(&answer, playback.pin_is_high(), None))?;
+        }
     }
     Ok("the end")
-}
-
-/// Sends sentences, and stores the position in them.
-///
-/// # Errors
-/// The receiver of the news has ended.
-pub fn tell(text: &str, place: &mut Ecef, sender: &SyncSender<News>) -> Result<()> {
-    for line in text.split_inclusive('\n') {
-        if let Ok(Sentence::Position(Some(position))) = sentence::parse(line) {
-            *place = position.to_ecef();
-        }
-        sender.send(News::Line(line.to_owned()))?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -249,9 +312,21 @@ mod tests {
         let path = folder.path().join("said.nmea");
         std::fs::write(&path, "$PRAIS,a*00\r\n$PRAIN,b*00\r\n").expect("written");
         let source = open(&Choice::File(path, Control::new(Speed::Max))).expect("opened");
-        let line = |text: &str| News::Line(text.to_owned());
-        let want = [line("$PRAIS,a*00\r\n"), line("$PRAIN,b*00\r\n"), News::End("the end".to_owned())];
+        let said = Message::of("$PRAIS,a*00\r\n$PRAIN,b*00\r\n", None, None);
+        let nothing = Message::default();
+        let want = [News::Said(said), News::Said(nothing), News::End("the end".to_owned())];
         assert_eq!(all(&source), want);
+    }
+
+    #[test]
+    fn the_port_of_a_receiver_is_refused() {
+        let (sender, news) = sync_channel(256);
+        let nmea = b"$GPGLL,4916.45,N,12311.12,W,225444,A,*1D\r\n".repeat(500);
+        spawn(sender, move |sender| module(BufReader::new(&nmea[..]), sender));
+        let source = Source { news, commands: None, name: String::new() };
+        let have = all(&source);
+        let Some(News::Failed(why)) = have.last() else { panic!("{have:?}") };
+        assert!(why.contains("no sentence of the module"), "{why}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use anyhow::{Result, ensure};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::canvas::{Area, Ground, HEADING_PX, INK, Mark, SERIES, TEXT_PX, heading, svg, text, width_px};
+use super::canvas::{Area, Ground, INK, Mark, SERIES, TEXT_PX, heading, heading_px, svg, text, width_px};
 use super::chart::{short, ticks};
 
 /// Bars in groups, with axis, legend and title.
@@ -47,7 +47,9 @@ impl BarChart {
             .map(|((name, _), colour)| (name.as_str(), colour, Mark::Box))
             .collect();
         heading(area, &self.title, &legend)?;
-        let frame = Frame::of(area, self.highest());
+        let width = area.dim_in_pixel().0.cast_signed();
+        let top = heading_px(width, &self.title, &legend).cast_signed() + 4;
+        let frame = Frame::of(area, top, self.highest());
         self.axis(area, &frame)?;
         let step = f64::from(frame.right - frame.left) / self.groups.len() as f64;
         for (index, group) in self.groups.iter().enumerate() {
@@ -106,12 +108,12 @@ struct Frame {
 }
 
 impl Frame {
-    fn of(area: &Area<'_>, top_value: f64) -> Self {
+    fn of(area: &Area<'_>, top: i32, top_value: f64) -> Self {
         let (width, height) = area.dim_in_pixel();
         Self {
             left: LEFT_PX,
             right: width.cast_signed() - RIGHT_PX,
-            top: HEADING_PX.cast_signed() + 4,
+            top,
             bottom: height.cast_signed() - BOTTOM_PX,
             top_value,
         }

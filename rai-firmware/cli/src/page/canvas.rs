@@ -1,8 +1,8 @@
 //! Ground, ink and colours that all pictures share.
 //!
-//! Colours have one meaning everywhere: green may be used, red must not, grey is unavailable. Forms
-//! make the difference without colours: alerts are hatched in bands, and crosses among dots. Every
-//! picture has a text for screen readers.
+//! Forms make the difference without colours: alerts are hatched in bands, and crosses among dots.
+//! Every picture has a text for screen readers. A picture may be as narrow as a telephone: its
+//! title and legend then take more lines ([`heading_px`]).
 
 use anyhow::Result;
 use plotters::coord::Shift;
@@ -11,30 +11,12 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 pub use plotters::style::RGBColor;
 
-use super::Verdict;
+use super::{Verdict, palette};
 
 /// Drawing area of plotters.
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Colour of text, axes, grid.
-pub const INK: RGBColor = RGBColor(0x24, 0x29, 0x2F);
-/// Colour of measurements.
-pub const BLUE: RGBColor = RGBColor(0x2F, 0x6F, 0xDE);
-/// Colour of the quantity to compare with.
-pub const ORANGE: RGBColor = RGBColor(0xE0, 0x7A, 0x1F);
-/// Colour of computed bounds.
-pub const VIOLET: RGBColor = RGBColor(0x8A, 0x5C, 0xE0);
-/// Colour of a position that may be used.
-pub const GREEN: RGBColor = RGBColor(0x2E, 0x9E, 0x5B);
-/// Colour of a position that must not be used.
-pub const RED: RGBColor = RGBColor(0xD6, 0x45, 0x3D);
-/// Colour of an unavailable position.
-pub const GREY: RGBColor = RGBColor(0x98, 0xA1, 0xAB);
-/// Colour of one more line.
-pub const TEAL: RGBColor = RGBColor(0x1B, 0x9A, 0xAA);
-
-/// Colours of lines without another meaning, in order.
-pub const SERIES: [RGBColor; 6] = [BLUE, ORANGE, GREEN, VIOLET, RED, TEAL];
+pub use super::palette::{BLUE, GREEN, GREY, INK, ORANGE, RED, SERIES, TEAL, VIOLET};
 
 /// Size of ordinary text, pixels.
 pub const TEXT_PX: i32 = 13;
@@ -80,13 +62,8 @@ pub fn svg(
     let text = text.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{title}\" "), 1);
     Ok(match ground {
         Ground::Sheet => text,
-        Ground::Page => text.replace(&hexadecimal(INK), "currentColor"),
+        Ground::Page => palette::follow_the_page(&text),
     })
-}
-
-/// Returns a colour in the notation of plotters.
-fn hexadecimal(RGBColor(red, green, blue): RGBColor) -> String {
-    format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
 /// Returns the style of text that is placed by one of its corners.
@@ -119,19 +96,28 @@ pub enum Mark {
     Low,
 }
 
-/// Draws the heading of a picture and its legend in one row below, never on top of the lines
-/// themselves.
+/// Draws the heading of a picture and its legend below, never on top of the lines themselves.
 ///
 /// # Errors
 /// Plotters fails to draw.
 pub fn heading(area: &Area<'_>, title: &str, legend: &[(&str, RGBColor, Mark)]) -> Result<()> {
-    area.draw(&Text::new(title.to_owned(), (MARGIN_PX, 10), text(TEXT_PX + 3, INK, HPos::Left, VPos::Top)))?;
-    let size_px = legend_size_px(legend, area.dim_in_pixel().0.cast_signed());
-    let mut x = MARGIN_PX;
+    let width = area.dim_in_pixel().0.cast_signed();
+    let (size_px, title) = title_lines(title, width);
+    let mut y = 10;
+    for line in &title {
+        area.draw(&Text::new(line.clone(), (MARGIN_PX, y), text(size_px, INK, HPos::Left, VPos::Top)))?;
+        y += LINE_PX;
+    }
+    let size_px = legend_size_px(legend, width);
+    let (mut x, mut y) = (MARGIN_PX, y + 3);
     for &(name, colour, mark) in legend {
-        swatch(area, x, 42, colour, mark)?;
-        area.draw(&Text::new(name.to_owned(), (x + 26, 35), text(size_px, INK, HPos::Left, VPos::Top)))?;
-        x += MARK_PX + width_px(name, size_px);
+        let entry = MARK_PX + width_px(name, size_px);
+        if x > MARGIN_PX && x + entry > width {
+            (x, y) = (MARGIN_PX, y + LINE_PX);
+        }
+        swatch(area, x, y + 7, colour, mark)?;
+        area.draw(&Text::new(name.to_owned(), (x + 26, y), text(size_px, INK, HPos::Left, VPos::Top)))?;
+        x += entry;
     }
     Ok(())
 }
@@ -142,15 +128,61 @@ const MARGIN_PX: i32 = 14;
 /// Width of a legend's entry beside its words, pixels.
 const MARK_PX: i32 = 38;
 
-/// Returns the size of a legend's words, smaller if they do not fit into the width.
+/// Height of a line of a title or of a legend, pixels.
+const LINE_PX: i32 = 22;
+
+/// Width below which a picture is one for a telephone, pixels.
+pub const NARROW_PX: i32 = 480;
+
+/// Returns the lines of a title and their size. Only a narrow picture breaks them.
+fn title_lines(title: &str, width: i32) -> (i32, Vec<String>) {
+    if width >= NARROW_PX {
+        return (TEXT_PX + 3, vec![title.to_owned()]);
+    }
+    let mut lines = vec![String::new()];
+    for word in title.split_whitespace() {
+        let last = lines.last().map_or("", String::as_str);
+        let longer = if last.is_empty() { word.to_owned() } else { format!("{last} {word}") };
+        if last.is_empty() || width_px(&longer, TEXT_PX + 1) <= width - 2 * MARGIN_PX {
+            lines.pop();
+            lines.push(longer);
+        } else {
+            lines.push(word.to_owned());
+        }
+    }
+    (TEXT_PX + 1, lines)
+}
+
+/// Returns the size of a legend's words. In a wide picture they are smaller if one line does not
+/// hold them; in a narrow one they take several lines.
 fn legend_size_px(legend: &[(&str, RGBColor, Mark)], width: i32) -> i32 {
+    if width < NARROW_PX {
+        return TEXT_PX - 1;
+    }
     let words: i32 = legend.iter().map(|(name, _, _)| width_px(name, TEXT_PX)).sum();
     let marks: i32 = legend.iter().map(|_| MARK_PX).sum();
     let room = width - 2 * MARGIN_PX - marks;
     (TEXT_PX * room / words.max(1)).clamp(8, TEXT_PX)
 }
 
-/// Height of title and legend, pixels.
+/// Returns the height of title and legend in a picture of a width, pixels.
+pub fn heading_px(width: i32, title: &str, legend: &[(&str, RGBColor, Mark)]) -> u32 {
+    if width >= NARROW_PX {
+        return HEADING_PX;
+    }
+    let (_, title) = title_lines(title, width);
+    let (mut lines, mut x) = (title.len() + 1, MARGIN_PX);
+    for (name, _, _) in legend {
+        let entry = MARK_PX + width_px(name, TEXT_PX - 1);
+        if x > MARGIN_PX && x + entry > width {
+            (x, lines) = (MARGIN_PX, lines + 1);
+        }
+        x += entry;
+    }
+    HEADING_PX + lines.saturating_sub(2) as u32 * LINE_PX.unsigned_abs()
+}
+
+/// Height of title and legend of one line each, pixels.
 pub const HEADING_PX: u32 = 56;
 
 fn swatch(area: &Area<'_>, x: i32, y: i32, colour: RGBColor, mark: Mark) -> Result<()> {

@@ -9,7 +9,7 @@ use plotters::coord::ranged1d::{AsRangedCoord, BoldPoints, Ranged, ValueFormatte
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::canvas::{Area, Ground, HEADING_PX, INK, Mark, TEXT_PX, heading, svg, text};
+use super::canvas::{Area, Ground, INK, Mark, NARROW_PX, TEXT_PX, heading, heading_px, svg, text};
 
 /// Scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,42 +132,63 @@ impl LineChart {
     /// # Errors
     /// A range is empty, or plotters fails to draw.
     pub fn draw(&self, area: &Area<'_>) -> Result<()> {
+        let legend = self.legend();
+        heading(area, &self.title, &legend)?;
+        let top = heading_px(area.dim_in_pixel().0.cast_signed(), &self.title, &legend);
+        let points = || self.series.iter().flat_map(|series| series.points.iter());
+        let x = self.x.fitted(points().map(|point| point.0));
+        let y = self.y.fitted(points().map(|point| point.1));
+        ensure!(x.start < x.end && y.start < y.end, "chart `{}`: an axis is empty", self.title);
+        match (self.x.scale, self.y.scale) {
+            (Scale::Linear, Scale::Linear) => self.plot(area, top, x.clone(), y.clone(), (x, y)),
+            (Scale::Linear, Scale::Logarithmic) => {
+                self.plot(area, top, x.clone(), y.clone().log_scale(), (x, y))
+            }
+            (Scale::Logarithmic, Scale::Linear) => {
+                self.plot(area, top, x.clone().log_scale(), y.clone(), (x, y))
+            }
+            (Scale::Logarithmic, Scale::Logarithmic) => {
+                self.plot(area, top, x.clone().log_scale(), y.clone().log_scale(), (x, y))
+            }
+        }
+    }
+
+    /// Returns the entries of the legend.
+    pub(super) fn legend(&self) -> Vec<(&str, RGBColor, Mark)> {
         let named = self.series.iter().filter(|series| !series.name.is_empty());
         let lines = named.map(|series| (series.name.as_str(), series.colour, series.mark));
         let spans = self.spans.iter().map(|span| (span.name.as_str(), thinned(span.colour), Mark::Box));
         let mut legend: Vec<_> = lines.chain(spans).collect();
         // Parts of the same kind follow each other, and need one entry.
         legend.dedup();
-        heading(area, &self.title, &legend)?;
-        let points = || self.series.iter().flat_map(|series| series.points.iter());
-        let x = self.x.fitted(points().map(|point| point.0));
-        let y = self.y.fitted(points().map(|point| point.1));
-        ensure!(x.start < x.end && y.start < y.end, "chart `{}`: an axis is empty", self.title);
-        match (self.x.scale, self.y.scale) {
-            (Scale::Linear, Scale::Linear) => self.plot(area, x.clone(), y.clone(), (x, y)),
-            (Scale::Linear, Scale::Logarithmic) => self.plot(area, x.clone(), y.clone().log_scale(), (x, y)),
-            (Scale::Logarithmic, Scale::Linear) => self.plot(area, x.clone().log_scale(), y.clone(), (x, y)),
-            (Scale::Logarithmic, Scale::Logarithmic) => {
-                self.plot(area, x.clone().log_scale(), y.clone().log_scale(), (x, y))
-            }
-        }
+        legend
     }
 
-    fn plot<X, Y>(&self, area: &Area<'_>, x: X, y: Y, bounds: (Range<f64>, Range<f64>)) -> Result<()>
+    fn plot<X, Y>(
+        &self,
+        area: &Area<'_>,
+        top: u32,
+        x: X,
+        y: Y,
+        bounds: (Range<f64>, Range<f64>),
+    ) -> Result<()>
     where
         X: AsRangedCoord<Value = f64>,
         Y: AsRangedCoord<Value = f64>,
         X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
         Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
     {
+        let room_px = area.dim_in_pixel().1.saturating_sub(top + X_LABELS_PX);
+        let y_labels = (room_px as usize / Y_LABEL_PX).clamp(3, 11);
+        let is_narrow = area.dim_in_pixel().0.cast_signed() < NARROW_PX;
         let (x_label, y_label) = (label(self.x.scale, &bounds.0), label(self.y.scale, &bounds.1));
         let mut chart = ChartBuilder::on(area)
-            .margin_top(HEADING_PX)
-            .margin_right(22)
+            .margin_top(top)
+            .margin_right(RIGHT_PX)
             .margin_bottom(6)
             .margin_left(6)
-            .x_label_area_size(44)
-            .y_label_area_size(66)
+            .x_label_area_size(X_LABELS_PX)
+            .y_label_area_size(Y_LABELS_PX)
             .build_cartesian_2d(x, y)?;
         chart
             .configure_mesh()
@@ -176,6 +197,8 @@ impl LineChart {
             .light_line_style(TRANSPARENT)
             .label_style(text(TEXT_PX - 1, INK, HPos::Left, VPos::Top))
             .axis_desc_style(text(TEXT_PX, INK, HPos::Left, VPos::Top))
+            .x_labels(if is_narrow { 5 } else { 11 })
+            .y_labels(y_labels)
             .x_desc(self.x.label.as_str())
             .y_desc(self.y.label.as_str())
             .x_label_formatter(&x_label)
@@ -226,6 +249,18 @@ impl LineChart {
 /// Factor at which a logarithmic axis begins below its first power of ten, so that rounding cannot
 /// remove its label.
 pub const EDGE: f64 = 0.99;
+
+/// Pixels right of the axes, so that half a label fits.
+const RIGHT_PX: u32 = 22;
+
+/// Pixels of the labels below the axes.
+const X_LABELS_PX: u32 = 44;
+
+/// Pixels from one label left of the axes to the next.
+const Y_LABEL_PX: usize = 26;
+
+/// Pixels of the labels left of the axes.
+const Y_LABELS_PX: u32 = 66;
 
 /// Opacity of a span's tint.
 const SPAN_OPACITY: f64 = 0.13;

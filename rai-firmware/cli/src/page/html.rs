@@ -1,9 +1,14 @@
-//! One self-contained HTML page: words, tables and inline SVG; no script, no link, no font.
+//! One self-contained HTML page: words, tables and inline SVG; no link, no font, and a script only
+//! in a [report](super::report).
 
 use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context, Result};
+
+use super::palette;
 
 /// Page that is written from the top.
 #[derive(Clone, Debug)]
@@ -73,12 +78,13 @@ impl Page {
             let class = if note.is_empty() { "" } else { " class=\"noted\"" };
             let _ = write!(self.body, "<tr{class}>");
             for cell in row {
-                let class =
-                    if cell.trim_start_matches(['-', '+', '−']).starts_with(|c: char| c.is_ascii_digit()) {
-                        " class=\"number\""
-                    } else {
-                        ""
-                    };
+                let class = if cell == "–"
+                    || cell.trim_start_matches(['-', '+', '−']).starts_with(|c: char| c.is_ascii_digit())
+                {
+                    " class=\"number\""
+                } else {
+                    ""
+                };
                 let _ = write!(self.body, "<td{class}>{}</td>", escaped(cell));
             }
             self.body.push_str("</tr>\n");
@@ -93,6 +99,39 @@ impl Page {
     /// Adds a picture in SVG.
     pub fn picture(&mut self, svg: &str) {
         let _ = writeln!(self.body, "<figure>{}</figure>", scalable(svg));
+    }
+
+    /// Adds a picture that is drawn for a wide page and for a telephone; the page shows the one
+    /// that fits.
+    ///
+    /// # Errors
+    /// The picture cannot be drawn.
+    pub fn drawn(&mut self, width_px: u32, draw: impl Fn(u32) -> Result<String>) -> Result<()> {
+        self.body.push_str(&both(width_px, draw)?);
+        Ok(())
+    }
+
+    /// Adds such pictures side by side, if the page is wide enough.
+    ///
+    /// # Errors
+    /// A picture cannot be drawn.
+    pub fn drawn_beside(&mut self, width_px: u32, draw: &[&dyn Fn(u32) -> Result<String>]) -> Result<()> {
+        self.body.push_str("<div class=\"row\">\n");
+        for draw in draw {
+            self.body.push_str(&both(width_px, draw)?);
+        }
+        self.body.push_str("</div>\n");
+        Ok(())
+    }
+
+    /// Lets HTML be written to the end of the page, without a copy.
+    pub(super) fn append(&mut self, write: impl FnOnce(&mut String)) {
+        write(&mut self.body);
+    }
+
+    /// Adds HTML as it is.
+    pub(super) fn raw(&mut self, html: &str) {
+        self.body.push_str(html);
     }
 
     /// Adds pictures side by side, if the page is wide enough.
@@ -119,40 +158,68 @@ impl Page {
 
     /// Returns the whole page.
     pub fn html(&self) -> String {
+        [self.head().as_str(), &self.body, TAIL].concat()
+    }
+
+    /// Returns everything before the body.
+    fn head(&self) -> String {
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta name=\"color-scheme\" content=\"light dark\">\n<title>{0}</title>\n<style>\n{STYLE}</style>\n\
-             </head>\n<body>\n<main>\n<h1>{0}</h1>\n<p class=\"lead\">{1}</p>\n{2}{3}</main>\n</body>\n</html>\n",
+             <meta name=\"color-scheme\" content=\"light dark\">\n<title>{0}</title>\n<style>\n{3}{STYLE}</style>\n\
+             </head>\n<body>\n<main>\n<h1>{0}</h1>\n<p class=\"lead\">{1}</p>\n{2}",
             self.title,
             self.summary,
             self.contents(),
-            self.body
+            palette::style(),
         )
     }
 
-    /// Writes the page, and makes its folder.
+    /// Writes the page, and makes its folder. The page is not copied, because that of a long
+    /// recording is large.
     ///
     /// # Errors
     /// The folder or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        write_file(path, &self.html())
+        write_parts(path, &[&self.head(), &self.body, TAIL])
     }
 }
+
+/// Width of a picture on a telephone, pixels: 390 without the margins of page and picture.
+pub const TELEPHONE_PX: u32 = 346;
+
+/// Returns a picture for a wide page, and another for a telephone.
+fn both(width_px: u32, draw: impl Fn(u32) -> Result<String>) -> Result<String> {
+    let figure = |class, width_px| -> Result<String> {
+        Ok(format!("<figure class=\"{class}\">{}</figure>\n", scalable(&draw(width_px)?)))
+    };
+    Ok(figure("wide-page", width_px)? + &figure("narrow-page", TELEPHONE_PX)?)
+}
+
+/// End of every page.
+const TAIL: &str = "</main>\n</body>\n</html>\n";
 
 /// Writes a file, and makes its folder.
 ///
 /// # Errors
 /// The folder or the file cannot be written.
 pub fn write_file(path: &Path, text: &str) -> Result<()> {
+    write_parts(path, &[text])
+}
+
+fn write_parts(path: &Path, parts: &[&str]) -> Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
     }
-    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+    let write = || -> std::io::Result<()> {
+        let mut file = File::create(path)?;
+        parts.iter().try_for_each(|part| file.write_all(part.as_bytes()))
+    };
+    write().with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// Returns the text escaped for HTML.
-fn escaped(words: &str) -> String {
+pub(super) fn escaped(words: &str) -> String {
     words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

@@ -6,21 +6,28 @@
 //! | statistic against threshold, error against protection level, states over time | [`timeline`] |
 //! | satellites by azimuth and elevation | [`skyplot`] |
 //! | error against protection level, epoch by epoch (Stanford diagram) | [`stanford`] |
+//! | colours, and their difference for every reader | [`palette`] |
 //! | one self-contained HTML page | [`html`] |
+//! | the report of `replay`, `run` and `demo`: what happened when, and why | [`report`] |
 //! | epochs that a picture needs, out of any number | [`thinned`] |
 //!
-//! Every picture is SVG without scripts, fonts or links. On a page it has no background and its ink
-//! is `currentColor`, so that it follows a light or a dark page; as a file it has a white
-//! background.
+//! Every picture is SVG without scripts, fonts or links. On a page it has no background and takes
+//! the page's colours, so that it follows a light or a dark page; as a file it has a white
+//! background. Only the report has a script, which replaces some of its pictures by ones that can
+//! be zoomed.
 
 pub mod bars;
 pub mod canvas;
 pub mod chart;
 pub mod html;
+pub mod palette;
+pub mod report;
 pub mod skyplot;
 pub mod stanford;
 pub mod thinned;
 pub mod timeline;
+#[cfg(test)]
+mod vision;
 
 use raim_core::frame::Enu;
 use raim_core::satellite::SatelliteId;

@@ -10,7 +10,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::canvas::{
-    Area, BLUE, GREEN, Ground, HEADING_PX, INK, Mark, ORANGE, RED, TEXT_PX, VIOLET, heading, svg, text,
+    Area, BLUE, GREEN, Ground, INK, Mark, ORANGE, RED, TEXT_PX, VIOLET, heading, heading_px, svg, text,
     width_px,
 };
 
@@ -27,13 +27,14 @@ pub struct Body {
     pub is_excluded: bool,
 }
 
-/// Side of the picture, pixels.
-const SIDE_PX: u32 = 460;
+/// Usual side of the picture, pixels.
+pub const SIDE_PX: u32 = 460;
 
 /// Elevations of the rings, °.
 const RINGS_DEG: [f64; 3] = [0.0, 30.0, 60.0];
 
-const fn colour(constellation: Constellation) -> RGBColor {
+/// Returns the colour of a system's satellites.
+pub(super) const fn colour(constellation: Constellation) -> RGBColor {
     match constellation {
         Constellation::Gps => BLUE,
         Constellation::Beidou => ORANGE,
@@ -42,7 +43,16 @@ const fn colour(constellation: Constellation) -> RGBColor {
     }
 }
 
-const fn name(constellation: Constellation) -> &'static str {
+/// Returns the mark of a system's lines.
+pub(super) const fn mark_of(constellation: Constellation) -> Mark {
+    match constellation {
+        Constellation::Gps | Constellation::Galileo => Mark::Line,
+        Constellation::Beidou | Constellation::Glonass => Mark::Dashed,
+    }
+}
+
+/// Returns the name of a system.
+pub(super) const fn name(constellation: Constellation) -> &'static str {
     match constellation {
         Constellation::Gps => "GPS",
         Constellation::Beidou => "BeiDou",
@@ -55,13 +65,15 @@ const fn name(constellation: Constellation) -> &'static str {
 ///
 /// # Errors
 /// Plotters fails to draw.
-pub fn skyplot(bodies: &[Body], mask_rad: f64, ground: Ground) -> Result<String> {
-    svg((SIDE_PX, SIDE_PX + HEADING_PX), ground, &spoken(bodies), |area| {
-        let mask = format!("mask {:.0}°", mask_rad.to_degrees());
-        let mut legend = legend(bodies);
-        legend.push((&mask, RED, Mark::Line));
-        heading(area, "Satellites in the sky", &legend)?;
-        let disc = Disc::new();
+pub fn skyplot(bodies: &[Body], mask_rad: f64, side_px: u32, ground: Ground) -> Result<String> {
+    const TITLE: &str = "Satellites in the sky";
+    let mask = format!("mask {:.0}°", mask_rad.to_degrees());
+    let mut legend = legend(bodies);
+    legend.push((&mask, RED, Mark::Line));
+    let top = heading_px(side_px.cast_signed(), TITLE, &legend);
+    svg((side_px, side_px + top), ground, &spoken(bodies), |area| {
+        heading(area, TITLE, &legend)?;
+        let disc = Disc::new(side_px.cast_signed() / 2, top.cast_signed());
         disc.rings(area, mask_rad)?;
         disc.bodies(area, bodies)
     })
@@ -98,9 +110,8 @@ struct Disc {
 }
 
 impl Disc {
-    fn new() -> Self {
-        let half = SIDE_PX.cast_signed() / 2;
-        Self { centre: (half, half + HEADING_PX.cast_signed()), radius: f64::from(half - 34) }
+    fn new(half: i32, top: i32) -> Self {
+        Self { centre: (half, half + top), radius: f64::from(half - 34) }
     }
 
     fn point(&self, elevation_rad: f64, azimuth_rad: f64) -> (i32, i32) {

@@ -20,24 +20,30 @@ use super::{Moment, Verdict};
 ///
 /// # Errors
 /// Plotters fails to draw.
-pub fn horizontal(moments: &[Moment], ground: Ground) -> Result<String> {
+pub fn horizontal(moments: &[Moment], width_px: u32, ground: Ground) -> Result<String> {
     let pairs =
         moments.iter().filter_map(|moment| Some((moment.verdict, moment.horizontal_error_m?, moment.hpl_m?)));
     let limit_m = moments.iter().find_map(|moment| moment.hal_m);
-    diagram("Horizontal error and protection level, epoch by epoch", pairs, limit_m, ground)
+    diagram("Horizontal error and protection level, epoch by epoch", pairs, limit_m, width_px, ground)
 }
 
 /// Returns the vertical diagram.
 ///
 /// # Errors
 /// Plotters fails to draw.
-pub fn vertical(moments: &[Moment], ground: Ground) -> Result<String> {
+pub fn vertical(moments: &[Moment], width_px: u32, ground: Ground) -> Result<String> {
     let pairs = moments
         .iter()
         .filter_map(|moment| Some((moment.verdict, moment.vertical_error_m?.abs(), moment.vpl_m?)));
     let limit_m = moments.iter().find_map(|moment| moment.val_m);
-    diagram("Vertical error and protection level, epoch by epoch", pairs, limit_m, ground)
+    diagram("Vertical error and protection level, epoch by epoch", pairs, limit_m, width_px, ground)
 }
+
+/// Width of a diagram beside another, pixels.
+pub const WIDTH_PX: u32 = 560;
+
+/// Largest height of a diagram, pixels.
+const HEIGHT_PX: u32 = 516;
 
 /// Smallest error on the axis, m; smaller ones are drawn there.
 const LEAST_M: f64 = 0.01;
@@ -46,6 +52,7 @@ fn diagram(
     title: &str,
     pairs: impl Iterator<Item = (Verdict, f64, f64)>,
     limit_m: Option<f64>,
+    width_px: u32,
     ground: Ground,
 ) -> Result<String> {
     let pairs: Vec<(Verdict, f64, f64)> = pairs.collect();
@@ -81,5 +88,5 @@ fn diagram(
         series,
         spans: Vec::new(),
     };
-    chart.svg((560, 516), ground)
+    chart.svg((width_px, HEIGHT_PX.min(width_px + 60)), ground)
 }

@@ -7,8 +7,8 @@
 
 use super::{Moment, Verdict};
 
-/// Largest number of stored epochs: four for each pixel of a picture's width.
-const MOST: usize = 4096;
+/// Largest number of stored epochs: two for each pixel of a picture's width.
+const MOST: usize = 2048;
 
 /// Epochs of the first stretches.
 const SHORTEST: u64 = 4;

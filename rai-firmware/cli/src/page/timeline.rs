@@ -10,8 +10,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::canvas::{
-    Area, BLUE, GREEN, GREY, Ground, HEADING_PX, INK, Mark, ORANGE, RED, TEAL, TEXT_PX, VIOLET, hatched,
-    heading, svg, text, verdict_colour,
+    Area, BLUE, GREEN, GREY, Ground, INK, Mark, NARROW_PX, ORANGE, RED, TEAL, TEXT_PX, VIOLET, hatched,
+    heading, heading_px, svg, text, verdict_colour,
 };
 use super::chart::{Axis, LineChart, Series, Span, short, ticks};
 use super::thinned::Thinned;
@@ -116,14 +116,7 @@ type Colouring<'a> = &'a dyn Fn(&Moment) -> Option<(RGBColor, Mark)>;
 /// # Errors
 /// Plotters fails to draw.
 pub fn bands(area: &Area<'_>, moments: &[Moment]) -> Result<()> {
-    let legend = [
-        ("protected, pin high", GREEN, Mark::Box),
-        ("alert", RED, Mark::Hatched),
-        ("unavailable", GREY, Mark::Box),
-        ("pin low", INK, Mark::Low),
-        ("a satellite is left out", ORANGE, Mark::Box),
-    ];
-    heading(area, "May the position be used?", &legend)?;
+    heading(area, BANDS_TITLE, &BANDS_LEGEND)?;
     let strip = Strip::of(area, moments);
     let verdict = |moment: &Moment| {
         let mark = if moment.verdict == Verdict::Alert { Mark::Hatched } else { Mark::Box };
@@ -137,7 +130,8 @@ pub fn bands(area: &Area<'_>, moments: &[Moment]) -> Result<()> {
         rows.push(("pin", &pin));
     }
     rows.push(("excluded", &excluded));
-    let mut y = HEADING_PX.cast_signed();
+    let width = area.dim_in_pixel().0.cast_signed();
+    let mut y = heading_px(width, BANDS_TITLE, &BANDS_LEGEND).cast_signed();
     for (name, colour) in rows {
         strip.row(area, name, y, moments, colour)?;
         y += ROW_PX + ROW_GAP_PX;
@@ -148,8 +142,21 @@ pub fn bands(area: &Area<'_>, moments: &[Moment]) -> Result<()> {
 const ROW_PX: i32 = 20;
 const ROW_GAP_PX: i32 = 6;
 
-/// Height that [`bands`] needs, pixels.
-pub const BANDS_PX: u32 = HEADING_PX + 3 * (ROW_PX + ROW_GAP_PX).cast_unsigned() + 46;
+/// Title and legend of the bands.
+const BANDS_TITLE: &str = "May the position be used?";
+const BANDS_LEGEND: [(&str, RGBColor, Mark); 5] = [
+    ("protected, pin high", GREEN, Mark::Box),
+    ("alert", RED, Mark::Hatched),
+    ("unavailable", GREY, Mark::Box),
+    ("pin low", INK, Mark::Low),
+    ("a satellite is left out", ORANGE, Mark::Box),
+];
+
+/// Returns the height that [`bands`] need in a picture of a width, pixels.
+fn bands_px(width_px: u32) -> u32 {
+    let heading_px = heading_px(width_px.cast_signed(), BANDS_TITLE, &BANDS_LEGEND);
+    heading_px + 3 * (ROW_PX + ROW_GAP_PX).cast_unsigned() + 46
+}
 
 /// Time axis of the bands, pixels.
 struct Strip {
@@ -203,7 +210,8 @@ impl Strip {
 
     fn axis(&self, area: &Area<'_>, y: i32) -> Result<()> {
         area.draw(&PathElement::new(vec![(self.left, y), (self.right, y)], INK.mix(0.5)))?;
-        for tick in ticks(self.range_s.clone(), 11) {
+        let most = if self.right < NARROW_PX { 4 } else { 11 };
+        for tick in ticks(self.range_s.clone(), most) {
             let x = self.x(tick);
             area.draw(&PathElement::new(vec![(x, y), (x, y + 4)], INK.mix(0.5)))?;
             let label = text(TEXT_PX - 1, INK, HPos::Center, VPos::Top);
@@ -227,7 +235,7 @@ fn spoken([protected, alerts, unavailable]: [usize; 3]) -> String {
 /// # Errors
 /// Plotters fails to draw.
 pub fn bands_svg(moments: &[Moment], width_px: u32, ground: Ground) -> Result<String> {
-    svg((width_px, BANDS_PX), ground, &spoken(tally(moments)), |area| bands(area, moments))
+    svg((width_px, bands_px(width_px)), ground, &spoken(tally(moments)), |area| bands(area, moments))
 }
 
 /// Returns charts over time and the bands above each other: cause, effect and verdict in one
@@ -235,17 +243,23 @@ pub fn bands_svg(moments: &[Moment], width_px: u32, ground: Ground) -> Result<St
 ///
 /// # Errors
 /// Plotters fails to draw.
-pub fn stacked(charts: &[LineChart], moments: &[Moment], ground: Ground) -> Result<String> {
-    stacked_of(charts, moments, tally(moments), ground)
+pub fn stacked(charts: &[LineChart], moments: &[Moment], width_px: u32, ground: Ground) -> Result<String> {
+    stacked_of(charts, moments, tally(moments), width_px, ground)
 }
 
 /// Returns the same as [`stacked`] for moments that represent others: `tally` has the number of
 /// each verdict.
-fn stacked_of(charts: &[LineChart], moments: &[Moment], tally: [usize; 3], ground: Ground) -> Result<String> {
+fn stacked_of(
+    charts: &[LineChart],
+    moments: &[Moment],
+    tally: [usize; 3],
+    width_px: u32,
+    ground: Ground,
+) -> Result<String> {
     const PANEL_PX: u32 = 260;
     let titles: Vec<&str> = charts.iter().map(|chart| chart.title.as_str()).collect();
     let title = format!("{}. {}", titles.join(". "), spoken(tally));
-    svg((960, charts.len() as u32 * PANEL_PX + BANDS_PX), ground, &title, |area| {
+    svg((width_px, charts.len() as u32 * PANEL_PX + bands_px(width_px)), ground, &title, |area| {
         let mut rest = area.clone();
         for chart in charts {
             let (panel, below) = rest.split_vertically(PANEL_PX);
@@ -256,18 +270,68 @@ fn stacked_of(charts: &[LineChart], moments: &[Moment], tally: [usize; 3], groun
     })
 }
 
-/// Returns statistic, horizontal error and verdicts above each other.
+/// Returns statistic, both errors and verdicts above each other, with the lines of another receiver
+/// in the first two.
 ///
 /// # Errors
 /// Plotters fails to draw.
-pub fn picture(thinned: &Thinned, incidents: &[Incident], ground: Ground) -> Result<String> {
+pub fn picture(
+    thinned: &Thinned,
+    incidents: &[Incident],
+    beside: &[Vec<Series>; 2],
+    width_px: u32,
+    ground: Ground,
+) -> Result<String> {
     let moments = thinned.moments();
-    let charts = [statistic(&moments, incidents), horizontal(&moments, incidents)];
-    stacked_of(&charts, &moments, thinned.verdicts(), ground)
+    let mut charts =
+        [statistic(&moments, incidents), horizontal(&moments, incidents), vertical(&moments, incidents)];
+    // These lines are behind the others, which are the subject of the picture.
+    for (chart, beside) in charts.iter_mut().zip(beside) {
+        chart.series.splice(0..0, beside.iter().cloned());
+    }
+    stacked_of(&charts, &moments, thinned.verdicts(), width_px, ground)
 }
 
 /// Returns the number of epochs of each verdict: protected, alert, unavailable.
 pub fn tally(moments: &[Moment]) -> [usize; 3] {
     [Verdict::Protected, Verdict::Alert, Verdict::Unavailable]
         .map(|verdict| moments.iter().filter(|moment| moment.verdict == verdict).count())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::vision::check;
+    use super::*;
+
+    #[test]
+    fn any_two_lines_of_a_chart_differ_for_every_reader() {
+        let moment = Moment {
+            time_s: 0.0,
+            verdict: Verdict::Protected,
+            reason: "OK".to_owned(),
+            statistic: Some(1.0),
+            threshold: Some(2.0),
+            hpl_m: Some(9.0),
+            vpl_m: Some(9.0),
+            hal_m: Some(40.0),
+            val_m: Some(35.0),
+            horizontal_error_m: Some(1.0),
+            vertical_error_m: Some(1.0),
+            pin_is_high: Some(true),
+            used: 9,
+            excluded: Vec::new(),
+        };
+        for chart in [statistic, horizontal, vertical].map(|chart| chart(std::slice::from_ref(&moment), &[]))
+        {
+            assert!(chart.legend().len() >= 2);
+            check(&chart.title, &chart.legend());
+        }
+        check(BANDS_TITLE, &BANDS_LEGEND);
+    }
+
+    #[test]
+    fn a_narrow_picture_has_the_width_of_a_telephone() {
+        let svg = bands_svg(&[], 340, Ground::Page).unwrap();
+        assert!(svg.contains("width=\"340\""), "{svg}");
+    }
 }

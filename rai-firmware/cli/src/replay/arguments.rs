@@ -105,6 +105,9 @@ pub struct Arguments {
     /// Write one row per epoch.
     #[arg(long, value_name = "FILE")]
     pub(super) csv: Option<PathBuf>,
+    /// Write one row per satellite and epoch: direction, C/N0, residual, sigma, w-test, reason.
+    #[arg(long, value_name = "FILE")]
+    pub(super) satellites: Option<PathBuf>,
     /// Write the sentences.
     #[arg(long, value_name = "FILE")]
     pub(super) nmea: Option<PathBuf>,
@@ -112,7 +115,7 @@ pub struct Arguments {
     /// faults.
     #[arg(long, value_name = "FILE")]
     pub(super) rtcm: Option<PathBuf>,
-    /// Write an HTML report with plots into this folder.
+    /// Write a report into this folder: one HTML page with tables and plots.
     #[arg(long, value_name = "DIR")]
     pub(super) report: Option<PathBuf>,
 }

@@ -5,6 +5,7 @@ use std::iter;
 use anyhow::{Context, Result, bail};
 
 use super::arguments::{Place, commands};
+use super::page::About;
 use super::sink::{Sink, Wanted};
 use super::source::{Source, of_capture, of_recording, question};
 use super::{BoardRun, Pace, Playback, Setup, Summary};
@@ -41,6 +42,7 @@ pub fn run(arguments: &Arguments, board: Option<OnBoard>) -> Result<()> {
         rows: arguments.csv.as_deref(),
         sentences: arguments.nmea.as_deref(),
         stream: arguments.rtcm.as_deref(),
+        satellites: arguments.satellites.as_deref(),
         report: arguments.report.as_deref(),
     };
     let place = match arguments.on {
@@ -51,22 +53,33 @@ pub fn run(arguments: &Arguments, board: Option<OnBoard>) -> Result<()> {
 
     let lumps = iter::once(Ok(first)).chain(source.by_ref().map(|lump| lump.map_err(in_source)));
     let mut playback = Playback::start(lumps, &commands, Pace::Recorded)?;
+    if wanted.needs_view() {
+        playback.watch();
+    }
     let mut played = iter::from_fn(|| sink.take(playback.advance()).transpose());
     let board = match board {
         None => played.try_for_each(|lump| lump.map(drop)).map(|()| None)?,
         Some(on_board) => Some(on_board(&mut played, &commands)?),
     };
+    let about = About { source: names(arguments), configuration: *playback.configuration() };
     let counters = playback.counters()?.into_iter().filter(|(_, count)| *count > 0).collect();
     let identical = board.as_ref().map(|board| board.difference.is_none());
     let summary =
         Summary { host_target_identical: identical, skipped: source.skipped(), counters, ..sink.summary() };
-    sink.end(&question.faults, &summary)?;
+    sink.end(&question.faults, &summary, &about)?;
     note(&source, arguments);
     print(arguments, &summary, board.as_ref(), source.missing().as_deref())?;
     if let Some((host, target)) = board.and_then(|board| board.difference) {
         bail!("the board's sentences differ from the host's: {target:?} is not {host:?}");
     }
     Ok(())
+}
+
+/// Returns the names of the files that are replayed.
+fn names(arguments: &Arguments) -> String {
+    let files = arguments.obs.iter().chain(&arguments.nav).map(|path| path.display().to_string());
+    let sample = arguments.sample.then(|| "the sample: Kamakura, Japan".to_owned());
+    arguments.capture.clone().into_iter().chain(sample).chain(files).collect::<Vec<_>>().join(", ")
 }
 
 /// Prints the content of a capture.

@@ -2,9 +2,11 @@
 
 use anyhow::{Context, Result, ensure};
 use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::settings::Configuration;
 
 use super::ahead::Ahead;
 use crate::pin::Pin;
+use crate::satellites::{View, Watcher};
 use crate::sentence::{self, EpochOutput, command};
 use crate::signal::lump::Lump;
 use crate::signal::pieces;
@@ -47,6 +49,8 @@ pub struct Said {
     pub of_silence: String,
     /// Time of the first alert for silence, s after the first epoch of the recording.
     pub stale_s: Option<f64>,
+    /// The module's view of the epoch, if it is [watched](Playback::watch).
+    pub view: Option<View>,
 }
 
 impl Said {
@@ -127,7 +131,9 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
     pub fn advance(&mut self) -> Result<Option<(Lump, Said)>> {
         let Some((lump, next_ms)) = self.lumps.next()? else { return Ok(None) };
         let now_ms = lump.elapsed_ms();
-        let mut said = Said { of_epoch: self.module.hear(&lump.bytes, now_ms)?, ..Said::default() };
+        let of_epoch = self.module.hear(&lump.bytes, now_ms)?;
+        let view = self.module.view(&of_epoch);
+        let mut said = Said { of_epoch, view, ..Said::default() };
         if said.of_epoch.contains("$PRAIS") {
             self.last_epoch_ms = now_ms;
         }
@@ -148,9 +154,29 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
         self.module.counters()
     }
 
+    /// Gives the module bytes of its host port; returns its answer.
+    ///
+    /// # Errors
+    /// The answer is not text.
+    pub fn command(&mut self, bytes: &[u8]) -> Result<String> {
+        let mut said = Vec::new();
+        self.module.receiver.command(bytes, &mut said);
+        sentence::sentences(&said)
+    }
+
+    /// Lets the module be watched, so that [`Said`] has its view of every epoch.
+    pub fn watch(&mut self) {
+        self.module.watch();
+    }
+
+    /// Returns the settings in force.
+    pub fn configuration(&self) -> &Configuration {
+        self.module.receiver.configuration()
+    }
+
     /// Returns the level of the pin.
     pub fn pin_is_high(&self) -> bool {
-        self.module.0.pin().high
+        self.module.receiver.pin().high
     }
 
     /// Returns the sentences that the module sends at start: its version and its settings.
@@ -159,14 +185,17 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
     /// The sentences are not text.
     pub fn greeting(&mut self) -> Result<String> {
         let mut said = Vec::new();
-        self.module.0.greet(&mut said);
-        self.module.0.tick(0, &mut said);
+        self.module.receiver.greet(&mut said);
+        self.module.receiver.tick(0, &mut said);
         Ok(String::from_utf8(said)?)
     }
 }
 
 /// Module in process.
-pub struct Module(Receiver<Pin>);
+pub struct Module {
+    receiver: Receiver<Pin>,
+    watcher: Option<Watcher>,
+}
 
 impl Module {
     /// Starts and configures the module.
@@ -181,7 +210,25 @@ impl Module {
             receiver.command(command(body).as_bytes(), &mut answers);
         }
         check_answers(setup, &sentence::sentences(&answers)?)?;
-        Ok(Self(receiver))
+        Ok(Self { receiver, watcher: None })
+    }
+
+    /// Lets the module be watched.
+    pub fn watch(&mut self) {
+        self.watcher.get_or_insert_default();
+    }
+
+    /// Returns the settings in force.
+    pub fn configuration(&self) -> &Configuration {
+        self.receiver.configuration()
+    }
+
+    /// Returns the view of the epoch to which `said` belongs, if the module is watched.
+    pub fn view(&mut self, said: &str) -> Option<View> {
+        let Self { receiver, watcher } = self;
+        let watcher = watcher.as_mut()?;
+        last_state(said)?;
+        Some(watcher.view(receiver))
     }
 
     /// Returns the sentences for an epoch that comes at `now_ms`. If there are none, because no
@@ -191,15 +238,18 @@ impl Module {
     /// The pin is high although the verdict forbids it, or the reverse.
     pub fn hear(&mut self, bytes: &[u8], now_ms: u64) -> Result<String> {
         let mut said = Vec::new();
-        let is_judged = self.0.gnss(bytes, now_ms, &mut said);
+        if let Some(watcher) = &mut self.watcher {
+            watcher.hear(bytes, now_ms);
+        }
+        let is_judged = self.receiver.gnss(bytes, now_ms, &mut said);
         if !is_judged && pieces::have_ranges(bytes) {
             // Noise that looks like the beginning of a frame delays the epoch until the line falls
             // silent.
-            self.0.tick(now_ms + QUIET_MS, &mut said);
+            self.receiver.tick(now_ms + QUIET_MS, &mut said);
         }
         let text = sentence::sentences(&said)?;
         if let Some(state) = last_state(&text) {
-            let agree = self.0.pin().high == (state == "P");
+            let agree = self.receiver.pin().high == (state == "P");
             ensure!(agree, "pin and verdict disagree at {now_ms} ms");
         }
         Ok(text)
@@ -209,13 +259,13 @@ impl Module {
     fn wait(&mut self, from_ms: u64, to_ms: u64, said: &mut Said) -> Result<()> {
         for now_ms in (from_ms..to_ms).step_by(TICK_MS as usize).skip(1) {
             let mut alarm = Vec::new();
-            self.0.tick(now_ms, &mut alarm);
+            self.receiver.tick(now_ms, &mut alarm);
             let text = sentence::sentences(&alarm)?;
             said.of_silence.push_str(&text);
             // Settings and losses are repeated at intervals, whatever the input.
             if last_state(&text).is_some() {
                 said.stale_s.get_or_insert(now_ms as f64 * 1e-3);
-                ensure!(!self.0.pin().high, "the pin is high on a silent line at {now_ms} ms");
+                ensure!(!self.receiver.pin().high, "the pin is high on a silent line at {now_ms} ms");
             }
         }
         Ok(())
@@ -223,7 +273,7 @@ impl Module {
 
     fn counters(&mut self) -> Result<Vec<(String, u32)>> {
         let mut answers = Vec::new();
-        self.0.command(command("STATS").as_bytes(), &mut answers);
+        self.receiver.command(command("STATS").as_bytes(), &mut answers);
         Ok(sentence::sentences(&answers)?.lines().flat_map(counters_of).collect())
     }
 }

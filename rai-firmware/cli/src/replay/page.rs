@@ -1,67 +1,86 @@
-//! The HTML report of a replay.
+//! The report of a replay.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use raim_firmware::settings::Configuration;
 
+use super::host::Said;
 use super::summary::Summary;
-use crate::page::canvas::Ground;
-use crate::page::html::Page;
-use crate::page::thinned::Thinned;
-use crate::page::{Moment, stanford, timeline};
+use crate::page::report::{self, Facts, Happened, Journal, command_line, settings_of};
+use crate::page::timeline;
+use crate::sentence;
 use crate::signal::fault::{Fault, Kind};
 
 /// Report that is filled epoch by epoch, with room for any number of them.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    epochs: Thinned,
+    journal: Journal,
     last_s: f64,
 }
 
+/// Facts of a replay that no epoch has.
+pub struct About {
+    /// Names of the files.
+    pub source: String,
+    /// Settings in force.
+    pub configuration: Configuration,
+}
+
 impl Report {
-    /// Takes the next epoch.
-    pub fn push(&mut self, moment: &super::track::Moment) {
+    /// Takes the next epoch, and the silence after it.
+    ///
+    /// # Errors
+    /// A sentence of the silence is unreadable.
+    pub fn push(&mut self, moment: &super::track::Moment, said: &Said) -> Result<()> {
         self.last_s = moment.elapsed_s;
-        if let Some(said) = &moment.output {
-            let is_high = said.state.is_protected();
-            self.epochs.push(Moment::of(moment.elapsed_s, said, moment.error, is_high));
+        if let Some(output) = &moment.output {
+            self.journal.push(&Happened {
+                time_s: moment.elapsed_s,
+                output,
+                error: moment.error,
+                pin_is_high: output.state.is_protected(),
+                view: said.view.as_ref(),
+            });
         }
+        let silence = sentence::epochs(&said.of_silence)?;
+        if let Some((time_s, output)) = said.stale_s.zip(silence.first()) {
+            self.last_s = time_s;
+            self.journal.push(&Happened { time_s, output, error: None, pin_is_high: false, view: None });
+        }
+        Ok(())
     }
 
     /// Writes `report.html` into a folder; returns its path.
     ///
     /// # Errors
     /// The report cannot be drawn or written.
-    pub fn write(&self, folder: &Path, faults: &[Fault], summary: &Summary) -> Result<PathBuf> {
-        let incidents: Vec<timeline::Incident> =
-            faults.iter().map(|fault| incident(fault, self.last_s)).collect();
-        let moments = self.epochs.moments();
-        let mut page = Page::new("A recording through the module", &headline(summary));
-        page.figures(&figures(summary));
-        page.heading("What the module said");
-        page.picture(&timeline::picture(&self.epochs, &incidents, Ground::Page)?);
-        if (moments.len() as u64) < self.epochs.all() {
-            page.paragraph(&format!(
-                "The pictures show {} of {} epochs: the extremes of each stretch of time, and the first epoch of each \
-                 verdict in it.",
-                moments.len(),
-                self.epochs.all()
-            ));
-        }
-        if moments.iter().any(|moment| moment.horizontal_error_m.is_some()) {
-            page.heading("Error against protection level");
-            page.paragraph(
-                "Above the diagonal the protection level is larger than the error and bounds it, as it must. A violet dot \
-                 below it is misleading: a position that was promised to be better than it was.",
-            );
-            page.pictures(&[
-                stanford::horizontal(&moments, Ground::Page)?,
-                stanford::vertical(&moments, Ground::Page)?,
-            ]);
-        }
-        let path = folder.join("report.html");
-        page.write(&path)?;
-        Ok(path)
+    pub fn write(
+        &self,
+        folder: &Path,
+        faults: &[Fault],
+        summary: &Summary,
+        about: &About,
+    ) -> Result<PathBuf> {
+        let (settings_hash, settings) = settings_of(&about.configuration);
+        let facts = Facts {
+            title: "A recording through the module".to_owned(),
+            summary: headline(summary),
+            figures: figures(summary),
+            source: about.source.clone(),
+            command: command_line(),
+            settings_hash,
+            settings,
+            mask_deg: about.configuration.mask_rad().to_degrees(),
+            incidents: faults.iter().map(|fault| incident(fault, self.last_s)).collect(),
+            counters: summary
+                .counters
+                .iter()
+                .map(|(name, count)| (name.clone(), u64::from(*count)))
+                .collect(),
+            ..Facts::default()
+        };
+        report::write(&self.journal, &facts, folder)
     }
 }
 
@@ -77,12 +96,17 @@ fn headline(summary: &Summary) -> String {
 
 fn figures(summary: &Summary) -> Vec<(String, String)> {
     let metres = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.2} m"));
-    vec![
-        ("horizontal error, rms".to_owned(), metres(summary.horizontal_rms_m)),
-        ("vertical error, rms".to_owned(), metres(summary.vertical_rms_m)),
+    let protected = 100.0 * summary.protected as f64 / summary.epochs.max(1) as f64;
+    let mut figures = vec![("protected".to_owned(), format!("{protected:.2} %"))];
+    if summary.misleading.is_some() {
+        figures.push(("horizontal error, rms".to_owned(), metres(summary.horizontal_rms_m)));
+        figures.push(("vertical error, rms".to_owned(), metres(summary.vertical_rms_m)));
+    }
+    figures.extend([
         ("HPL, median".to_owned(), metres(summary.hpl_median_m)),
         ("VPL, median".to_owned(), metres(summary.vpl_median_m)),
-    ]
+    ]);
+    figures
 }
 
 fn incident(fault: &Fault, last_s: f64) -> timeline::Incident {

@@ -22,7 +22,11 @@ pub fn command_for(text: &str) -> Result<String> {
     let key = text.to_uppercase();
     match Order::read(&key, std::iter::empty()) {
         Some(Ok(Order::Confirm | Order::Forget)) => Ok(key),
-        Some(Ok(Order::Statistics | Order::SelfTest | Order::Week(_) | Order::Reset) | Err(_)) | None => {
+        Some(
+            Ok(Order::Statistics | Order::SelfTest | Order::Week(_) | Order::Height(..) | Order::Reset)
+            | Err(_),
+        )
+        | None => {
             bail!("--set {text}: write it like HAL=40")
         }
     }

@@ -1,10 +1,13 @@
-//! Output of the command `replay`, epoch by epoch: rows, sentences, the stream, a report.
+//! Output of the command `replay`, epoch by epoch: rows of epochs and of satellites, sentences, the
+//! stream, a report.
 
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
+use super::page::About;
 use super::{Moment, Report, Rows, Said, Summary, Tally, Truth};
+use crate::satellites;
 use crate::signal::fault::Fault;
 use crate::signal::lump::Lump;
 use anyhow::{Context, Result};
@@ -18,6 +21,7 @@ pub(super) struct Sink<'a> {
     rows: Option<(&'a Path, Rows<BufWriter<File>>)>,
     sentences: Option<Copy<'a>>,
     stream: Option<Copy<'a>>,
+    satellites: Option<(&'a Path, BufWriter<File>)>,
     report: Option<(&'a Path, Report)>,
 }
 
@@ -27,7 +31,15 @@ pub(super) struct Wanted<'a> {
     pub(super) rows: Option<&'a Path>,
     pub(super) sentences: Option<&'a Path>,
     pub(super) stream: Option<&'a Path>,
+    pub(super) satellites: Option<&'a Path>,
     pub(super) report: Option<&'a Path>,
+}
+
+impl Wanted<'_> {
+    /// Returns true if an output needs the module's view of the epochs.
+    pub(super) fn needs_view(&self) -> bool {
+        self.satellites.is_some() || self.report.is_some()
+    }
 }
 
 impl<'a> Sink<'a> {
@@ -42,6 +54,12 @@ impl<'a> Sink<'a> {
             let rows = create(path).and_then(|file| Ok(Rows::begin(file)?));
             rows.map(|rows| (path, rows)).with_context(|| cannot_write(path))
         });
+        let satellites = wanted.satellites.map(|path| {
+            let heading =
+                |mut file: BufWriter<File>| writeln!(file, "{}", satellites::HEADING).map(|()| file);
+            let file = create(path).and_then(|file| Ok(heading(file)?));
+            file.map(|file| (path, file)).with_context(|| cannot_write(path))
+        });
         let style = ProgressStyle::with_template("{spinner} {msg} {pos} epochs {per_sec}");
         let bar = ProgressBar::new_spinner().with_message(place);
         Ok(Self {
@@ -51,6 +69,7 @@ impl<'a> Sink<'a> {
             rows: rows.transpose()?,
             sentences: wanted.sentences.map(Copy::open).transpose()?,
             stream: wanted.stream.map(Copy::open).transpose()?,
+            satellites: satellites.transpose()?,
             report: wanted.report.map(|folder| (folder, Report::default())),
         })
     }
@@ -70,8 +89,13 @@ impl<'a> Sink<'a> {
         if let Some(copy) = &mut self.stream {
             copy.write(&lump.bytes)?;
         }
+        if let Some(((path, file), view)) = self.satellites.as_mut().zip(said.view.as_ref()) {
+            let time = view.time.unwrap_or(lump.time);
+            let mut rows = view.satellites.iter().map(|seen| seen.row(time));
+            rows.try_for_each(|row| writeln!(file, "{row}")).with_context(|| cannot_write(path))?;
+        }
         if let Some((_, report)) = &mut self.report {
-            report.push(&moment);
+            report.push(&moment, &said)?;
         }
         self.bar.inc(1);
         Ok(Some(lump))
@@ -83,7 +107,7 @@ impl<'a> Sink<'a> {
     }
 
     /// Completes the files.
-    pub(super) fn end(self, faults: &[Fault], summary: &Summary) -> Result<()> {
+    pub(super) fn end(self, faults: &[Fault], summary: &Summary, about: &About) -> Result<()> {
         self.bar.finish_and_clear();
         if let Some((path, rows)) = self.rows {
             rows.end().with_context(|| cannot_write(path))?;
@@ -91,8 +115,11 @@ impl<'a> Sink<'a> {
         for copy in [self.sentences, self.stream].into_iter().flatten() {
             copy.end()?;
         }
+        if let Some((path, mut file)) = self.satellites {
+            file.flush().with_context(|| cannot_write(path))?;
+        }
         if let Some((folder, report)) = self.report {
-            let path = report.write(folder, faults, summary)?;
+            let path = report.write(folder, faults, summary, about)?;
             eprintln!("report: {}", path.display());
         }
         Ok(())

@@ -13,6 +13,7 @@ use super::guard::Guard;
 use super::inbox::Inbox;
 use super::outbox::Outbox;
 use super::pin::Pin;
+use super::report::Recorder;
 
 /// Longest sleep of the loop: it looks at the clock at least ten times a second.
 const LONGEST_SLEEP: Duration = Duration::from_millis(50);
@@ -23,6 +24,7 @@ pub(super) struct Computer<'s> {
     outbox: &'s mut Outbox,
     sealed: &'s mut [u8; SEALED_BYTES],
     guard: &'s Guard,
+    recorder: Option<&'s mut Recorder>,
 }
 
 impl<'s> Computer<'s> {
@@ -31,8 +33,17 @@ impl<'s> Computer<'s> {
         outbox: &'s mut Outbox,
         sealed: &'s mut [u8; SEALED_BYTES],
         guard: &'s Guard,
+        recorder: Option<&'s mut Recorder>,
     ) -> Self {
-        Self { inbox, outbox, sealed, guard }
+        Self { inbox, outbox, sealed, guard, recorder }
+    }
+
+    /// Passes the sentences since the last call to the recorder, if there is one.
+    pub(super) fn record(&mut self, receiver: &Receiver<Pin>) {
+        if let Some(recorder) = &mut self.recorder {
+            let said = self.outbox.take_tape();
+            recorder.note(&said, receiver, receiver.pin().is_high(), self.inbox.now_ms());
+        }
     }
 
     pub(super) fn sealed_memory(&self) -> &[u8; SEALED_BYTES] {
@@ -60,7 +71,11 @@ impl Board for Computer<'_> {
     type Host = Outbox;
 
     fn gnss(&mut self, chunk: &mut [u8]) -> Taken {
-        self.inbox.take(chunk)
+        let taken = self.inbox.take(chunk);
+        if let (Some(recorder), Taken::Bytes { count, came_ms }) = (&mut self.recorder, &taken) {
+            recorder.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);
+        }
+        taken
     }
 
     fn command(&mut self) -> Option<u8> {

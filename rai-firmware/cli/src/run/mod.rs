@@ -13,6 +13,7 @@
 //! | `board` | implements the firmware's `Board` on a computer |
 //! | `outbox`, `output` | send sentences to consumers, none of which another one waits for |
 //! | [`pin`] | drives the integrity pin |
+//! | `report` | takes notes of every epoch, for a page as `replay` writes it |
 //! | `guard` | drops the pin and ends the program if the epoch loop hangs |
 //!
 //! The epoch loop runs in the calling thread. Every port has a thread of its own, with a bounded
@@ -27,6 +28,7 @@ mod outbox;
 mod output;
 pub mod pin;
 pub mod plan;
+mod report;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -41,6 +43,7 @@ use guard::Guard;
 use inbox::Inbox;
 use outbox::Outbox;
 use pin::{Pin, Wire};
+use report::Recorder;
 
 pub use plan::{Arguments, Plan};
 
@@ -80,10 +83,12 @@ pub fn serve(plan: &Plan, stop: &Arc<AtomicBool>) -> Result<()> {
     }
     let guard = Guard::start(&wire, stop);
     let mut sealed = Box::new([0; SEALED_BYTES]);
-    let mut after_power_on = true;
+    let mut recorder = plan.report.clone().map(|folder| Recorder::new(folder, plan.input.to_string()));
+    outbox.keep_tape(recorder.is_some());
+    let (mut after_power_on, mut configuration) = (true, None);
     while !stop.load(Ordering::Relaxed) && !inbox.has_ended() {
         let mut receiver = receiver(&wire)?;
-        let mut board = Computer::new(&inbox, &mut outbox, &mut sealed, &guard);
+        let mut board = Computer::new(&inbox, &mut outbox, &mut sealed, &guard, recorder.as_mut());
         receiver.restore(board.sealed_memory(), after_power_on);
         apply(plan, &mut receiver)?;
         receiver.greet(board.outbox());
@@ -91,12 +96,18 @@ pub fn serve(plan: &Plan, stop: &Arc<AtomicBool>) -> Result<()> {
         let mut epochs = EpochLoop::new();
         while !receiver.reset_requested() && !stop.load(Ordering::Relaxed) && !board.has_ended() {
             epochs.pass(&mut board, &mut receiver);
+            board.record(&receiver);
         }
         board.drain(&mut receiver);
+        board.record(&receiver);
+        configuration = Some(*receiver.configuration());
         after_power_on = false;
     }
     wire.drive(false).context("the pin cannot be set")?;
     outbox.close();
+    if let Some((recorder, configuration)) = recorder.zip(configuration) {
+        recorder.end(&configuration)?;
+    }
     Ok(())
 }
 

@@ -46,12 +46,24 @@ impl Consumers {
 pub(super) struct Outbox {
     consumers: Consumers,
     lost: u32,
+    /// Sentences for the report; `None` if there is none.
+    tape: Option<Vec<u8>>,
 }
 
 impl Outbox {
     /// Returns the place to which new consumers are added.
     pub(super) fn consumers(&self) -> Consumers {
         self.consumers.clone()
+    }
+
+    /// Lets the sentences be kept for the report, or not.
+    pub(super) fn keep_tape(&mut self, is_kept: bool) {
+        self.tape = is_kept.then(Vec::new);
+    }
+
+    /// Returns the sentences since the last call.
+    pub(super) fn take_tape(&mut self) -> Vec<u8> {
+        self.tape.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
     /// Messages that a consumer's full queue has lost.
@@ -62,6 +74,9 @@ impl Outbox {
     /// Sends a whole message to every consumer of its kind.
     pub(super) fn send(&mut self, message: &[u8]) {
         let kind = Kind::of(message);
+        if let Some(tape) = self.tape.as_mut().filter(|_| kind == Kind::Nmea) {
+            tape.extend_from_slice(message);
+        }
         let message: Arc<[u8]> = message.into();
         let mut consumers = self.consumers.0.lock().unwrap_or_else(PoisonError::into_inner);
         consumers.retain(|(wanted, queue)| {

@@ -183,6 +183,11 @@ impl Pin {
         Self { wire, is_high: None }
     }
 
+    /// Returns true if the pin was driven high.
+    pub(super) fn is_high(&self) -> bool {
+        self.is_high == Some(true)
+    }
+
     fn drive(&mut self, high: bool) -> Result<(), PinError> {
         if self.is_high == Some(high) {
             return Ok(());

@@ -5,6 +5,7 @@
 //! caster = "ntrip://user:password@caster.example:2101/MOUNT"     # orbits only
 //! outputs = ["pty:/run/rai/nmea", "tcp://127.0.0.1:2950"]
 //! pin = "gpio:/dev/gpiochip0:17"
+//! report = "/var/lib/rai"
 //!
 //! [settings]                                                     # keys of INTERFACES.md
 //! PHASE = "LPV200"
@@ -45,6 +46,9 @@ pub struct Arguments {
     /// Setting of the module, such as PHASE=LPV200; repeatable, in this order.
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// Write a report into this folder, once an hour and at the end: one HTML page.
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
     /// Only drive the pin low, and end: what a service manager calls after the service has died.
     #[arg(long)]
     pub lower_pin: bool,
@@ -59,6 +63,7 @@ struct File {
     #[serde(default)]
     outputs: Vec<String>,
     pin: Option<String>,
+    report: Option<PathBuf>,
     #[serde(default)]
     settings: BTreeMap<String, String>,
 }
@@ -74,6 +79,8 @@ pub struct Plan {
     pub outputs: Vec<Sink>,
     /// The pin.
     pub pin: Place,
+    /// Folder of the report.
+    pub report: Option<PathBuf>,
     /// Settings of the module in the order in which they are given: key, value.
     pub settings: Vec<(String, String)>,
 }
@@ -84,7 +91,7 @@ impl Plan {
     /// # Errors
     /// If the file cannot be read or has an unknown entry, or if a value has the wrong form.
     pub fn read(arguments: Arguments) -> Result<Self> {
-        let Arguments { config, input, caster, output, pin, set, lower_pin: _ } = arguments;
+        let Arguments { config, input, caster, output, pin, set, report, lower_pin: _ } = arguments;
         let file = config.map_or_else(|| Ok(File::default()), |path| read_file(&path))?;
         let input = input.or(file.input).unwrap_or_else(|| "-".into());
         let mut outputs = if output.is_empty() { file.outputs } else { output };
@@ -99,6 +106,7 @@ impl Plan {
             caster: caster.or(file.caster).map(|text| text.parse()).transpose()?,
             outputs: outputs.iter().map(|text| text.parse()).collect::<Result<_>>()?,
             pin: pin.or(file.pin).map_or(Ok(Place::Nowhere), |text| text.parse())?,
+            report: report.or(file.report),
             settings: [phase, rest, given].concat(),
         })
     }

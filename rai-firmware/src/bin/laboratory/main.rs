@@ -28,6 +28,8 @@ mod precision;
 #[cfg(target_os = "none")]
 mod request;
 #[cfg(target_os = "none")]
+mod roots;
+#[cfg(target_os = "none")]
 mod semihosting;
 #[cfg(target_os = "none")]
 mod stages;

@@ -23,6 +23,7 @@ use crate::copies;
 use crate::epochs::{epoch, point};
 use crate::precision::Precision;
 use crate::request::{Input, Request};
+use crate::roots;
 use crate::stopwatch::Stopwatch;
 use crate::wire;
 
@@ -58,6 +59,7 @@ fn run_in<T: Precision>(
         13 => separate::<T>(input, stopwatch, answers),
         // The loops take more ticks than the timer has.
         14 => answers.write(0, &copies::compare()),
+        15 => answers.write(0, &roots::compare()),
         _ => None,
     }
 }
@@ -245,7 +247,7 @@ fn judge<T: Precision>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers:
         ..Strategy::CLASSIC
     };
     let mut monitor = Monitor::<T, CAPACITY>::new(requirements()).ok()?;
-    monitor.set_strategy(strategy);
+    monitor.set_strategy(strategy).ok()?;
     monitor.start_from(start(point(&mut input)?));
     for _ in 0..input.byte()? {
         let epoch = epoch(&mut input)?;

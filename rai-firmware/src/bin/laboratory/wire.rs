@@ -61,7 +61,7 @@ fn learn(bytes: &[u8], store: &mut Store, last: &mut RawEpoch) {
         Event::Redated(_)
         | Event::Position(_)
         | Event::Ionosphere(..)
-        | Event::Jamming(_)
+        | Event::SelfReport(_)
         | Event::Rivalry(_) => {}
     });
 }
@@ -127,7 +127,7 @@ pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
         Event::Redated(_)
         | Event::Position(_)
         | Event::Ionosphere(..)
-        | Event::Jamming(_)
+        | Event::SelfReport(_)
         | Event::Rivalry(_) => {}
     });
     let time = last?;

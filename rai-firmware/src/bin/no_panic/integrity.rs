@@ -8,7 +8,7 @@ use raim_core::allocation::AllocationError;
 use raim_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
 use raim_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Motion, Recovery};
 use raim_core::epoch::{Epoch, EpochError, EpochView};
-use raim_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
+use raim_core::frame::{Ecef, Enu, Geodetic, LocalAxes, LocalFrame};
 use raim_core::integrity::araim::{self, Allocation, AraimError, AraimScratch, Finding, Hypothesis};
 use raim_core::integrity::raim::detection::threshold::policy::{
     self, NoThreshold, ThresholdProblem, Weights,
@@ -273,7 +273,7 @@ fn velocity<T: Real>() {
     reach!(
         (|workspace, rates, thresholds, factors| {
             velocity::estimate::<T, N>(workspace, rates.iter().copied(), thresholds, factors)
-        }) as fn(_, &[RangeRate], _, _) -> _,
+        }) as fn(_, &[RangeRate<T>], _, _) -> _,
     );
 }
 
@@ -294,6 +294,7 @@ fn the_pipeline<T: Real>() {
         MonitorWorkspace::<T, N>::outcome as fn(_) -> _,
         MonitorWorkspace::<T, N>::outcome_mut as fn(_) -> _,
         EpochOutcome::<N>::override_alert as fn(_, _),
+        EpochOutcome::<N>::withdraw as fn(_, _),
         ValidatedRequirements::<T>::new as fn(_) -> _,
         ValidatedRequirements::<T>::thresholds as fn(_) -> _,
         ValidatedRequirements::<T>::factors as fn(_) -> _,
@@ -301,7 +302,7 @@ fn the_pipeline<T: Real>() {
         Monitor::<T, N>::validated as fn(_) -> _,
         Monitor::<T, N>::new as fn(_) -> _,
         Monitor::<T, N>::set_requirements as fn(_, _) -> _,
-        Monitor::<T, N>::set_strategy as fn(_, _),
+        Monitor::<T, N>::set_strategy as fn(_, _) -> _,
         Monitor::<T, N>::forget_residuals as fn(_),
         Monitor::<T, N>::set_ism as fn(_, _),
         Monitor::<T, N>::ism as fn(_) -> _,
@@ -396,6 +397,11 @@ fn frames() {
         LocalFrame::rotate as fn(_, _) -> _,
         LocalFrame::unrotate as fn(_, _) -> _,
         LocalFrame::sin_elevation as fn(_, _, _) -> _,
+        LocalAxes::at as fn(_) -> _,
+        LocalAxes::east_north_up as fn(_) -> _,
+        LocalAxes::height_m as fn(_) -> _,
+        LocalAxes::sin_latitude as fn(_) -> _,
+        LocalAxes::latitude_and_longitude_rad as fn(_) -> _,
     );
 }
 

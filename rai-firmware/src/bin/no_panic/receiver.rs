@@ -26,7 +26,7 @@ use raim_firmware::output::geoid::Altitude;
 use raim_firmware::output::mavlink::{Sender, dialect};
 use raim_firmware::output::nmea::{self, Sentence, TimeOfDay};
 use raim_firmware::output::schedule::{Due, Item, Schedule};
-use raim_firmware::output::{Motion, nic};
+use raim_firmware::output::{Interference, Motion, nic};
 use raim_firmware::publisher::Publisher;
 use raim_firmware::rates::{RateTally, Rates};
 use raim_firmware::raw::{Band, Carrier, RawEpoch, RawSignal};
@@ -112,6 +112,10 @@ fn wire() {
         Suspicions::hear as fn(_, _, _),
         Suspicions::age as fn(_, _),
         Suspicions::is_sure as fn(_) -> _,
+        Suspicions::confirms as fn(_, _, _) -> _,
+        Suspicions::authenticated as fn(_) -> _,
+        Suspicions::levels as fn(_) -> _,
+        Interference::of as fn(_) -> _,
         Suspicion::from_number as fn(_) -> _,
         (|counters| exhaust(Counters::iter(counters))) as fn(_),
         Band::frequency_hz as fn(_) -> _,
@@ -218,6 +222,7 @@ fn corrections() {
         Navigator::correct_utc as fn(_),
         Navigator::redate as fn(_, _) -> _,
         Navigator::distrust as fn(_, _),
+        Navigator::know_height as fn(_, _),
         Navigator::velocity as fn(_) -> _,
         Navigator::epoch as fn(_) -> _,
         Navigator::rate_tally as fn(_) -> _,

@@ -2,10 +2,10 @@
 //!
 //! | ring | bytes | holds |
 //! |---|---|---|
-//! | GNSS in | 4096 | more than the longest epoch (64 satellites with four signals: under 4 KB), a third of a second at 115,200 baud |
+//! | GNSS in | 4096 | more than the longest epoch (64 satellites with four signals: under 4 KB), a third of a second at 115,200 baud; half of both in an image with room for 32 satellites in a message |
 //! | host in | 256 | three commands |
 //! | host out | 2048 | three epochs of sentences |
-//! | log out | 1024 | a burst of twenty frames: a tenth of a second at 115,200 baud |
+//! | log out | 1024 | a burst of twenty frames: a tenth of a second at 115,200 baud; half of both in such an image |
 //!
 //! GNSS bytes enter with their arrival time. Bytes without room in a ring and bytes that were
 //! overrun in the port are lost, and counted together.
@@ -15,19 +15,23 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use raim_firmware::board::{HOST_OUT_BYTES, PortLosses};
 use raim_firmware::epoch_loop::WORTH_A_PASS_BYTES;
 use raim_firmware::outlet::Outlet;
+use raim_firmware::raw::EPOCH_CAPACITY;
 use raim_firmware::ring::Ring;
 use raim_firmware::timed_ring::{Taken, TimedRing};
 
 use super::time;
 
+/// Divisor of the rings that grow with an epoch.
+const SHARE: usize = if EPOCH_CAPACITY > 32 { 1 } else { 2 };
+
 /// Ring from the GNSS receiver.
-pub static GNSS_IN: TimedRing<4096, 64> = TimedRing::new();
+pub static GNSS_IN: TimedRing<{ 4096 / SHARE }, 64> = TimedRing::new();
 /// Ring from the host.
 pub static HOST_IN: Ring<256> = Ring::new();
 /// Ring to the host.
 pub static HOST_OUT: Ring<HOST_OUT_BYTES> = Ring::new();
 /// Ring to the reader of the log.
-pub static LOG_OUT: Ring<1024> = Ring::new();
+pub static LOG_OUT: Ring<{ 1024 / SHARE }> = Ring::new();
 
 static HOST_OVERRUNS: AtomicU32 = AtomicU32::new(0);
 

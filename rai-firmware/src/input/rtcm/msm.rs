@@ -37,6 +37,7 @@ use raim_core::satellite::SatelliteId;
 
 use super::signals;
 use crate::counters::count;
+use crate::ephemeris::{mul_high, scaled};
 use crate::input::bits::Bits;
 use crate::input::calendar::Calendar;
 use crate::input::protocol::Measurements;
@@ -45,8 +46,15 @@ use crate::input::{Counters, Measured, Ranges, Unread};
 use crate::raw::{Carrier, RawSignal};
 use crate::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, WEEK_MS};
 
-/// Metres of range in a step of levels 6 and 7, 2⁻²⁹ ms.
-const STEP_M: f64 = SPEED_OF_LIGHT_M_S * 1e-3 / (1 << 29) as f64;
+/// Metres of range in a step of levels 6 and 7, 2⁻²⁹ ms, in 2⁻⁷² m.
+const STEP_2_72: i64 = (((SPEED_OF_LIGHT_M_S as i128) << 43) / 1000) as i64;
+
+/// Returns the metres of a range in steps.
+///
+/// A multiplication of integers is a tenth of one of doubles here.
+fn range_m(steps: i64) -> f64 {
+    scaled(mul_high(steps << 24, STEP_2_72), -32)
+}
 
 /// Step of a cell's rate, m/s; the step of a satellite's rough rate is 1 m/s.
 const FINE_RATE_M_S: f32 = 1e-4;
@@ -193,7 +201,7 @@ impl Msm<'_> {
         let (rough, fine) = row.rough.zip(self.layout.fine(cell)).ok_or(Unused::Range)?;
         let channel = if self.system == System::Glonass { row.channel } else { 0 };
         let carrier = Carrier { band, channel };
-        let range = RawSignal::new(carrier, (rough + fine) as f64 * STEP_M);
+        let range = RawSignal::new(carrier, range_m(rough + fine));
         let signal = if signals::is_codeless(self.system, signal) {
             range.codeless()
         } else {
@@ -247,9 +255,11 @@ struct Layout<'a> {
     satellites: Mask,
     signals: Mask,
     cells: Mask,
-    /// First bits of the fields of the satellites, and of those of the cells.
-    rough_start: usize,
-    cell_start: usize,
+    /// First bits of the four fields of the satellites: whole milliseconds, extended information,
+    /// the part of one, rate.
+    satellite_starts: [usize; 4],
+    /// First bits of three fields of the cells: fine range, strength, rate.
+    cell_starts: [usize; 3],
 }
 
 /// Fields of one satellite.
@@ -275,20 +285,24 @@ impl<'a> Layout<'a> {
         let rough_start = CELL_MASK + grid;
         let cells = Mask::of(is_within(rough_start)?, CELL_MASK, grid);
         let widths = Widths::of(level);
-        let satellite = 8 + widths.extended + 10 + widths.satellite_rate;
-        let cell_start = rough_start + satellites.count() * satellite;
-        let cell = widths.fine + widths.between + widths.cn0 + widths.cell_rate;
-        let payload = is_within(cell_start + cells.count() * cell)?;
-        Some(Self { payload, widths, satellites, signals, cells, rough_start, cell_start })
+        // The counts are expensive, and the same for every satellite and cell.
+        let (rows, filled) = (satellites.count(), cells.count());
+        let extended_start = rough_start + rows * 8;
+        let part_start = extended_start + rows * widths.extended;
+        let satellite_rate_start = part_start + rows * 10;
+        let fine_start = satellite_rate_start + rows * widths.satellite_rate;
+        let cn0_start = fine_start + filled * (widths.fine + widths.between);
+        let rate_start = cn0_start + filled * widths.cn0;
+        let payload = is_within(rate_start + filled * widths.cell_rate)?;
+        let satellite_starts = [rough_start, extended_start, part_start, satellite_rate_start];
+        let cell_starts = [fine_start, cn0_start, rate_start];
+        Some(Self { payload, widths, satellites, signals, cells, satellite_starts, cell_starts })
     }
 
     /// Returns the fields of the `index`th satellite.
     fn row(&self, index: usize) -> Row {
         let (extended, rate) = (self.widths.extended, self.widths.satellite_rate);
-        let whole_start = self.rough_start;
-        let extended_start = whole_start + 8 * self.satellites.count();
-        let part_start = extended_start + extended * self.satellites.count();
-        let rate_start = part_start + 10 * self.satellites.count();
+        let [whole_start, extended_start, part_start, rate_start] = self.satellite_starts;
         let whole = self.payload.unsigned(whole_start + 8 * index, 8);
         let part = self.payload.unsigned(part_start + 10 * index, 10);
         let channel = match extended {
@@ -308,22 +322,22 @@ impl<'a> Layout<'a> {
     /// none.
     fn fine(&self, index: usize) -> Option<i64> {
         let width = self.widths.fine;
-        let steps = self.optional(self.cell_start + width * index, width)?;
+        let [start, ..] = self.cell_starts;
+        let steps = self.optional(start + width * index, width)?;
         Some(i64::from(steps << self.widths.fine_power))
     }
 
     /// Returns the carrier to noise density of the `index`th cell, dB-Hz; 0 if the message has
     /// none.
     fn cn0_dbhz(&self, index: usize) -> f32 {
-        let start = self.cell_start + self.cells.count() * (self.widths.fine + self.widths.between);
+        let [_, start, _] = self.cell_starts;
         let field = self.payload.unsigned(start + self.widths.cn0 * index, self.widths.cn0);
         field as f32 * self.widths.cn0_dbhz
     }
 
     /// Returns the range rate of a cell, m/s; `None` if the level or the message has none.
     fn rate_m_s(&self, row: &Row, cell: usize) -> Option<f32> {
-        let Widths { fine, between, cn0, cell_rate, .. } = self.widths;
-        let start = self.cell_start + self.cells.count() * (fine + between + cn0);
+        let (cell_rate, [.., start]) = (self.widths.cell_rate, self.cell_starts);
         let fine = self.optional(start + cell_rate * cell, cell_rate)?;
         Some(row.rate_m_s? as f32 + fine as f32 * FINE_RATE_M_S)
     }
@@ -373,5 +387,22 @@ impl Mask {
             left &= !(1_u64 << 63).checked_shr(position)?;
             Some(position as u8)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_those_of_the_speed_of_light() {
+        // From no time of travel to the longest of the message, and a fine range below zero.
+        let steps = (0..2_000_i64).map(|index| index * 68_719_477).chain([-524_287, (255 << 29) - 1]);
+        for steps in steps {
+            // Exact: 58 bits, and one rounding.
+            let want = (i128::from(steps) * 299_792_458) as f64 / (1000.0 * (1_u64 << 29) as f64);
+            let have = range_m(steps);
+            assert!((have - want).abs() <= 1.5e-8, "{steps}: {have}, not {want}");
+        }
     }
 }

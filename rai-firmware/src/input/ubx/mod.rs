@@ -4,13 +4,16 @@
 //! B5 62 | class, id | length u16 | payload | CK_A CK_B              all numbers with the low byte first
 //! ```
 //!
-//! | message | class, id | becomes |
 //! | message | class, id | content |
 //! |---|---|---|
 //! | RXM-RAWX | 02 15 | ranges of an epoch ([`rawx`]) |
 //! | RXM-SFRBX | 02 13 | pages of navigation messages; a complete set is an ephemeris ([`sfrbx`]) |
 //! | SEC-SIG | 27 09 | jamming and spoofing ([`security`]) |
+//! | SEC-SIGLOG | 27 10 | log of jamming and spoofing |
+//! | MON-RF | 0a 38 | jamming |
 //! | NAV-STATUS | 01 03 | spoofing, of receivers without SEC-SIG |
+//! | NAV-SIG | 01 43 | number of authenticated signals |
+//! | NAV-PL | 01 62 | protection levels of the receiver |
 //!
 //! These receivers send no ephemerides in RTCM, so that the bits are the only source of orbits.
 //! Enable at the receiver: `CFG-MSGOUT-UBX_RXM_RAWX`, `-UBX_RXM_SFRBX` and, if available,
@@ -71,8 +74,18 @@ fn read<'a>(
             count(&mut counters.subframes);
             Ok(told)
         }
-        [_, _, 0x27, 0x09, ..] => security::sec_sig(payload).map(Message::Jamming).map(Some),
-        [_, _, 0x01, 0x03, ..] => security::nav_status(payload).map(Message::Jamming).map(Some),
+        [_, _, class, id, ..] => {
+            let report = match (class, id) {
+                (0x27, 0x09) => security::sec_sig(payload),
+                (0x27, 0x10) => security::sec_siglog(payload),
+                (0x0A, 0x38) => security::mon_rf(payload),
+                (0x01, 0x03) => security::nav_status(payload),
+                (0x01, 0x43) => security::nav_sig(payload),
+                (0x01, 0x62) => security::nav_pl(payload),
+                _ => Err(Unread::Other),
+            };
+            report.map(Message::SelfReport).map(Some)
+        }
         _ => Err(Unread::Other),
     }
 }

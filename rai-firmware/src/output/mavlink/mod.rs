@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `HEARTBEAT` | 0 | state: active while protected, critical in an alert, else standby |
 //! | `GPS_INPUT` | 232 | position and velocity, or that there is no fix |
-//! | `GNSS_INTEGRITY` | 441 | use of the position, protection levels, jamming and spoofing |
+//! | `GNSS_INTEGRITY` | 441 | use of the position, protection levels, authentication, jamming and spoofing |
 //!
 //! Autopilots use `GPS_INPUT` as it is. Its fix type is therefore 3 only while the position is
 //! protected. Otherwise it is 1, or 0 without a position, and both have no coordinates. Its
@@ -14,7 +14,8 @@
 //!
 //! `GNSS_INTEGRITY` carries the protection levels in `raim_hfom` and `raim_vfom`, rounded up to a
 //! centimetre. Its layout is that of the dialect [`DIALECT`] and will change; only [`dialect`]
-//! depends on it. A protected epoch is `OK`. An alert or an unavailable epoch is `FAILED`, but
+//! depends on it. Its authentication state is `OK` while the receiver reports an authenticated signal,
+//! else `UNKNOWN`. A protected epoch is `OK`. An alert or an unavailable epoch is `FAILED`, but
 //! `UNKNOWN` without a fix; both figures are then invalid.
 //!
 //! References: [MAVLINK], the guide, `common.xml` and `development.xml`.
@@ -143,6 +144,7 @@ fn gnss_integrity(
     interference: Interference,
 ) -> Frame {
     const UNKNOWN: u64 = 0;
+    const AUTHENTICATED: u64 = 3;
     const OK: u64 = 2;
     const FAILED: u64 = 3;
     const SOFTWARE_ERROR: u64 = 4;
@@ -162,7 +164,7 @@ fn gnss_integrity(
             figure(levels_m.0),
             figure(levels_m.1),
             0,
-            0,
+            if interference.authenticated > Some(0) { AUTHENTICATED } else { UNKNOWN },
             u64::from(interference.jamming),
             u64::from(interference.spoofing),
             state,

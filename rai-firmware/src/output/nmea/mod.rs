@@ -3,8 +3,8 @@
 //! An epoch consists of these sentences, in this order and at the rates of [`super::schedule`]:
 //! `RMC`, `GGA`, `GNS`, `VTG`, `ZDA` (once a second), `GSA` (one for each system used, and another
 //! for each 12 further satellites), `GST`, and `GBS` (if there is redundancy). `PRAIS`, one `PRAIX`
-//! for each excluded satellite, `PRAIM` if ARAIM judged, and `PRAIN`, which ends the epoch, are
-//! always sent.
+//! for each excluded satellite, `PRAIM` if ARAIM judged, `PRAIH` if a height is known, `PRAIE` if the receiver reports on its
+//! own signals, and `PRAIN`, which ends the epoch, are always sent.
 //!
 //! | verdict | navigational status of `GNS` | fix mode of `GSA` | state of `PRAIS` |
 //! |---|---|---|---|
@@ -43,6 +43,7 @@ use super::Statement;
 use super::schedule::{Due, Item};
 use crate::time::GpsTime;
 
+mod digits;
 mod flow;
 mod position;
 mod proprietary;
@@ -88,6 +89,10 @@ pub fn write_epoch<W: Write, const N: usize>(
     if let Some(separation) = &statement.report.araim {
         proprietary::write_separation(separation, time, out)?;
     }
+    if let Some(height) = &statement.report.height {
+        proprietary::write_height(height, time, out)?;
+    }
+    proprietary::write_evidence(&statement.interference, time, out)?;
     proprietary::write_settings_and_interference(statement, time, out)
 }
 

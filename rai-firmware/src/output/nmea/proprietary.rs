@@ -5,6 +5,8 @@
 //! | `PRAIS` | time, state, reason, satellites tracked, used, degrees of freedom, statistic, threshold, HPL, VPL, HAL, VAL |
 //! | `PRAIX` | time, number of exclusions, satellite, w-test, bias |
 //! | `PRAIM` | time, monitored modes, probability of unmonitored faults, EMT, σ of the height for accuracy, mode that dominates the vertical level, share of the risk |
+//! | `PRAIH` | time, use of the known height, its difference to the satellites |
+//! | `PRAIE` | time, authenticated signals, frame of the receiver's levels, its three levels, coefficient and power of ten of its risk |
 //! | `PRAIN` | time, hash of the settings, NIC, jamming, spoofing |
 //! | `PRAIL` | bytes lost at the GNSS port and at the host port, frames refused, epochs late; since start |
 //! | `PRAIV` | version, git, reset cause, self-test |
@@ -22,12 +24,15 @@
 
 use embedded_io::Write;
 use heapless::String;
-use raim_core::report::{Alert, AraimReport, DominantMode, Protected, Report, Unavailable, Verdict};
+use raim_core::report::{
+    Alert, AraimReport, DominantMode, HeightReport, Protected, Report, Unavailable, Verdict,
+};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
 
 use super::{Sentence, TimeOfDay, write_sentence};
-use crate::output::{Statement, nic};
+use crate::input::ReceiverLevels;
+use crate::output::{Interference, Statement, nic};
 
 /// Largest statistic that is written.
 const MAX_STATISTIC: f64 = 99_999.0;
@@ -175,6 +180,52 @@ pub(super) fn write_settings_and_interference<W: Write, const N: usize>(
         .integer(u32::from(nic::category(statement.levels_m().0.filter(|_| bounds))), 1)
         .integer(u32::from(statement.interference.jamming), 1)
         .integer(u32::from(statement.interference.spoofing), 1);
+    write_sentence(&mut sentence, out)
+}
+
+/// Writes `PRAIH`: the use of a known height, and its difference to the satellites alone.
+pub(super) fn write_height<W: Write>(
+    height: &HeightReport,
+    time: TimeOfDay,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let usage = match height {
+        HeightReport { is_used: false, .. } => "X",
+        HeightReport { is_needed: true, .. } => "N",
+        HeightReport { .. } => "U",
+    };
+    let mut sentence = Sentence::new("PRAIH");
+    sentence.time(Some(time)).text(usage).number(height.difference_m, 1, 9);
+    write_sentence(&mut sentence, out)
+}
+
+/// Writes `PRAIE`: what the receiver reports of its own signals beside interference. Nothing is
+/// written while it reports nothing.
+pub(super) fn write_evidence<W: Write>(
+    interference: &Interference,
+    time: TimeOfDay,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let Interference { authenticated, levels, .. } = *interference;
+    if authenticated.is_none() && levels.is_none() {
+        return Ok(());
+    }
+    let mut sentence = Sentence::new("PRAIE");
+    sentence.time(Some(time)).optional(authenticated.map(f64::from), 0, 3);
+    match levels {
+        Some(ReceiverLevels { frame, axes_mm, risk: (coefficient, exponent) }) => {
+            sentence.integer(frame.into(), 1);
+            for level_mm in axes_mm {
+                sentence.number(f64::from(level_mm) * 1e-3, 3, 11);
+            }
+            sentence.integer(coefficient.into(), 1).number(exponent.into(), 0, 4);
+        }
+        None => {
+            for _ in 0..6 {
+                sentence.empty();
+            }
+        }
+    }
     write_sentence(&mut sentence, out)
 }
 

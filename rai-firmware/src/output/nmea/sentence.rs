@@ -13,6 +13,7 @@ use heapless::Vec;
 use raim_core::satellite::SatelliteId;
 
 use super::TimeOfDay;
+use super::digits::{Digits, LOW_DIGITS, split};
 use crate::division::divided;
 
 /// Longest sentence, `$` and CR LF included ([NMEA-0183] v4.11 §5.3).
@@ -100,14 +101,6 @@ fn nearest_integer(value: f64) -> Option<u64> {
     is_within.then(|| (value + BESIDE).to_bits() - BESIDE.to_bits())
 }
 
-/// Number of digits in the lower part of a split number.
-const LOW_DIGITS: usize = 9;
-
-/// Splits off the last nine digits.
-fn split(value: u64) -> (u64, u32) {
-    divided(value, SCALE[LOW_DIGITS])
-}
-
 /// Returns the number of digits of a number.
 fn digits(value: u64) -> usize {
     match split(value) {
@@ -163,9 +156,9 @@ impl Sentence {
 
     /// Appends a whole number, with leading zeros up to `width` digits.
     pub fn integer(&mut self, value: u32, width: usize) -> &mut Self {
-        self.push_one(b',');
-        self.push_digits(u64::from(value), width);
-        self
+        let mut digits = Digits::new();
+        digits.number(u64::from(value), width);
+        self.field(digits)
     }
 
     /// Appends eight hexadecimal digits.
@@ -177,11 +170,7 @@ impl Sentence {
     /// Appends a number with as many decimals, up to `decimals`, as fit into `width` characters.
     /// The field is empty if its whole part does not fit or the number is not finite.
     pub fn number(&mut self, value: f64, decimals: usize, width: usize) -> &mut Self {
-        self.push_one(b',');
-        if let Some(fixed) = Fixed::fitting(value, decimals, width) {
-            self.push_fixed(fixed);
-        }
-        self
+        self.fixed(Fixed::fitting(value, decimals, width))
     }
 
     /// Appends a number as [`Sentence::number`], or an empty field for `None`.
@@ -195,15 +184,12 @@ impl Sentence {
     /// Appends a probability in plain decimals, at most nine, without trailing zeros, because
     /// readers do not accept exponents.
     pub fn probability(&mut self, value: f64) -> &mut Self {
-        self.push_one(b',');
-        if let Some(mut fixed) = Fixed::new(value, SCALE.len() - 1) {
-            while fixed.decimals > 1 && fixed.fraction.is_multiple_of(10) {
-                fixed.fraction /= 10;
-                fixed.decimals -= 1;
-            }
-            self.push_fixed(fixed);
+        let Some(mut fixed) = Fixed::new(value, SCALE.len() - 1) else { return self.empty() };
+        while fixed.decimals > 1 && fixed.fraction.is_multiple_of(10) {
+            fixed.fraction /= 10;
+            fixed.decimals -= 1;
         }
-        self
+        self.fixed(Some(fixed))
     }
 
     /// Appends `hhmmss.ss`, or an empty field.
@@ -219,11 +205,12 @@ impl Sentence {
         let Some(minutes) = Fixed::new(degrees * 60.0, 7) else { return self.empty().empty() };
         // 180° is 10,800 minutes, which fits into 32 bits.
         let whole_minutes = minutes.whole as u32;
-        self.push_one(b',');
-        self.push_digits(u64::from(whole_minutes / 60), degree_digits);
-        self.push_digits(u64::from(whole_minutes % 60), 2);
-        self.push_one(b'.');
-        self.push_digits(u64::from(minutes.fraction), 7);
+        let mut digits = Digits::new();
+        digits.low(minutes.fraction, 7);
+        digits.put(b'.');
+        digits.low(whole_minutes % 60, 2);
+        digits.low(whole_minutes / 60, degree_digits);
+        self.field(digits);
         let [positive, negative] = hemispheres;
         self.ready(if minutes.negative { negative } else { positive }.as_bytes())
     }
@@ -237,11 +224,11 @@ impl Sentence {
 
     /// Appends a satellite as in RINEX: `G05`.
     pub fn satellite(&mut self, satellite: SatelliteId) -> &mut Self {
-        self.push_one(b',');
         let (letter, number) = satellite.name();
-        self.push_one(letter as u8);
-        self.push_digits(u64::from(number), 2);
-        self
+        let mut digits = Digits::new();
+        digits.low(u32::from(number), 2);
+        digits.put(letter as u8);
+        self.field(digits)
     }
 
     /// Appends a satellite's number in the numbering of [NMEA-0183] v4.11, which needs a system id.
@@ -276,42 +263,30 @@ impl Sentence {
         !self.overflown && self.bytes.len() + ENDING <= MAX_LENGTH
     }
 
-    fn push_fixed(&mut self, fixed: Fixed) {
-        if fixed.negative {
-            self.push_one(b'-');
-        }
-        self.push_digits(fixed.whole, 1);
+    /// Appends a rounded number, or an empty field for `None`.
+    fn fixed(&mut self, fixed: Option<Fixed>) -> &mut Self {
+        let Some(fixed) = fixed else { return self.empty() };
+        let mut digits = Digits::new();
         if fixed.decimals > 0 {
-            self.push_one(b'.');
-            self.push_digits(u64::from(fixed.fraction), fixed.decimals);
+            digits.low(fixed.fraction, fixed.decimals);
+            digits.put(b'.');
         }
+        digits.number(fixed.whole, 1);
+        if fixed.negative {
+            digits.put(b'-');
+        }
+        self.field(digits)
     }
 
-    /// Writes the digits of a number, with leading zeros up to `width`.
-    // Not inlined, nor are the two functions below: they have many callers, and flash is scarcer
-    // than time here.
-    #[inline(never)]
-    fn push_digits(&mut self, value: u64, width: usize) {
-        let (high, mut low) = split(value);
-        let mut width = width.max(1);
-        if high > 0 {
-            self.push_digits(high, width.saturating_sub(LOW_DIGITS));
-            width = LOW_DIGITS;
-        }
-        // Fills from the last digit; nine is the size of the lower part, and of the widest field.
-        let mut written = [b'0'; LOW_DIGITS];
-        let mut first = LOW_DIGITS;
-        for digit in written.iter_mut().rev() {
-            if low == 0 && LOW_DIGITS - first >= width {
-                break;
-            }
-            *digit += (low % 10) as u8;
-            low /= 10;
-            first -= 1;
-        }
-        self.push(written.get(first..).unwrap_or_default());
+    /// Appends a field of digits.
+    fn field(&mut self, mut digits: Digits) -> &mut Self {
+        digits.put(b',');
+        self.push(digits.text());
+        self
     }
 
+    // Not inlined, nor is the function below: they have many callers, and flash is scarcer than
+    // time here.
     #[inline(never)]
     fn push_one(&mut self, byte: u8) {
         self.overflown |= self.bytes.push(byte).is_err();

@@ -10,6 +10,7 @@
 //! `GST` is that of the residuals.
 
 use embedded_io::Write;
+use raim_core::numeric::sqrt;
 use raim_core::report::{Report, Solution, Suspect};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::SatelliteId;
@@ -107,7 +108,7 @@ pub(super) fn write_errors<W: Write, const N: usize>(
 /// Returns the standard deviations of latitude, longitude and height, m.
 fn standard_deviations(solution: &Solution) -> [f64; 3] {
     let [east, _, _, north, _, up] = solution.covariance_m2;
-    [north, east, up].map(|variance| f64::from(libm::sqrtf((variance as f32).max(0.0))))
+    [north, east, up].map(|variance| f64::from(sqrt((variance as f32).max(0.0))))
 }
 
 /// Ellipse of one standard deviation in the horizontal plane.
@@ -125,9 +126,9 @@ impl ErrorEllipse {
     fn new(solution: &Solution) -> Self {
         let [east, covariance, _, north, _, _] = solution.covariance_m2.map(|element| element as f32);
         let (mean, difference) = (0.5 * (north + east), 0.5 * (north - east));
-        let spread = libm::sqrtf(difference * difference + covariance * covariance);
+        let spread = sqrt(difference * difference + covariance * covariance);
         let orientation_deg = libm::atan2f(covariance, difference) * (90.0 / core::f32::consts::PI);
-        let axis = |variance: f32| f64::from(libm::sqrtf(variance.max(0.0)));
+        let axis = |variance: f32| f64::from(sqrt(variance.max(0.0)));
         Self {
             semi_major_m: axis(mean + spread),
             semi_minor_m: axis(mean - spread),

@@ -49,7 +49,7 @@ fn statement<'r>(report: &'r Report<CAPACITY>, requirements: &'r Requirements) -
         gps_minus_utc_s: GPS_MINUS_UTC_S,
         requirements,
         motion: None,
-        interference: Interference { jamming: 1, spoofing: 0 },
+        interference: Interference { jamming: 1, spoofing: 0, ..Interference::default() },
         settings_hash: 0x0123_ABCD,
     }
 }
@@ -107,6 +107,7 @@ fn report() -> Report<CAPACITY> {
         test: Some(TestStatistic { statistic: 0.912, threshold: 1.873, dof: 11 }),
         protection: Some(ProtectionLevels { hpl_m: 12.34, vpl_m: 18.26 }),
         excluded: Fixed::new(),
+        excluded_constellations: 0,
         suspect: Some(Suspect {
             satellite: satellite(Constellation::Beidou, 23),
             w_test: 1.5,
@@ -117,6 +118,7 @@ fn report() -> Report<CAPACITY> {
         residual_rms_m: 0.9,
         tracked: 17,
         araim: None,
+        height: None,
         sigma_check: None,
     }
 }

@@ -70,11 +70,13 @@ prop_compose! {
             test: test.map(|(statistic, threshold, dof)| TestStatistic { statistic, threshold, dof }),
             protection: protection.map(|(hpl_m, vpl_m)| ProtectionLevels { hpl_m, vpl_m }),
             excluded: excluded.into_iter().collect(),
+            excluded_constellations: 0,
             suspect,
             used: used.into_iter().collect(),
             residual_rms_m,
             tracked,
             araim: None,
+            height: None,
             sigma_check: None,
         }
     }

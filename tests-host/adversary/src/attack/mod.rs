@@ -22,6 +22,7 @@
 //! | [`reflections`] | all low satellites of one side late |
 //! | [`shifted_system`] | all satellites of a system wrong at once, in agreement |
 //! | [`two_truths`] | counterfeit signals of one system beside genuine ones of another |
+//! | [`broken_system`] | more satellites of one system wrong than an exclusion may take |
 //! | [`poor_ranges`] | all ranges noisier than their sigmas, beside wrong orbits, or rounded |
 //! | [`early_ephemeris`] | ephemerides that are hours early, and crowds of absent satellites |
 //! | [`ionosphere`] | one frequency under a dense ionosphere; forged coefficients |
@@ -29,6 +30,7 @@
 //! | [`held_back`] | epochs that a line delays more and more; a recording that is replayed |
 //! | [`false_rates`] | range rates with the wrong sign, and random range rates |
 //! | [`rates_apart`] | ranges that move while their rates do not; a counterfeit sky after a silence |
+//! | [`repeater`] | all ranges longer by one delay, without range rates |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`forged_frames`] | frames with another time, week or place, or other leap seconds |
 //! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it; the end of a cycle of weeks |
@@ -41,6 +43,8 @@
 //! | [`learned_sigmas`] | sigmas learned in quiet minutes, used for ranges these do not describe |
 //! | [`wrong_tags`] | time tags wrong by milliseconds, every method and policy, and sigmas that learn from them |
 //! | [`suspicions`] | a receiver that detects counterfeit signals, and messages that could cancel its warning |
+//! | [`alike_strengths`] | signals of one strength, as one antenna sends them |
+//! | [`wrong_height`] | a height of the host that is wrong or drifts, and a sky that rises away from it |
 //! | [`unsaid_delays`] | group delays that the navigation message does not carry |
 //! | [`unsaid_strength`] | noisy signals whose strength the receiver does not report |
 //! | [`upheaval`] | leaps of place and time, a failing line, wrong ranges and commands, all at random |
@@ -50,6 +54,8 @@
 pub mod tally;
 pub mod victim;
 
+mod alike_strengths;
+mod broken_system;
 mod clock_ramp;
 mod doubled_satellite;
 mod early_ephemeris;
@@ -70,6 +76,7 @@ mod poor_ranges;
 mod rates_apart;
 mod recordings;
 mod reflections;
+mod repeater;
 mod second_frequency;
 mod settings;
 pub mod several_faults;
@@ -83,6 +90,7 @@ mod unsaid_delays;
 mod unsaid_strength;
 mod upheaval;
 mod week_edge;
+mod wrong_height;
 mod wrong_tags;
 
 use anyhow::Result;
@@ -135,6 +143,7 @@ pub const ATTACKS: &[&Attack] = &[
     &shifted_system::WHOLE,
     &shifted_system::FEW,
     &two_truths::ATTACK,
+    &broken_system::ATTACK,
     &poor_ranges::NOISE,
     &poor_ranges::ORBITS,
     &poor_ranges::ROUNDED,
@@ -156,6 +165,7 @@ pub const ATTACKS: &[&Attack] = &[
     &rates_apart::WALK,
     &rates_apart::DRAG,
     &rates_apart::SILENCE,
+    &repeater::ATTACK,
     &odd_ranges::APART,
     &odd_ranges::WEEK,
     &forged_frames::MOVED,
@@ -183,6 +193,10 @@ pub const ATTACKS: &[&Attack] = &[
     &wrong_tags::BRIEFLY,
     &wrong_tags::LEARNED,
     &suspicions::ATTACK,
+    &alike_strengths::ATTACK,
+    &wrong_height::WRONG,
+    &wrong_height::RISING,
+    &wrong_height::RAMPS,
     &unsaid_delays::ATTACK,
     &unsaid_strength::ATTACK,
     &upheaval::ATTACK,

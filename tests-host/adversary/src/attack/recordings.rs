@@ -45,7 +45,7 @@ const AVAILABLE: f64 = 0.999;
 const URBAN_BEYOND: f64 = 0.01;
 
 /// Stations, and the systems sent of each.
-const STATIONS: [(&Station, &str); 5] =
+pub(super) const STATIONS: [(&Station, &str); 5] =
     [(&ESBC, "GCE"), (&DGAR, "G"), (&STATIC_BASE, "GCE"), (&TLSE, "GCE"), (&KMS3, "GCE")];
 
 /// Returns the figure that reports missing recordings.

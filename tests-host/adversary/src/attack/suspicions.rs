@@ -4,6 +4,9 @@
 //! The messages are: one of another kind with less knowledge; one of the same kind from a receiver
 //! that has restarted and does not know; and a single denial without a later one.
 //!
+//! A warning that suspects spoofing, and nothing more, is no reason to withdraw anything: a receiver
+//! at rest repeated it in a clean sky for ten minutes.
+//!
 //! The sky itself is healthy, so only the receiver's warning contradicts the promise.
 
 use anyhow::Result;
@@ -23,10 +26,13 @@ pub(super) const ATTACK: Attack = Attack {
 };
 
 /// Epochs before the warning, during it, and after the receiver withdraws it.
-const EPOCHS: [usize; 3] = [10, 20, 10];
+const EPOCHS: [usize; 3] = [10, 20, 20];
 
 /// Epochs for which the satellites must agree after an alert, at start.
 const RECOVER: f64 = 3.0;
+
+/// Epochs after a certainty for which nothing is promised.
+const AFTER: f64 = 10.0;
 
 /// Returns SEC-SIG, version 2: jamming detection on, without jamming; spoofing detection on, in the
 /// given state.
@@ -72,20 +78,47 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
         figures.push(Figure::at_least(format!("`SPOOFED` then{name}"), alerts as f64, EPOCHS[1] as f64));
         if commands.is_empty() {
             figures.push(Figure::at_least("promised before", before.promised as f64, EPOCHS[0] as f64));
-            figures.push(Figure::at_least("epochs to recover after", until_promised as f64, RECOVER));
+            figures.push(Figure::at_least("epochs to recover after", until_promised as f64, AFTER + RECOVER));
             figures.push(Figure::at_least("promised after", after.promised as f64, 1.0));
         }
     }
     let (promised, alerts) = begun_anew()?;
     figures.push(Figure::at_most("promised once it does not know any more", promised, 0.0));
     figures.push(Figure::at_least("`SPOOFED` then", alerts, 20.0));
-    figures.push(Figure::at_most("s for which one word of none holds", word_of_none_s()?, 61.0));
+    figures.push(Figure::at_most("s for which one word of none holds", word_of_none_s()?, 4.0));
     figures.push(Figure::at_least(
         "promised after one word of it and `FORGET`",
         forgotten()?,
         20.0 - RECOVER,
     ));
+    figures.push(Figure::at_least("promised of 30 while it suspects", suspected(&[])?, 30.0));
+    figures.push(Figure::at_least(
+        "promised of 30 with `SPOOFFLAG,SAY` while it is sure",
+        said_only()?,
+        30.0,
+    ));
     Ok(figures)
+}
+
+/// Returns the promised epochs of thirty in which the receiver suspects spoofing and jamming.
+fn suspected(commands: &[&str]) -> Result<f64> {
+    promised_during(commands, &ubx::frame([0x27, 0x09], &[2, 0b0010_1101, 0, 0]))
+}
+
+/// Returns the promised epochs of thirty in which the receiver is sure, and its word is only
+/// reported.
+fn said_only() -> Result<f64> {
+    promised_during(&["SPOOFFLAG,SAY"], &of_both(3))
+}
+
+/// Returns the promised epochs of thirty with a message before each of them.
+fn promised_during(commands: &[&str], message: &[u8]) -> Result<f64> {
+    let sky = Sky::quiet(30, 1)?;
+    let (mut victim, mut tally) = (Victim::new(commands, 1.0)?, Tally::default());
+    for bytes in sky.bytes(|_, _| {})? {
+        tally.add_all(&victim.hear(&[message, &bytes].concat(), sky.truth)?);
+    }
+    Ok(tally.promised as f64)
 }
 
 /// Returns promised epochs and alerts of twenty in which SEC-SIG has spoofing detection off, after

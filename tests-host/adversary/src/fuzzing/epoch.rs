@@ -50,7 +50,7 @@ fn monitor<T: Real>(tape: &mut Tape<'_>) {
     while !tape.is_over() {
         if tape.byte() < 64 {
             strategy = self::strategy(tape);
-            monitor.set_strategy(strategy);
+            monitor.set_strategy(strategy).expect("every method is built in");
         }
         if tape.byte() < 16 {
             monitor.start_from(point(tape));

@@ -77,5 +77,5 @@ fn errors(outcome: &Outcome) -> Result<String> {
     let every = moments.len().div_ceil(MOMENTS).max(1);
     let shown = moments.iter().step_by(every).cloned().map(|moment| Moment { hal_m: None, ..moment });
     let shown: Vec<Moment> = shown.collect();
-    stanford::horizontal(&shown, Ground::Page)
+    stanford::horizontal(&shown, stanford::WIDTH_PX, Ground::Page)
 }

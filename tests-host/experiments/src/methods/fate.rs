@@ -124,7 +124,7 @@ pub(super) fn of_scene(scene: &Scene) -> Vec<Option<Judged>> {
 
 fn monitor(scene: &Scene, method: Method) -> Monitor<f32, CAPACITY> {
     let mut monitor = Monitor::new(Requirements::non_precision_approach()).expect("a preset");
-    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC });
+    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC }).expect("every method is built in");
     monitor.disable_continuity();
     monitor.start_from(scene.site);
     monitor

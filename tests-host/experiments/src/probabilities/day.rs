@@ -129,7 +129,7 @@ impl Day<'_> {
         let chunk = |&start: &usize| {
             let mut monitor = Monitor::<f32, CAPACITY>::new(self.requirements)?;
             // The level of the papers, whose misleading epochs theory predicts.
-            monitor.set_strategy(Strategy { levels: Levels::Slope, ..Strategy::CLASSIC });
+            monitor.set_strategy(Strategy { levels: Levels::Slope, ..Strategy::CLASSIC })?;
             monitor.disable_continuity();
             let mut tally = Tally::default();
             for number in start..(start + CHUNK).min(self.epochs) {

@@ -172,7 +172,7 @@ fn watched(site: &Site, constellations: usize, counts: &[usize], skies: u64) -> 
 /// Returns a monitor that judges each epoch independently, about a start.
 fn monitor(requirements: Requirements, method: Method) -> Result<Monitor<f32, CAPACITY>> {
     let mut monitor = Monitor::new(requirements)?;
-    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC });
+    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC })?;
     Ok(monitor)
 }
 

@@ -8,6 +8,7 @@
 //! | skies of six to forty satellites | [`skies`] |
 //! | risk that a level lets pass, over every size of the fault | [`worst`] |
 //! | the same for the whole monitor, by every method | [`every_method`] |
+//! | detection and exclusion at the edge of availability | [`edge`] |
 //! | a day of positions with errors above their promise | [`day`], [`disc`] |
 //!
 //! Rates are multiples of the required probability, so 1 is exact. Every interval is one of 95 %,
@@ -16,6 +17,7 @@
 
 mod day;
 mod disc;
+pub(super) mod edge;
 mod every_method;
 mod geometry;
 mod sampling;
@@ -186,8 +188,9 @@ fn days(effort: Effort, site: Site, bar: &ProgressBar) -> Result<(Vec<Section>, 
         "The worst-case bias in every epoch, alert limit {TIGHT_M} m; one epoch a minute, and every misleading one. \
          What is detected and left out stands at the left; a misleading epoch stands to the right of the diagonal."
     );
-    let picture =
-        Picture::draw("probabilities-stanford", &caption, |ground| stanford::horizontal(&moments, ground))?;
+    let picture = Picture::draw("probabilities-stanford", &caption, |ground| {
+        stanford::horizontal(&moments, stanford::WIDTH_PX, ground)
+    })?;
     Ok((sections, picture))
 }
 

@@ -31,6 +31,7 @@ use raim_core::integrity::raim::levels::{KFactors, LevelInputs, Levels};
 use raim_core::least_squares::Workspace;
 use raim_core::numeric::probability::Probability;
 use raim_core::report::ProtectionLevels;
+use raim_core::requirements::Requirements;
 use rayon::prelude::*;
 
 use super::CAPACITY;
@@ -163,6 +164,13 @@ fn of_geometry(
         }
     }
     Ok(worst)
+}
+
+/// Returns the largest horizontal risk over every size of the fault with `BOUND`, over the required
+/// probability of missed detection of a non-precision approach.
+pub(super) fn horizontal_risk(geometry: &Geometry, thresholds: &Thresholds<'_>) -> Result<f64> {
+    let missed = Requirements::non_precision_approach().missed_detection.get();
+    Ok(of_geometry(geometry, thresholds, Levels::Bound, missed)?.horizontal)
 }
 
 /// Fault-free risk that a level has to bound.

@@ -1,40 +1,64 @@
-//! Memory of the shipped image: flash and statics from the file, the stack from a run.
+//! Memory of the named images: flash and statics from the file, the stack from a run.
 //!
 //! The stack is painted at start. The image logs how much paint is gone with its first epoch and
 //! with every sixtieth after it. The run takes the most expensive paths through the program: 40
-//! satellites, three faults, every method in turn.
+//! satellites, three faults, every method in turn. An image without a method refuses its command
+//! and continues with the one before.
 
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
 use super::figure::Figure;
 use super::stages::METHODS;
 use super::workload::{Stream, Wrong};
 use crate::board::EmulatedBoard;
-use crate::image::{self, Image};
+use crate::image::{Image, NAMED, Named};
 
 const PATIENCE: Duration = Duration::from_mins(1);
 const POLICIES: [&str; 3] = ["TOP", "T2", "T1"];
 /// Number of epochs until the image logs the stack again.
 const EPOCHS: u32 = 61;
+/// Bytes at the end of the stack that no access may reach.
+const GUARD_BYTES: u64 = 512;
 
-/// Measures flash, static RAM and stack of the shipped image, bytes.
+/// Measured memory of an image, bytes.
+pub const QUANTITIES: [&str; 3] = ["flash", "static RAM", "stack high water"];
+
+/// Returns the name of an image's figure.
+pub fn figure_name(named: &Named, quantity: &str) -> String {
+    format!("image `{}`: {quantity}, bytes", named.name)
+}
+
+/// Measures flash, static RAM and stack of the named images, bytes.
 ///
 /// # Errors
-/// If the image does not build or the board does not answer.
+/// If an image does not build, exceeds its limits, or does not answer.
 pub fn measure() -> Result<Vec<Figure>> {
-    let path = image::build()?;
+    let figures = NAMED.iter().map(measure_image).collect::<Result<Vec<_>>>()?;
+    Ok(figures.concat())
+}
+
+fn measure_image(named: &Named) -> Result<Vec<Figure>> {
+    let path = named.build()?;
     let image = Image::open(&path)?;
-    let small = Image::open(&image::build_small()?)?;
-    let figure = |name: &str, value, target| Figure { name: name.to_owned(), value, target: Some(target) };
-    Ok(vec![
-        figure("flash, bytes", image.flash_bytes, 160 * 1024),
-        figure("static RAM, bytes", image.static_ram_bytes, 32 * 1024),
-        figure("stack high water, bytes", stack_bytes(&path)?, 12 * 1024),
-        figure("image of RTCM and classic RAIM alone: flash, bytes", small.flash_bytes, 96 * 1024),
-        figure("image of RTCM and classic RAIM alone: static RAM, bytes", small.static_ram_bytes, 32 * 1024),
-    ])
+    let findings = named.findings(&image);
+    ensure!(findings.is_empty(), "{}", findings.join("; "));
+    let stack = stack_bytes(&path)?;
+    let reserved = named.stack_bytes - GUARD_BYTES;
+    ensure!(stack <= reserved, "image `{}` used {stack} bytes of stack, more than {reserved}", named.name);
+    let values = [
+        (image.flash_bytes, named.flash_kib * 1024),
+        (image.static_ram_bytes, named.ram_kib * 1024 - named.stack_bytes),
+        (stack, reserved),
+    ];
+    let figures = QUANTITIES.iter().zip(values);
+    let figure = |(quantity, (value, most)): (&&str, (u64, u64))| Figure {
+        name: figure_name(named, quantity),
+        value,
+        target: Some(most),
+    };
+    Ok(figures.map(figure).collect())
 }
 
 fn stack_bytes(image: &std::path::Path) -> Result<u64> {

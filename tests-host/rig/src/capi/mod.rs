@@ -80,11 +80,15 @@ pub fn library(kind: Kind, features: &str) -> anyhow::Result<PathBuf> {
     kept(&mut cargo, &folder, &Path::new("debug").join(name), features)
 }
 
+/// Features of the library of a host: all that the module can do.
+pub const WHOLE: &str = "whole,satellites-48";
+
 /// Builds the library of a board's processor, as it ships, and returns its path.
 ///
 /// # Errors
 /// As [`library`].
-pub fn library_for(machine: Machine, features: &str) -> anyhow::Result<PathBuf> {
+pub fn library_for(machine: Machine) -> anyhow::Result<PathBuf> {
+    let features = &format!("{WHOLE},panic-handler");
     let folder = root().join(match machine {
         Machine::Stm32f405 => "target/capi",
         Machine::Mps2An500 => "target/mps2_an500",

@@ -13,7 +13,7 @@ use std::process::Command;
 use anyhow::{Context as _, Result, ensure};
 
 use super::calls::{Answer, Calls, answers};
-use super::{Kind, Optimised, Processor, folder, library, library_for, library_of, run};
+use super::{Kind, Optimised, Processor, WHOLE, folder, library, library_for, library_of, run};
 use crate::board::Machine;
 
 /// Warnings that a careful C programmer turns on.
@@ -89,7 +89,7 @@ pub fn on_host(calls: &Calls, language: Language, flags: &[&str], out: &Path) ->
     link.arg(object(language.host_compiler(), language, flags, "calls.c", out)?);
     // The machine's own part is C, whatever the language of the program.
     link.arg(object("gcc", Language::C, flags, "host.c", out)?)
-        .arg(library(Kind::Static, "whole")?)
+        .arg(library(Kind::Static, WHOLE)?)
         .args(SYSTEM);
     run(&mut link)?;
     std::fs::write(out.join("calls.bin"), calls.as_bytes())?;
@@ -102,7 +102,7 @@ pub fn on_host(calls: &Calls, language: Language, flags: &[&str], out: &Path) ->
 /// # Errors
 /// If something does not compile, the emulator is missing, or the program fails.
 pub fn on_board(calls: &Calls, machine: Machine, language: Language, out: &Path) -> Result<Vec<Answer>> {
-    run_on(calls, machine, language, &[], &library_for(machine, "whole,panic-handler")?, out)
+    run_on(calls, machine, language, &[], &library_for(machine)?, out)
 }
 
 /// Makes the calls on the first board, with the smallest library for this many satellites: classic
@@ -112,11 +112,12 @@ pub fn on_board(calls: &Calls, machine: Machine, language: Language, out: &Path)
 /// As [`on_board`].
 pub fn classic_on_board(calls: &Calls, satellites: u8, out: &Path) -> Result<Vec<Answer>> {
     let (feature, definition) = match satellites {
-        48 => (String::new(), "-DRAI_SATELLITES=48".to_owned()),
-        fewer => (format!("satellites-{fewer}"), format!("-DRAI_SATELLITES_{fewer}")),
+        48 => ("satellites-48", "-DRAI_SATELLITES=48"),
+        32 => ("satellites-32", "-DRAI_SATELLITES_32"),
+        _ => ("", "-DRAI_SATELLITES_16"),
     };
-    let library = library_of(&feature, Optimised::Size, Processor::OfBoards)?;
-    run_on(calls, Machine::Stm32f405, Language::C, &["-DMONITOR_ALONE", &definition], &library, out)
+    let library = library_of(feature, Optimised::Size, Processor::OfBoards)?;
+    run_on(calls, Machine::Stm32f405, Language::C, &["-DMONITOR_ALONE", definition], &library, out)
 }
 
 fn run_on(

@@ -28,11 +28,14 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
 use raim::page::Moment;
+use raim::page::report::{Happened, Journal};
+use raim::replay;
 use raim::sentence::{self, EpochOutput};
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::fault::{Fault, Injector, Kind, Target};
 use raim::signal::sky::raw::Simulation;
 use raim::signal::sky::{Site, sights};
+use raim_core::frame::Enu;
 use raim_core::satellite::SatelliteId;
 
 pub use live::{Live, View};
@@ -128,13 +131,22 @@ impl Plan {
         let mut module = Module::start(image)?;
         let (mut moments, mut ordinary) = (Vec::new(), Vec::new());
         let pin_at_boot = module.board.pin_is_high();
+        // The same firmware in process: the sentences of the board have no residuals and no
+        // directions.
+        let mut twin = replay::Module::start(&[])?;
+        twin.watch();
+        let mut journal = Journal::default();
         let mut accepter = Accepter::new(MASK_DEG.to_radians());
         let epochs = Injector::new(recording.epochs.into_iter(), vec![self.fault()]);
         for (index, epoch) in (0_u32..).zip(epochs) {
             let bytes = encoder.epoch(&epoch)?;
             let said = module.judge(&bytes).with_context(|| format!("epoch {index}"))?;
             ordinary.extend(accepter.hear(&bytes, f64::from(index), &simulation.site));
-            moments.push(moment(f64::from(index), &said, module.board.pin_is_high(), &simulation.site));
+            let (time_s, pin_is_high) = (f64::from(index), module.board.pin_is_high());
+            let view = twin.hear(&bytes, u64::from(index) * 1000).map(|twin_said| twin.view(&twin_said))?;
+            let error = error(&said, &simulation.site);
+            journal.push(&Happened { time_s, output: &said, error, pin_is_high, view: view.as_ref() });
+            moments.push(Moment::of(time_s, &said, error, pin_is_high));
             watch(&moments);
         }
         module.shorten_patience()?;
@@ -142,12 +154,14 @@ impl Plan {
         for times in 1..=2 {
             let (said, pin_is_high) = module.fall_silent().context("the silent line")?;
             let time_s = f64::from(EPOCHS - 1) + f64::from(times) * SILENCE_S;
-            moments.push(moment(time_s, &said, pin_is_high, &simulation.site));
+            journal.push(&Happened { time_s, output: &said, error: None, pin_is_high, view: None });
+            moments.push(Moment::of(time_s, &said, error(&said, &simulation.site), pin_is_high));
             watch(&moments);
         }
         let instructions = module.board.epoch_instructions();
         module.board.stop()?;
-        Ok(Story { plan: *self, simulation, moments, ordinary, pin_at_boot, instructions })
+        let settings = *twin.configuration();
+        Ok(Story { plan: *self, simulation, moments, journal, settings, ordinary, pin_at_boot, instructions })
     }
 }
 
@@ -203,8 +217,7 @@ impl Module {
     }
 }
 
-/// Returns the module's report beside the truth.
-fn moment(time_s: f64, said: &EpochOutput, pin_is_high: bool, site: &Site) -> Moment {
-    let error = said.position.map(|geodetic| site.frame.rotate(geodetic.to_ecef() - site.position));
-    Moment::of(time_s, said, error, pin_is_high)
+/// Returns the error of the reported position.
+fn error(said: &EpochOutput, site: &Site) -> Option<Enu> {
+    said.position.map(|geodetic| site.frame.rotate(geodetic.to_ecef() - site.position))
 }

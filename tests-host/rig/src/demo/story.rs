@@ -7,13 +7,17 @@ use anyhow::Result;
 use raim::page::canvas::{GREY, Ground, Mark};
 use raim::page::chart::Series;
 use raim::page::html::Page;
-use raim::page::skyplot::{Body, skyplot};
+use raim::page::report::{self, Facts, Journal, command_line, settings_of};
 use raim::page::timeline::{self, Incident};
-use raim::page::{Moment, Verdict, stanford};
+use raim::page::{Moment, Verdict};
 use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::SatelliteId;
+use raim_firmware::settings::Configuration;
 
 use super::{FAULT_END_S, FAULT_START_S, Ordinary, Plan, SILENCE_S};
+
+/// Width of the picture, pixels.
+const WIDTH_PX: u32 = 960;
 
 /// A demonstration that has run.
 #[derive(Clone, Debug)]
@@ -24,6 +28,10 @@ pub struct Story {
     pub simulation: Simulation,
     /// Reports of the module, epoch by epoch.
     pub moments: Vec<Moment>,
+    /// The same for the report.
+    pub journal: Journal,
+    /// Settings in force.
+    pub settings: Configuration,
     /// Results of an ordinary receiver.
     pub ordinary: Vec<Ordinary>,
     /// Level of the integrity pin before the first epoch.
@@ -86,17 +94,6 @@ impl Story {
         ]
     }
 
-    fn bodies(&self) -> Vec<Body> {
-        let excluded = self.excluded();
-        let body = |sight: &raim::signal::sky::Sight| Body {
-            satellite: sight.satellite,
-            elevation_rad: sight.elevation_rad(),
-            azimuth_rad: sight.azimuth_rad(),
-            is_excluded: excluded.iter().any(|&(satellite, _)| satellite == sight.satellite),
-        };
-        self.simulation.sights_at(0).iter().map(body).collect()
-    }
-
     /// Returns names and values of the most important figures.
     pub fn figures(&self) -> Vec<(String, String)> {
         let [protected, alerts, unavailable] = timeline::tally(&self.moments);
@@ -153,10 +150,18 @@ impl Story {
         let mut statistic = timeline::statistic(&self.moments, &incidents);
         let mut horizontal = timeline::horizontal(&self.moments, &incidents);
         // These lines are behind the others, which are the subject of the picture.
-        statistic.series.insert(0, self.accepted("all satellites accepted", |ordinary| ordinary.statistic));
-        let accepted = self.accepted("error, all accepted", |ordinary| ordinary.horizontal_error_m);
-        horizontal.series.insert(0, accepted);
-        timeline::stacked(&[statistic, horizontal], &self.moments, ground)
+        let [of_statistic, of_horizontal] = self.beside();
+        statistic.series.splice(0..0, of_statistic);
+        horizontal.series.splice(0..0, of_horizontal);
+        timeline::stacked(&[statistic, horizontal], &self.moments, WIDTH_PX, ground)
+    }
+
+    /// Returns the lines of the ordinary receiver: statistic, horizontal error.
+    fn beside(&self) -> [Vec<Series>; 2] {
+        [
+            vec![self.accepted("all satellites accepted", |ordinary| ordinary.statistic)],
+            vec![self.accepted("error, all accepted", |ordinary| ordinary.horizontal_error_m)],
+        ]
     }
 
     fn accepted(&self, name: &str, value: impl Fn(&Ordinary) -> f64) -> Series {
@@ -176,38 +181,21 @@ impl Story {
              the line falls silent, and after {SILENCE_S} s the pin drops.",
             self.plan.satellite, self.plan.bias_m
         );
-        let mut page = Page::new("RAI: a satellite drifts off, and the module notices", &summary);
-        page.figures(&self.figures());
-        page.heading("What the module said");
-        page.picture(&self.picture(Ground::Page)?);
-        page.heading("Geometry, and every epoch against its bound");
-        page.pictures(&[
-            skyplot(&self.bodies(), self.simulation.mask_rad, Ground::Page)?,
-            stanford::horizontal(&self.moments, Ground::Page)?,
-        ]);
-        page.heading("Height");
-        page.picture(&timeline::vertical(&self.moments, &self.incidents()).svg((960, 280), Ground::Page)?);
-        page.heading("Changes of the verdict");
-        page.table(&["time / s", "verdict", "reason", "left out", "error / m", "HPL / m"], &self.changes());
-        Ok(page)
-    }
-
-    /// Returns the epochs at which verdict or exclusions changed.
-    fn changes(&self) -> Vec<Vec<String>> {
-        let same = |a: &Moment, b: &Moment| a.verdict == b.verdict && a.excluded == b.excluded;
-        let row = |moment: &Moment| {
-            let names: Vec<String> = moment.excluded.iter().map(ToString::to_string).collect();
-            let metres = |value: Option<f64>| value.map_or_else(String::new, |metres| format!("{metres:.1}"));
-            vec![
-                format!("{:.0}", moment.time_s),
-                moment.verdict.word().to_owned(),
-                moment.reason.clone(),
-                names.join(" "),
-                metres(moment.horizontal_error_m),
-                metres(moment.hpl_m),
-            ]
+        let (settings_hash, settings) = settings_of(&self.settings);
+        let facts = Facts {
+            title: "RAI: a satellite drifts off, and the module notices".to_owned(),
+            summary,
+            figures: self.figures(),
+            source: format!("a simulated sky over Xi'an, seed {}, and the emulated board", self.plan.seed),
+            command: command_line(),
+            settings_hash,
+            settings,
+            mask_deg: self.settings.mask_rad().to_degrees(),
+            incidents: self.incidents().to_vec(),
+            beside: self.beside(),
+            ..Facts::default()
         };
-        self.moments.chunk_by(same).filter_map(|run| run.first()).map(row).collect()
+        report::page(&self.journal, &facts)
     }
 }
 

@@ -5,8 +5,8 @@ use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use raim::monitor::heaven::Heaven;
-use raim::monitor::source::{self, News, Source, tell};
+use raim::monitor::source::{self, Message, News, Source};
+use raim::replay::Module;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::fault::{Injector, satellite};
 
@@ -37,18 +37,20 @@ fn play(plan: &Plan, sender: &SyncSender<News>) -> Result<()> {
     let recording = simulation.record();
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual)?);
     let mut board = EmulatedBoard::start(&image::build()?)?;
-    let mut heaven = Heaven::new();
-    let mut place = simulation.site.position;
-    tell(&board.read_through("$PRAIV", PATIENCE)?.concat(), &mut place, sender)?;
+    // The same firmware in process: the board's sentences have no residuals and no directions.
+    let mut twin = Module::start(&[])?;
+    twin.watch();
+    let start = board.read_through("$PRAIV", PATIENCE)?.concat();
+    sender.send(News::Said(Message::of(&start, Some(board.pin_is_high()), None)))?;
     for (index, epoch) in (0_u64..).zip(Injector::new(recording.epochs.into_iter(), vec![plan.fault()])) {
         let bytes = encoder.epoch(&epoch)?;
         board.feed(&bytes)?;
-        tell(&board.read_through("$PRAIN", PATIENCE)?.concat(), &mut place, sender)?;
+        let said = board.read_through("$PRAIN", PATIENCE)?.concat();
+        let satellites =
+            twin.hear(&bytes, index * 1000).map(|said| twin.view(&said))?.map(|view| view.satellites);
+        // The pin's level is in the log, whose last line of an epoch is the time it took.
         board.log_with(&format!("epoch {} took", index + 1), 0, PATIENCE)?;
-        sender.send(News::PinLevel(board.pin_is_high()))?;
-        if let Some(bodies) = heaven.hear(&bytes, index * 1000, place) {
-            sender.send(News::Heaven(bodies))?;
-        }
+        sender.send(News::Said(Message::of(&said, Some(board.pin_is_high()), satellites)))?;
         thread::sleep(PACE);
     }
     board.stop()

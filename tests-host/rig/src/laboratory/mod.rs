@@ -60,6 +60,8 @@ pub enum Stage {
     Separate = 13,
     /// Copies, fills and comparisons of memory, beside plain loops.
     Memory = 14,
+    /// Roots by the processor's instruction, beside those of libm.
+    Roots = 15,
 }
 
 /// Scalar type of the core.

@@ -15,9 +15,9 @@
 //! as functions are added. The library for C compiles the same functions behind pointers and
 //! exports of its own: [`static_library`].
 //!
-//! The shipped image inlines differently and has the board around the library. It must have a panic
-//! handler for unforeseen cases. Its callers are found the same way, and only [`TOLERATED`] may
-//! call it.
+//! The named images inline differently and have the board around the library. They must have a
+//! panic handler for unforeseen cases. Its callers are found the same way, and only [`TOLERATED`]
+//! may call it.
 
 pub mod callers;
 pub mod coverage;
@@ -31,31 +31,33 @@ use callers::Offence;
 use object::{Object as _, ObjectSymbol as _};
 use static_library::StaticLibrary;
 
-use crate::image::{self, CompiledFor};
+use crate::image::{self, CompiledFor, NAMED, Named};
 
 /// Symbol that the panic handler of the image calls.
 pub const SYMBOL: &str = "rai_a_panic_is_reachable_here";
 
-/// Places at which the shipped image may panic: RTT refuses a second initialisation, and is
+/// Places at which a named image may panic: RTT refuses a second initialisation, and is
 /// initialised once, at start.
 pub const TOLERATED: [&str; 1] = ["rai-firmware/src/board/arm/log.rs"];
 
-/// Proves it for both images, compiled for speed and for size, and for the library for C.
+/// Proves it for the library compiled for speed and for size, for the named images, and for the
+/// library for C.
 ///
 /// # Errors
 /// If a panic is reachable, with each place; or if an image does not compile.
 pub fn prove() -> anyhow::Result<()> {
     for compiled_for in CompiledFor::ALL {
         prove_library("probe", compiled_for)?;
-        prove_image(compiled_for)?;
     }
+    NAMED.iter().try_for_each(prove_image)?;
     refuse(&StaticLibrary::build()?.offences(&[])?)
 }
 
-fn prove_image(compiled_for: CompiledFor) -> anyhow::Result<()> {
-    let places = callers::of_panics(&std::fs::read(image::build_compiled_for(compiled_for)?)?)?;
+fn prove_image(named: &Named) -> anyhow::Result<()> {
+    let places = callers::of_panics(&std::fs::read(named.build()?)?)?;
     let tolerated = |place: &Offence| TOLERATED.contains(&place.file.as_str());
     refuse(&places.into_iter().filter(|place| !tolerated(place)).collect::<Vec<_>>())
+        .with_context(|| format!("image `{}`", named.name))
 }
 
 /// Links the image of all public functions with these features of `rai-firmware`. `reachable-panic`

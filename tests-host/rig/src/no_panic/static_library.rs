@@ -39,7 +39,7 @@ impl StaticLibrary {
     /// # Errors
     /// If it does not build or link, or has no handler, because then nothing would be proved.
     pub fn build() -> anyhow::Result<Self> {
-        let archive = library_for(Machine::Stm32f405, "whole,panic-handler")?;
+        let archive = library_for(Machine::Stm32f405)?;
         let mut library = Self { archive, linker: linker()?, exports: BTreeSet::new() };
         let mut exports = symbols(&library.link(&["--whole-archive", "--no-gc-sections"])?)?;
         ensure!(exports.remove(HANDLER), "the library has no {HANDLER}, so nothing can be proved");

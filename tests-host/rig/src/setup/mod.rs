@@ -148,8 +148,10 @@ fn settle(look: fn() -> Machine) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Packages of Python that read the module's sentences and messages, or run the notebook.
-const PYTHON_PACKAGES: [&str; 6] = ["pynmea2", "pymavlink", "numpy", "pandas", "nbconvert", "ipykernel"];
+/// Packages of Python that read the module's sentences and messages, run the notebook, and simulate
+/// the chip with its clock tree.
+const PYTHON_PACKAGES: [&str; 8] =
+    ["pynmea2", "pymavlink", "pyubx2", "labwired==0.25.0", "numpy", "pandas", "nbconvert", "ipykernel"];
 
 /// Installs the programs that tests compare the module with: gpsd, chrony, socat, RTKLIB's
 /// `convbin`, and packages of Python in a folder of their own below `target`. Nothing but these

@@ -71,21 +71,23 @@ impl Session {
         let base = Requirements::non_precision_approach();
         let asked = Requirements { time_to_alert_s: base.time_to_alert_s, ..requirements };
         let mut monitor = Monitor::new(asked).expect("in the tables");
-        monitor.set_strategy(Strategy {
-            policy: [Policy::T1, Policy::T2, Policy::TOp][usize::from(policy)],
-            method: [
-                Method::Auto,
-                Method::Baarda,
-                Method::Parity(Isolation::Simultaneous),
-                Method::Parity(Isolation::Sequential),
-                Method::Parity(Isolation::Hybrid),
-                Method::Parity(Isolation::Grouping),
-                Method::Ransac,
-                Method::Araim,
-            ][usize::from(method)],
-            clock_aid: clock_aid != 0,
-            ..Strategy::DEFAULT
-        });
+        monitor
+            .set_strategy(Strategy {
+                policy: [Policy::T1, Policy::T2, Policy::TOp][usize::from(policy)],
+                method: [
+                    Method::Auto,
+                    Method::Baarda,
+                    Method::Parity(Isolation::Simultaneous),
+                    Method::Parity(Isolation::Sequential),
+                    Method::Parity(Isolation::Hybrid),
+                    Method::Parity(Isolation::Grouping),
+                    Method::Ransac,
+                    Method::Araim,
+                ][usize::from(method)],
+                clock_aid: clock_aid != 0,
+                ..Strategy::DEFAULT
+            })
+            .expect("every method is built in");
         self.monitor = Some(monitor);
         let continuity = ContinuitySettings::anywhere();
         let mut settings = 80_u32.to_le_bytes().to_vec();

@@ -7,6 +7,7 @@
 //! | frames that real receivers sent | [`as_sent`] |
 //! | streams of an independent program against the recordings that they were made of | [`streams`] |
 //! | the same epochs as RTCM and as UBX: verdicts, positions | [`module`] |
+//! | a receiver's reports on its own signals, written by `pyubx2` | [`own_reports`] |
 //! | GLONASS: strings, and their effect on positions | [`glonass`] |
 //! | QZSS: the bits of GPS, and the clock of GPS | [`qzss`] |
 //! | RTKLIB's reading of the encoder's bytes | [`rtklib`] |
@@ -17,6 +18,7 @@ mod bits;
 mod glonass;
 mod hostile;
 mod module;
+mod own_reports;
 mod qzss;
 mod rtklib;
 mod streams;
@@ -43,7 +45,7 @@ impl Said {
             Event::Epoch(epoch, _) => self.epochs.push((*epoch).clone()),
             Event::Ephemeris(ephemeris) => self.ephemerides.push(*ephemeris),
             Event::Ionosphere(of, coefficients) => self.ionosphere.push((*of, *coefficients)),
-            Event::Redated(_) | Event::Position(_) | Event::Jamming(_) | Event::Rivalry(_) => {}
+            Event::Redated(_) | Event::Position(_) | Event::SelfReport(_) | Event::Rivalry(_) => {}
         }
     }
 }

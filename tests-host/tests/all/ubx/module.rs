@@ -51,7 +51,7 @@ impl Module {
             Event::Redated(_)
             | Event::Position(_)
             | Event::Ionosphere(..)
-            | Event::Jamming(_)
+            | Event::SelfReport(_)
             | Event::Rivalry(_) => {}
         });
         found

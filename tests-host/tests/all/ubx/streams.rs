@@ -224,7 +224,7 @@ fn a_receiver_of_beidou_alone_has_a_model_of_the_ionosphere() {
             Event::Redated(_)
             | Event::Ionosphere(..)
             | Event::Position(_)
-            | Event::Jamming(_)
+            | Event::SelfReport(_)
             | Event::Rivalry(_) => {}
         });
         hpl_m.unwrap()

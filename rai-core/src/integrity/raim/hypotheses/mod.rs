@@ -3,9 +3,11 @@
 //! | module | hypothesis |
 //! |---|---|
 //! | [`separability`] | another set of rows is faulty |
+//! | [`broken_system`] | a whole constellation is faulty, and all others agree |
 //! | [`constellation_shift`] | a whole constellation determines another position |
 //! | [`time_tag`] | all ranges carry one wrong time |
 
+pub(crate) mod broken_system;
 pub mod constellation_shift;
 pub mod separability;
 pub mod time_tag;

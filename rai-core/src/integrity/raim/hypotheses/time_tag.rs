@@ -156,7 +156,6 @@ impl<T: Real> EpochRates<T> {
     ///
     /// Solution separation has its own tests, whose sigmas are larger than most errors: a margin on
     /// sums of squares would reject exclusions that these tests distinguish.
-    #[cfg(feature = "araim")]
     pub(crate) fn rival(
         &self,
         snapshot: &Snapshot<'_, T>,

@@ -129,7 +129,7 @@ impl Cutter {
             Event::Ionosphere(Constellation::Gps, coefficients) => *ionosphere = Some(coefficients),
             Event::Ionosphere(..)
             | Event::Position(_)
-            | Event::Jamming(_)
+            | Event::SelfReport(_)
             | Event::Redated(_)
             | Event::Rivalry(_) => {}
             Event::Epoch(epoch, _) => {

@@ -12,7 +12,6 @@
 //! [RINEX-4.01]: crate#references
 //! [Hinnant2013]: crate#references
 
-use anyhow::{Context, Result, ensure};
 use raim_firmware::time::{BEIDOU_OFFSET_MS, GpsTime};
 
 /// Days from 1970-01-01 to 1980-01-06, where GPS time begins.
@@ -70,36 +69,34 @@ fn civil_from_days(days: i64) -> (i64, i64, i64) {
     (year, month, day)
 }
 
-/// Returns the instant of `year month day hour minute second` in the blank-separated `text`.
+/// Returns the instant of `year month day hour minute second` in the blank-separated `text`; `None`
+/// for text that is no date from 1980 to 2079. Most lines of a file are asked for a date and have
+/// none, so that an error with words would cost most of the time.
 ///
 /// Two-digit years are those of RINEX 2: 80 to 99 are 1980 to 1999, 00 to 79 are 2000 to 2079.
 /// Seconds are rounded to milliseconds, which is the resolution of an observation message.
-pub(super) fn instant(text: &str, system: TimeSystem) -> Result<GpsTime> {
-    parse(text, system).with_context(|| format!("`{}` is not a date after 1980", text.trim()))
-}
-
-fn parse(text: &str, system: TimeSystem) -> Result<GpsTime> {
+pub(super) fn instant(text: &str, system: TimeSystem) -> Option<GpsTime> {
     let mut words = text.split_ascii_whitespace();
-    let mut word = || words.next().context("too few numbers");
-    let mut integer = || -> Result<i64> { Ok(word()?.parse()?) };
+    let mut integer = || words.next()?.parse::<i64>().ok();
     let (year, month, day, hour, minute) = (integer()?, integer()?, integer()?, integer()?, integer()?);
-    let second: f64 = word()?.parse()?;
-    ensure!((1..=12).contains(&month) && (1..=31).contains(&day), "no such day");
-    ensure!(
-        (0..24).contains(&hour) && (0..60).contains(&minute) && (0.0..61.0).contains(&second),
-        "no such time"
-    );
+    let second: f64 = words.next()?.parse().ok()?;
+    let is_time = (0..24).contains(&hour) && (0..60).contains(&minute) && (0.0..61.0).contains(&second);
+    let is_day = (1..=12).contains(&month) && (1..=31).contains(&day);
     let year = match year {
         80..=99 => year + 1900,
         0..=79 => year + 2000,
         _ => year,
     };
-    ensure!((1980..2080).contains(&year), "no such year");
+    if !(is_time && is_day && (1980..2080).contains(&year)) {
+        return None;
+    }
     let days = days_from_civil(year, month, day);
-    ensure!(civil_from_days(days) == (year, month, day), "no such day of the month");
+    if civil_from_days(days) != (year, month, day) {
+        return None;
+    }
     let days = days - GPS_EPOCH_DAYS;
     let ms = days * DAY_MS + (hour * 60 + minute) * 60_000 + (second * 1000.0).round() as i64;
-    from_ms(ms + system.behind_gps_ms()).context("before 1980 or after 2079")
+    from_ms(ms + system.behind_gps_ms())
 }
 
 /// Returns the instant this many milliseconds after 1980-01-06, if it is within a century.
@@ -125,8 +122,12 @@ pub(super) fn nearest_week(tow_s: f64, near: GpsTime, system: TimeSystem) -> Opt
 
 /// Returns `2020-06-25 00:00:30`, GPS time.
 pub fn readable(time: GpsTime) -> String {
-    let ms = time.to_ms().cast_signed();
-    let (year, month, day) = civil_from_days(ms.div_euclid(DAY_MS) + GPS_EPOCH_DAYS);
+    readable_unix(time.to_ms().cast_signed() + GPS_EPOCH_DAYS * DAY_MS)
+}
+
+/// Returns `2020-06-25 00:00:30` for milliseconds since 1970.
+pub fn readable_unix(ms: i64) -> String {
+    let (year, month, day) = civil_from_days(ms.div_euclid(DAY_MS));
     let second = ms.rem_euclid(DAY_MS) / 1000;
     let (hour, minute) = (second / 3600, second / 60 % 60);
     format!("{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{:02}", second % 60)
@@ -164,7 +165,7 @@ mod tests {
     #[test]
     fn nonsense_is_refused() {
         for text in ["", "2024 13 1 0 0 0", "2024 1 1 25 0 0", "1979 1 1 0 0 0", "2024 1 1 0 0 NaN", "x"] {
-            assert!(instant(text, TimeSystem::Gps).is_err(), "{text}");
+            assert_eq!(instant(text, TimeSystem::Gps), None, "{text}");
         }
     }
 

@@ -324,7 +324,7 @@ impl State {
             _ => return None,
         }
         let date = field(self.layout.date.start, self.layout.date.end);
-        let time = calendar::instant(date, TimeSystem::Gps).ok()?;
+        let time = calendar::instant(date, TimeSystem::Gps)?;
         let is_later = self.time.is_none_or(|last| time > last);
         if !is_later && !is_full {
             return None;

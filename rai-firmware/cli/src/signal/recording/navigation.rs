@@ -198,7 +198,9 @@ impl Rows {
         };
         let size = self.lines.len();
         ensure!(sizes.contains(&size), "{satellite}: {size} lines, an ephemeris has {sizes:?}");
-        let toc = calendar::instant(columns(line, name, date), system)?;
+        let text = columns(line, name, date);
+        let toc =
+            calendar::instant(text, system).with_context(|| format!("`{text}` is not a date after 1980"))?;
         let rows = self.lines.iter().enumerate();
         let values = values(rows.map(|(row, line)| (line.as_str(), if row == 0 { date } else { indent })))?;
         let ephemeris = if letter == 'R' {

@@ -15,7 +15,6 @@
 //! [RINEX-2.11]: crate#references
 //! [RINEX-3.05]: crate#references
 
-use std::fmt::Write as _;
 use std::io::BufRead;
 use std::path::Path;
 
@@ -254,7 +253,9 @@ impl Observations {
                     break;
                 };
                 // Five fields of 16 columns; trailing blanks may have been cut.
-                let _ = write!(values, "{line:80.80}");
+                let line = line.get(..80).unwrap_or(line);
+                values.push_str(line);
+                values.extend(std::iter::repeat_n(' ', 80 - line.len()));
             }
             if !is_whole {
                 break;
@@ -359,7 +360,7 @@ fn opening(line: &str, is_version_2: bool, time_system: TimeSystem) -> Option<Op
     let flag = if digit.is_empty() { 0 } else { digit.parse().ok().filter(|flag| *flag <= 6)? };
     let count = columns(line, column + 1, column + 4).parse().ok()?;
     let date = columns(line, date.start, date.end);
-    let time = calendar::instant(date, time_system).ok();
+    let time = calendar::instant(date, time_system);
     let opening = Opening { flag, time, count };
     let is_dated = time.is_some() || (date.is_empty() && !opening.has_ranges());
     is_dated.then_some(opening)

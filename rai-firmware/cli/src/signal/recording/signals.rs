@@ -31,7 +31,7 @@ impl Fields {
     /// Returns the fields that the header lists.
     pub(super) fn of(header: &Header) -> Self {
         let fields = |(letter, constellation)| {
-            let codes = header.codes.of(letter).ok()?;
+            let codes = header.codes.of(letter)?;
             let field = |(index, code): (usize, &String)| {
                 Field::new(constellation, code, header.version).map(|field| (16 * index, field))
             };

@@ -64,7 +64,7 @@ fn outcome(scalar: Scalar, start: Start, faults: usize, answer: &Answer) -> Resu
 
 fn judged<T: Real>(start: Start, faults: usize) -> Result<Report<CAPACITY>> {
     let mut monitor = Monitor::<T, CAPACITY>::new(Requirements::non_precision_approach())?;
-    monitor.set_strategy(Strategy::CLASSIC);
+    monitor.set_strategy(Strategy::CLASSIC)?;
     if start.position() != Ecef::CENTRE {
         monitor.start_from(start.position());
     }

@@ -18,8 +18,8 @@
 //! The table is generated (`cargo xtask tables`) and exact to 1e-12 relative. Nothing is
 //! interpolated between probabilities and nothing is extrapolated: a probability that is not in the
 //! table is an error that names the nearest one, and beyond a row's end the result is `None`.
-//! Without the feature `tables` only the probabilities of the phases of flight are there, and with
-//! `short-tables` rows end earlier and are in single precision.
+//! Without the feature `tables` only the probabilities of the phases of flight are there, and
+//! without `double-tables` rows end earlier and are in single precision.
 //!
 //! Thresholds that depend on the geometry are computed in
 //! [`chi_square`](crate::numeric::chi_square); [`policy`] chooses.
@@ -39,7 +39,8 @@ mod rows;
 mod table;
 
 pub use crate::numeric::chi_square::MAX_DOF;
-pub use rows::TableScalar;
+
+use rows::TableScalar;
 
 /// The largest number of simultaneous w-tests in the tables.
 pub const MAX_TESTS: usize = 64;
@@ -59,6 +60,7 @@ pub struct Thresholds<'t> {
 /// The probability that is not in the tables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum ThresholdError {
     /// No thresholds for this probability of false alarm.
     FalseAlarm {
@@ -118,18 +120,17 @@ impl Thresholds<'static> {
     }
 }
 
+#[cfg(feature = "double-tables")]
 impl<'t> Thresholds<'t> {
     /// Returns thresholds from rows that the caller computed, for probabilities outside the tables.
     ///
     /// Element 0 is for one degree of freedom (`tau1`, `lambda`) and for one test (`w_test`).
-    pub const fn from_rows(
-        tau1: &'t [TableScalar],
-        lambda: &'t [TableScalar],
-        w_test: &'t [TableScalar],
-    ) -> Self {
+    pub const fn from_rows(tau1: &'t [f64], lambda: &'t [f64], w_test: &'t [f64]) -> Self {
         Self { tau1, lambda, w_test }
     }
+}
 
+impl Thresholds<'_> {
     /// Returns the threshold of the global test, or `None` without redundancy or beyond the row.
     pub fn tau1<T: Real>(&self, dof: usize) -> Option<T> {
         element(self.tau1, dof)
@@ -270,6 +271,7 @@ mod tests {
         assert!(exact.is_some() && rounded.is_some() && exact != rounded, "{exact:?} {rounded:?}");
     }
 
+    #[cfg(feature = "double-tables")]
     #[test]
     fn rows_of_the_caller_are_read_from_one() {
         let rows = Thresholds::from_rows(&[10.0, 20.0], &[30.0], &[4.0]);

@@ -1,19 +1,19 @@
 //! Rows of the committed tables that a build contains.
 //!
 //! Without the feature `tables` they are those of the phases of flight, which all need the same two
-//! probabilities ([`crate::requirements`]). With the feature `short-tables` rows end at the
-//! capacity of [`single`](crate::single) and are in its precision, unless `double-tables` asks for
-//! more, because a build for `single` alone cannot use the rest. All rows take 26 KB of flash,
-//! short ones 20, in single precision 10, one pair of these 0.8.
+//! probabilities ([`crate::requirements`]). Without `double-tables` rows end at the capacity of
+//! [`single`](crate::single) and are in its precision, because a build for `single` alone cannot
+//! use the rest. All rows take 26 KB of flash, short ones in single precision 10, one pair of these
+//! 0.8.
 #![allow(clippy::indexing_slicing, reason = "while compiling, where an index beyond the end is an error")]
 
 use super::table;
-use crate::epoch::CAPACITY;
+use crate::bounded::CAPACITY;
 use crate::numeric::probability::Probability;
 
 /// Length of the rows, in degrees of freedom and in tests.
-const DOF: usize = if cfg!(feature = "short-tables") { CAPACITY } else { super::MAX_DOF };
-const TESTS: usize = if cfg!(feature = "short-tables") { CAPACITY } else { super::MAX_TESTS };
+const DOF: usize = if cfg!(feature = "double-tables") { super::MAX_DOF } else { CAPACITY };
+const TESTS: usize = if cfg!(feature = "double-tables") { super::MAX_TESTS } else { CAPACITY };
 
 #[cfg(feature = "tables")]
 mod taken {
@@ -43,13 +43,12 @@ pub(super) static FALSE_ALARM: [Probability; ALARMS.len()] = probabilities(&tabl
 pub(super) static MISSED_DETECTION: [Probability; MISSES.len()] =
     probabilities(&table::MISSED_DETECTION, MISSES);
 /// Scalar of the rows. A test rounds its threshold to its own precision, so that a test in single
-/// precision gets the same from both. Double precision, unless the feature `short-tables` is on
-/// without `double-tables`.
-#[cfg(all(feature = "short-tables", not(feature = "double-tables")))]
-pub type TableScalar = f32;
+/// precision gets the same from both.
+#[cfg(not(feature = "double-tables"))]
+pub(super) type TableScalar = f32;
 /// Scalar of the rows.
-#[cfg(not(all(feature = "short-tables", not(feature = "double-tables"))))]
-pub type TableScalar = f64;
+#[cfg(feature = "double-tables")]
+pub(super) type TableScalar = f64;
 
 pub(super) static TAU1: [[TableScalar; DOF]; ALARMS.len()] = fronts(&table::TAU1, ALARMS);
 pub(super) static W_TEST: [[TableScalar; TESTS]; ALARMS.len()] = fronts(&table::W_TEST, ALARMS);

@@ -14,15 +14,21 @@
 //! [ARMv7-M]: crate#references
 //! [DS8626]: crate#references
 
+mod build;
+mod chips;
+mod named;
+
 use std::fmt;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::path::Path;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind};
 
-use crate::board::Machine;
+pub use build::{CompiledFor, SHIPPED, build, build_for, build_with};
+pub(crate) use build::{SECOND_BOARD_FLAGS, apart, cargo, executable};
+pub use chips::Chip;
+pub use named::{NAMED, Named};
 
 /// Largest size of the statics: the receiver (47 KiB), the ports' rings (8 KiB), and little more.
 ///
@@ -32,40 +38,6 @@ use crate::board::Machine;
 pub const STATIC_RAM_BUDGET_BYTES: u64 = 58 * 1024;
 /// Smallest size of the stack; the high-water mark that the image logs is far below.
 pub const STACK_BUDGET_BYTES: u64 = 64 * 1024;
-
-/// Memory of a chip, as its data sheet states it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Chip {
-    /// Name in probe-rs.
-    pub name: &'static str,
-    /// Addresses of the flash.
-    pub flash: Range<u64>,
-    /// Addresses of the RAM that holds statics and stack; the core-coupled memory is not used.
-    pub ram: Range<u64>,
-}
-
-/// Supported chips: one family member in its packages and sizes.
-const CHIPS: [(&str, u64); 4] =
-    [("STM32F405RGTx", 1024), ("STM32F405VGTx", 1024), ("STM32F405ZGTx", 1024), ("STM32F405OEYx", 512)];
-
-impl Chip {
-    /// Returns the chip of that name.
-    ///
-    /// # Errors
-    /// If the name is unknown; the message lists the known ones.
-    pub fn named(name: &str) -> anyhow::Result<Self> {
-        let found = CHIPS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
-        let Some(&(name, flash_kib)) = found else {
-            let known: Vec<&str> = CHIPS.iter().map(|(known, _)| *known).collect();
-            bail!("chip `{name}` is not one of {}", known.join(", "));
-        };
-        Ok(Self {
-            name,
-            flash: 0x0800_0000..0x0800_0000 + flash_kib * 1024,
-            ram: 0x2000_0000..0x2000_0000 + 128 * 1024,
-        })
-    }
-}
 
 /// Memory of an image, and its start.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -82,128 +54,6 @@ pub struct Image {
     pub reset_vector: u64,
     flash_extents: Vec<Range<u64>>,
     ram_extents: Vec<Range<u64>>,
-}
-
-/// Goal of an image's optimisation. Its results are the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CompiledFor {
-    /// Few instructions in the core, as in the shipped image.
-    Speed,
-    /// Few bytes of flash.
-    Size,
-}
-
-impl CompiledFor {
-    /// Both goals.
-    pub const ALL: [Self; 2] = [Self::Speed, Self::Size];
-
-    /// Returns cargo's profile.
-    pub(crate) fn profile(self) -> &'static str {
-        match self {
-            Self::Speed => "firmware",
-            Self::Size => "firmware-for-size",
-        }
-    }
-
-    /// Returns the alias of cargo that builds such an image.
-    fn command(self) -> &'static str {
-        match self {
-            Self::Speed => "image",
-            Self::Size => "image-for-size",
-        }
-    }
-}
-
-/// Arguments of cargo that select the shipped image.
-pub const SHIPPED: [&str; 2] = ["--bin", "raim-firmware"];
-
-/// Builds the image and returns its path.
-///
-/// # Errors
-/// If cargo cannot be run or the build fails; cargo has then printed the reason.
-pub fn build() -> anyhow::Result<PathBuf> {
-    build_with(&SHIPPED)
-}
-
-/// Builds the shipped image for speed or for size, and returns its path.
-///
-/// # Errors
-/// As [`build`].
-pub fn build_compiled_for(compiled_for: CompiledFor) -> anyhow::Result<PathBuf> {
-    built(cargo().arg(compiled_for.command()).args(SHIPPED))
-}
-
-/// Builds the image that the arguments select, in the same way as the shipped one.
-///
-/// # Errors
-/// As [`build`].
-pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
-    built(cargo().arg("image").args(chosen))
-}
-
-/// Builds the smallest image that judges: RTCM 3 in, sentences out, classic RAIM. It has its own
-/// folder, because the shipped image needs the parts of the libraries that it leaves out.
-///
-/// # Errors
-/// As [`build`].
-pub fn build_small() -> anyhow::Result<PathBuf> {
-    let folder = Path::new("target/small");
-    built(apart(cargo().args(["image", "--bin", "raim-firmware", "--no-default-features"]), folder))
-}
-
-/// Makes cargo write its results to a folder without files of the same names. Intermediate files
-/// are shared with other builds: a library with the same features and flags is compiled once.
-pub(crate) fn apart<'c>(cargo: &'c mut Command, folder: &Path) -> &'c mut Command {
-    cargo.arg("--target-dir").arg(folder).env("CARGO_BUILD_BUILD_DIR", "target")
-}
-
-/// Returns cargo's command at the project's root.
-pub(crate) fn cargo() -> Command {
-    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
-    cargo
-}
-
-/// Builds an image and returns its path.
-pub(crate) fn built(cargo: &mut Command) -> anyhow::Result<PathBuf> {
-    let output = cargo
-        .args(["--quiet", "--message-format=json-render-diagnostics"])
-        .stderr(Stdio::inherit())
-        .output()
-        .context("cargo cannot be run")?;
-    ensure!(output.status.success(), "the image does not build (`cargo image` prints the reason)");
-    executable(&String::from_utf8_lossy(&output.stdout)).context("cargo built no image")
-}
-
-/// Compiler flags for the second board's processor.
-pub(crate) const SECOND_BOARD_FLAGS: &str =
-    "-C target-cpu=cortex-m7 -C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
-
-/// Builds the image that the arguments select for a board, and returns its path. Each board has its
-/// own folder.
-///
-/// # Errors
-/// As [`build`].
-pub fn build_for(machine: Machine, chosen: &[&str]) -> anyhow::Result<PathBuf> {
-    if machine == Machine::Stm32f405 {
-        return build_with(chosen);
-    }
-    // These flags replace those of the project's own configuration, so they repeat all of them.
-    let mut cargo = cargo();
-    cargo
-        .args(["build", "--profile", "firmware", "--target", "thumbv7em-none-eabihf"])
-        .args(["--package", "raim-firmware", "--features", "mps2-an500"])
-        .args(chosen)
-        .env("RUSTFLAGS", SECOND_BOARD_FLAGS);
-    built(apart(&mut cargo, Path::new("target/mps2_an500")))
-}
-
-pub(crate) fn executable(messages: &str) -> Option<PathBuf> {
-    messages
-        .lines()
-        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
-        .filter_map(|message| message.get("executable")?.as_str().map(PathBuf::from))
-        .next_back()
 }
 
 impl Image {
@@ -248,16 +98,16 @@ impl Image {
         };
         for extent in &self.flash_extents {
             require(
-                within(extent, &chip.flash),
+                within(extent, &chip.flash()),
                 format!("{extent:#x?} is outside the flash of {}", chip.name),
             );
         }
         for extent in &self.ram_extents {
-            require(within(extent, &chip.ram), format!("{extent:#x?} is outside the RAM of {}", chip.name));
+            require(within(extent, &chip.ram()), format!("{extent:#x?} is outside the RAM of {}", chip.name));
         }
         let stack = self.initial_stack_pointer;
         require(
-            stack > chip.ram.start && stack <= chip.ram.end && stack.is_multiple_of(8),
+            stack > chip.ram().start && stack <= chip.ram().end && stack.is_multiple_of(8),
             format!("initial stack pointer {stack:#010x} is not an aligned address in RAM"),
         );
         let reset = self.reset_vector;
@@ -266,7 +116,7 @@ impl Image {
             format!("reset vector {reset:#010x} lacks the Thumb bit: the core would fault"),
         );
         require(
-            chip.flash.contains(&(reset & !1)),
+            chip.flash().contains(&(reset & !1)),
             format!("reset vector {reset:#010x} is outside the flash"),
         );
         let (ram, budget) = (self.static_ram_bytes, STATIC_RAM_BUDGET_BYTES);
@@ -387,14 +237,6 @@ mod tests {
             assert_eq!(have.len(), 1, "{have:?}");
             assert!(have[0].contains(want), "have {have:?}, want {want}");
         }
-    }
-
-    #[test]
-    fn smaller_flash_of_a_sister_chip_is_known() {
-        let chip = Chip::named("stm32f405oeyx").expect("a known chip");
-        assert_eq!(chip.flash.end - chip.flash.start, 512 * 1024);
-        let error = Chip::named("STM32F103C8").expect_err("another family").to_string();
-        assert!(error.contains("STM32F405RGTx"), "{error}");
     }
 
     #[test]

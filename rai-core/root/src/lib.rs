@@ -1,0 +1,81 @@
+//! Square roots in single precision, by the processor's instruction.
+//!
+//! ```text
+//! vsqrt.f32  s0, s0
+//! ```
+//!
+//! `core` has no square root, and libm computes that of a Cortex-M4F in software, by 76
+//! instructions. IEEE 754 defines the result to the last bit, so that the instruction and libm
+//! agree and a host has the bits of the chip.
+//!
+//! | processor | root |
+//! |---|---|
+//! | Arm with floating-point registers in its calling convention (`eabihf`) | `VSQRT.F32`; flush-to-zero and default NaN are off after a reset |
+//! | any other | libm: an instruction on x86-64 and 64-bit Arm, else software |
+//!
+//! The crate exists because the instruction needs `unsafe`, which `raim-core` forbids. Reference:
+//! IEEE 754-2019, §5.4.1.
+#![cfg_attr(not(test), no_std)]
+#![deny(unsafe_code)]
+
+/// Returns `√x`, correctly rounded: −0 for −0, NaN for other negative numbers and for NaN.
+#[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
+#[inline]
+#[must_use]
+#[allow(unsafe_code, reason = "an instruction that the language has no word for")]
+pub fn sqrt(x: f32) -> f32 {
+    let mut bits = x.to_bits();
+    // The compiler accepts operands in floating-point registers only if there are those of
+    // doubles, so that the operand comes in another one and `s0` keeps its value.
+    // SAFETY: two registers of the block change, and flags of exceptions, which nobody reads. The
+    // instruction traps nowhere, and a target of this convention has it.
+    unsafe {
+        core::arch::asm!(
+            "vmov {kept}, s0",
+            "vmov s0, {bits}",
+            "vsqrt.f32 s0, s0",
+            "vmov {bits}, s0",
+            "vmov s0, {kept}",
+            bits = inout(reg) bits,
+            kept = out(reg) _,
+            options(pure, nomem, nostack),
+        );
+    }
+    f32::from_bits(bits)
+}
+
+/// Returns `√x`, correctly rounded: −0 for −0, NaN for other negative numbers and for NaN.
+#[cfg(not(all(target_arch = "arm", target_abi = "eabihf")))]
+#[inline]
+#[must_use]
+pub fn sqrt(x: f32) -> f32 {
+    libm::sqrtf(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sqrt;
+
+    /// Returns the root of the double, rounded. Its 53 digits are more than twice the 24 of a
+    /// single and two, so that two roundings give what one gives.
+    fn by_double(x: f32) -> f32 {
+        f64::from(x).sqrt() as f32
+    }
+
+    #[test]
+    fn roots_are_those_of_the_double_rounded() {
+        // Zero, subnormal and normal numbers, every exponent; infinity and NaN at the end.
+        for bits in (0..=f32::INFINITY.to_bits()).step_by(1_021).chain([1, f32::INFINITY.to_bits()]) {
+            let x = f32::from_bits(bits);
+            assert_eq!(sqrt(x).to_bits(), by_double(x).to_bits(), "{x}");
+        }
+    }
+
+    #[test]
+    fn negative_numbers_have_no_root_but_zero() {
+        assert_eq!(sqrt(-0.0).to_bits(), (-0.0_f32).to_bits());
+        for x in [-1.0, -f32::MIN_POSITIVE, f32::from_bits(0x8000_0001), f32::NEG_INFINITY, f32::NAN] {
+            assert!(sqrt(x).is_nan(), "{x}");
+        }
+    }
+}

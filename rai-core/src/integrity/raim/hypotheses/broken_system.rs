@@ -1,0 +1,95 @@
+//! Broken-system hypothesis: all satellites of one system are wrong, and those of all others agree.
+//!
+//! ```text
+//! s is broken    SSE_s < τ1(dof_s)  and  dof_s ≥ 3
+//!                SSE_t ≥ τ1(dof_t)  and  SSE_t ≥ SSE_s + T_d²        for every other system t
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `s`, `t` | systems with two satellites or more, of which at least three are in view | – |
+//! | `SSE_s`, `dof_s` | sum of squares and degrees of freedom without the system | – |
+//! | `τ1`, `T_d` | thresholds of the global test and of the w-test | – |
+//!
+//! A system whose orbits or time are wrong has more wrong satellites than a search may leave out,
+//! and sets of them explain the data equally. If one system alone is wrong, all others pass the
+//! test without it. Another system is then blamed only if its own exclusion passes and that of the
+//! wrong one does not, which is no likelier than a false alarm.
+//!
+//! **Two systems.** Each explains the data by the other's fault, whatever their sizes, so that none
+//! is left out. A lone satellite agrees with any place and is no system here.
+//!
+//! **Limits.** The majority is believed: two systems that are counterfeit in agreement exclude a
+//! third, genuine one.
+
+use crate::bit_set::{bit, count_of};
+use crate::integrity::raim::detection::Detection;
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::least_squares::Excludable;
+use crate::numeric::real::Real;
+use crate::report::MAX_EXCLUDED;
+use crate::satellite::Constellation;
+
+/// Least number of systems that contradict each other before one of them can be blamed.
+const LEAST_SYSTEMS: usize = 3;
+
+/// Least degrees of freedom without the system: as many as rows may have been tried before.
+const LEAST_DOF: usize = MAX_EXCLUDED;
+
+/// A system without which all others agree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BrokenSystem<T> {
+    /// The system.
+    pub(crate) constellation: Constellation,
+    /// Its rows.
+    pub(crate) rows: u64,
+    /// Sum of squares without them.
+    pub(crate) left: T,
+}
+
+/// Returns the system without which all others agree, if it is the only one.
+///
+/// `satellites` is the number of rows that are satellites. The solution ends with the rows that it
+/// has now.
+pub(crate) fn find<T: Real>(
+    solution: &mut impl Excludable<T>,
+    satellites: usize,
+    thresholds: &Thresholds<'_>,
+) -> Option<BrokenSystem<T>> {
+    let systems = Constellation::ALL.map(|constellation| rows_of(solution, satellites, constellation));
+    let systems = systems.map(|rows| if count_of(rows) > 1 { rows } else { 0 });
+    if systems.iter().filter(|&&rows| rows != 0).count() < LEAST_SYSTEMS {
+        return None;
+    }
+    let threshold = thresholds.w_test::<T>(solution.snapshot().used())?;
+    let mut found: Option<BrokenSystem<T>> = None;
+    let mut least_rival: Option<T> = None;
+    for (constellation, rows) in Constellation::ALL.into_iter().zip(systems) {
+        // Others that determine no position confirm nothing, and are no rivals either.
+        if rows == 0 || solution.leave_out_all(rows).is_err() {
+            continue;
+        }
+        let (left, dof) = (solution.snapshot().sse(), solution.snapshot().dof());
+        let passes = Detection::passes(solution.snapshot(), thresholds);
+        solution.take_back_all(rows);
+        if passes && (found.is_some() || dof < LEAST_DOF) {
+            return None;
+        }
+        if passes {
+            found = Some(BrokenSystem { constellation, rows, left });
+        } else {
+            least_rival = Some(least_rival.map_or(left, |least| least.min(left)));
+        }
+    }
+    // NaN fails this comparison.
+    let is_apart =
+        |found: &BrokenSystem<T>| least_rival.is_none_or(|rival| rival >= found.left + threshold * threshold);
+    found.filter(is_apart)
+}
+
+/// Returns the satellites of a system that take part.
+fn rows_of<T: Real>(solution: &impl Excludable<T>, satellites: usize, constellation: Constellation) -> u64 {
+    let rows = solution.snapshot().equations().iter().take(satellites).enumerate();
+    let members = rows.filter(|(_, row)| row.weight > T::zero() && row.clock == Some(constellation));
+    members.fold(0, |set, (index, _)| set | bit(index))
+}

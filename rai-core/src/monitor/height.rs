@@ -1,0 +1,163 @@
+//! Memory of a known height: when a contradiction to the satellites is the height's own, and when it
+//! is that of two truths.
+//!
+//! ```text
+//! d = h − u                      known height minus that of the satellites alone
+//! step:   |d − d₋₁| > |d|/2      the height moved by itself
+//! drift:  otherwise
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `h`, `u` | of [`HeightReport::difference_m`] their difference | m |
+//! | `d₋₁` | `last`, of the epoch before | m |
+//!
+//! The integrity module leaves a wrong height out, and the satellites then agree. This proves
+//! nothing if all satellites are counterfeit. What the height was before decides:
+//!
+//! | height | contradiction | verdict |
+//! |---|---|---|
+//! | never agreed for [`WEAK`] | any | that of the satellites |
+//! | agreed for [`WEAK`] | a step | that of the satellites: if the sky had stepped, its rates or the greatest speed would contradict |
+//! | agreed for [`WEAK`] | a drift | ambiguous, until they agree again or the height is silent for [`FORGOTTEN_S`] |
+//!
+//! A height that was left out supports no satellites that cannot be tested without it, until it has
+//! agreed for [`WEAK`] with satellites that can.
+//!
+//! Limit: between epochs that are far apart a drift may look like a step. References: [TSO-C129a]
+//! (a)(3)(xv), whose ramps of the altimeter must raise an alarm.
+//!
+//! [TSO-C129a]: crate#references
+
+use crate::continuity::WEAK;
+use crate::report::{Alert, HeightReport, Protected, Unavailable, Verdict};
+
+/// Longest time between two epochs with a height of one agreement, s.
+const FORGOTTEN_S: f64 = 60.0;
+
+/// Memory of a known height.
+#[derive(Clone, Debug)]
+pub(super) struct HeightMemory {
+    /// Epochs and seconds of the last agreement.
+    epochs: u16,
+    agreed_s: f32,
+    /// Time of the last epoch with a height, s, and its difference, m.
+    last: Option<(f64, f32)>,
+    /// True after an exclusion, until the height has agreed for long enough.
+    is_doubtful: bool,
+}
+
+impl HeightMemory {
+    /// Returns the memory of no height.
+    pub(super) const fn new() -> Self {
+        Self { epochs: 0, agreed_s: 0.0, last: None, is_doubtful: false }
+    }
+
+    /// Returns the verdict on an epoch in the light of its height, and remembers it.
+    pub(super) fn judge(&mut self, time_s: f64, height: &HeightReport, verdict: Verdict) -> Verdict {
+        let difference_m = height.difference_m as f32;
+        let before = self.last.replace((time_s, difference_m));
+        let before = before.map(|(last_s, last_m)| (time_s - last_s, last_m));
+        let before = before.filter(|(step_s, _)| (0.0..=FORGOTTEN_S).contains(step_s));
+        if before.is_none() {
+            (self.epochs, self.agreed_s) = (0, 0.0);
+        }
+        if !height.is_used {
+            let is_step = before.is_none_or(|(_, last_m)| {
+                // NaN counts as a drift.
+                libm::fabsf(difference_m - last_m) > 0.5 * libm::fabsf(difference_m)
+            });
+            let is_other_truth = self.has_agreed() && !is_step;
+            self.is_doubtful = true;
+            if is_other_truth {
+                return Verdict::Alert(Alert::Ambiguous);
+            }
+            (self.epochs, self.agreed_s) = (0, 0.0);
+            return verdict;
+        }
+        if height.is_needed {
+            // Nothing but the height confirms these satellites, so that they do not confirm it.
+            let is_promised = matches!(verdict, Verdict::Protected(_));
+            let refused = Verdict::Unavailable(Unavailable::Redundancy);
+            return if is_promised && self.is_doubtful { refused } else { verdict };
+        }
+        if matches!(verdict, Verdict::Protected(Protected::Ok | Protected::Excluded)) {
+            let step_s = before.map_or(0.0, |(step_s, _)| step_s);
+            self.agreed_s += if self.epochs > 0 { step_s as f32 } else { 0.0 };
+            self.epochs = self.epochs.saturating_add(1);
+            self.is_doubtful &= !self.has_agreed();
+        }
+        verdict
+    }
+
+    fn has_agreed(&self) -> bool {
+        WEAK.is_met(self.epochs, f64::from(self.agreed_s), false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::HeightMemory;
+    use crate::report::{Alert, HeightReport, Protected, Unavailable, Verdict};
+
+    const OK: Verdict = Verdict::Protected(Protected::Ok);
+    const AMBIGUOUS: Verdict = Verdict::Alert(Alert::Ambiguous);
+    const REFUSED: Verdict = Verdict::Unavailable(Unavailable::Redundancy);
+
+    fn height(difference_m: f64, is_used: bool, is_needed: bool) -> HeightReport {
+        HeightReport { is_used, is_needed, difference_m }
+    }
+
+    /// Returns the memory after eleven seconds of agreement.
+    fn agreed() -> HeightMemory {
+        let mut memory = HeightMemory::new();
+        for second in 0..=10 {
+            assert_eq!(memory.judge(f64::from(second), &height(0.5, true, false), OK), OK);
+        }
+        memory
+    }
+
+    #[test]
+    fn height_that_never_agreed_is_left_out_and_changes_nothing() {
+        let mut memory = HeightMemory::new();
+        for second in 0..60 {
+            assert_eq!(memory.judge(f64::from(second), &height(100.0, false, false), OK), OK);
+        }
+    }
+
+    #[test]
+    fn step_of_a_height_that_agreed_is_its_own() {
+        let mut memory = agreed();
+        for second in 11..60 {
+            assert_eq!(memory.judge(f64::from(second), &height(100.0, false, false), OK), OK, "{second} s");
+        }
+    }
+
+    #[test]
+    fn drift_of_a_height_that_agreed_is_another_truth_until_both_agree_again() {
+        let mut memory = agreed();
+        for second in 11..31 {
+            let difference_m = f64::from(second - 10);
+            assert_eq!(memory.judge(f64::from(second), &height(difference_m, true, false), OK), OK);
+        }
+        for second in 31..200 {
+            let difference_m = f64::from(second - 10);
+            let have = memory.judge(f64::from(second), &height(difference_m, false, false), OK);
+            assert_eq!(have, AMBIGUOUS, "{second} s");
+        }
+        assert_eq!(memory.judge(200.0, &height(1.0, true, false), OK), OK);
+        assert_eq!(memory.judge(300.0, &height(120.0, false, false), OK), OK, "forgotten in the silence");
+    }
+
+    #[test]
+    fn height_that_was_left_out_supports_no_satellites_until_it_agrees_again() {
+        let mut memory = HeightMemory::new();
+        assert_eq!(memory.judge(0.0, &height(1.0, true, true), OK), OK);
+        assert_eq!(memory.judge(1.0, &height(80.0, false, false), OK), OK);
+        assert_eq!(memory.judge(2.0, &height(1.0, true, true), OK), REFUSED);
+        for second in 100..=110 {
+            assert_eq!(memory.judge(f64::from(second), &height(1.0, true, false), OK), OK);
+        }
+        assert_eq!(memory.judge(111.0, &height(1.0, true, true), OK), OK);
+    }
+}

@@ -1,0 +1,123 @@
+//! The report of `replay`, `run` and `demo`: what happened when, to which satellites, and why.
+//!
+//! ```text
+//! epochs, silences ──► Journal ──► Report ──► one page: tables, pictures, values, script
+//! ```
+//!
+//! | module | content |
+//! |---|---|
+//! | [`Journal`] | what happened, in bounded memory: epochs, satellites, events |
+//! | [`Facts`] | what the caller knows: source, command, settings |
+//! | `reasons` | reasons of verdicts in words |
+//! | `tables`, `pictures` | the page without its script |
+//! | `data`, `code` | the values, in few bytes, for the script |
+//!
+//! With its script the page replaces the pictures over time by ones that zoom together. Without, it
+//! has the same content as SVG. The page refers to no other address.
+
+mod code;
+mod data;
+mod epochs;
+mod facts;
+mod journal;
+mod pictures;
+mod reasons;
+mod satellites;
+mod tables;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+
+use super::canvas::Ground;
+use super::html::Page;
+use super::{stanford, timeline};
+
+pub use facts::{Facts, command_line, settings_of};
+pub use journal::{Happened, Journal};
+pub use reasons::explanation;
+
+/// Script of the page.
+const SCRIPT: &str = include_str!("report.js");
+
+/// Style of the parts that the script makes.
+const STYLE: &str = include_str!("report.css");
+
+/// Width of the pictures over time, pixels.
+const WIDTH_PX: u32 = 960;
+
+/// Returns the page.
+///
+/// # Errors
+/// A picture cannot be drawn.
+pub fn page(journal: &Journal, facts: &Facts) -> Result<Page> {
+    let mut page = Page::new(&facts.title, &facts.summary);
+    page.figures(&facts.figures);
+    tables::facts(&mut page, journal, facts);
+    tables::reasons(&mut page, journal);
+    page.heading("What happened when");
+    page.raw("<div id=\"live\"></div>\n<div class=\"still\">\n");
+    over_time(&mut page, journal, facts)?;
+    page.raw("</div>\n");
+    tables::events(&mut page, journal);
+    page.heading("Satellites");
+    page.raw("<div id=\"sky\"></div>\n<div class=\"still\">\n");
+    let (sky, track) =
+        (|width_px| pictures::sky(journal, facts, width_px), |width_px| pictures::track(journal, width_px));
+    page.drawn_beside(super::skyplot::SIDE_PX, &[&sky, &track])?;
+    page.raw("</div>\n");
+    tables::satellites(&mut page, journal);
+    against_truth(&mut page, journal)?;
+    page.raw(&format!("<style>\n{STYLE}</style>\n<script type=\"application/json\" id=\"data\">"));
+    page.append(|text| data::json(journal, facts, text));
+    page.raw(&format!("</script>\n<script>\n{SCRIPT}</script>\n"));
+    Ok(page)
+}
+
+/// Writes the page as `report.html` into a folder; returns its path.
+///
+/// # Errors
+/// The page cannot be drawn or written.
+pub fn write(journal: &Journal, facts: &Facts, folder: &Path) -> Result<PathBuf> {
+    let path = folder.join("report.html");
+    page(journal, facts)?.write(&path)?;
+    Ok(path)
+}
+
+/// Adds the pictures over time, for a page without script.
+fn over_time(page: &mut Page, journal: &Journal, facts: &Facts) -> Result<()> {
+    let moments = journal.thinned.moments();
+    page.drawn(WIDTH_PX, |width_px| {
+        timeline::picture(&journal.thinned, &facts.incidents, &facts.beside, width_px, Ground::Page)
+    })?;
+    for chart in pictures::of_satellites(journal) {
+        page.drawn(WIDTH_PX, |width_px| chart.svg((width_px, pictures::HEIGHT_PX), Ground::Page))?;
+    }
+    if (moments.len() as u64) < journal.len() {
+        page.paragraph(&format!(
+            "The pictures show {} of {} epochs: the extremes of each stretch of time, and the first epoch of each \
+             verdict in it.",
+            moments.len(),
+            journal.len()
+        ));
+    }
+    Ok(())
+}
+
+/// Adds the diagrams of errors against levels, if the truth is known.
+fn against_truth(page: &mut Page, journal: &Journal) -> Result<()> {
+    let moments = journal.thinned.moments();
+    if moments.iter().all(|moment| moment.horizontal_error_m.is_none()) {
+        return Ok(());
+    }
+    page.heading("Error against protection level");
+    page.paragraph(
+        "Above the diagonal the protection level is larger than the error and bounds it, as it must. A violet dot below \
+         it is misleading: a position that was promised to be better than it was.",
+    );
+    let (horizontal, vertical) = (
+        |width_px| stanford::horizontal(&moments, width_px, Ground::Page),
+        |width_px| stanford::vertical(&moments, width_px, Ground::Page),
+    );
+    page.drawn_beside(stanford::WIDTH_PX, &[&horizontal, &vertical])
+}

@@ -1,0 +1,153 @@
+//! The report of the service: what happened since it started, as `replay` reports a recording.
+//!
+//! The epoch loop only takes notes. A thread writes the page, once an hour and at the end.
+
+use std::path::PathBuf;
+use std::thread::{self, JoinHandle};
+
+use anyhow::{Context as _, Result};
+use embedded_hal::digital::OutputPin;
+use raim_firmware::receiver::Receiver;
+use raim_firmware::settings::Configuration;
+
+use crate::page::report::{self, Facts, Happened, Journal, command_line, settings_of};
+use crate::satellites::Watcher;
+use crate::sentence;
+
+/// Milliseconds between two pages.
+const INTERVAL_MS: u64 = 3_600_000;
+
+/// Notes of the service.
+#[derive(Debug)]
+pub(super) struct Recorder {
+    folder: PathBuf,
+    source: String,
+    watcher: Watcher,
+    journal: Journal,
+    first_ms: Option<u64>,
+    written_ms: u64,
+    writer: Option<JoinHandle<Result<PathBuf>>>,
+}
+
+impl Recorder {
+    pub(super) fn new(folder: PathBuf, source: String) -> Self {
+        Self {
+            folder,
+            source,
+            watcher: Watcher::new(),
+            journal: Journal::default(),
+            first_ms: None,
+            written_ms: 0,
+            writer: None,
+        }
+    }
+
+    /// Takes bytes of the receiver.
+    pub(super) fn hear(&mut self, bytes: &[u8], came_ms: u64) {
+        self.watcher.hear(bytes, came_ms);
+    }
+
+    /// Takes the sentences of a pass of the epoch loop.
+    pub(super) fn note<P: OutputPin>(
+        &mut self,
+        said: &[u8],
+        receiver: &Receiver<P>,
+        pin_is_high: bool,
+        now_ms: u64,
+    ) {
+        let outputs = sentence::sentences(said).and_then(|text| sentence::epochs(&text)).unwrap_or_default();
+        for output in &outputs {
+            let time_s = (now_ms - *self.first_ms.get_or_insert(now_ms)) as f64 * 1e-3;
+            let view = output.state.has_epoch().then(|| self.watcher.view(receiver));
+            self.journal.push(&Happened { time_s, output, error: None, pin_is_high, view: view.as_ref() });
+        }
+        if now_ms.saturating_sub(self.written_ms) >= INTERVAL_MS && !self.journal.is_empty() {
+            self.written_ms = now_ms;
+            self.write(receiver.configuration());
+        }
+    }
+
+    /// Writes the page in a thread of its own, unless the last one is not yet complete.
+    fn write(&mut self, configuration: &Configuration) {
+        if self.writer.as_ref().is_some_and(|writer| !writer.is_finished()) {
+            return;
+        }
+        let (journal, facts, folder) = (self.journal.clone(), self.facts(configuration), self.folder.clone());
+        self.writer = Some(thread::spawn(move || report::write(&journal, &facts, &folder)));
+    }
+
+    /// Writes the last page.
+    ///
+    /// # Errors
+    /// The page cannot be written.
+    pub(super) fn end(mut self, configuration: &Configuration) -> Result<()> {
+        // Two threads must not write the same page.
+        if let Some(writer) = self.writer.take() {
+            let _ = writer.join();
+        }
+        if self.journal.is_empty() {
+            return Ok(());
+        }
+        let path =
+            report::write(&self.journal, &self.facts(configuration), &self.folder).context("the report")?;
+        eprintln!("report: {}", path.display());
+        Ok(())
+    }
+
+    fn facts(&self, configuration: &Configuration) -> Facts {
+        let (settings_hash, settings) = settings_of(configuration);
+        Facts {
+            title: "The module as a service".to_owned(),
+            summary: format!("{} epochs and silences since the start.", self.journal.len()),
+            source: self.source.clone(),
+            command: command_line(),
+            settings_hash,
+            settings,
+            mask_deg: configuration.mask_rad().to_degrees(),
+            ..Facts::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use raim_firmware::receiver::Boot;
+
+    use super::*;
+    use crate::pin::Pin;
+    use crate::signal::encode::{Encoder, Frequency, Selection};
+    use crate::signal::sky::raw::Simulation;
+
+    #[test]
+    fn epochs_and_a_silence_reach_the_page() {
+        let recording = Simulation::above_xian(0.0, 20, 1).record();
+        let mut encoder =
+            Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual).unwrap());
+        let mut receiver = Receiver::new(Pin::default(), Boot::on_host("test")).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let mut recorder = Recorder::new(folder.path().to_owned(), "tcp://receiver:1".to_owned());
+        for (second, epoch) in (0_u64..).zip(&recording.epochs) {
+            let (bytes, mut said) = (encoder.epoch(epoch).unwrap(), Vec::new());
+            recorder.hear(&bytes, second * 1000);
+            receiver.gnss(&bytes, second * 1000, &mut said);
+            recorder.note(&said, &receiver, receiver.pin().high, second * 1000);
+        }
+        for now_ms in (19_100..35_000).step_by(100) {
+            let mut said = Vec::new();
+            receiver.tick(now_ms, &mut said);
+            recorder.note(&said, &receiver, receiver.pin().high, now_ms);
+        }
+        let known = recording.epochs[0].satellites[0].satellite.to_string();
+        recorder.end(receiver.configuration()).unwrap();
+        let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+        for part in [
+            "tcp://receiver:1",
+            "STALE",
+            "<td>protected</td>",
+            &known,
+            "no epoch came within the time to alert",
+        ] {
+            assert!(html.contains(part), "{part}");
+        }
+    }
+}

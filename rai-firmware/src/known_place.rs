@@ -1,0 +1,104 @@
+//! Heights and places that the module knows from outside: those that a host states at present, and
+//! the place of a fixed antenna.
+//!
+//! ```text
+//! σ_h² = max(σ, σ₀)² + ((c + |v_U|) Δt)²           Δt ≤ Δt₀, else the height has expired
+//! contradiction of a place:  d > HPL + k max(σ, σ₀)
+//! ```
+//!
+//! | symbol | item | unit |
+//! |---|---|---|
+//! | `σ` | stated with the height or the place | m |
+//! | `σ₀` | [`LEAST_SIGMA_M`] | m |
+//! | `c` | [`CLIMB_M_S`] | m/s |
+//! | `v_U` | vertical velocity of the last epoch, if it had one | m/s |
+//! | `Δt`, `Δt₀` | age of the height, [`HOLDS_MS`] | s |
+//! | `d` | horizontal distance of the position from the place | m |
+//! | `k` | [`SIGMAS`] | – |
+//!
+//! A height takes a row beside the satellites ([`raim_core::integrity`]), and that row can be the
+//! faulty one. Its sigma is bounded from below so that no statement outweighs the satellites: a
+//! code range at the zenith has about [`LEAST_SIGMA_M`] with its geometry.
+//!
+//! The place of a fixed antenna gives the same row if the host states no height. Horizontally it
+//! only takes promises back. A promise bounds the error by its level, so that the antenna's own
+//! place is within that level and the uncertainty of the place, or one of both is wrong.
+
+use raim_core::epoch::Aiding;
+use raim_core::frame::LocalFrame;
+use raim_core::report::Report;
+
+use crate::settings::Place;
+
+/// Least standard deviation of a height or a place, m.
+const LEAST_SIGMA_M: f64 = 3.0;
+
+/// Standard deviation of the climb of an antenna whose vertical velocity is unknown, m/s.
+const CLIMB_M_S: f32 = 3.0;
+
+/// Largest age of a height, ms.
+const HOLDS_MS: u64 = 10_000;
+
+/// Number of standard deviations of a place that contradict a position: the two-sided quantile of
+/// 1e-7.
+const SIGMAS: f64 = 5.33;
+
+/// A height that the host has stated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct HostHeight {
+    /// Height above the ellipsoid, m.
+    pub(crate) height_m: f64,
+    /// Standard deviation as stated, m.
+    pub(crate) sigma_m: f64,
+    /// Time of the statement, ms.
+    pub(crate) came_ms: u64,
+}
+
+impl HostHeight {
+    /// Returns the row of an epoch that came at `now_ms`, or `None` if the height has expired.
+    pub(crate) fn aiding(&self, now_ms: u64, climb_m_s: f32) -> Option<Aiding> {
+        let age_ms = now_ms.abs_diff(self.came_ms);
+        let grown_m = (CLIMB_M_S + climb_m_s.abs()) * (age_ms.min(HOLDS_MS) as f32 * 1e-3);
+        let sigma_m = self.sigma_m.max(LEAST_SIGMA_M) as f32;
+        let sigma_m = f64::from(libm::sqrtf(sigma_m * sigma_m + grown_m * grown_m));
+        (age_ms <= HOLDS_MS).then_some(Aiding::Height { value_m: self.height_m, sigma_m })
+    }
+}
+
+/// Returns the row of a fixed antenna's height.
+pub(crate) fn aiding_of(place: &Place) -> Aiding {
+    Aiding::Height { value_m: place.height_m, sigma_m: place.sigma_m.max(LEAST_SIGMA_M) }
+}
+
+/// Returns true if the position of a report is not where the antenna is.
+#[inline(never)]
+pub(crate) fn is_elsewhere<const N: usize>(place: &Place, report: &Report<N>) -> bool {
+    let (Some(solution), Some(levels)) = (&report.solution, &report.protection) else { return false };
+    let origin = place.position();
+    let distance_m = LocalFrame::at(origin).rotate(solution.position - origin).horizontal();
+    // A NaN distance is elsewhere.
+    !(distance_m <= levels.hpl_m + SIGMAS * place.sigma_m.max(LEAST_SIGMA_M))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sigma_m(height: HostHeight, now_ms: u64, climb_m_s: f32) -> Option<f64> {
+        height.aiding(now_ms, climb_m_s).map(|aiding| match aiding {
+            Aiding::Height { sigma_m, .. } | Aiding::Clock { sigma_m, .. } => sigma_m,
+        })
+    }
+
+    /// Right triangles with whole sides: 3, 4, 5 and 3, 6, √45 and 8, 15, 17.
+    #[test]
+    fn sigma_of_a_height_is_bounded_from_below_and_grows_with_its_age() {
+        let height = |sigma_m| HostHeight { height_m: 100.0, sigma_m, came_ms: 50_000 };
+        assert_eq!(sigma_m(height(0.1), 50_000, 0.0), Some(3.0));
+        assert_eq!(sigma_m(height(8.0), 50_000, 0.0), Some(8.0));
+        assert_eq!(sigma_m(height(0.1), 51_000, -1.0), Some(5.0));
+        assert_eq!(sigma_m(height(8.0), 55_000, 0.0), Some(17.0));
+        assert_eq!(sigma_m(height(8.0), 45_000, 0.0), Some(17.0), "a clock that went back");
+        assert_eq!(sigma_m(height(8.0), 60_001, 0.0), None);
+    }
+}

@@ -1,0 +1,122 @@
+//! Builds of the firmware image by cargo.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context as _, ensure};
+
+use crate::board::Machine;
+
+/// Goal of an image's optimisation. Its results are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CompiledFor {
+    /// Few instructions in the core, as in the shipped image.
+    Speed,
+    /// Few bytes of flash.
+    Size,
+}
+
+impl CompiledFor {
+    /// Both goals.
+    pub const ALL: [Self; 2] = [Self::Speed, Self::Size];
+
+    /// Returns cargo's profile.
+    pub(crate) fn profile(self) -> &'static str {
+        match self {
+            Self::Speed => "firmware",
+            Self::Size => "firmware-for-size",
+        }
+    }
+
+    /// Returns the alias of cargo that builds such an image.
+    pub(super) fn command(self) -> &'static str {
+        match self {
+            Self::Speed => "image",
+            Self::Size => "image-for-size",
+        }
+    }
+}
+
+impl fmt::Display for CompiledFor {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Speed => "compiled for speed",
+            Self::Size => "compiled for size",
+        })
+    }
+}
+
+/// Arguments of cargo that select the shipped image.
+pub const SHIPPED: [&str; 2] = ["--bin", "raim-firmware"];
+
+/// Builds the image and returns its path.
+///
+/// # Errors
+/// If cargo cannot be run or the build fails; cargo has then printed the reason.
+pub fn build() -> anyhow::Result<PathBuf> {
+    build_with(&SHIPPED)
+}
+
+/// Builds the image that the arguments select, in the same way as the shipped one.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
+    built(cargo().arg("image").args(chosen))
+}
+
+/// Makes cargo write its results to a folder without files of the same names. Intermediate files
+/// are shared with other builds: a library with the same features and flags is compiled once.
+pub(crate) fn apart<'c>(cargo: &'c mut Command, folder: &Path) -> &'c mut Command {
+    cargo.arg("--target-dir").arg(folder).env("CARGO_BUILD_BUILD_DIR", "target")
+}
+
+/// Returns cargo's command at the project's root.
+pub(crate) fn cargo() -> Command {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
+    cargo
+}
+
+/// Builds an image and returns its path.
+pub(crate) fn built(cargo: &mut Command) -> anyhow::Result<PathBuf> {
+    let output = cargo
+        .args(["--quiet", "--message-format=json-render-diagnostics"])
+        .stderr(Stdio::inherit())
+        .output()
+        .context("cargo cannot be run")?;
+    ensure!(output.status.success(), "the image does not build (`cargo image` prints the reason)");
+    executable(&String::from_utf8_lossy(&output.stdout)).context("cargo built no image")
+}
+
+/// Compiler flags for the second board's processor.
+pub(crate) const SECOND_BOARD_FLAGS: &str =
+    "-C target-cpu=cortex-m7 -C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
+
+/// Builds the image that the arguments select for a board, and returns its path. Each board has its
+/// own folder.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_for(machine: Machine, chosen: &[&str]) -> anyhow::Result<PathBuf> {
+    if machine == Machine::Stm32f405 {
+        return build_with(chosen);
+    }
+    // These flags replace those of the project's own configuration, so they repeat all of them.
+    let mut cargo = cargo();
+    cargo
+        .args(["build", "--profile", "firmware", "--target", "thumbv7em-none-eabihf"])
+        .args(["--package", "raim-firmware", "--features", "mps2-an500"])
+        .args(chosen)
+        .env("RUSTFLAGS", SECOND_BOARD_FLAGS);
+    built(apart(&mut cargo, Path::new("target/mps2_an500")))
+}
+
+pub(crate) fn executable(messages: &str) -> Option<PathBuf> {
+    messages
+        .lines()
+        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
+        .filter_map(|message| message.get("executable")?.as_str().map(PathBuf::from))
+        .next_back()
+}
