@@ -74,6 +74,7 @@
 //! | `DO-229` | RTCA DO-229, *Minimum operational performance standards for global positioning system/wide area augmentation system airborne equipment* |
 //! | `DO-260B` | RTCA DO-260B, *Minimum operational performance standards for 1090 MHz extended squitter ADS-B and TIS-B* |
 //! | `DS8626` | STMicroelectronics, DS8626, *STM32F405xx, STM32F407xx*, data sheet |
+//! | `EGM96` | F. G. Lemoine et al., *The development of the joint NASA GSFC and NIMA geopotential model EGM96*, NASA/TP-1998-206861, 1998; grid `WW15MGH.DAC` of the US National Geospatial-Intelligence Agency |
 //! | `GLO-ICD` | Russian Institute of Space Device Engineering, *GLONASS Interface Control Document, navigational radio signal in bands L1, L2*, edition 5.1, 2008 |
 //! | `GPSD-NMEA` | E. S. Raymond, *NMEA Revealed*, gpsd project, <https://gpsd.gitlab.io/gpsd/NMEA.html> |
 //! | `GPS-SPS-PS` | US Department of Defense, *Global Positioning System standard positioning service performance standard*, 5th edition, 2020 |

@@ -9,6 +9,8 @@ mod campaign;
 mod cargo;
 mod coverage;
 mod demo;
+#[cfg(target_os = "linux")]
+mod endure;
 mod evidence;
 mod flash;
 mod fuzz;
@@ -72,6 +74,9 @@ enum Command {
     Attack(attack::Arguments),
     /// Runs the emulated board for hours under faults, resets and a bad line.
     Soak(soak::Arguments),
+    /// Runs `rai run` for an hour between cuts, kills and dead clients.
+    #[cfg(target_os = "linux")]
+    Endure(endure::Arguments),
     /// Measures the cost of the module on the chip: instructions by stage, flash, RAM, stack.
     Bench(bench::Arguments),
     /// Regenerates the threshold tables.
@@ -116,6 +121,8 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
         Command::Evaluate(arguments) => raim::evaluate::command::run(arguments),
         Command::Attack(arguments) => attack::run(&arguments),
         Command::Soak(arguments) => soak::run(&arguments),
+        #[cfg(target_os = "linux")]
+        Command::Endure(arguments) => endure::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Tables(arguments) => tables::run(&arguments),
         Command::Header(arguments) => header::run(&arguments),

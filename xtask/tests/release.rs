@@ -30,6 +30,14 @@ fn forge_runs_the_tests_that_the_readme_names() {
 }
 
 #[test]
+fn forge_checks_the_systems_and_processors_that_a_person_rarely_has() {
+    let forge = text(".github/workflows/ci.yml");
+    for part in ["windows-latest", "macos-latest", "aarch64-unknown-linux-musl", "--only static --all"] {
+        assert!(forge.contains(part), "{part}");
+    }
+}
+
+#[test]
 fn every_manifest_has_the_version_of_the_workspace() {
     let version = value(&text("Cargo.toml"), "version");
     let header = text("rai-firmware/capi/include/rai.h");

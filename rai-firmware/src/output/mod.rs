@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`nmea`] | readers of sentences |
 //! | [`mavlink`] | autopilots |
+//! | [`geoid`] | altitude above mean sea level, for both |
 //! | [`nic`] | aviation: the integrity category of a level |
 //! | [`schedule`] | rate of each sentence and message |
 //!
@@ -22,6 +23,7 @@ use raim_core::velocity::Velocity;
 use crate::input::{ReceiverLevels, Suspicions};
 use crate::time::GpsTime;
 
+pub mod geoid;
 #[cfg(feature = "mavlink")]
 pub mod mavlink;
 pub mod nic;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`attack`] | all attempts to raise the pin on a wrong position |
 //! | [`soak`] | hours on the emulated board under faults, resets and a bad line |
+//! | [`endurance`] | an hour of `rai run` between cuts, kills and dead clients |
 //! | [`fuzzing`] | fuzzing of the ports, the orbits and the core |
 //!
 //! # References
@@ -14,6 +15,8 @@
 
 #[cfg(feature = "commands")]
 pub mod attack;
+#[cfg(all(feature = "commands", target_os = "linux"))]
+pub mod endurance;
 pub mod fuzzing;
 #[cfg(feature = "commands")]
 pub mod soak;

@@ -1,12 +1,13 @@
 //! A real gpsd that reads our sentences: an independent check of the module's output.
 //!
-//! The daemon connects to a port of ours for the sentences, as to a serial line, and serves its
-//! JSON on another one. Every wait has a deadline, and the daemon is killed when the [`Gpsd`] is
-//! dropped.
+//! The daemon connects to a port of ours for the sentences, or reads a terminal, as a serial line,
+//! and serves its JSON on a port. Every wait has a deadline, and the daemon is killed when the
+//! [`Gpsd`] is dropped.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -22,7 +23,8 @@ const PAUSE: Duration = Duration::from_millis(20);
 /// A running gpsd, fed with sentences.
 pub struct Gpsd {
     daemon: Daemon,
-    sentences: TcpStream,
+    /// The line that we feed; `None` if another program does.
+    sentences: Option<TcpStream>,
     json: TcpStream,
     unread: Vec<u8>,
 }
@@ -58,6 +60,19 @@ impl Gpsd {
         Self::launched_by(command)
     }
 
+    /// Starts gpsd on a terminal that another program writes to.
+    ///
+    /// # Errors
+    /// As [`Self::start_or_skip`].
+    pub fn on_terminal_or_skip(terminal: &Path) -> Result<Option<Self>> {
+        let served = free_port()?;
+        let Some(daemon) = launch(Command::new("gpsd"), terminal.as_os_str(), served)? else {
+            rig::skip::say("gpsd (apt-get install gpsd)");
+            return Ok(None);
+        };
+        Self::watching(daemon, None, served).map(Some)
+    }
+
     /// Returns the process id.
     pub(crate) fn process(&self) -> u32 {
         self.daemon.0.id()
@@ -66,25 +81,32 @@ impl Gpsd {
     fn launched_by(command: Command) -> Result<Option<Self>> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
         let served = free_port()?;
-        let Some(daemon) = launch(command, listener.local_addr()?.port(), served)? else {
+        let source = format!("tcp://127.0.0.1:{}", listener.local_addr()?.port());
+        let Some(daemon) = launch(command, OsStr::new(&source), served)? else {
             rig::skip::say("gpsd (apt-get install gpsd)");
             return Ok(None);
         };
         let sentences = accept(&listener)?;
+        Self::watching(daemon, Some(sentences), served).map(Some)
+    }
+
+    /// Connects to the daemon's port and asks for its objects.
+    fn watching(daemon: Daemon, sentences: Option<TcpStream>, served: u16) -> Result<Self> {
         let mut json = connect(served)?;
         json.write_all(b"?WATCH={\"enable\":true,\"json\":true};\n")?;
         json.set_read_timeout(Some(PAUSE))?;
         let mut gpsd = Self { daemon, sentences, json, unread: Vec::new() };
         gpsd.wait_for(START, |object| object["class"] == "WATCH")?;
-        Ok(Some(gpsd))
+        Ok(gpsd)
     }
 
     /// Sends sentences of a module.
     ///
     /// # Errors
-    /// If gpsd has closed the connection.
+    /// If gpsd has closed the connection, or reads a terminal.
     pub fn feed(&mut self, sentences: &[u8]) -> Result<()> {
-        self.sentences.write_all(sentences).context("gpsd closed the connection for the sentences")
+        let line = self.sentences.as_mut().context("another program feeds this gpsd")?;
+        line.write_all(sentences).context("gpsd closed the connection for the sentences")
     }
 
     /// Returns the first object that satisfies `wanted`; earlier ones are dropped.
@@ -141,9 +163,9 @@ pub(crate) fn free_port() -> io::Result<u16> {
 }
 
 /// Launches the program; returns `None` if it does not exist.
-fn launch(mut command: Command, source: u16, served: u16) -> Result<Option<Daemon>> {
+fn launch(mut command: Command, source: &OsStr, served: u16) -> Result<Option<Daemon>> {
     // gpsd runs in the foreground, reads without a client and serves on its own port.
-    command.args(["-N", "-n", "-S", &served.to_string(), &format!("tcp://127.0.0.1:{source}")]);
+    command.args(["-N", "-n", "-S", &served.to_string()]).arg(source);
     command.env("PATH", path_of_daemons()?);
     match command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn() {
         Ok(child) => Ok(Some(Daemon(child))),

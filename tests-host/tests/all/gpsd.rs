@@ -9,12 +9,14 @@ use std::time::{Duration, SystemTime};
 use anyhow::{Context, Result};
 use oracle::chrony::{self, Chronyd, Source};
 use oracle::gpsd::Gpsd;
+use raim::signal::checksum::nmea_line;
 use raim_core::frame::Geodetic;
 use raim_core::report::{
     Alert, Protected, ProtectionLevels, Report, Solution, Suspect, TestStatistic, Unavailable, Verdict,
 };
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::output::geoid::{Altitude, RMS_ERROR_M};
 use raim_firmware::output::nmea::{GPS_MINUS_UTC_S, write_epoch};
 use raim_firmware::output::schedule::Schedule;
 use raim_firmware::output::{Interference, Motion, Statement};
@@ -127,6 +129,9 @@ fn gpsd_reports_a_3d_fix_with_position_and_errors() -> Result<()> {
     assert_near(&position, "lat", LATITUDE_DEG, 2e-9);
     assert_near(&position, "lon", LONGITUDE_DEG, 2e-9);
     assert_near(&position, "altHAE", HEIGHT_M, 0.001);
+    // By EGM96 the geoid is 58.13 m above the ellipsoid there.
+    assert_near(&position, "geoidSep", 58.13, RMS_ERROR_M);
+    assert_near(&position, "altMSL", HEIGHT_M - 58.13, RMS_ERROR_M);
     let [east, north, up] = SIGMA_M;
     assert_near(&position, "epx", east, 0.001);
     assert_near(&position, "epy", north, 0.001);
@@ -137,6 +142,43 @@ fn gpsd_reports_a_3d_fix_with_position_and_errors() -> Result<()> {
     assert_near(&errors, "lat", north, 0.001);
     assert_near(&errors, "lon", east, 0.001);
     assert_near(&errors, "alt", up, 0.001);
+    Ok(())
+}
+
+/// Flat places, as most of the Earth is: latitude and longitude in degrees.
+const FLAT: [[f64; 2]; 4] = [[46.5, 102.5], [-23.5, 134.0], [38.5, -90.5], [2.0, 78.5]];
+
+/// A sentence without a separation makes gpsd use its own table, EGM2008 every 5°, which is as
+/// coarse as ours.
+#[test]
+fn separation_of_gpsd_is_ours_within_the_errors_of_both_tables() -> Result<()> {
+    let Some(mut gpsd) = Gpsd::start_or_skip()? else { return Ok(()) };
+    for (hour, [latitude_deg, longitude_deg]) in FLAT.into_iter().enumerate() {
+        let [latitude_rad, longitude_rad] = [latitude_deg, longitude_deg].map(f64::to_radians);
+        let ours = Altitude::of(&Geodetic { latitude_rad, longitude_rad, height_m: 0.0 });
+        let place =
+            [(latitude_deg, 4, "NS"), (longitude_deg, 5, "EW")].map(|(angle_deg, digits, letters)| {
+                let minutes = angle_deg.abs().trunc() * 100.0 + angle_deg.abs().fract() * 60.0;
+                let letter = letters.get(usize::from(angle_deg < 0.0)..).and_then(|rest| rest.chars().next());
+                format!("{minutes:0width$.4},{}", letter.unwrap_or_default(), width = digits + 5)
+            });
+        let place = place.join(",");
+        let theirs = (0..EPOCHS).find_map(|second| {
+            let time = format!("{hour:02}00{second:02}.00");
+            let lines = [
+                nmea_line(&format!("GNRMC,{time},A,{place},0.0,,060126,,,A")),
+                nmea_line(&format!("GNGGA,{time},{place},1,09,0.8,100.0,M,,M,,")),
+            ];
+            gpsd.feed(lines.concat().as_bytes()).ok()?;
+            let is_there = |object: &Value| {
+                let have_deg = object["lat"].as_f64().unwrap_or(f64::NAN);
+                object["geoidSep"].is_number() && (have_deg - latitude_deg).abs() < 1e-6
+            };
+            gpsd.wait_for(Duration::from_millis(150), is_there).ok()
+        });
+        let theirs = theirs.with_context(|| format!("gpsd gives no separation at {place}"))?;
+        assert_near(&theirs, "geoidSep", ours.separation_m, 2.0 * RMS_ERROR_M);
+    }
     Ok(())
 }
 

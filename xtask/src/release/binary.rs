@@ -7,6 +7,7 @@ use std::process::Command;
 use anyhow::{Context as _, Result, ensure};
 
 use super::deb::{Control, package};
+use super::elf;
 use super::files::{Entry, name, tar_gz};
 use super::{Built, VERSION};
 use crate::cargo::{command, root, spawn};
@@ -25,22 +26,36 @@ pub(super) fn build(out: &Path) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Builds a program that needs no library of its system.
+/// Builds the program for this system.
+///
+/// # Errors
+/// If it does not build.
+pub(crate) fn program() -> Result<PathBuf> {
+    compile(None)
+}
+
+/// Builds a program that needs no library of its system: with musl if the compiler has it,
+/// otherwise with the GNU C library linked into the program.
 ///
 /// # Errors
 /// If it does not build, or is not static.
-pub(super) fn statically(target: &str, out: &Path) -> Result<Built> {
-    if !is_installed(target)? {
-        return Ok(Built::Missing(format!("needs the target: rustup target add {target}")));
-    }
-    let program = compile(Some(target))?;
-    let bytes = fs::read(&program)?;
-    ensure!(newest_glibc(&bytes).is_none(), "{} needs a library of its system", program.display());
-    if target.starts_with(std::env::consts::ARCH) {
+pub(super) fn statically(architecture: &str, out: &Path) -> Result<Built> {
+    let [musl, gnu] = ["musl", "gnu"].map(|library| format!("{architecture}-unknown-linux-{library}"));
+    let is_own = architecture == std::env::consts::ARCH && cfg!(all(target_os = "linux", target_env = "gnu"));
+    let target = match (is_installed(&musl)?, is_own) {
+        (true, _) => musl,
+        (false, true) => gnu,
+        (false, false) => {
+            return Ok(Built::Missing(format!("needs the target: rustup target add {musl}")));
+        }
+    };
+    let program = compile(Some(&target))?;
+    let wants = elf::wants(&fs::read(&program)?).context("the program is no ELF file of 64 bits")?;
+    ensure!(wants.is_empty(), "{} needs {}", program.display(), wants.join(", "));
+    if architecture == std::env::consts::ARCH {
         check_version(&program)?;
     }
-    let suffix = format!("{}-linux-static", target.split('-').next().unwrap_or_default());
-    Ok(Built::Files(vec![archive(&program, &suffix, out)?]))
+    Ok(Built::Files(vec![archive(&program, &format!("{architecture}-linux-static"), out)?]))
 }
 
 /// Returns true if the compiler has the standard library of a target.
@@ -58,9 +73,13 @@ fn compile(target: Option<&str>) -> Result<PathBuf> {
     let mut folder = root().join("target");
     if let Some(target) = target {
         cargo.args(["--target", target]);
-        // The compiler's own linker, because a system rarely has one for another processor.
         let variable = target.to_uppercase().replace('-', "_");
-        cargo.env(format!("CARGO_TARGET_{variable}_LINKER"), "rust-lld");
+        if target.ends_with("gnu") {
+            cargo.env(format!("CARGO_TARGET_{variable}_RUSTFLAGS"), "-C target-feature=+crt-static");
+        } else {
+            // The compiler's own linker, because a system rarely has one for another processor.
+            cargo.env(format!("CARGO_TARGET_{variable}_LINKER"), "rust-lld");
+        }
         folder = folder.join(target);
     }
     // Without the places of the builder's files, and without symbols, a third of the size.

@@ -7,7 +7,7 @@
 //! | header, and an archive for C per processor | header as the sources; every function of it in the archive |
 //! | named firmware images | are within their limits and fit the chip |
 //! | `rai` as a program and as a Debian package | prints its version; `dpkg-deb` reads the package |
-//! | `rai`, static | prints its version if this processor runs it |
+//! | `rai`, static | asks for no library and no loader; prints its version if this processor runs it |
 //! | Python wheel | installed into a fresh environment, imported |
 //! | bill of materials, `SHA256SUMS` | every file is listed |
 //!
@@ -17,6 +17,7 @@ mod archives;
 mod binary;
 mod checksums;
 mod deb;
+mod elf;
 mod files;
 mod sbom;
 mod wheel;
@@ -29,6 +30,7 @@ use rig::image::{Chip, NAMED, Named};
 
 use crate::cargo::root;
 pub(crate) use archives::{Arguments as ArchiveArguments, run as build_archives};
+pub(crate) use binary::program;
 
 /// Version of every artefact.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -64,8 +66,8 @@ const PARTS: [Part; 9] = [
     ("images", images),
     ("rai and its Debian package", |out| binary::build(out).map(Built::Files)),
     ("Python wheel", wheel::build),
-    ("rai, static, x86-64", |out| binary::statically("x86_64-unknown-linux-musl", out)),
-    ("rai, static, aarch64", |out| binary::statically("aarch64-unknown-linux-musl", out)),
+    ("rai, static, x86-64", |out| binary::statically("x86_64", out)),
+    ("rai, static, aarch64", |out| binary::statically("aarch64", out)),
 ];
 
 /// Runs the command.

@@ -85,7 +85,7 @@ pub(super) const STEPS: &[Step] = &[
         done(crate::bench::run(&crate::bench::Arguments { check: true, ..Default::default() }))
     }),
     step("threshold tables", Lane::Target, When::Whole, |_, _| {
-        done(crate::tables::run(&crate::tables::Arguments { check: true }))
+        done(crate::tables::run(&crate::tables::Arguments { check: true, geoid: None }))
     }),
     step("hostile input", Lane::Target, When::Whole, |_, _| done(crate::fuzz::smoke())),
 ];

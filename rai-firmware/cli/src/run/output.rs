@@ -230,3 +230,39 @@ impl Write for Terminal {
         Ok(())
     }
 }
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use std::fs::OpenOptions;
+    use std::sync::mpsc::Sender;
+
+    use super::*;
+
+    /// A reader that hands on what it is sent.
+    struct Reader(Sender<Vec<u8>>);
+
+    impl Write for Reader {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.send(bytes.to_vec()).map_err(io::Error::other)?;
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn full_disk_costs_no_other_consumer_a_sentence() {
+        let mut outbox = Outbox::default();
+        let (hear, heard) = std::sync::mpsc::channel();
+        let full = OpenOptions::new().write(true).open("/dev/full").expect("the device of Linux");
+        spawn(&outbox.consumers(), Kind::Nmea, full);
+        spawn(&outbox.consumers(), Kind::Nmea, Reader(hear));
+        for _ in 0..2 * QUEUE {
+            outbox.send(b"$GPRMC\r\n");
+            assert_eq!(heard.recv_timeout(PATIENCE).expect("the sentence"), b"$GPRMC\r\n");
+        }
+        assert_eq!(outbox.lost(), 0);
+    }
+}

@@ -1,10 +1,12 @@
 //! The integrity pin of a computer: a GPIO line, a file, or a command.
 //!
-//! The pin is low from the start of the service to the first promise, and again after its end.
+//! The pin is low from the start of the service to the first promise, and again after its end. A
+//! file falls even on a full disk: if it cannot be replaced, it is overwritten where it is, or
+//! removed.
 
 use std::fs;
-use std::io;
-use std::path::PathBuf;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::str::FromStr;
 use std::sync::Arc;
@@ -53,7 +55,7 @@ pub enum Wire {
     Nowhere,
     /// A requested GPIO line.
     #[cfg(target_os = "linux")]
-    Gpio(gpiocdev::Request, u32),
+    Gpio(Line<gpiocdev::Request>),
     /// A file, replaced as a whole so that no reader sees half of it.
     File(PathBuf),
     /// A program.
@@ -82,16 +84,12 @@ impl Wire {
         match self {
             Self::Nowhere => Ok(()),
             #[cfg(target_os = "linux")]
-            Self::Gpio(request, line) => {
-                use gpiocdev::line::Value;
-                let value = if high { Value::Active } else { Value::Inactive };
-                request.set_value(*line, value).map(drop).map_err(io::Error::other)
-            }
-            Self::File(path) => {
-                let next = path.with_extension("next");
-                fs::write(&next, if high { "1\n" } else { "0\n" })?;
-                fs::rename(&next, path)
-            }
+            Self::Gpio(line) => line.drive(high),
+            Self::File(path) => match replace(path, high) {
+                // A level that stays low is safe, one that stays high is not.
+                Err(error) if !high => overwrite(path).or_else(|_| fs::remove_file(path)).map_err(|_| error),
+                replaced => replaced,
+            },
             Self::Program(program) => {
                 let mut words = program.split_whitespace();
                 let mut command = Command::new(words.next().unwrap_or_default());
@@ -105,17 +103,70 @@ impl Wire {
     }
 }
 
+/// Replaces a file as a whole, so that no reader sees half of it.
+fn replace(path: &Path, high: bool) -> io::Result<()> {
+    let next = path.with_extension("next");
+    fs::write(&next, if high { "1\n" } else { "0\n" })?;
+    fs::rename(&next, path)
+}
+
+/// Overwrites the level in a file with low, which needs no room on the disk.
+fn overwrite(path: &Path) -> io::Result<()> {
+    fs::OpenOptions::new().write(true).open(path)?.write_all(b"0\n")
+}
+
+/// Lines of a GPIO chip that a process has requested.
 #[cfg(target_os = "linux")]
-fn gpio(chip: &std::path::Path, line: u32) -> Result<Wire> {
+pub trait Lines {
+    /// Sets one line.
+    ///
+    /// # Errors
+    /// As the system reports them.
+    fn set(&self, line: u32, high: bool) -> io::Result<()>;
+}
+
+#[cfg(target_os = "linux")]
+impl Lines for gpiocdev::Request {
+    fn set(&self, line: u32, high: bool) -> io::Result<()> {
+        use gpiocdev::line::Value;
+        let value = if high { Value::Active } else { Value::Inactive };
+        self.set_value(line, value).map(drop).map_err(io::Error::other)
+    }
+}
+
+/// One requested line.
+#[cfg(target_os = "linux")]
+#[derive(Debug)]
+pub struct Line<L> {
+    lines: L,
+    number: u32,
+}
+
+#[cfg(target_os = "linux")]
+impl<L: Lines> Line<L> {
+    fn drive(&self, high: bool) -> io::Result<()> {
+        self.lines.set(self.number, high)
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn gpio(chip: &Path, line: u32) -> Result<Wire> {
+    let lines =
+        request(chip, line).request().with_context(|| format!("line {line} of {}", chip.display()))?;
+    Ok(Wire::Gpio(Line { lines, number: line }))
+}
+
+/// Returns the request for a line: an output, low from the beginning.
+#[cfg(target_os = "linux")]
+fn request(chip: &Path, line: u32) -> gpiocdev::request::Builder {
     use gpiocdev::line::Value;
     let mut request = gpiocdev::Request::builder();
     request.on_chip(chip).with_consumer("rai").with_line(line).as_output(Value::Inactive);
-    let request = request.request().with_context(|| format!("line {line} of {}", chip.display()))?;
-    Ok(Wire::Gpio(request, line))
+    request
 }
 
 #[cfg(not(target_os = "linux"))]
-fn gpio(_: &std::path::Path, _: u32) -> Result<Wire> {
+fn gpio(_: &Path, _: u32) -> Result<Wire> {
     bail!("GPIO lines are known on Linux only: use file:PATH or exec:PROGRAM")
 }
 
@@ -197,5 +248,64 @@ mod tests {
         assert_eq!(fs::read_to_string(&path).unwrap(), "1\n");
         drop(folder);
         assert_eq!(pin.set_low(), Err(PinError));
+    }
+
+    /// A folder in the place of the next file stands for a disk that takes no new file.
+    #[test]
+    fn file_falls_on_a_disk_that_takes_no_new_file_and_does_not_rise() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pin");
+        let mut pin = Pin::new(Arc::new(Wire::open(&Place::File(path.clone())).unwrap()));
+        pin.set_high().unwrap();
+        fs::create_dir(path.with_extension("next")).unwrap();
+        pin.set_low().unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "0\n");
+        assert_eq!(pin.set_high(), Err(PinError));
+        assert_eq!(fs::read_to_string(&path).unwrap(), "0\n");
+    }
+
+    #[cfg(target_os = "linux")]
+    mod gpio_line {
+        use std::cell::RefCell;
+
+        use gpiocdev::line::{Direction, Value};
+
+        use super::super::*;
+
+        /// A chip that remembers what was set.
+        #[derive(Default)]
+        struct Chip(RefCell<Vec<(u32, bool)>>);
+
+        impl Lines for Chip {
+            fn set(&self, line: u32, high: bool) -> io::Result<()> {
+                self.0.borrow_mut().push((line, high));
+                Ok(())
+            }
+        }
+
+        #[test]
+        fn request_asks_for_one_output_that_is_low_and_not_inverted() {
+            let request = request(Path::new("/dev/gpiochip7"), 17);
+            let config = request.config();
+            let line = config.line_config(17).unwrap();
+            assert_eq!((line.direction, line.value), (Some(Direction::Output), Some(Value::Inactive)));
+            assert!(!line.active_low && config.num_lines() == 1);
+            assert_eq!(config.chip(), Path::new("/dev/gpiochip7"));
+        }
+
+        #[test]
+        fn level_goes_to_the_line_that_was_named() {
+            let line = Line { lines: Chip::default(), number: 17 };
+            line.drive(true).unwrap();
+            line.drive(false).unwrap();
+            assert_eq!(*line.lines.0.borrow(), [(17, true), (17, false)]);
+        }
+
+        #[test]
+        fn chip_that_is_not_there_is_named() {
+            let place = "gpio:/dev/gpiochip-of-nobody:3".parse().unwrap();
+            let error = format!("{:#}", Wire::open(&place).unwrap_err());
+            assert!(error.contains("line 3 of /dev/gpiochip-of-nobody"), "{error}");
+        }
     }
 }

@@ -22,6 +22,7 @@ use raim_firmware::input::{Counters, Event, Input};
 use raim_firmware::input::{Suspicion, Suspicions};
 use raim_firmware::navigator::Navigator;
 use raim_firmware::outlet::Outlet;
+use raim_firmware::output::geoid::Altitude;
 use raim_firmware::output::mavlink::{Sender, dialect};
 use raim_firmware::output::nmea::{self, Sentence, TimeOfDay};
 use raim_firmware::output::schedule::{Due, Item, Schedule};
@@ -262,6 +263,7 @@ fn sentences() {
         Sender::write_stale::<Host> as fn(_, _, _, _) -> _,
         dialect::Kind::bytes as fn(_) -> _,
         dialect::Kind::name as fn(_) -> _,
+        Altitude::of as fn(_) -> _,
         nic::category as fn(_) -> _,
         Motion::of as fn(_) -> _,
         Motion::speed_m_s as fn(_) -> _,

@@ -9,8 +9,8 @@
 //! Autopilots use `GPS_INPUT` as it is. Its fix type is therefore 3 only while the position is
 //! protected. Otherwise it is 1, or 0 without a position, and both have no coordinates. Its
 //! accuracies are one sigma and never below the protection levels: `max(σ, PL / 5.33)`, because a
-//! level of 1e-7 is 5.33 sigmas. The altitude is above the ellipsoid, because the module has no
-//! geoid model.
+//! level of 1e-7 is 5.33 sigmas. The altitude is above mean sea level, as the message asks, by
+//! [`super::geoid`]; its accuracy is that of the height above the ellipsoid.
 //!
 //! `GNSS_INTEGRITY` carries the protection levels in `raim_hfom` and `raim_vfom`, rounded up to a
 //! centimetre. Its layout is that of the dialect [`DIALECT`] and will change; only [`dialect`]
@@ -25,6 +25,7 @@
 use embedded_io::Write;
 use raim_core::report::{Solution, Unavailable, Verdict};
 
+use super::geoid::Altitude;
 use super::schedule::{Due, Item};
 use super::{Interference, Statement};
 use crate::time::GpsTime;
@@ -227,7 +228,7 @@ fn position<const N: usize>(statement: &Statement<'_, N>, solution: &Solution, u
         statement.time.tow_ms.into(),
         degrees_e7(solution.geodetic.latitude_rad),
         degrees_e7(solution.geodetic.longitude_rad),
-        float(solution.geodetic.height_m),
+        float(Altitude::of(&solution.geodetic).above_sea_m),
         float(solution.hdop),
         float(solution.vdop),
         north_m_s,

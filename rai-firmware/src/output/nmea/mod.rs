@@ -15,9 +15,8 @@
 //!
 //! Decisions for cases in which the standard leaves room or its readers differ:
 //!
-//! - **Altitude** is the height above the WGS 84 ellipsoid, and the geoid separation is `0.0`. The
-//!   module has no geoid model; with an empty separation a reader (gpsd) would add its own and
-//!   report a wrong height above the ellipsoid.
+//! - **Altitude** is that above mean sea level, and the geoid separation is that of
+//!   [`super::geoid`], as the standard asks. Their sum is the height above the WGS 84 ellipsoid.
 //! - **Mode of `GNS`** is one character, `A` or `N`. The standard gives each system a character,
 //!   but gpsd reads only the first and takes `N` there (no GPS) for no fix; the `nmea` crate
 //!   refuses more than two. The `GSA` sentences report the systems used.

@@ -10,12 +10,17 @@
 //! `RMC` and `GNS` end with the navigational status. Some readers ignore status and mode, so that
 //! no sentence has a position that must not be used.
 //!
-//! Position and time are formatted once for several sentences.
+//! `GGA` and `GNS` have the altitude above mean sea level and the geoid separation of
+//! [`crate::output::geoid`]. The altitude takes the room that the sentence leaves, so that it loses
+//! decimals if the other fields are long.
+//!
+//! Position, separation and time are formatted once for several sentences.
 
 use embedded_io::Write;
 use raim_core::report::{Solution, Verdict};
 
 use super::{Sentence, TimeOfDay, write_sentence};
+use crate::output::geoid::Altitude;
 use crate::output::schedule::{Due, Item};
 use crate::output::{Motion, Statement};
 
@@ -55,11 +60,16 @@ pub(super) fn write_position<W: Write, const N: usize>(
             ["E", "W"],
         );
     }
+    let altitude = solution.map(|solution| Altitude::of(&solution.geodetic));
+    let mut separation = Sentence::new("");
+    separation.optional(altitude.map(|altitude| altitude.separation_m), 1, 6);
     let told = Told {
         time,
         status: navigational_status(statement.report.verdict, solution.is_some()),
         place: if solution.is_some() { place.fields() } else { b",,," },
         solution,
+        above_sea_m: altitude.map(|altitude| altitude.above_sea_m),
+        separation: separation.fields(),
         used: statement.report.used.len().min(99) as u32,
         motion: statement.usable_motion(),
     };
@@ -106,6 +116,10 @@ struct Told<'t> {
     place: &'t [u8],
     /// Usable solution.
     solution: Option<&'t Solution>,
+    /// Altitude above mean sea level, m.
+    above_sea_m: Option<f64>,
+    /// Geoid separation, m; empty without a usable position.
+    separation: &'t [u8],
     used: u32,
     motion: Option<Motion>,
 }
@@ -127,28 +141,26 @@ impl Told<'_> {
         let mut sentence = Sentence::new("GNGGA");
         sentence.time(Some(self.time)).ready(self.place);
         sentence.ready(if self.solution.is_some() { b"1" } else { b"0" }).integer(self.used, 2);
-        match self.solution {
-            Some(solution) => sentence
-                .number(dilution(solution.hdop), 2, 5)
-                .number(solution.geodetic.height_m, 3, 8)
-                .ready(b"M,0.0,M,,"),
-            None => sentence.ready(b",,M,,M,,"),
-        };
+        self.dilution_and_altitude(&mut sentence, b",M,".len() + b",M,,".len());
+        sentence.ready(b"M").ready(self.separation).ready(b"M,,");
         sentence
     }
 
     fn gns(&self) -> Sentence {
         let mut sentence = Sentence::new("GNGNS");
         sentence.time(Some(self.time)).ready(self.place).ready(self.mode()).integer(self.used, 2);
-        match self.solution {
-            Some(solution) => sentence
-                .number(dilution(solution.hdop), 2, 5)
-                .number(solution.geodetic.height_m, 3, 10)
-                .ready(b"0.0,,"),
-            None => sentence.ready(b",,,,"),
-        };
+        self.dilution_and_altitude(&mut sentence, b",".len() + b",,,S".len());
+        sentence.ready(self.separation).empty().empty();
         sentence.ready(self.status);
         sentence
+    }
+
+    /// Appends the horizontal dilution, and the altitude with as many decimals as leave room for
+    /// the separation and `around` characters beside it.
+    fn dilution_and_altitude(&self, sentence: &mut Sentence, around: usize) {
+        sentence.optional(self.solution.map(|solution| dilution(solution.hdop)), 2, 5);
+        let width = sentence.room().saturating_sub(1 + self.separation.len() + around);
+        sentence.optional(self.above_sea_m, 3, width);
     }
 
     fn mode(&self) -> &'static [u8] {

@@ -253,6 +253,11 @@ impl Sentence {
         Some(&self.bytes)
     }
 
+    /// Returns the number of characters that still fit before checksum and line end.
+    pub(super) fn room(&self) -> usize {
+        (MAX_LENGTH - ENDING).saturating_sub(self.bytes.len())
+    }
+
     /// Returns true if checksum and line end fit.
     pub(super) fn fits(&self) -> bool {
         !self.overflown && self.bytes.len() + ENDING <= MAX_LENGTH

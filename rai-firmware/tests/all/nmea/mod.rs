@@ -130,11 +130,12 @@ fn npa() -> Requirements {
 #[test]
 fn an_epoch_is_these_sentences_in_this_order() {
     let have = sentences(&report(), &npa());
-    // Each number is the report's, converted by hand.
+    // Each number is the report's, converted by hand. The geoid is 58.53 m above the ellipsoid
+    // there, by hand from the corners 59, 59, 57 and 56 of the table.
     let want = [
         "$GNRMC,120000.00,A,5515.0000000,N,01030.0000000,W,,,060126,,,A,S",
-        "$GNGGA,120000.00,5515.0000000,N,01030.0000000,W,1,16,0.80,55.123,M,0.0,M,,",
-        "$GNGNS,120000.00,5515.0000000,N,01030.0000000,W,A,16,0.80,55.123,0.0,,,S",
+        "$GNGGA,120000.00,5515.0000000,N,01030.0000000,W,1,16,0.80,-3.377,M,58.5,M,,",
+        "$GNGNS,120000.00,5515.0000000,N,01030.0000000,W,A,16,0.80,-3.377,58.5,,,S",
         "$GNVTG,,T,,M,,N,,K,N",
         "$GNZDA,120000.00,06,01,2026,00,00",
         "$GPGSA,A,3,01,02,03,04,05,06,07,08,,,,,1.44,0.80,1.20,1",
@@ -425,7 +426,8 @@ fn extreme_numbers_shorten_the_sentence_and_never_break_it() {
     assert_eq!(fields(&lines, "PRAIS")[1..], want[1..]);
     let position = &fields(&lines, "GNGNS")[1..5];
     assert_eq!(position, ["9000.0000000", "S", "18000.0000000", "W"]);
-    assert_eq!(fields(&lines, "GNGNS")[8], "-99999.900");
+    // The geoid at the south pole is 30 m below the ellipsoid, by the table.
+    assert_eq!(fields(&lines, "GNGNS")[8..10], ["-99969.90", "-30.0"]);
 }
 
 #[test]

@@ -148,12 +148,14 @@ fn settle(look: fn() -> Machine) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Packages of Python that read the module's sentences and messages, and a simulator of the chip
-/// with its clock tree.
-const PYTHON_PACKAGES: [&str; 4] = ["pynmea2", "pymavlink", "pyubx2", "labwired==0.25.0"];
+/// Packages of Python that read the module's sentences and messages, run the notebook, and simulate
+/// the chip with its clock tree.
+const PYTHON_PACKAGES: [&str; 8] =
+    ["pynmea2", "pymavlink", "pyubx2", "labwired==0.25.0", "numpy", "pandas", "nbconvert", "ipykernel"];
 
-/// Installs the programs that tests compare the module with: gpsd, RTKLIB's `convbin`, and packages
-/// of Python in a folder of their own below `target`. Nothing but these tests needs them.
+/// Installs the programs that tests compare the module with: gpsd, chrony, socat, RTKLIB's
+/// `convbin`, and packages of Python in a folder of their own below `target`. Nothing but these
+/// tests needs them.
 ///
 /// # Errors
 /// As [`ensure()`].
@@ -161,7 +163,7 @@ pub fn consumers() -> anyhow::Result<()> {
     let python = python_of_consumers();
     let (folder, python) = (root().join("target/consumers"), python.display().to_string());
     let folder = folder.display().to_string();
-    if !["gpsd", "convbin", "python3"].into_iter().all(on_path) {
+    if !["gpsd", "chronyd", "socat", "convbin", "python3"].into_iter().all(on_path) {
         take_all(&install(&CONSUMERS, Packages::look()))?;
     }
     run(&["python3", "-m", "venv", &folder])?;

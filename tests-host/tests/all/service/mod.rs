@@ -1,7 +1,18 @@
 //! `rai run` between a receiver that falls silent and consumers of which some are dead.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`consumers`] | gpsd on the pseudo-terminal, `pymavlink` over UDP |
+//! | [`ports`] | a serial port, and a caster for a receiver without orbits |
+//! | [`endurance`] | the service as a program, between cuts, kills and dead clients |
+
+mod consumers;
+#[cfg(target_os = "linux")]
+mod endurance;
+mod ports;
 
 use std::fs;
-use std::io::{Read as _, Write as _};
+use std::io::{Read as _, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::path::Path;
 use std::sync::Arc;
@@ -20,11 +31,15 @@ const TIME_TO_ALERT_S: f64 = 1.0;
 /// Largest excess of the service over it, s.
 const ALLOWANCE_S: f64 = 0.2;
 
-/// Returns the stream of a u-blox receiver under a simulated sky: orbits first, then one epoch in
-/// each piece.
-fn pieces(epochs: u32) -> Vec<Vec<u8>> {
+/// Returns the sky at five epochs a second.
+fn sky(epochs: u32) -> Simulation {
     let mut simulation = Simulation::above_xian(3600.0, epochs, 11);
     simulation.step_s = 1.0 / f64::from(RATE_HZ);
+    simulation
+}
+
+/// Returns the stream of a u-blox receiver under a sky: orbits first, then one epoch in each piece.
+fn pieces_of(simulation: &Simulation) -> Vec<Vec<u8>> {
     let recording = simulation.record();
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();
     let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection, None);
@@ -35,41 +50,35 @@ fn pieces(epochs: u32) -> Vec<Vec<u8>> {
     [orbits].into_iter().chain(epochs).collect()
 }
 
-/// Service with a receiver on TCP, until it is dropped.
+fn pieces(epochs: u32) -> Vec<Vec<u8>> {
+    pieces_of(&sky(epochs))
+}
+
+/// Sends each piece in its time.
+fn send(line: &mut impl Write, pieces: &[Vec<u8>]) {
+    for piece in pieces {
+        line.write_all(piece).unwrap();
+        thread::sleep(Duration::from_secs(1) / RATE_HZ);
+    }
+}
+
+/// Service, until it is dropped.
 struct Service {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<anyhow::Result<()>>>,
-    receiver: TcpListener,
-    clients: SocketAddr,
 }
 
 impl Service {
-    fn start(folder: &Path) -> Self {
-        let receiver = TcpListener::bind("127.0.0.1:0").unwrap();
-        let clients = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-        let plan = Plan::read(Arguments {
-            input: Some(format!("tcp://{}", receiver.local_addr().unwrap())),
-            output: vec![format!("tcp://{clients}"), format!("pty:{}", folder.join("nmea").display())],
-            pin: Some(format!("file:{}", folder.join("pin").display())),
-            set: vec![format!("TTA={TIME_TO_ALERT_S}")],
-            ..Arguments::default()
-        })
-        .unwrap();
+    /// Starts the service with its pin in this folder.
+    fn start(folder: &Path, arguments: Arguments) -> Self {
+        let mut arguments =
+            Arguments { pin: Some(format!("file:{}", folder.join("pin").display())), ..arguments };
+        arguments.set.insert(0, format!("TTA={TIME_TO_ALERT_S}"));
+        let plan = Plan::read(arguments).unwrap();
         let stop = Arc::new(AtomicBool::new(false));
         let until = Arc::clone(&stop);
         let thread = Some(thread::spawn(move || serve(&plan, &until)));
-        Self { stop, thread, receiver, clients }
-    }
-
-    fn client(&self) -> TcpStream {
-        let start = Instant::now();
-        loop {
-            if let Ok(client) = TcpStream::connect(self.clients) {
-                return client;
-            }
-            assert!(start.elapsed() < Duration::from_secs(20), "the service does not listen");
-            thread::sleep(Duration::from_millis(20));
-        }
+        Self { stop, thread }
     }
 }
 
@@ -79,6 +88,30 @@ impl Drop for Service {
         if let Some(Err(panic)) = self.thread.take().map(JoinHandle::join) {
             std::panic::resume_unwind(panic);
         }
+    }
+}
+
+/// Returns the port of a receiver, and the input that connects to it.
+fn receiver() -> (TcpListener, Option<String>) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let input = format!("tcp://{}", listener.local_addr().unwrap());
+    (listener, Some(input))
+}
+
+/// Returns an address on which nobody listens.
+fn free_address() -> SocketAddr {
+    TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap()
+}
+
+/// Connects to the service as soon as it listens.
+fn client(address: SocketAddr) -> TcpStream {
+    let start = Instant::now();
+    loop {
+        if let Ok(client) = TcpStream::connect(address) {
+            return client;
+        }
+        assert!(start.elapsed() < Duration::from_secs(20), "the service does not listen");
+        thread::sleep(Duration::from_millis(20));
     }
 }
 
@@ -104,15 +137,15 @@ fn wait_for(folder: &Path, high: bool, longest: Duration) -> Duration {
 #[test]
 fn pin_falls_within_the_time_to_alert_of_a_silent_receiver_whatever_clients_do() {
     let folder = tempfile::tempdir().unwrap();
-    let service = Service::start(folder.path());
+    let ((receiver, input), clients) = (receiver(), free_address());
+    let terminal = format!("pty:{}", folder.path().join("nmea").display());
+    let output = vec![format!("tcp://{clients}"), terminal];
+    let _service = Service::start(folder.path(), Arguments { input, output, ..Arguments::default() });
     // One client reads, one never reads, one is gone at once; nothing opens the terminal.
-    let (mut reader, _idle) = (service.client(), service.client());
-    drop(service.client());
-    let (mut line, _) = service.receiver.accept().unwrap();
-    for piece in pieces(20) {
-        line.write_all(&piece).unwrap();
-        thread::sleep(Duration::from_secs(1) / RATE_HZ);
-    }
+    let (mut reader, _idle) = (client(clients), client(clients));
+    drop(client(clients));
+    let (mut line, _) = receiver.accept().unwrap();
+    send(&mut line, &pieces(20));
     assert!(is_high(folder.path()), "the sky is good");
     let last_epoch = Instant::now();
     // The line stays open and is silent.
@@ -127,9 +160,7 @@ fn pin_falls_within_the_time_to_alert_of_a_silent_receiver_whatever_clients_do()
     // The receiver returns on time, because epochs with the tags of before would be late, and the
     // position is protected again.
     let missed = (last_epoch.elapsed().as_secs_f64() * f64::from(RATE_HZ)).ceil() as usize;
-    for piece in pieces(60).into_iter().skip(21 + missed).take(20) {
-        line.write_all(&piece).unwrap();
-        thread::sleep(Duration::from_secs(1) / RATE_HZ);
-    }
+    let next = 21 + missed;
+    send(&mut line, &pieces(60)[next..next + 20]);
     assert!(is_high(folder.path()), "nothing contradicted");
 }

@@ -1,0 +1,136 @@
+//! Programs behind the service while it is protected and after the receiver has jumped: gpsd on its
+//! pseudo-terminal, and `pymavlink` behind its UDP port.
+
+use std::net::UdpSocket;
+use std::process::{Command, Stdio};
+
+use oracle::gpsd::Gpsd;
+use raim::signal::sky::Site;
+use raim_core::frame::Geodetic;
+use rig::{setup, skip};
+use serde_json::Value;
+
+use super::*;
+
+/// Epochs before the jump, and after it.
+const EPOCHS: u32 = 30;
+
+/// Returns epochs of a receiver that is 5 km farther south from one epoch to the next: an alert.
+fn jump() -> Vec<Vec<u8>> {
+    let mut stray = sky(2 * EPOCHS);
+    stray.site = Site::geodetic(34.125, 108.57, 400.0);
+    let mut pieces = pieces(EPOCHS);
+    pieces.extend(pieces_of(&stray).into_iter().skip(1 + EPOCHS as usize));
+    pieces
+}
+
+/// Returns the instants of gpsd's positions with a fix, and those without.
+fn instants(objects: &[Value]) -> [Vec<&str>; 2] {
+    let with_mode = |is_fix: bool| {
+        let of_mode =
+            move |object: &&Value| object["class"] == "TPV" && (object["mode"].as_u64() >= Some(2)) == is_fix;
+        objects.iter().filter(of_mode).filter_map(|object| object["time"].as_str()).collect()
+    };
+    [with_mode(true), with_mode(false)]
+}
+
+#[test]
+fn gpsd_on_the_terminal_reports_each_epoch_once_and_loses_the_fix_in_an_alert() {
+    let folder = tempfile::tempdir().unwrap();
+    let (receiver, input) = receiver();
+    let terminal = folder.path().join("nmea");
+    let output = vec![format!("pty:{}", terminal.display())];
+    let _service = Service::start(folder.path(), Arguments { input, output, ..Arguments::default() });
+    let (mut line, _) = receiver.accept().unwrap();
+    let Some(mut gpsd) = Gpsd::on_terminal_or_skip(&terminal).unwrap() else { return };
+    let feed = thread::spawn(move || send(&mut line, &jump()));
+    let mut objects = Vec::new();
+    while !feed.is_finished() {
+        objects.extend(gpsd.objects().unwrap());
+    }
+    feed.join().unwrap();
+    let [fixes, without] = instants(&objects);
+    // gpsd repeats its first epoch until it has recognised the end of a cycle.
+    let settled: Vec<_> = fixes.iter().skip_while(|instant| **instant == fixes[0]).collect();
+    assert!(settled.len() as u32 > EPOCHS / 2, "{fixes:?}");
+    let mut once = settled.clone();
+    once.dedup();
+    assert_eq!(once, settled, "each epoch once");
+    assert!(without.len() as u32 > EPOCHS / 2, "{without:?}");
+    assert!(without.last() > fixes.last(), "the fix must be lost: {fixes:?} {without:?}");
+    let position = objects.iter().rfind(|object| object["mode"].as_u64() == Some(3)).expect("a fix");
+    let near = |field: &str, want: f64, within: f64| {
+        let have = position[field].as_f64().unwrap_or(f64::NAN);
+        assert!((have - want).abs() < within, "{field}: {have}, {want}");
+    };
+    near("lat", 34.17, 1e-3);
+    near("lon", 108.57, 1e-3);
+    near("altHAE", 400.0, 30.0);
+}
+
+/// Reads for some time, and prints the last position with a fix and the last message of each kind.
+const LISTEN: &str = r"
+import sys, json, time
+from pymavlink import mavutil
+link = mavutil.mavlink_connection('udpin:127.0.0.1:' + sys.argv[1], dialect='development')
+print('ready', flush=True)
+end, out = time.time() + float(sys.argv[2]), {'bad': 0}
+while time.time() < end:
+    message = link.recv_match(blocking=True, timeout=0.2)
+    if message is None:
+        continue
+    name, fields = message.get_type(), message.to_dict()
+    if name == 'BAD_DATA':
+        out['bad'] += 1
+        continue
+    out[name] = fields
+    if name == 'GPS_INPUT' and fields['fix_type'] == 3:
+        out['fix'] = fields
+print(json.dumps(out, default=str))
+";
+
+#[test]
+fn pymavlink_behind_udp_gets_a_fix_while_protected_and_none_after_a_jump() {
+    let python = setup::python();
+    let has_package = Command::new(&python).args(["-c", "import pymavlink.mavutil"]).output();
+    if !has_package.is_ok_and(|output| output.status.success()) {
+        skip::say("pymavlink for Python (cargo xtask setup --consumers)");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let mut listener = Command::new(&python)
+        .args(["-c", LISTEN, &port.to_string(), "25"])
+        .env("MAVLINK20", "1")
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = std::io::BufReader::new(listener.stdout.take().unwrap());
+    let mut line = String::new();
+    std::io::BufRead::read_line(&mut said, &mut line).unwrap();
+    assert_eq!(line, "ready\n");
+    let (receiver, input) = receiver();
+    let output = vec![format!("mavlink-udp://127.0.0.1:{port}")];
+    let set = ["HEARTBEAT", "GPS_INPUT", "GNSS_INTEGRITY"].map(|item| format!("OUTPUT={item},1")).to_vec();
+    let _service = Service::start(folder.path(), Arguments { input, output, set, ..Arguments::default() });
+    let (mut line, _) = receiver.accept().unwrap();
+    send(&mut line, &jump());
+    let mut answer = String::new();
+    said.read_to_string(&mut answer).unwrap();
+    listener.wait().unwrap();
+    let answer: Value = serde_json::from_str(&answer).expect("its answer");
+    assert_eq!(answer["bad"], 0, "{answer}");
+    let fix = &answer["fix"];
+    // 1e-7 degrees.
+    let want = Geodetic { latitude_rad: 34.17_f64, longitude_rad: 108.57, height_m: 400.0 };
+    for (field, want) in [("lat", want.latitude_rad), ("lon", want.longitude_rad)] {
+        let have = fix[field].as_f64().unwrap_or(f64::NAN) * 1e-7;
+        assert!((have - want).abs() < 1e-3, "{field}: {have}");
+    }
+    // The geoid is 35.7 m below the ellipsoid there, by EGM96.
+    let altitude_m = fix["alt"].as_f64().unwrap_or(f64::NAN);
+    assert!((altitude_m - 435.7).abs() < 20.0, "{altitude_m} m");
+    let last = &answer["GPS_INPUT"];
+    assert!(last["fix_type"].as_u64() <= Some(1) && last["lat"] == 0, "{last}");
+    assert_eq!(answer["GNSS_INTEGRITY"]["raim_state"], 3, "{answer}");
+}

@@ -1,0 +1,130 @@
+//! The inputs of the service: a serial port that is pulled and plugged in again, and a caster of
+//! orbits for a receiver that sends ranges alone.
+
+use std::io::{BufRead as _, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+
+use raim::replay::{self, Window};
+use raim::signal::sky::Site;
+use rig::skip;
+
+use super::*;
+
+/// A pair of pseudo-terminals: the second is the serial port.
+struct Cable(Child);
+
+impl Drop for Cable {
+    fn drop(&mut self) {
+        // It does not matter if it has already ended.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+impl Cable {
+    /// Returns `None` and reports a skip if `socat` is missing.
+    fn plug(ends: &[PathBuf; 2]) -> Option<Self> {
+        let end = |path: &PathBuf| format!("pty,raw,echo=0,link={}", path.display());
+        let socat = Command::new("socat").args(ends.each_ref().map(end)).stderr(Stdio::null()).spawn();
+        let Ok(socat) = socat else {
+            skip::say("socat (apt-get install socat)");
+            return None;
+        };
+        let cable = Self(socat);
+        let start = Instant::now();
+        while !ends.iter().all(|end| end.exists()) {
+            assert!(start.elapsed() < Duration::from_secs(10), "socat makes no terminals");
+            thread::sleep(Duration::from_millis(20));
+        }
+        Some(cable)
+    }
+}
+
+#[test]
+fn serial_port_is_read_and_opened_again_after_it_was_gone() {
+    let folder = tempfile::tempdir().unwrap();
+    let ends = ["receiver", "port"].map(|name| folder.path().join(name));
+    let Some(cable) = Cable::plug(&ends) else { return };
+    let input = Some(format!("serial:{}@115200", ends[1].display()));
+    let output = vec!["udp://127.0.0.1:9".to_owned()];
+    let _service = Service::start(folder.path(), Arguments { input, output, ..Arguments::default() });
+    thread::sleep(Duration::from_millis(500));
+    let pieces = pieces(100);
+    let open = || fs::OpenOptions::new().write(true).open(&ends[0]).unwrap();
+    send(&mut open(), &pieces[..20]);
+    assert!(is_high(folder.path()), "the sky is good");
+    let begin = Instant::now();
+    drop(cable);
+    wait_for(folder.path(), false, Duration::from_secs(5));
+    let Some(_cable) = Cable::plug(&ends) else { return };
+    // The service tries again after a pause of at most a second.
+    thread::sleep(Duration::from_millis(1500));
+    let next = 20 + (begin.elapsed().as_secs_f64() * f64::from(RATE_HZ)).ceil() as usize;
+    send(&mut open(), &pieces[next..next + 25]);
+    assert!(is_high(folder.path()), "the port is back");
+}
+
+/// Returns the range messages of a piece, RXM-RAWX, without its navigation bits.
+fn ranges_of(piece: &[u8]) -> Vec<u8> {
+    let (mut ranges, mut rest) = (Vec::new(), piece);
+    while let [0xB5, 0x62, class, number, low, high, ..] = *rest {
+        let (frame, next) = rest.split_at(8 + usize::from(u16::from_le_bytes([low, high])));
+        if [class, number] == [0x02, 0x15] {
+            ranges.extend_from_slice(frame);
+        }
+        rest = next;
+    }
+    ranges
+}
+
+/// Serves one stream of a caster; returns the request and the connection, which stays open.
+fn serve_caster(listener: &TcpListener, stream: &[u8]) -> (Vec<String>, TcpStream) {
+    let (mut connection, _) = listener.accept().unwrap();
+    let lines = BufReader::new(connection.try_clone().unwrap()).lines();
+    let request = lines.map(Result::unwrap).take_while(|line| !line.is_empty()).collect();
+    connection.write_all(b"ICY 200 OK\r\n\r\n").unwrap();
+    connection.write_all(stream).unwrap();
+    (request, connection)
+}
+
+#[test]
+fn caster_brings_orbits_and_its_ranges_are_never_used() {
+    let folder = tempfile::tempdir().unwrap();
+    let caster = TcpListener::bind("127.0.0.1:0").unwrap();
+    let ((receiver, input), clients) = (receiver(), free_address());
+    let arguments = Arguments {
+        input,
+        caster: Some(format!("ntrip://me:secret@{}/MOUNT", caster.local_addr().unwrap())),
+        output: vec![format!("tcp://{clients}")],
+        ..Arguments::default()
+    };
+    let _service = Service::start(folder.path(), arguments);
+    // The caster's station is 100 km away. Its ranges would contradict those of the receiver.
+    let mut station = Simulation::above_xian(3600.0, 30, 5);
+    station.site = Site::geodetic(33.27, 108.57, 400.0);
+    let selection = Selection::new("GC", Frequency::Dual).unwrap();
+    let lumps = replay::encode(&station.record(), &selection, &[], &Window::ALL).unwrap();
+    let stream: Vec<u8> = lumps.into_iter().flat_map(|lump| lump.bytes).collect();
+    let mut reader = client(clients);
+    let (mut line, _) = receiver.accept().unwrap();
+    let pieces: Vec<_> = pieces(100).iter().map(|piece| ranges_of(piece)).collect();
+    // Without orbits nothing is promised.
+    send(&mut line, &pieces[1..10]);
+    assert!(!is_high(folder.path()), "no orbits");
+    let (request, _connection) = serve_caster(&caster, &stream);
+    assert!(request[0].starts_with("GET /MOUNT HTTP/1."), "{request:?}");
+    // RFC 7617: `me:secret` in Base64.
+    assert!(request.contains(&"Authorization: Basic bWU6c2VjcmV0".to_owned()), "{request:?}");
+    send(&mut line, &pieces[10..80]);
+    assert!(is_high(folder.path()), "the orbits of the caster");
+    reader.set_nonblocking(true).unwrap();
+    let mut sentences = Vec::new();
+    let _ = reader.read_to_end(&mut sentences);
+    let sentences = String::from_utf8_lossy(&sentences);
+    assert!(sentences.contains(",U,EPHEMERIS,") && sentences.contains(",P,OK,"), "{sentences}");
+    let protected = sentences.lines().filter(|line| line.contains("GNGNS") && line.contains(",A,"));
+    for place in protected {
+        assert!(place.contains(",3410."), "the receiver's own place, 34.17 degrees north: {place}");
+    }
+}
