@@ -148,7 +148,9 @@ const report = () => {
 
   // ---- Rows -------------------------------------------------------------------------------------------------------
 
-  const whole = [time[0], Math.max(time[n - 1], time[0] + 1)];
+  // The last epoch lasts as long as the one before, but is never wide.
+  const lasts = n > 1 ? Math.min(time[n - 1] - time[n - 2], (time[n - 1] - time[0]) / 20) : 1;
+  const whole = [time[0], time[n - 1] + Math.max(lasts, 0.1)];
   let view = whole.slice(), cursor = null, chosen = null, width = 0;
   const LEFT = 58, RIGHT = 14, BOTTOM = 22, TOP = 6;
   const x = (t) => LEFT + (t - view[0]) / (view[1] - view[0]) * (width - LEFT - RIGHT);
