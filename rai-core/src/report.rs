@@ -66,8 +66,8 @@ pub enum Alert {
     /// The position moved farther than it can since it was last protected: the satellites that
     /// agree on it agree by chance, or are counterfeit.
     Jump,
-    /// The receiver clock moved otherwise than its measured drift: a second receiver, a repeater or
-    /// counterfeit signals.
+    /// The receiver clock moved otherwise than its measured drift, or without range rates than its
+    /// own past: a second receiver, a repeater or counterfeit signals.
     Clock,
     /// The position moved otherwise than its measured velocity.
     Track,

@@ -36,6 +36,7 @@
 //! caller has its own clock.
 
 mod motion;
+mod oscillator;
 mod reach;
 
 pub use motion::Motion;
@@ -288,7 +289,8 @@ impl Continuity {
             // A missing position is never protected.
             (Verdict::Protected(_), None) => Verdict::Unavailable(Unavailable::NoFix),
             (Verdict::Alert(reason), _) => {
-                self.is_doubted |= matches!(reason, Alert::Clock | Alert::Track);
+                // A clock without rates leaps once, and no drift has to show again.
+                self.is_doubted |= reason == Alert::Track || reason == Alert::Clock && speed_m_s.is_some();
                 self.lose(Verdict::Alert(reason))
             }
             (Verdict::Unavailable(reason), _) => {

@@ -50,13 +50,17 @@
 //! acceleration widens the position's bound by `a Δt²/8` for each step longer than
 //! [`SMOOTH_STEP_S`]. Whole milliseconds of the clock are steps that receivers make on purpose.
 //!
+//! **No rates.** Without Doppler frequencies the clock is compared with its own past
+//! ([`super::oscillator`]), and the position with nothing.
+//!
 //! **Limits.** An attack that moves ranges and rates alike, slowly and from a genuine start, is not
-//! visible here. Without Doppler frequencies nothing is.
+//! visible here.
 
+use super::oscillator::{Oscillator, whole_milliseconds_m};
 use heapless::Deque;
 use nalgebra::Vector3;
 
-use crate::frame::{Ecef, SPEED_OF_LIGHT_M_S, earth_fixed};
+use crate::frame::{Ecef, earth_fixed};
 use crate::report::{Alert, Report};
 use crate::satellite::Constellation;
 use crate::velocity::{Velocity, VelocityError};
@@ -108,9 +112,6 @@ const TEACHING_BOUND: f32 = 3.0;
 
 /// Smallest drift of the position and of the clock, m. The position has three components.
 const FLOORS_M: [f32; 2] = [4.0, 2.0];
-
-/// A millisecond of the receiver clock, m.
-const MILLISECOND_M: f64 = SPEED_OF_LIGHT_M_S * 1e-3;
 
 /// Mean of the absolute discrepancies over a minute.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -212,6 +213,7 @@ pub struct Motion {
     position: Spread,
     clock: Spread,
     reference: Constellation,
+    oscillator: Oscillator,
 }
 
 impl Default for Motion {
@@ -232,6 +234,7 @@ impl Motion {
             position: Spread::new(),
             clock: Spread::new(),
             reference: Constellation::Gps,
+            oscillator: Oscillator::new(),
         }
     }
 
@@ -239,11 +242,13 @@ impl Motion {
     pub fn restart(&mut self) {
         self.marks.clear();
         (self.last, self.path) = (None, None);
+        self.oscillator.restart();
     }
 
     /// Compares an epoch that passed its own test with those before it. Returns the contradiction.
     ///
-    /// An epoch without position, levels or range rates is not compared. If its rates contradict
+    /// An epoch without position or levels is not compared, and one without range rates only in its
+    /// clock. If its rates contradict
     /// each other, the position is compared with the last one that had a velocity.
     pub fn judge<const N: usize>(
         &mut self,
@@ -256,11 +261,16 @@ impl Motion {
         let velocity = match velocity {
             Ok(velocity) => velocity,
             Err(VelocityError::Fault) => return self.without_velocity(time_s, solution.position, level_m),
-            Err(VelocityError::Redundancy | VelocityError::Geometry) => return None,
+            Err(VelocityError::Redundancy | VelocityError::Geometry) => {
+                let clock_m = self.clock_m(&solution.clocks_m, &report.used)?;
+                return self.oscillator.leaps(time_s, clock_m, level_m).then_some(Alert::Clock);
+            }
         };
         let clock_m = self.clock_m(&solution.clocks_m, &report.used)?;
         let velocity_m_s = earth_fixed(solution.position, velocity.east_north_up_m_s);
         let drift_m_s = velocity.drift_m_s;
+        // With rates the clock is compared with their drift.
+        self.oscillator.restart();
         let now = Moment { time_s, position: solution.position, level_m, clock_m, velocity_m_s, drift_m_s };
         let last = self.last.replace(now)?;
         let elapsed_s = time_s - last.time_s;
@@ -448,9 +458,4 @@ fn across_gap(last: &Moment, now: &Moment, level_m: f32) -> Option<Alert> {
     // NaN fails this comparison, so that it counts as a contradiction.
     let is_explained = error_m <= WANDER_M_S * elapsed_s + f64::from(level_m);
     (!is_explained).then_some(Alert::Clock)
-}
-
-/// Returns the whole milliseconds of a step of the clock, m.
-fn whole_milliseconds_m(step_m: f64) -> f64 {
-    MILLISECOND_M * libm::rint(step_m / MILLISECOND_M)
 }

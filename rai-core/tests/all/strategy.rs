@@ -85,6 +85,7 @@ fn a_jump_of_the_clock_is_no_satellites_fault_by_any_method() {
     for method in [Method::Baarda, Method::Ransac].into_iter().chain(parity) {
         for jump_m in [300.0, -238_668.0] {
             let (mut monitor, now) = coasting();
+            monitor.disable_continuity();
             monitor.set_strategy(Strategy { method, clock_aid: true, ..Strategy::CLASSIC });
             for second in now..now + 20 {
                 let sky = visible(7, clock_m(second) + jump_m);
@@ -103,6 +104,7 @@ fn a_jump_of_the_clock_is_no_satellites_fault_by_any_method() {
 #[test]
 fn a_jump_of_the_clock_is_no_satellites_fault() {
     let (mut monitor, now) = coasting();
+    monitor.disable_continuity();
     let report = judge(&mut monitor, f64::from(now), &visible(7, clock_m(now) + 300.0));
     assert_eq!(report.verdict, Verdict::Protected(Protected::Ok));
     assert!(report.excluded.is_empty());
@@ -110,9 +112,19 @@ fn a_jump_of_the_clock_is_no_satellites_fault() {
     assert!(error_m < 0.1, "{error_m} m");
 }
 
+/// No satellite is blamed, but another clock may be that of another receiver.
+#[test]
+fn a_jump_of_the_clock_contradicts_its_past() {
+    let (mut monitor, now) = coasting();
+    let report = judge(&mut monitor, f64::from(now), &visible(7, clock_m(now) + 300.0));
+    assert_eq!(report.verdict, Verdict::Alert(Alert::Clock));
+    assert!(report.excluded.is_empty());
+}
+
 #[test]
 fn a_jump_of_the_clock_is_the_clocks_beside_a_known_height_too() {
     let (mut monitor, now) = coasting();
+    monitor.disable_continuity();
     let method = Method::Parity(parity::Isolation::Hybrid);
     monitor.set_strategy(Strategy { method, clock_aid: true, ..Strategy::CLASSIC });
     let mut epoch = Epoch::new(f64::from(now));

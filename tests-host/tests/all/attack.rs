@@ -66,6 +66,7 @@ attacks! {
     place_that_walks_off_from_its_velocity_is_an_alert = "walk-off",
     clock_that_is_dragged_off_its_drift_is_an_alert = "drag-off",
     silence_makes_no_far_place_good = "after-silence",
+    repeater_is_seen_without_range_rates = "repeater",
     systems_tagged_a_millisecond_apart_are_one_epoch = "systems-apart",
     wrong_week_outvotes_nobody = "wrong-week",
     leaps_of_time_do_not_move_the_week = "moved-week",

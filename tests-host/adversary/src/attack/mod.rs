@@ -30,6 +30,7 @@
 //! | [`held_back`] | epochs that a line delays more and more; a recording that is replayed |
 //! | [`false_rates`] | range rates with the wrong sign, and random range rates |
 //! | [`rates_apart`] | ranges that move while their rates do not; a counterfeit sky after a silence |
+//! | [`repeater`] | all ranges longer by one delay, without range rates |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`forged_frames`] | frames with another time, week or place, or other leap seconds |
 //! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it; the end of a cycle of weeks |
@@ -72,6 +73,7 @@ mod poor_ranges;
 mod rates_apart;
 mod recordings;
 mod reflections;
+mod repeater;
 mod second_frequency;
 mod settings;
 pub mod several_faults;
@@ -137,9 +139,9 @@ pub const ATTACKS: &[&Attack] = &[
     &shifted_system::WHOLE,
     &shifted_system::FEW,
     &two_truths::ATTACK,
+    &broken_system::ATTACK,
     &poor_ranges::NOISE,
     &poor_ranges::ORBITS,
-    &broken_system::ATTACK,
     &poor_ranges::ROUNDED,
     &early_ephemeris::EARLY,
     &early_ephemeris::ABSENT,
@@ -159,6 +161,7 @@ pub const ATTACKS: &[&Attack] = &[
     &rates_apart::WALK,
     &rates_apart::DRAG,
     &rates_apart::SILENCE,
+    &repeater::ATTACK,
     &odd_ranges::APART,
     &odd_ranges::WEEK,
     &forged_frames::MOVED,

@@ -1,0 +1,152 @@
+//! Receiver clock against its own past, for receivers without range rates.
+//!
+//! ```text
+//! i = b_k − b_{k−1} − ḋ Δt, less whole milliseconds
+//! ḋ ← ḋ + ½ i/Δt
+//! a leap     |i| > L_k + L_{k−1} + min(8 s, m)        Δt up to a minute
+//!            |i| > L_k + L_{k−1} + 30 m/s Δt          Δt up to 15 minutes
+//! m = max(150 m, 1.2 m (Δt/1 s)^1.5)
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `b` | receiver clock times the speed of light, of one constellation | m |
+//! | `ḋ` | drift, learned from the clock | m/s |
+//! | `i` | innovation: what the drift does not explain | m |
+//! | `L` | `HPL + VPL` of an epoch | m |
+//! | `s` | mean of `|i|` of the epochs so far, each counted as `3 s` at most | m |
+//!
+//! A second receiver, a repeater and most counterfeit skies have another clock, farther away than
+//! an oscillator moves. A poor oscillator, or a receiver that steers its clock, widens its own
+//! bound; the limit `m` keeps what widens it by force from hiding a leap. Its second part is six
+//! times the random walk of an ordinary quartz (`h₋₂ = 2e-20/s`). Receivers shift their clocks by
+//! whole milliseconds on purpose.
+//!
+//! A leap begins anew at the new clock, so that it is one alert, and an agreement must follow it.
+//!
+//! **Limits.** Nothing is compared before [`LEARNED`] innovations. A clock that is drawn off slowly
+//! teaches its drift, and is not noticed without range rates.
+
+use crate::frame::SPEED_OF_LIGHT_M_S;
+
+/// Longest step within which the learned drift holds, s.
+const LONGEST_STEP_S: f32 = 60.0;
+
+/// Longest gap across which a clock is compared, s.
+const LONGEST_GAP_S: f32 = 900.0;
+
+/// Largest departure of a quartz from its last drift, m/s: 0.1 ppm.
+const WANDER_M_S: f32 = 30.0;
+
+/// Share of an innovation that changes the drift: the noise of a range is as large as the random
+/// walk of an ordinary oscillator in some seconds.
+const GAIN: f32 = 0.5;
+
+/// Number of innovations from which the spread is known.
+const LEARNED: u16 = 24;
+
+/// Number of innovations whose mean the spread becomes.
+const MEMORY: u16 = 120;
+
+/// Ratio of the largest innovation that teaches to the mean, dimensionless.
+const TEACHING_BOUND: f32 = 3.0;
+
+/// Ratio of the bound to the mean, dimensionless.
+const SPREADS: f32 = 8.0;
+
+/// Largest part of the bound that is learned, m, if the time between epochs is short.
+const MOST_LEARNED_M: f32 = 150.0;
+
+/// Six times the random walk of a quartz in one second, m.
+const WALK_M: f32 = 1.2;
+
+/// A millisecond of the receiver clock, m.
+const MILLISECOND_M: f64 = SPEED_OF_LIGHT_M_S * 1e-3;
+
+/// Clock of an epoch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Reading {
+    time_s: f64,
+    clock_m: f64,
+    level_m: f32,
+}
+
+/// The clock of a receiver, followed by itself.
+#[derive(Clone, Debug)]
+pub(super) struct Oscillator {
+    last: Option<Reading>,
+    drift_m_s: Option<f32>,
+    /// Mean of the absolute innovations, m, and their number.
+    spread_m: f32,
+    count: u16,
+}
+
+impl Oscillator {
+    /// Returns the state before the first epoch.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub(super) const fn new() -> Self {
+        Self { last: None, drift_m_s: None, spread_m: 0.0, count: 0 }
+    }
+
+    /// Forgets the clock and its drift, but not the spread.
+    pub(super) fn restart(&mut self) {
+        (self.last, self.drift_m_s) = (None, None);
+    }
+
+    /// Returns true if a clock leaps from where its past leads. `level_m` is `HPL + VPL`.
+    #[inline(never)]
+    pub(super) fn leaps(&mut self, time_s: f64, clock_m: f64, level_m: f32) -> bool {
+        let Some(last) = self.last.replace(Reading { time_s, clock_m, level_m }) else { return false };
+        let elapsed_s = (time_s - last.time_s) as f32;
+        // NaN fails this comparison too.
+        if !(elapsed_s > 0.0 && elapsed_s <= LONGEST_GAP_S) {
+            self.drift_m_s = None;
+            return false;
+        }
+        let step_m = within_a_millisecond(clock_m - last.clock_m);
+        let Some(drift_m_s) = self.drift_m_s else {
+            self.drift_m_s = Some(step_m / elapsed_s);
+            return false;
+        };
+        let innovation_m = within_a_millisecond(f64::from(step_m - drift_m_s * elapsed_s));
+        let is_step = elapsed_s <= LONGEST_STEP_S;
+        let most_m = (WALK_M * elapsed_s * libm::sqrtf(elapsed_s)).max(MOST_LEARNED_M);
+        let learned_m = (SPREADS * self.spread_m).min(most_m);
+        let explained_m = if is_step { learned_m } else { WANDER_M_S * elapsed_s };
+        // NaN fails this comparison, so that it counts as a leap.
+        let is_explained = innovation_m.abs() <= explained_m + last.level_m + level_m;
+        if !is_explained && self.count >= LEARNED {
+            self.drift_m_s = None;
+            return true;
+        }
+        if is_step {
+            self.drift_m_s = Some(drift_m_s + GAIN * innovation_m / elapsed_s);
+            self.learn(innovation_m.abs(), most_m);
+        }
+        false
+    }
+
+    /// Adds an innovation to the spread, m; before the spread is known, `most_m` at most. One that
+    /// is not finite teaches nothing.
+    fn learn(&mut self, innovation_m: f32, most_m: f32) {
+        let is_known = self.count >= LEARNED;
+        let most_m = if is_known { TEACHING_BOUND * self.spread_m } else { most_m };
+        let value_m = innovation_m.min(most_m);
+        if value_m.is_finite() {
+            self.count = (self.count + 1).min(MEMORY);
+            self.spread_m += (value_m - self.spread_m) / f32::from(self.count);
+        }
+    }
+}
+
+/// Returns a step of the clock less its whole milliseconds, m.
+fn within_a_millisecond(step_m: f64) -> f32 {
+    let is_short = step_m.abs() <= 0.5 * MILLISECOND_M;
+    (if is_short { step_m } else { step_m - whole_milliseconds_m(step_m) }) as f32
+}
+
+/// Returns the whole milliseconds of a step of the clock, m.
+pub(super) fn whole_milliseconds_m(step_m: f64) -> f64 {
+    MILLISECOND_M * libm::rint(step_m / MILLISECOND_M)
+}
