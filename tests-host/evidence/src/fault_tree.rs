@@ -42,6 +42,9 @@ const ONE_SATELLITE: Cause = AnyOf(
         Attack("ramp"),
         Attack("gross-fault"),
         Attack("clock-ramp"),
+        Attack("altimeter-ramps"),
+        Attack("one-frequency-recorded"),
+        Attack("one-frequency-simulated"),
         Attack("never-faulty"),
         Test("each satellite in turn by 100 m", "cargo test -p tests-host --test all -- injection"),
         Test("the size that is missed most often", "cargo xtask reproduce fde"),
@@ -60,6 +63,7 @@ const SEVERAL: Cause = AnyOf(
         Attack("doubled-satellite"),
         Attack("shifted-system"),
         Attack("few-shifted"),
+        Attack("broken-system"),
         Attack("unsaid-delays"),
     ],
 );
@@ -95,6 +99,8 @@ const COUNTERFEIT: &[Cause] = &[
     Attack("after-silence"),
     Attack("two-truths"),
     Attack("suspicion-denied"),
+    Attack("alike-strengths"),
+    Attack("rising-sky"),
     Attack("negated-rates"),
     Attack("random-rates"),
     Open("a slow attack from a genuine start that is consistent in code, phase, rates and clock"),
@@ -143,6 +149,7 @@ const LINE: &[Cause] = &[
 
 const SETTINGS: &[Cause] = &[
     Attack("time-to-alert"),
+    Attack("wrong-height"),
     Attack("restarts"),
     Attack("upheaval"),
     Test("every setting that affects a promise ends it", "cargo test -p tests-host --test all -- settings"),
