@@ -1,23 +1,25 @@
 //! `cargo xtask reproduce evidence`: requirements, fault tree, configuration and open points on one
 //! page, with the figures of this run.
 
+use std::path::Path;
+
 use adversary::attack::{self, ATTACKS};
 use anyhow::{Context as _, ensure};
 use evidence::configuration;
 use evidence::document::Evidence;
 use experiments::{EXPERIMENTS, Effort};
 
-use crate::reproduce::{Arguments, progress};
+use crate::progress::progress;
 
 /// Name on the command line.
 pub(crate) const NAME: &str = "evidence";
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+pub(crate) fn run(quick: bool, report: &Path) -> anyhow::Result<()> {
     if cfg!(debug_assertions) {
         return crate::cargo::again_optimised("the evidence does not hold");
     }
-    let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
+    let effort = if quick { Effort::Quick } else { Effort::Full };
     let fde = EXPERIMENTS.iter().find(|experiment| experiment.name == "fde").context("the experiment fde")?;
     let bar = progress(fde.name);
     let rates = (fde.run)(effort, &bar)?;
@@ -35,7 +37,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let image = rig::image::build()?;
     let evidence = Evidence { configuration: configuration::index(Some(&image))?, fde: rates, attacks };
     println!("{}", evidence.text());
-    let page = arguments.report.join("evidence.html");
+    let page = report.join("evidence.html");
     evidence.page().write(&page)?;
     eprintln!("page: {}", page.display());
     ensure!(evidence.is_held(), "a rate is out of its bounds, or an attack was not held; see above");

@@ -20,6 +20,7 @@ mod miri;
 mod mutants;
 mod nightly;
 mod packages;
+mod progress;
 mod release;
 mod replay;
 mod reproduce;

@@ -5,8 +5,9 @@ use std::time::Instant;
 
 use anyhow::{Context as _, ensure};
 use experiments::{EXPERIMENTS, Effort, Experiment, Outcome, page};
-use indicatif::{ProgressBar, ProgressStyle};
 use raim::page::html::write_file;
+
+use crate::progress::progress;
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -16,20 +17,20 @@ pub(crate) struct Arguments {
     experiments: Vec<String>,
     /// Run a reduced version of everything, in two minutes
     #[arg(long)]
-    pub(crate) quick: bool,
+    quick: bool,
     /// Print one JSON object per experiment instead of tables
     #[arg(long)]
     json: bool,
     /// Folder for the page and its pictures
     #[arg(long, value_name = "FOLDER", default_value = "target/reproduce")]
-    pub(crate) report: PathBuf,
+    report: PathBuf,
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.experiments.iter().any(|name| name == crate::evidence::NAME) {
         ensure!(arguments.experiments.len() == 1, "`{}` runs alone", crate::evidence::NAME);
-        return crate::evidence::run(arguments);
+        return crate::evidence::run(arguments.quick, &arguments.report);
     }
     let experiments = chosen(&arguments.experiments)?;
     if cfg!(debug_assertions) {
@@ -82,13 +83,4 @@ fn named(name: &str) -> anyhow::Result<Experiment> {
     found.with_context(|| {
         format!("`{name}` is not an experiment; the experiments are {}, evidence, or all", known())
     })
-}
-
-pub(crate) fn progress(name: &'static str) -> ProgressBar {
-    let style = ProgressStyle::with_template("{prefix} {bar:40} {percent:>3} % {msg} ({eta} to go)");
-    let bar = ProgressBar::new(1).with_prefix(name);
-    match style {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }

@@ -1,11 +1,9 @@
 //! Place of a fixed antenna as a value: four numbers, or none.
 
-use raim_core::frame::{Ecef, Geodetic};
-
+use super::Refusal;
 use super::number::plain;
 use super::read::{Values, next, next_number, number};
 use super::value::{Ranges, Spelled, Take, Value, range};
-use super::{RAD, Refusal};
 
 /// Heights above the ellipsoid, m: from the deepest trench to below the satellites.
 pub(super) const HEIGHT_M: (f64, f64) = (-12_000.0, 2_000_000.0);
@@ -28,15 +26,6 @@ pub struct Place {
     pub height_m: f64,
     /// Standard deviation in each direction, m.
     pub sigma_m: f64,
-}
-
-impl Place {
-    /// Returns the place in the earth-fixed frame.
-    pub fn position(&self) -> Ecef {
-        let latitude_rad = self.latitude_deg * RAD;
-        let longitude_rad = self.longitude_deg * RAD;
-        Geodetic { latitude_rad, longitude_rad, height_m: self.height_m }.to_ecef()
-    }
 }
 
 impl Spelled for Option<Place> {

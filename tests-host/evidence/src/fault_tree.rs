@@ -96,6 +96,7 @@ const COUNTERFEIT: &[Cause] = &[
     Attack("leap"),
     Attack("leap-of-time"),
     Attack("walk-off"),
+    Attack("repeater"),
     Attack("after-silence"),
     Attack("two-truths"),
     Attack("suspicion-denied"),

@@ -1,4 +1,4 @@
-//! What the evidence does not show.
+//! Open points: subjects that the evidence does not show, with the reasons.
 
 /// A statement, with the reason.
 pub const NOT_SHOWN: &[(&str, &str)] = &[

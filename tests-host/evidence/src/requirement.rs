@@ -161,7 +161,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
         source: "DO-229, DO-316",
         text: "A mask of 5 degrees or less",
         module: "rai-firmware/src/settings/table.rs",
-        command: "cargo test -p raim-firmware --test all settings",
+        command: "cargo test -p raim-firmware --test all commands",
         standing: Met,
     },
     Requirement {

@@ -1,4 +1,9 @@
 //! Judgement of an epoch by ARAIM, in the form of [`super::super::judge`].
+//!
+//! **One of two systems is never left out**, although the probabilities of the integrity support
+//! message may decide between them. Each of two systems explains the data by the other's fault, and
+//! a probability of faults describes a provider, not counterfeit signals. Only a third system
+//! decides, if it has two satellites: a lone one agrees with any place.
 
 use heapless::Vec;
 
@@ -37,6 +42,7 @@ pub(in crate::integrity) fn judge_epoch<T: Real>(
     }
     match judge_in(solution, &priors, &criteria.requirements.allocation, room) {
         Ok(mut judged) => {
+            take_back_one_of_two(solution, epoch, &mut judged);
             let is_of_time = blames_the_time(solution, epoch, &mut judged, criteria, rates);
             let mut judgement = judgement(solution, epoch, &judged, &criteria.thresholds);
             if is_of_time {
@@ -49,6 +55,31 @@ pub(in crate::integrity) fn judge_epoch<T: Real>(
         }
         Err(AraimError::Prior) => refused(ExclusionOutcome::Passed, NoThreshold::Risk),
     }
+}
+
+/// Takes back an exclusion of one of only two constellations with more than one satellite, and makes
+/// the outcome ambiguous.
+fn take_back_one_of_two<T: Real>(
+    solution: &mut impl Excludable<T>,
+    epoch: &EpochView<'_>,
+    judged: &mut AraimJudgement<T>,
+) {
+    let AraimOutcome::Excluded { rows, excluded, .. } = &judged.outcome else { return };
+    if excluded.constellations != 0 && systems_of_several(epoch) <= 2 {
+        solution.take_back_all(*rows);
+        judged.outcome = AraimOutcome::Ambiguous;
+    }
+}
+
+/// Returns the number of constellations with more than one satellite.
+fn systems_of_several(epoch: &EpochView<'_>) -> u32 {
+    let (mut seen, mut several) = (0_u8, 0_u8);
+    for observation in epoch.observations() {
+        let system = 1 << (observation.satellite.constellation() as u8);
+        several |= seen & system;
+        seen |= system;
+    }
+    several.count_ones()
 }
 
 /// Returns true if a wrong time of all ranges explains an alarm as well as the exclusion, which

@@ -16,9 +16,9 @@
 //! | wrong exclusion | the same, and only healthy satellites are excluded | `P_md`, with the others |
 //! | failed exclusion | a fault that moves the position by HAL or more, and nothing is promised | `P_fe` |
 //!
-//! A failed exclusion has no bound here, because the module computes no level at which it could also
-//! tell which satellite failed. If several exclusions explain the ranges, it promises nothing, and
-//! that is counted.
+//! A failed exclusion has no bound here, because the module computes no level at which it could
+//! also tell which satellite failed. If several exclusions explain the ranges, it promises nothing,
+//! and that is counted.
 //!
 //! The fault is a bias on the satellite with the largest horizontal slope. Rare events are drawn by
 //! importance sampling. Half of the draws are shifted so that about half of the faults are missed.

@@ -55,8 +55,8 @@ pub const NAMED: [Named; 3] = [
         compiled_for: CompiledFor::Speed,
         satellites: 48,
         stack_bytes: 10 * 1024,
-        flash_kib: 272,
-        ram_kib: 68,
+        flash_kib: 288,
+        ram_kib: 69,
     },
     Named {
         name: "whole",

@@ -12,7 +12,7 @@
 //!
 //! Generic arguments do not count. A name that several types share must occur as often. Functions
 //! of a trait cannot be called from outside if the trait or the type is nowhere public, and need
-//! not be listed. Functions that a macro or a derive makes are not seen.
+//! not be listed. Functions that a derive or a macro makes are not seen, except those in `unstable!`.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -94,13 +94,32 @@ fn not_in(list: &str, functions: &[Names]) -> Vec<String> {
 /// Collects the public functions of a module and of those below it.
 fn follow(file: &Path, below: &Path, module: &str, found: &mut Found) -> anyhow::Result<()> {
     let text = fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))?;
-    found.read(&text, module);
-    for name in text.lines().filter_map(module_declared) {
+    found.read(&unwrapped(&text), module);
+    // A module may be declared twice, once for each setting of a feature.
+    let modules: BTreeSet<&str> = text.lines().filter_map(module_declared).collect();
+    for name in modules {
         let flat = below.join(format!("{name}.rs"));
         let file = if flat.exists() { flat } else { below.join(name).join("mod.rs") };
         follow(&file, &below.join(name), &format!("{module}::{name}"), found)?;
     }
     Ok(())
+}
+
+/// Returns the text with the items that `unstable! { … }` wraps in their own columns.
+fn unwrapped(text: &str) -> String {
+    let mut lines = Vec::new();
+    let mut end = None;
+    for line in text.lines() {
+        match &end {
+            Some(closing) if line == closing => end = None,
+            Some(_) => lines.push(line.strip_prefix("    ").unwrap_or(line)),
+            None => match line.strip_suffix("unstable! {") {
+                Some(indent) if indent.trim().is_empty() => end = Some(format!("{indent}}}")),
+                _ => lines.push(line),
+            },
+        }
+    }
+    lines.join("\n")
 }
 
 fn module_declared(line: &str) -> Option<&str> {

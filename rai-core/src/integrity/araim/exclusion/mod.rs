@@ -7,8 +7,8 @@
 //!
 //! Without one of two satellites of a constellation, the clock takes whatever the other measures.
 //! Therefore leaving out either of them counts as leaving out their constellation. Nothing is left
-//! out if two satellites explain the data equally. Nor is one of two constellations left out: they
-//! contradict each other, and each may be the faulty or counterfeit one ([`rivals`]).
+//! out if two satellites explain the data equally, or two constellations of which one has two
+//! satellites ([`rivals`]).
 //!
 //! Judging a candidate costs as much as judging the epoch, so that at most one satellite and one
 //! constellation are judged. Most candidates need no judgement, because another satellite is still
@@ -329,6 +329,6 @@ fn next<T: Real>(
     }
     // The prior probabilities of constellations differ, so that their sums need not.
     let best = rivals::best(left.constellations(), T::zero(), &mut agreeing)?;
-    let is_rivalled = best.is_rivalled || rivals::is_one_of_two(monitored, best.option);
+    let is_rivalled = best.is_rivalled || rivals::is_pair_beside_one(monitored, best.option);
     Some(Choice { is_rivalled, ..best })
 }

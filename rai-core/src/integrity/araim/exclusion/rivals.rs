@@ -28,13 +28,11 @@ pub(super) fn best<T: Real>(
     best.map(|(_, choice)| choice)
 }
 
-/// Returns true if the option is one of only two constellations with more than one satellite.
+/// Returns true if the option is a constellation of two satellites, and one other is in view.
 ///
-/// Each of two constellations explains the data by the other's fault, whatever their sizes. The
-/// probability of a constellation fault does not decide, because it describes the provider and not
-/// counterfeit signals. Only a third constellation does, if it has two satellites: a lone one
-/// agrees with any place.
-pub(super) fn is_one_of_two<T: Real>(monitored: &MonitoredModes<'_, T>, option: Hypothesis) -> bool {
-    let in_view = monitored.modes.members.iter().filter(|&&members| count_of(members) > 1).count();
-    option.constellations != 0 && in_view <= 2
+/// Two satellites agree on any place, so that each constellation explains the data by the other's
+/// fault. Only a third constellation could decide.
+pub(super) fn is_pair_beside_one<T: Real>(monitored: &MonitoredModes<'_, T>, option: Hypothesis) -> bool {
+    let in_view = monitored.modes.members.iter().filter(|members| **members != 0).count();
+    count_of(monitored.modes.taken_by(option)) == 2 && in_view == 2
 }

@@ -174,8 +174,8 @@ impl ObservationCodes {
         Ok(())
     }
 
-    /// Returns the codes of a system's observations in the order of the fields; `None` if the header
-    /// lists none.
+    /// Returns the codes of a system's observations in the order of the fields; `None` if the
+    /// header lists none.
     pub(super) fn of(&self, system: char) -> Option<&[String]> {
         let codes = self.by_system.get(&system).or_else(|| self.by_system.get(&Self::ALL));
         codes.map(Vec::as_slice)
