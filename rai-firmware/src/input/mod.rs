@@ -311,11 +311,11 @@ impl Input {
                     }
                 }
                 Some(Message::Broadcast(broadcast)) => {
-                    learn(|| Ephemeris::new(&broadcast), calendar, assembly, counters, tell);
+                    learn(&|| Ephemeris::new(&broadcast), calendar, assembly, counters, tell);
                 }
                 #[cfg(feature = "glonass")]
                 Some(Message::State(state)) => {
-                    learn(|| Ephemeris::of_state(&state), calendar, assembly, counters, tell);
+                    learn(&|| Ephemeris::of_state(&state), calendar, assembly, counters, tell);
                 }
                 Some(Message::Position(point)) => tell(Event::Position(point)),
                 #[cfg(feature = "ubx")]
@@ -415,10 +415,11 @@ impl Unread {
 }
 
 /// Checks the message of a satellite, and reports its ephemeris.
-// Not inlined, so that the ephemeris is not on the stack frame below which an epoch is judged.
+// Not inlined, so that the ephemeris is not on the stack frame below which an epoch is judged. One
+// copy serves both kinds of messages.
 #[inline(never)]
 fn learn(
-    ephemeris: impl FnOnce() -> Result<Ephemeris, BroadcastError>,
+    ephemeris: &dyn Fn() -> Result<Ephemeris, BroadcastError>,
     calendar: &mut Calendar,
     assembly: &mut Assembly,
     counters: &mut Counters,

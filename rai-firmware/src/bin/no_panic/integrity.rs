@@ -22,7 +22,7 @@ use raim_core::integrity::raim::isolation::parity;
 use raim_core::integrity::raim::isolation::ransac::{self, NoConsensus, Selection};
 use raim_core::integrity::raim::levels::{self, Slopes};
 use raim_core::integrity::raim::shared_errors;
-use raim_core::integrity::{self, MethodScratch};
+use raim_core::integrity::{self, Method, MethodError, MethodScratch};
 use raim_core::least_squares::downdate::{self, ExclusionSet, NormalisedRow};
 use raim_core::least_squares::equations::{LinearEpoch, RowError};
 use raim_core::least_squares::fix::{Fix, FixError};
@@ -523,6 +523,8 @@ fn errors() {
         <EpochError as Display>::fmt as fn(_, _) -> _,
         <FixError as Display>::fmt as fn(_, _) -> _,
         <MonitorError as Display>::fmt as fn(_, _) -> _,
+        <MethodError as Display>::fmt as fn(_, _) -> _,
+        Method::allows_aiding as fn(_) -> _,
         <RequirementsError as Display>::fmt as fn(_, _) -> _,
         <RowError as Display>::fmt as fn(_, _) -> _,
         <SatelliteId as Display>::fmt as fn(_, _) -> _,

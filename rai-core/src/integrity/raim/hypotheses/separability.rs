@@ -74,7 +74,7 @@ fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds:
     let mut work = SetBudget::new(count_up_to(set.len(), MAX_ROWS));
     for size in 1..=set.len() {
         let mut has_rival = false;
-        each_of_size(&rows, size, &mut work, least, |_, rival| {
+        each_of_size(&rows, size, &mut work, least, &mut |_, rival| {
             has_rival |= rival.get(..size).is_some_and(|rival| rival_test.has(rival));
             // One rival suffices, so that no other set is shown.
             if has_rival { infinity() } else { least }

@@ -53,7 +53,7 @@ pub(in crate::integrity::raim) fn each_of_size<T: Real>(
     size: usize,
     work: &mut SetBudget,
     bar: T,
-    show: impl FnMut(T, [usize; MAX_EXCLUDED]) -> T,
+    show: &mut dyn FnMut(T, [usize; MAX_EXCLUDED]) -> T,
 ) {
     let mut above = SetFilter { bar, show };
     // One buffer for pairs and triples, because it is large.
@@ -66,7 +66,7 @@ pub(in crate::integrity::raim) fn each_of_size<T: Real>(
         }
         2 => {
             stand(&mut standings, rows.iter().map(ReducedRow::of));
-            pairs(T::zero(), &standings, work, &mut above, |first, second| [first, second, 0]);
+            pairs(T::zero(), &standings, work, &mut above, None);
         }
         _ => triples(rows, &mut standings, work, &mut above),
     }
@@ -83,7 +83,7 @@ pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real>(
     bar: T,
     mut show: impl FnMut(T) -> T,
 ) {
-    let mut above = SetFilter { bar, show: |explained, _| show(explained) };
+    let mut above = SetFilter { bar, show: &mut |explained, _| show(explained) };
     let mut standings = ReducedRows::new();
     stand(&mut standings, rows);
     match size {
@@ -92,17 +92,18 @@ pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real>(
                 above.consider(standing.explained(), || [standing.index(), 0, 0]);
             }
         }
-        _ => pairs(T::zero(), &standings, work, &mut above, |first, second| [first, second, 0]),
+        _ => pairs(T::zero(), &standings, work, &mut above, None),
     }
 }
 
-/// Least decrease of SSE that a set must reach, and the callback that receives the set.
-struct SetFilter<T, S> {
+/// Least decrease of SSE that a set must reach, and the callback that receives the set. The callback
+/// is no type parameter, so that all searches share one copy of the loops.
+struct SetFilter<'s, T> {
     bar: T,
-    show: S,
+    show: &'s mut dyn FnMut(T, [usize; MAX_EXCLUDED]) -> T,
 }
 
-impl<T: Real, S: FnMut(T, [usize; MAX_EXCLUDED]) -> T> SetFilter<T, S> {
+impl<T: Real> SetFilter<'_, T> {
     fn consider(&mut self, explained: T, set: impl FnOnce() -> [usize; MAX_EXCLUDED]) {
         if explained >= self.bar {
             self.bar = (self.show)(explained, set());
@@ -116,15 +117,21 @@ fn stand<'r, T: Real>(place: &mut ReducedRows<'r, T>, standings: impl Iterator<I
     standings.for_each(|standing| _ = place.push(standing));
 }
 
-/// Visits all pairs of rows, beside a row that is projected out already and explains `explained`;
-/// `set` names all rows left out.
+/// Visits all pairs of rows, beside the row `gone` that is projected out already and explains
+/// `explained`.
+// Not inlined, so that pairs and triples share one copy.
+#[inline(never)]
 fn pairs<T: Real>(
     explained: T,
     rows: &[ReducedRow<'_, T>],
     work: &mut SetBudget,
-    above: &mut SetFilter<T, impl FnMut(T, [usize; MAX_EXCLUDED]) -> T>,
-    set: impl Fn(usize, usize) -> [usize; MAX_EXCLUDED],
+    above: &mut SetFilter<'_, T>,
+    gone: Option<usize>,
 ) {
+    let set = |first: usize, second: usize| match gone {
+        Some(gone) => [gone, first, second],
+        None => [first, second, 0],
+    };
     for (first, rest) in tails(rows) {
         if first.is_untestable() {
             continue;
@@ -141,13 +148,13 @@ fn triples<'r, T: Real>(
     rows: &'r [NormalisedRow<T>],
     standings: &mut ReducedRows<'r, T>,
     work: &mut SetBudget,
-    above: &mut SetFilter<T, impl FnMut(T, [usize; MAX_EXCLUDED]) -> T>,
+    above: &mut SetFilter<'_, T>,
 ) {
     for (gone, rest) in tails(rows) {
         if !work.cut {
             let root = gone.redundancy.sqrt();
             stand(standings, rest.iter().map(|row| ReducedRow::without(row, gone, root)));
-            pairs(gone.explained(), standings, work, above, |first, second| [gone.index, first, second]);
+            pairs(gone.explained(), standings, work, above, Some(gone.index));
         }
     }
 }

@@ -69,7 +69,7 @@ impl<T: Real> GroupingSearch<'_, T> {
         let mut ceiling = infinity();
         loop {
             let mut best = SetCandidate { explained: -infinity::<T>(), set: [0; MAX_EXCLUDED] };
-            each_of_size(self.rows, size, &mut self.work, best.explained, |explained, set| {
+            each_of_size(self.rows, size, &mut self.work, best.explained, &mut |explained, set| {
                 if explained > best.explained && explained < ceiling {
                     best = SetCandidate { explained, set };
                 }
