@@ -78,6 +78,9 @@ const FAILED_EXCLUSION: f64 = 1e-3;
 /// Numbers of satellites of a geometry, by the number of constellations less one.
 const COUNTS: [&[usize]; 2] = [&[6, 7, 8, 9, 10, 11], &[8, 10, 12, 14, 16]];
 
+/// Number of events from which the sample's deviation bounds the mean.
+const FEW: usize = 10;
+
 /// Seed of all random choices.
 const SEED: u64 = 9000;
 
@@ -362,16 +365,17 @@ impl P {
     }
 }
 
-/// Returns a row with the mean weight over the requirement. Its upper end is at least as large as
-/// if every expected event had the largest weight, because without an event the sample's deviation
-/// shows nothing.
+/// Returns a row with the mean weight over the requirement. With fewer than [`FEW`] events the
+/// upper end is at least as large as if every expected event had the largest weight, because the
+/// deviation of so few shows nothing.
 fn rate(what: &str, weights: &[f64], asked: f64, heaviest: f64) -> Row {
     let relative: Vec<f64> = weights.iter().map(|weight| weight / asked).collect();
     let value = relative.iter().sum::<f64>() / relative.len() as f64;
     let hits = weights.iter().filter(|&&weight| weight > 0.0).count();
     let sampled = Interval::of_mean(&relative);
     let at_most = Interval::of_count(hits).high * heaviest / asked / relative.len() as f64;
-    let interval = Interval { low: sampled.low.max(0.0), high: sampled.high.max(at_most) };
+    let high = if hits < FEW { sampled.high.max(at_most) } else { sampled.high };
+    let interval = Interval { low: sampled.low.max(0.0), high };
     Row::new(what, "", Finding::Number { value, decimals: 3, interval: Some(interval) }, Judgement::Ours)
         .because(format!("{hits} of {} draws", weights.len()))
         .holding("interval not above 1", sampled.as_one_in(FAMILY).low <= 1.0)
