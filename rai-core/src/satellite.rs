@@ -16,10 +16,12 @@ use core::str::FromStr;
 /// A satellite navigation system with its own time scale, hence with its own receiver clock offset.
 ///
 /// ```
-/// use raim_core::Constellation;
+/// use raim_core::{Constellation, SatelliteId};
 ///
-/// assert_eq!(Constellation::from_letter('C'), Some(Constellation::Beidou));
+/// let satellite: SatelliteId = "C07".parse()?;
+/// assert_eq!(satellite.constellation(), Constellation::Beidou);
 /// assert_eq!(Constellation::ALL.map(Constellation::letter), ['G', 'C', 'E', 'R']);
+/// # Ok::<(), raim_core::satellite::ParseSatelliteError>(())
 /// ```
 ///
 /// The discriminants are the ids of the published vectors, and the order of the clocks in every

@@ -7,8 +7,8 @@ use crate::numeric::absolute::{Absolute, Grid};
 
 /// The tangent frame at a point in single precision: axes to 3e-7, height to 1 cm.
 ///
-/// It suffices for models of the air and for elevations, and costs a tenth of a [`LocalFrame`] on a
-/// processor that emulates doubles.
+/// It suffices for models of the air and for elevations, and costs a tenth of a
+/// [`LocalFrame`](super::LocalFrame) on a processor that emulates doubles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LocalAxes {
@@ -17,7 +17,8 @@ pub struct LocalAxes {
 }
 
 impl LocalAxes {
-    /// Returns the axes at an earth-fixed point; see [`LocalFrame::at`] for points without one.
+    /// Returns the axes at an earth-fixed point; see [`LocalFrame::at`](super::LocalFrame::at) for
+    /// points without one.
     pub fn at(point: Ecef) -> Self {
         let position = Vector3::new(point.x_m as f32, point.y_m as f32, point.z_m as f32);
         match Directions::at(&position) {

@@ -72,7 +72,8 @@ pub(crate) fn top() -> PathBuf {
 /// Returns the SHA-256 of a file, hexadecimal.
 fn sum(path: &Path) -> Result<String> {
     let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    Ok(Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect())
+    let digits: Vec<_> = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok(digits.concat())
 }
 
 /// Returns the commit, with a mark if files differ from it.

@@ -228,7 +228,7 @@ fn day() -> Journal {
         let turn = f64::from(second) * 1e-4 + f64::from(number);
         Seen {
             satellite: SatelliteId::new(Constellation::Gps, number).unwrap(),
-            azimuth_rad: Some(turn.rem_euclid(6.28)),
+            azimuth_rad: Some(turn.rem_euclid(std::f64::consts::TAU)),
             elevation_rad: Some(0.8 + 0.5 * turn.sin()),
             cn0_dbhz: Some(42.0 + 6.0 * turn.sin()),
             residual_m: Some((f64::from(second) * 0.1 + f64::from(number)).sin()),

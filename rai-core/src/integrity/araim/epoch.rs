@@ -57,8 +57,8 @@ pub(in crate::integrity) fn judge_epoch<T: Real>(
     }
 }
 
-/// Takes back an exclusion of one of only two constellations with more than one satellite, and makes
-/// the outcome ambiguous.
+/// Takes back an exclusion of one of only two constellations with more than one satellite, and
+/// makes the outcome ambiguous.
 fn take_back_one_of_two<T: Real>(
     solution: &mut impl Excludable<T>,
     epoch: &EpochView<'_>,

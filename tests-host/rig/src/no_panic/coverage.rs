@@ -12,7 +12,8 @@
 //!
 //! Generic arguments do not count. A name that several types share must occur as often. Functions
 //! of a trait cannot be called from outside if the trait or the type is nowhere public, and need
-//! not be listed. Functions that a derive or a macro makes are not seen, except those in `unstable!`.
+//! not be listed. Functions that a derive or a macro makes are not seen, except those in
+//! `unstable!`.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -96,8 +96,8 @@ pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real>(
     }
 }
 
-/// Least decrease of SSE that a set must reach, and the callback that receives the set. The callback
-/// is no type parameter, so that all searches share one copy of the loops.
+/// Least decrease of SSE that a set must reach, and the callback that receives the set. The
+/// callback is no type parameter, so that all searches share one copy of the loops.
 struct SetFilter<'s, T> {
     bar: T,
     show: &'s mut dyn FnMut(T, [usize; MAX_EXCLUDED]) -> T,
