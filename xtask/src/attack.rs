@@ -1,7 +1,6 @@
 //! `cargo xtask attack`: all attacks that try to raise the pin on a wrong position, with their
 //! results.
 
-use std::process::Command;
 use std::time::Instant;
 
 use adversary::attack::several_faults::{self, Passing};
@@ -30,15 +29,16 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    // A wrong name is answered before the build that its attack would need.
+    let attacks = chosen(&arguments.attacks)?;
     if cfg!(debug_assertions) {
-        return again_optimised();
+        return crate::cargo::again_optimised("an attack failed; see above");
     }
     if let Some(epochs) = arguments.several {
         print_passing(&several_faults::table(epochs)?);
         return Ok(());
     }
     let effort = if arguments.long { Effort::Long } else { Effort::Quick };
-    let attacks = chosen(&arguments.attacks)?;
     let mut lost = Vec::new();
     for attack in &attacks {
         let start = Instant::now();
@@ -100,17 +100,4 @@ fn print_passing(cells: &[Passing]) {
         let row: Vec<String> = of_row.map(cell).collect();
         println!("| `{method}` | {faults} | {} |", row.join(" | "));
     }
-}
-
-/// Runs the same command optimised, because thousands of epochs are worth the build. The result is
-/// the same.
-fn again_optimised() -> anyhow::Result<()> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let status = Command::new(cargo)
-        .args(["run", "--quiet", "--release", "--package", "xtask", "--"])
-        .args(std::env::args_os().skip(1))
-        .status()
-        .context("cargo cannot be run")?;
-    ensure!(status.success(), "an attack failed; see above");
-    Ok(())
 }
