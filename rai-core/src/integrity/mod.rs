@@ -22,10 +22,11 @@
 //! everything and no satellite does nearly as well.
 
 pub mod araim;
+mod judgement;
+mod method;
 pub mod raim;
+mod search;
 mod systems;
-
-use core::fmt;
 
 use heapless::Vec;
 
@@ -33,9 +34,7 @@ use crate::bounded::gather;
 use crate::epoch::EpochView;
 use crate::least_squares::{Excludable, Snapshot};
 use crate::numeric::real::Real;
-use crate::report::{AraimReport, MAX_EXCLUDED, ProtectionLevels};
 use crate::requirements::Requirements;
-use crate::satellite::SatelliteId;
 use crate::weighting::Ism;
 use crate::weighting::shared::SharedError;
 #[cfg(feature = "araim")]
@@ -46,100 +45,16 @@ use raim::detection::threshold::policy::{NoThreshold, Policy, ThresholdProblem};
 use raim::hypotheses::constellation_shift;
 use raim::hypotheses::separability::separable;
 use raim::hypotheses::time_tag::{EpochRates, RangeRates, TimeTagOutcome, is_suspicious};
-use raim::isolation::baarda::exclude_sequentially;
-use raim::isolation::exclusion::{
-    Excluded, Exclusion, ExclusionOutcome, Unidentified, leave_out, leaves_enough,
-};
-use raim::isolation::sets::count_up_to;
-use raim::isolation::{parity, ransac};
+use raim::isolation::exclusion::{Exclusion, ExclusionOutcome, Unidentified, leaves_enough};
+use raim::isolation::ransac;
 use raim::levels::{KFactors, LevelInputs, Levels};
 use raim::shared_errors::shared_shift;
+use search::{isolate, jump};
 
+pub use judgement::{Judgement, Test, WithoutAiding};
+pub use method::{Method, MethodError};
+pub use search::{AUTOMATIC_SETS, Search};
 pub(crate) use systems::KeptOut;
-
-/// Method that finds the faulty satellites.
-///
-/// ```
-/// use raim_core::{Method, Monitor, Requirements};
-/// use raim_core::monitor::Strategy;
-///
-/// let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
-/// let mut strategy = Strategy::DEFAULT;
-/// strategy.method = Method::Araim;
-/// monitor.set_strategy(strategy)?; // an error that names the feature in a build without ARAIM
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
-pub enum Method {
-    /// Every set of one row, then of two, then of three, within [`AUTOMATIC_SETS`]; beyond, the
-    /// largest w-test.
-    Auto,
-    /// The largest w-test, repeatedly.
-    Baarda,
-    /// Searches in parity space. Needs the feature `searches`.
-    Parity(parity::Isolation),
-    /// Consensus of disjoint subsets. Needs the feature `searches`.
-    Ransac,
-    /// Solution separation over all monitored fault modes: ARAIM. Needs the feature `araim`.
-    Araim,
-}
-
-impl Method {
-    /// Returns true if a clock forecast or a known height may take a row: ARAIM has no fault mode
-    /// for them.
-    pub fn allows_aiding(self) -> bool {
-        !self.uses_ism()
-    }
-
-    /// Returns true if sigmas are those of an integrity support message, and not the expected ones.
-    pub(crate) fn uses_ism(self) -> bool {
-        self == Self::Araim
-    }
-
-    /// Returns the method if this build has it.
-    ///
-    /// # Errors
-    /// [`MethodError`] names the feature that the build lacks.
-    pub(crate) const fn built_in(self) -> Result<Self, MethodError> {
-        match self {
-            Self::Parity(_) | Self::Ransac if !cfg!(feature = "searches") => {
-                Err(MethodError { method: self, feature: "searches" })
-            }
-            Self::Araim if !cfg!(feature = "araim") => Err(MethodError { method: self, feature: "araim" }),
-            Self::Auto | Self::Baarda | Self::Parity(_) | Self::Ransac | Self::Araim => Ok(self),
-        }
-    }
-}
-
-/// The method that this build lacks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub struct MethodError {
-    /// The method that was asked for.
-    pub method: Method,
-    /// The feature of this crate that it needs.
-    pub feature: &'static str,
-}
-
-impl fmt::Display for MethodError {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("method must be one of this build: it needs the feature ")?;
-        formatter.write_str(self.feature)
-    }
-}
-
-impl core::error::Error for MethodError {}
-
-/// Most sets that [`Method::Auto`] compares: all of up to three of 40 rows, some 0.9 million
-/// instructions in `f32` on a Cortex-M4F. Beyond, the largest w-test costs a hundredth.
-pub const AUTOMATIC_SETS: usize = parity::MAX_SETS;
-
-/// Sum of squares of a gross fault: ten thousand sigmas, some tens of kilometres. If it moves the
-/// position by `d`, the linearised ranges are off by `d²/2ρ`, metres.
-const GROSS_SSE: f64 = 1e8;
 
 /// Criteria of a judgement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -198,80 +113,6 @@ impl<T: Real> MethodScratch<T> {
     #[inline(never)]
     fn araim(&mut self) -> &mut araim::AraimScratch<T> {
         self.araim.get_or_insert_with(araim::AraimScratch::new)
-    }
-}
-
-/// Permitted search after a detected fault.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Search<'s> {
-    /// Search for the faulty satellites.
-    Anew,
-    /// Search about an inaccurate point and accept the result provisionally.
-    ///
-    /// The separability check, as expensive as the search, runs from a better point, where the
-    /// satellites are [`Self::Known`].
-    Rough,
-    /// Leave out the satellites that a search about another point found, and search for no others.
-    Known(&'s [SatelliteId]),
-}
-
-/// The global test of a snapshot, and the protection levels under its threshold.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Test<T> {
-    /// The test.
-    pub detection: Detection<T>,
-    /// Protection levels.
-    pub levels: ProtectionLevels,
-}
-
-/// The test without the clock forecast and the known height.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum WithoutAiding<T> {
-    /// Neither takes part.
-    Always,
-    /// The satellites cannot be tested without them.
-    Untested,
-    /// The test of the satellites alone.
-    Tested(Test<T>),
-}
-
-/// Result of a method for one epoch.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Judgement<T> {
-    /// Result of the exclusion.
-    pub outcome: ExclusionOutcome,
-    /// Rows left out, in the order of exclusion.
-    pub excluded: Vec<Excluded<T>, MAX_EXCLUDED>,
-    /// Test of the remaining rows, or the reason why there is none.
-    pub test: Result<Test<T>, NoThreshold>,
-    /// Test without the clock forecast and the known height.
-    pub without_aiding: WithoutAiding<T>,
-    /// Constellations left out as a whole, a bit for each id.
-    pub lost_systems: u8,
-    /// True if faulty satellites were searched for.
-    pub searched: bool,
-    /// Additional results of [`Method::Araim`].
-    pub araim: Option<AraimReport>,
-}
-
-impl<T: Real> Judgement<T> {
-    /// Returns the protection levels: the larger of those with and without the forecast.
-    pub fn levels(&self) -> Option<ProtectionLevels> {
-        let levels = self.test.ok()?.levels;
-        Some(match &self.without_aiding {
-            WithoutAiding::Tested(alone) => levels.or_larger(&alone.levels),
-            WithoutAiding::Always | WithoutAiding::Untested => levels,
-        })
-    }
-
-    /// Multiplies every protection level by a factor.
-    pub(crate) fn scale_levels(&mut self, factor: f64) {
-        if let Ok(test) = &mut self.test {
-            test.levels = test.levels.times(factor);
-        }
-        if let WithoutAiding::Tested(alone) = &mut self.without_aiding {
-            alone.levels = alone.levels.times(factor);
-        }
     }
 }
 
@@ -428,85 +269,4 @@ fn without_aids<T: Real>(
     // These rows determined a position a moment ago.
     let _ = solution.take_back(&taking_part);
     test.map_or(WithoutAiding::Untested, WithoutAiding::Tested)
-}
-
-/// Returns searches for the faulty satellites and leaves them out.
-///
-/// A separate function, as are its branches, so that an epoch without a fault does not pay for the
-/// stack of the searches, and each search only for its own.
-#[inline(never)]
-fn isolate<T: Real>(
-    solution: &mut impl Excludable<T>,
-    epoch: &EpochView<'_>,
-    criteria: &Criteria<'_, T>,
-    search: Search<'_>,
-    #[cfg_attr(not(feature = "searches"), expect(unused_variables))] subsets: &mut ransac::Subsets,
-) -> Exclusion<T> {
-    let thresholds = &criteria.thresholds;
-    if let Search::Known(satellites) = search {
-        let listed = epoch.observations().iter().enumerate();
-        let equations = solution.snapshot().equations();
-        let takes_part = |index: usize| equations.get(index).is_some_and(|row| row.weight > T::zero());
-        // A system that is kept out has no rows to leave out.
-        let known = listed
-            .filter(|(index, observation)| satellites.contains(&observation.satellite) && takes_part(*index));
-        let rows: Vec<usize, MAX_EXCLUDED> = gather(known.map(|(index, _)| index));
-        return leave_out(solution, &rows, thresholds);
-    }
-    if solution.snapshot().sse() > T::narrow(GROSS_SSE) {
-        // A gross fault distorts the linearised comparison of sets, beyond recognition at one
-        // millisecond. Leaving out the worst row and solving again about another point is robust
-        // against it.
-        return exclude_sequentially(solution, thresholds);
-    }
-    match criteria.method {
-        Method::Auto => isolate_within_budget(solution, thresholds),
-        #[cfg(feature = "searches")]
-        Method::Parity(isolation) => {
-            parity::exclude(isolation, solution, thresholds, &parity::SearchLimits::published())
-        }
-        #[cfg(feature = "searches")]
-        Method::Ransac => ransac::exclude_in(solution, epoch, thresholds, subsets),
-        // A monitor refuses them.
-        #[cfg(not(feature = "searches"))]
-        Method::Parity(_) | Method::Ransac => Exclusion::not_isolated(Unidentified::NoSet),
-        // ARAIM excludes by its own tests.
-        Method::Baarda | Method::Araim => exclude_sequentially(solution, thresholds),
-    }
-}
-
-/// Isolates by every set if sets can be distinguished at all, or by the largest w-test if they are
-/// too many.
-fn isolate_within_budget<T: Real>(
-    solution: &mut impl Excludable<T>,
-    thresholds: &Thresholds<'_>,
-) -> Exclusion<T> {
-    let rows = (solution.snapshot().dof() / 2).min(MAX_EXCLUDED);
-    if count_up_to(rows, solution.snapshot().used()) > AUTOMATIC_SETS {
-        return exclude_sequentially(solution, thresholds);
-    }
-    let limits = parity::SearchLimits { rows, ..parity::SearchLimits::published() };
-    parity::exclude(parity::Isolation::Grouping, solution, thresholds, &limits)
-}
-
-/// Returns the exclusion of an aiding row alone, if it explains everything and no satellite does
-/// nearly as well.
-///
-/// This comes before any method: a jump of a millisecond shows in every satellite's test, and
-/// methods that leave out all rows that correlate with the worst would leave out healthy ones.
-fn jump<T: Real>(
-    solution: &mut impl Excludable<T>,
-    row: usize,
-    thresholds: &Thresholds<'_>,
-) -> Option<Exclusion<T>> {
-    let (_, fit) = solution.snapshot().row(row)?;
-    let aid = Excluded { index: row, w_test: fit.w_test() };
-    solution.leave_out(row).ok()?;
-    let jump = Exclusion { rows: gather([aid]), outcome: ExclusionOutcome::Isolated };
-    if Detection::passes(solution.snapshot(), thresholds) && separable(solution, &jump, thresholds) {
-        return Some(jump);
-    }
-    // These rows determined a position a moment ago.
-    let _ = solution.take_back(&[row]);
-    None
 }

@@ -21,37 +21,37 @@
 //! [Yang2015]: crate#references
 //! [Lin2016]: crate#references
 
+mod assessment;
 mod description;
 mod evidence;
 mod height;
 mod kept_out;
 mod named;
+mod settings;
+mod strategy;
 mod validated;
 mod verdict;
 mod workspace;
 
 use heapless::Deque;
 
-use crate::clock::{Clocks, SolvedClocks};
+use crate::clock::Clocks;
 use crate::continuity::{Continuity, Motion};
 use crate::epoch::{Aided, Epoch, EpochView};
 use crate::frame::Ecef;
 use crate::integrity::raim::hypotheses::time_tag::RangeRates;
-use crate::integrity::raim::isolation::exclusion::ExclusionOutcome;
 use crate::integrity::raim::isolation::ransac::Subsets;
-use crate::integrity::{Criteria, Judgement, KeptOut, judge};
-use crate::least_squares::SnapshotError;
-use crate::least_squares::fix::{Fix, FixError};
+use crate::integrity::{Criteria, KeptOut, judge};
+use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
 use crate::report::{Alert, Report, Suspect, Unavailable, Verdict};
 use crate::requirements::Requirements;
 use crate::velocity::{Velocity, VelocityError};
 use crate::weighting::adaptation::Adaptation;
 
-use description::{describe, known_height, residuals, suspects};
-use evidence::{Belief, Evidence, residuals_of_all};
+use evidence::Evidence;
 use height::HeightMemory;
-use kept_out::{KeptOutSystems, SystemsSeen};
+use kept_out::KeptOutSystems;
 use named::Named;
 use workspace::Update;
 
@@ -62,6 +62,7 @@ pub use crate::integrity::raim::isolation::parity::Isolation;
 pub use crate::integrity::raim::levels::Levels;
 pub use crate::integrity::{Method, MethodError};
 pub use crate::weighting::{Ism, IsmParameters, UserModel};
+pub use strategy::Strategy;
 pub use validated::MonitorError;
 
 unstable! { pub use crate::integrity::Search; }
@@ -71,38 +72,6 @@ unstable! { pub use workspace::{EpochOutcome, MonitorWorkspace}; }
 /// Number of epochs over which SSE/dof is averaged: with 10 degrees of freedom the mean is then
 /// known to 6 %.
 const SIGMA_CHECK_WINDOW: usize = 60;
-
-/// Configuration of the monitoring: threshold, method, levels and aiding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
-pub struct Strategy {
-    /// Threshold policy of the global test.
-    pub policy: Policy,
-    /// Method that finds the faulty satellites.
-    pub method: Method,
-    /// Quantity that a protection level bounds.
-    pub levels: Levels,
-    /// True if the predicted receiver clock takes a row beside the satellites.
-    pub clock_aid: bool,
-    /// True if the residuals of the last minutes scale the sigmas ([`Adaptation`]).
-    pub sigma_adapt: bool,
-}
-
-impl Strategy {
-    /// The classic threshold, the best exclusion within the work budget, levels that bound, no
-    /// aiding.
-    pub const DEFAULT: Self = Self { method: Method::Auto, ..Self::CLASSIC };
-
-    /// The classic threshold with sequential exclusion, levels that bound, no aiding.
-    pub const CLASSIC: Self = Self {
-        policy: Policy::T1,
-        method: Method::Baarda,
-        levels: Levels::Bound,
-        clock_aid: false,
-        sigma_adapt: false,
-    };
-}
 
 /// Integrity monitor for the positions of one receiver, at most `N` satellites at a time.
 ///
@@ -169,36 +138,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Replaces the requirements; the state stays.
-    ///
-    /// # Errors
-    /// As [`Self::new`]; nothing changes then.
-    pub fn set_requirements(&mut self, requirements: Requirements) -> Result<(), MonitorError> {
-        self.validated = ValidatedRequirements::new(requirements)?;
-        Ok(())
-    }
-
-    /// Replaces the strategy.
-    ///
-    /// A change of clock aiding forgets the clocks. A change of adaptation forgets the residuals,
-    /// as does one between expected sigmas and those of an integrity support message.
-    ///
-    /// # Errors
-    /// [`MethodError`] names the feature that the method needs and this build lacks; nothing
-    /// changes then.
-    pub fn set_strategy(&mut self, strategy: Strategy) -> Result<(), MethodError> {
-        strategy.method.built_in()?;
-        if strategy.clock_aid != self.strategy.clock_aid {
-            self.clocks.restart();
-        }
-        let is_weighted_alike = strategy.method.uses_ism() == self.strategy.method.uses_ism();
-        if strategy.sigma_adapt != self.strategy.sigma_adapt || !is_weighted_alike {
-            self.forget_residuals();
-        }
-        self.strategy = strategy;
-        Ok(())
-    }
-
     /// Forgets the residuals of the adaptation and the evidence against the sigmas, because the
     /// ranges are now made in another way or come from other satellites.
     pub fn forget_residuals(&mut self) {
@@ -206,28 +145,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.evidence.restart();
         self.kept_out.restart();
         self.motion.restart();
-    }
-
-    /// Replaces the limits of the receiver's motion and the required agreement; the state stays.
-    ///
-    /// # Errors
-    /// [`ContinuityError`] names the setting that is out of its range; nothing changes then.
-    pub fn set_continuity(&mut self, settings: ContinuitySettings) -> Result<(), ContinuityError> {
-        self.continuity_settings = Some(settings.validate()?);
-        Ok(())
-    }
-
-    /// Returns the continuity settings, or `None` if every epoch is judged independently.
-    pub fn continuity_settings(&self) -> Option<&ContinuitySettings> {
-        self.continuity_settings.as_ref()
-    }
-
-    /// Judges every epoch independently from now on: without jumps and without recovery.
-    ///
-    /// Experiments that draw each epoch independently need it.
-    #[cfg(feature = "unstable")]
-    pub fn disable_continuity(&mut self) {
-        self.continuity_settings = None;
     }
 
     /// Forgets the last position, so that the next may be anywhere.
@@ -242,44 +159,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// as if it were the first.
     pub fn interrupt(&mut self) {
         self.continuity.interrupt();
-    }
-
-    /// Replaces the integrity support message ([`Ism::ICAO`] at first), for [`Method::Araim`].
-    ///
-    /// An invalid message is ignored.
-    pub fn set_ism(&mut self, ism: Ism) {
-        // NaN is no valid integrity support.
-        if ism.is_valid() {
-            self.ism = ism;
-        }
-    }
-
-    /// Returns the integrity support message.
-    pub fn ism(&self) -> &Ism {
-        &self.ism
-    }
-
-    /// Returns the requirements.
-    pub fn requirements(&self) -> &Requirements {
-        &self.validated.requirements
-    }
-
-    /// Returns the validated requirements, with their thresholds and factors.
-    #[cfg(feature = "unstable")]
-    pub fn validated(&self) -> &ValidatedRequirements<T> {
-        &self.validated
-    }
-
-    /// Returns the start of the next fix: the last position, or that of [`Self::start_from`].
-    pub fn start(&self) -> Ecef {
-        self.start
-    }
-
-    /// Sets the start of the next fix; a point that is not finite is ignored.
-    pub fn start_from(&mut self, point: Ecef) {
-        if point.is_finite() {
-            self.start = point;
-        }
     }
 
     /// Judges one epoch about [`Self::start`] and learns from it.
@@ -463,115 +342,5 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             levels: self.strategy.levels,
             ism: &self.ism,
         }
-    }
-
-    /// Derives the verdict, the report and the update from a judgement.
-    // Not inlined, so that its stack is free during the search before it.
-    #[inline(never)]
-    fn assess(
-        &self,
-        fix: &Fix<'_, T>,
-        epoch: &EpochView<'_>,
-        judgement: &mut Judgement<T>,
-        outcome: &mut EpochOutcome<N>,
-    ) {
-        let excluded = suspects(judgement, fix, epoch);
-        let evidence = residuals_of_all(judgement, fix.snapshot(), epoch.observations().len());
-        let belief = self.belief(epoch.time_s(), evidence);
-        if let Belief::Scaled(factor) = belief {
-            judgement.scale_levels(f64::from(factor));
-        }
-        let verdict = match self.verdict(judgement, excluded.is_empty()) {
-            Verdict::Protected(how) => {
-                let alone = judgement.single_exclusions(fix.snapshot(), epoch.observations().len()).count();
-                self.supported(how, belief, fix, epoch, alone)
-            }
-            other => other,
-        };
-        let passed = !matches!(judgement.outcome, ExclusionOutcome::NotIsolated(_));
-        // Under a policy above T1 a search can fail although its remaining rows pass: such an epoch
-        // updates nothing.
-        let test = judgement.test.as_ref().ok().map(|test| test.detection);
-        let ratio = test.filter(|test| passed && !test.fault());
-        let ratio = ratio.map(|test| (test.sse.widen() / test.dof as f64) as f32);
-        let teaches = self.strategy.clock_aid && self.satellites_are_protected(judgement, verdict);
-        let EpochOutcome { report, searched, update } = outcome;
-        *update = Update {
-            time_s: epoch.time_s(),
-            // A position under an alert is no start of the next fix.
-            start: (!matches!(verdict, Verdict::Alert(_))).then(|| fix.position()),
-            ratio,
-            evidence,
-            is_refuting_scale: self.scale(epoch.time_s()).is_some_and(|scale| scale < 1.0)
-                && judgement.outcome != ExclusionOutcome::Passed,
-            clocks: teaches.then(|| SolvedClocks::of(fix.snapshot())),
-            residuals: ratio.filter(|_| self.strategy.sigma_adapt).map(|_| residuals(fix.snapshot(), epoch)),
-            systems: SystemsSeen { in_view: systems_of(epoch), ..SystemsSeen::NONE },
-        };
-        *searched = judgement.searched;
-        report.excluded = excluded;
-        report.height = known_height(judgement, fix.snapshot(), epoch);
-        report.excluded_constellations = judgement.lost_systems;
-        report.sigma_check = self.sigma_check(ratio);
-        describe(fix, epoch, verdict, judgement, report);
-        if verdict == Verdict::Unavailable(Unavailable::Sigmas) {
-            // A level of refuted sigmas bounds nothing.
-            report.protection = None;
-        }
-    }
-
-    /// Returns the mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs, this one
-    /// included: about 1 if the sigmas are right.
-    fn sigma_check(&self, latest: Option<f32>) -> Option<f64> {
-        let forgotten = usize::from(latest.is_some() && self.ratios.is_full());
-        let ratios = || self.ratios.iter().skip(forgotten).copied().chain(latest);
-        let count = ratios().count();
-        (count > 0).then(|| f64::from(ratios().sum::<f32>()) / count as f64)
-    }
-
-    /// Writes the outcome of an epoch without a position.
-    #[inline(never)]
-    fn assess_without_position(&self, error: FixError, epoch: &Epoch<N>, outcome: &mut EpochOutcome<N>) {
-        let reason = match error {
-            FixError::Snapshot(SnapshotError::Singular) => Unavailable::Geometry,
-            FixError::Snapshot(SnapshotError::Insufficient) | FixError::NotConverged => Unavailable::NoFix,
-        };
-        outcome.searched = false;
-        outcome.update = Update::none(epoch.time_s());
-        let report = &mut outcome.report;
-        report.clear();
-        report.verdict = Verdict::Unavailable(reason);
-        report.tracked = epoch.observations().len() as u8;
-        report.sigma_check = self.sigma_check(None);
-    }
-}
-
-/// Returns the systems of an epoch, a bit for each id.
-fn systems_of(epoch: &EpochView<'_>) -> u8 {
-    epoch.observations().iter().fold(0, |set, seen| set | 1 << (seen.satellite.constellation() as u8))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// `cargo xtask test` also runs it in a build that lacks both features.
-    #[test]
-    fn method_that_this_build_lacks_is_refused_by_the_name_of_its_feature() -> Result<(), MonitorError> {
-        let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
-        let (searches, araim) = (cfg!(feature = "searches"), cfg!(feature = "araim"));
-        let methods = [
-            (Method::Auto, "", true),
-            (Method::Parity(Isolation::Grouping), "searches", searches),
-            (Method::Ransac, "searches", searches),
-            (Method::Araim, "araim", araim),
-        ];
-        for (method, feature, is_built) in methods {
-            let want = if is_built { Ok(()) } else { Err(MethodError { method, feature }) };
-            assert_eq!(monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT }), want);
-            let kept = monitor.strategy.method;
-            assert!(is_built == (kept == method), "{kept:?}");
-        }
-        Ok(())
     }
 }

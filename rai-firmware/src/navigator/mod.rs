@@ -5,6 +5,9 @@
 //! first guess. Without one, a coarse fix without atmosphere gives it. If the position of an epoch
 //! is far from the guess, the epoch is corrected again at that position.
 
+mod ionosphere;
+mod known_rates;
+
 use core::cell::Cell;
 
 use heapless::Vec;
@@ -14,7 +17,6 @@ use raim_core::frame::Ecef;
 #[cfg(feature = "araim")]
 use raim_core::monitor::Method;
 use raim_core::monitor::{MonitorError, Search};
-use raim_core::numeric::real::Real;
 use raim_core::report::{Alert, MAX_EXCLUDED, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
@@ -24,7 +26,7 @@ use raim_core::weighting::Ism;
 
 use crate::correction::horizon::coordinates_m;
 use crate::correction::{
-    CAPACITY, Klobuchar, Located, Preference, Ranges, Site, Sky, Tally, View, coarse, locate_within,
+    CAPACITY, Located, Preference, Ranges, Site, Sky, Tally, View, coarse, locate_within,
 };
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::known_place::is_elsewhere;
@@ -33,15 +35,15 @@ use crate::raw::RawEpoch;
 use crate::settings::{Configuration, Frequencies, Place, Systems};
 use crate::time::GpsTime;
 
+use ionosphere::Broadcast;
+use known_rates::{KnownRates, range_rate};
+
 /// Largest distance over which corrections hold, m: 1 km changes an elevation by 0.003° and the
 /// zenith delay by at most 0.25 m.
 const GUESS_HOLDS_M: f32 = 1e3;
 
 /// Least distance of a receiver from the centre of the earth, m; a position below it is unknown.
 const UNKNOWN_RADIUS_M: f32 = 6e6;
-
-/// Lifetime of broadcast coefficients, ms; satellites renew them at least every six days.
-const IONOSPHERE_HOLDS_MS: u64 = 6 * 86_400_000;
 
 /// Most passes of an epoch: a guess, a better guess, and one more if a gross fault bent the first.
 const MAX_PASSES: usize = 3;
@@ -65,11 +67,7 @@ pub struct Navigator {
     distrusted: Option<Alert>,
     /// Height of the next epoch that is known from outside.
     known_height: Option<Aiding>,
-    /// Ionosphere models broadcast by GPS and by `BeiDou`, with the time of arrival. Coefficients
-    /// that come before the first epoch have no time until that epoch.
-    ionosphere: [Option<(Klobuchar, Option<GpsTime>)>; 2],
-    /// True from the arrival of another model until the next epoch.
-    has_new_model: bool,
+    ionosphere: Broadcast,
 }
 
 /// Memory of one epoch, with its result, kept here so that the stack does not need it.
@@ -104,8 +102,7 @@ impl Navigator {
             velocity: None,
             distrusted: None,
             known_height: None,
-            ionosphere: [None; 2],
-            has_new_model: false,
+            ionosphere: Broadcast::new(),
         }
     }
 
@@ -133,24 +130,7 @@ impl Navigator {
         coefficients: [f64; 8],
         now: Option<GpsTime>,
     ) {
-        let [of_gps, of_beidou] = &mut self.ionosphere;
-        let (known, heard) = match constellation {
-            Constellation::Beidou => (of_beidou, Klobuchar::of_beidou(coefficients)),
-            _ => (of_gps, Klobuchar::new(coefficients)),
-        };
-        if let Some(heard) = heard {
-            self.has_new_model |= known.is_some_and(|(known, _)| known != heard);
-            *known = Some((heard, now));
-        }
-    }
-
-    /// Returns the model in force: that of a command, else a fresh one of GPS, else a fresh one of
-    /// `BeiDou`.
-    fn klobuchar(&self, time: GpsTime, configuration: &Configuration) -> Option<Klobuchar> {
-        let is_fresh = |came: GpsTime| time.since_ms(came).unsigned_abs() <= IONOSPHERE_HOLDS_MS;
-        let mut heard = self.ionosphere.iter().flatten();
-        let fresh = || heard.find(|(_, came)| came.is_none_or(is_fresh)).map(|(klobuchar, _)| *klobuchar);
-        configuration.klobuchar.and_then(Klobuchar::new).or_else(fresh)
+        self.ionosphere.hear(constellation, coefficients, now);
     }
 
     /// Sets the alert that overrides all verdicts, or removes it.
@@ -307,7 +287,7 @@ impl Navigator {
     /// Its error, of a forged page too, is in all residuals from now on, and those of another model
     /// would hide it.
     fn learn_anew_with_model(&mut self, ranges: Ranges) {
-        let is_new = core::mem::take(&mut self.has_new_model);
+        let is_new = self.ionosphere.take_news();
         if is_new && (ranges == Ranges::Singles || !self.room.sky.iter().any(Located::has_pair)) {
             self.monitor.forget_residuals();
         }
@@ -325,9 +305,7 @@ impl Navigator {
         if !is_unknown(start) {
             self.store.look_from(start, configuration.mask_rad(), raw.time);
         }
-        for (_, came) in self.ionosphere.iter_mut().flatten() {
-            came.get_or_insert(raw.time);
-        }
+        self.ionosphere.date(raw.time);
         let before = self.tally.ephemerides.without_orbit();
         let mask_dbhz = configuration.signal_mask_db_hz as f32;
         // What the mask leaves out of a crowd is to leave room for what it does not.
@@ -388,8 +366,12 @@ impl Navigator {
             Frequencies::Single => return Ranges::Singles,
             Frequencies::Auto if configuration.clock_aid || !sky.iter().any(Located::has_pair) => {}
             Frequencies::Auto => {
-                let site =
-                    Site::new(point, time, configuration.mask_rad(), self.klobuchar(time, configuration));
+                let site = Site::new(
+                    point,
+                    time,
+                    configuration.mask_rad(),
+                    self.ionosphere.model(time, configuration),
+                );
                 let hal_m = configuration.hal_m as f32;
                 let val_m = configuration.val_m.map_or(f32::INFINITY, |val_m| val_m as f32);
                 let cost = |ranges| site.spread(sky, ranges).map(|spread| spread.cost(hal_m, val_m));
@@ -429,7 +411,7 @@ impl Navigator {
     #[inline(never)]
     fn correct_about(&mut self, point: Ecef, time: GpsTime, ranges: Ranges, configuration: &Configuration) {
         let ism = self.promise(configuration);
-        let klobuchar = self.klobuchar(time, configuration);
+        let klobuchar = self.ionosphere.model(time, configuration);
         let site =
             Site::new(point, time, configuration.mask_rad(), klobuchar).with_ranges(ranges).weighted_by(ism);
         let Room { sky, epoch, .. } = &mut self.room;
@@ -460,30 +442,6 @@ impl Navigator {
         coarse(sky, time, epoch);
         single::position(memory.workspace(), epoch, Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
     }
-}
-
-/// Range rates of the satellites of a sky, m/s; NaN until they are needed.
-type KnownRates = [Cell<f32>; CAPACITY];
-
-/// Time between the two places of a satellite whose difference gives its velocity, ms.
-const APART_MS: u32 = 128;
-
-/// Returns the range rate of a receiver at rest to a satellite of the sky, m/s.
-///
-/// If the last epoch cannot give it, a second place on the orbit does, which is expensive.
-#[inline(never)]
-fn range_rate(located: &Located, last: &Rates, store: &Store, point: Ecef, time: GpsTime) -> Option<f32> {
-    let velocity_m_s = last.of_satellite(located, time).or_else(|| velocity_m_s(located, store, time))?;
-    let way_m = Vector3::from(coordinates_m(located.position() - point));
-    Some(way_m.dot(&velocity_m_s) * way_m.dot(&way_m).inverse_sqrt_approx())
-}
-
-/// Returns the velocity of a satellite in the earth-fixed frame, m/s, from two places on its orbit.
-fn velocity_m_s(located: &Located, store: &Store, time: GpsTime) -> Option<Vector3<f32>> {
-    let ephemeris = store.get(located.satellite(), time).ok()?;
-    let later = ephemeris.at(time.later_by_ms(APART_MS), located.measured_m()?).ok()?;
-    let moved_m = coordinates_m(later.position - located.position());
-    Some(Vector3::from(moved_m) * (1e3 / APART_MS as f32))
 }
 
 fn found(report: &Report<CAPACITY>) -> Option<Ecef> {

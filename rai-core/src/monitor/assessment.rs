@@ -1,0 +1,110 @@
+//! The assessment: what follows from a judgement for the verdict, the report and the memory.
+//!
+//! `ratio = SSE/dof` of an epoch that passed is kept; the mean of the last ones, about 1 if the
+//! sigmas are right, is the sigma check of the report.
+
+use super::description::{describe, known_height, residuals, suspects};
+use super::evidence::{Belief, residuals_of_all};
+use super::kept_out::SystemsSeen;
+use super::workspace::Update;
+use super::{EpochOutcome, Monitor};
+use crate::clock::SolvedClocks;
+use crate::epoch::{Epoch, EpochView};
+use crate::integrity::Judgement;
+use crate::integrity::raim::isolation::exclusion::ExclusionOutcome;
+use crate::least_squares::SnapshotError;
+use crate::least_squares::fix::{Fix, FixError};
+use crate::numeric::real::Real;
+use crate::report::{Unavailable, Verdict};
+
+impl<T: Real, const N: usize> Monitor<T, N> {
+    /// Derives the verdict, the report and the update from a judgement.
+    // Not inlined, so that its stack is free during the search before it.
+    #[inline(never)]
+    pub(super) fn assess(
+        &self,
+        fix: &Fix<'_, T>,
+        epoch: &EpochView<'_>,
+        judgement: &mut Judgement<T>,
+        outcome: &mut EpochOutcome<N>,
+    ) {
+        let excluded = suspects(judgement, fix, epoch);
+        let evidence = residuals_of_all(judgement, fix.snapshot(), epoch.observations().len());
+        let belief = self.belief(epoch.time_s(), evidence);
+        if let Belief::Scaled(factor) = belief {
+            judgement.scale_levels(f64::from(factor));
+        }
+        let verdict = match self.verdict(judgement, excluded.is_empty()) {
+            Verdict::Protected(how) => {
+                let alone = judgement.single_exclusions(fix.snapshot(), epoch.observations().len()).count();
+                self.supported(how, belief, fix, epoch, alone)
+            }
+            other => other,
+        };
+        let passed = !matches!(judgement.outcome, ExclusionOutcome::NotIsolated(_));
+        // Under a policy above T1 a search can fail although its remaining rows pass: such an epoch
+        // updates nothing.
+        let test = judgement.test.as_ref().ok().map(|test| test.detection);
+        let ratio = test.filter(|test| passed && !test.fault());
+        let ratio = ratio.map(|test| (test.sse.widen() / test.dof as f64) as f32);
+        let teaches = self.strategy.clock_aid && self.satellites_are_protected(judgement, verdict);
+        let EpochOutcome { report, searched, update } = outcome;
+        *update = Update {
+            time_s: epoch.time_s(),
+            // A position under an alert is no start of the next fix.
+            start: (!matches!(verdict, Verdict::Alert(_))).then(|| fix.position()),
+            ratio,
+            evidence,
+            is_refuting_scale: self.scale(epoch.time_s()).is_some_and(|scale| scale < 1.0)
+                && judgement.outcome != ExclusionOutcome::Passed,
+            clocks: teaches.then(|| SolvedClocks::of(fix.snapshot())),
+            residuals: ratio.filter(|_| self.strategy.sigma_adapt).map(|_| residuals(fix.snapshot(), epoch)),
+            systems: SystemsSeen { in_view: systems_of(epoch), ..SystemsSeen::NONE },
+        };
+        *searched = judgement.searched;
+        report.excluded = excluded;
+        report.height = known_height(judgement, fix.snapshot(), epoch);
+        report.excluded_constellations = judgement.lost_systems;
+        report.sigma_check = self.sigma_check(ratio);
+        describe(fix, epoch, verdict, judgement, report);
+        if verdict == Verdict::Unavailable(Unavailable::Sigmas) {
+            // A level of refuted sigmas bounds nothing.
+            report.protection = None;
+        }
+    }
+
+    /// Returns the mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs, this one
+    /// included: about 1 if the sigmas are right.
+    fn sigma_check(&self, latest: Option<f32>) -> Option<f64> {
+        let forgotten = usize::from(latest.is_some() && self.ratios.is_full());
+        let ratios = || self.ratios.iter().skip(forgotten).copied().chain(latest);
+        let count = ratios().count();
+        (count > 0).then(|| f64::from(ratios().sum::<f32>()) / count as f64)
+    }
+
+    /// Writes the outcome of an epoch without a position.
+    #[inline(never)]
+    pub(super) fn assess_without_position(
+        &self,
+        error: FixError,
+        epoch: &Epoch<N>,
+        outcome: &mut EpochOutcome<N>,
+    ) {
+        let reason = match error {
+            FixError::Snapshot(SnapshotError::Singular) => Unavailable::Geometry,
+            FixError::Snapshot(SnapshotError::Insufficient) | FixError::NotConverged => Unavailable::NoFix,
+        };
+        outcome.searched = false;
+        outcome.update = Update::none(epoch.time_s());
+        let report = &mut outcome.report;
+        report.clear();
+        report.verdict = Verdict::Unavailable(reason);
+        report.tracked = epoch.observations().len() as u8;
+        report.sigma_check = self.sigma_check(None);
+    }
+}
+
+/// Returns the systems of an epoch, a bit for each id.
+fn systems_of(epoch: &EpochView<'_>) -> u8 {
+    epoch.observations().iter().fold(0, |set, seen| set | 1 << (seen.satellite.constellation() as u8))
+}
