@@ -4,7 +4,7 @@
 
 use crate::division::divided;
 
-/// Number of digits in the lower part of a split number.
+/// Number of digits that are split off a number of more than 32 bits.
 const LOW_DIGITS: usize = 9;
 
 /// Powers of ten up to the largest number of decimals of a field.
@@ -27,13 +27,18 @@ impl Digits<'_> {
 
     /// Writes the last `count` digits of a number before the others, with leading zeros.
     pub(super) fn number(&mut self, value: u64, count: usize) {
-        match split(value) {
-            (0, low) => self.low(low, count),
-            (high, low) => {
-                self.low(low, LOW_DIGITS);
-                self.number(high, count.saturating_sub(LOW_DIGITS));
-            }
+        match u32::try_from(value) {
+            Ok(value) => self.low(value, count),
+            Err(_) => self.long(value, count),
         }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn long(&mut self, value: u64, count: usize) {
+        let (high, low) = divided(value, SPLIT);
+        self.low(low, LOW_DIGITS);
+        self.number(high, count.saturating_sub(LOW_DIGITS));
     }
 
     /// Writes the last `count` digits of a number of 32 bits before the others.
@@ -52,20 +57,21 @@ impl Digits<'_> {
 
 /// Returns the number of digits of a number, which is at least one.
 pub(super) fn digits(value: u64) -> usize {
-    /// The logarithm of 2 to the base 10, in 2⁻¹².
-    const DIGITS_OF_A_BIT: u32 = 1233;
-    let (high, low) = split(value);
-    if high != 0 {
-        return digits(high) + LOW_DIGITS;
+    match u32::try_from(value) {
+        Ok(value) => low_digits(value),
+        Err(_) => digits(divided(value, SPLIT).0) + LOW_DIGITS,
     }
-    // Numbers with as many bits have this many digits, or one more.
-    let least = ((32 - (low | 1).leading_zeros()) * DIGITS_OF_A_BIT >> 12) as usize;
-    least + usize::from(SCALE.get(least).is_some_and(|power| low.max(1) >= *power))
 }
 
-/// Splits off the last nine digits.
-fn split(value: u64) -> (u64, u32) {
-    if value < u64::from(SPLIT) { (0, value as u32) } else { divided(value, SPLIT) }
+/// Returns the number of digits of a number of 32 bits, which is at least one.
+pub(super) fn low_digits(value: u32) -> usize {
+    /// The logarithm of 2 to the base 10, in 2⁻¹².
+    const DIGITS_OF_A_BIT: u32 = 1233;
+    // Zero has a digit, as 1 has.
+    let value = value.max(1);
+    // Numbers with as many bits have this many digits, or one more.
+    let least = ((32 - value.leading_zeros()) * DIGITS_OF_A_BIT >> 12) as usize;
+    least + usize::from(SCALE.get(least).is_some_and(|power| value >= *power))
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use embedded_io::Write;
 use raim_core::satellite::SatelliteId;
 
 use super::TimeOfDay;
-use super::digits::{Digits, SCALE, digits};
+use super::digits::{Digits, SCALE, digits, low_digits};
 use crate::division::divided;
 
 /// Longest sentence, `$` and CR LF included ([NMEA-0183] v4.11 §5.3).
@@ -69,8 +69,8 @@ impl Fixed {
         }
         let scaled = (libm::fabsf(value as f32) * scale as f32 + BESIDE).to_bits() - BESIDE.to_bits();
         let (whole, fraction) = (scaled / scale, scaled % scale);
-        let (negative, whole) = (value.is_sign_negative() && scaled > 0, u64::from(whole));
-        Some(Self { negative, whole, fraction, digits: digits(whole), decimals })
+        let (negative, digits) = (value.is_sign_negative() && scaled > 0, low_digits(whole));
+        Some(Self { negative, whole: u64::from(whole), fraction, digits, decimals })
     }
 
     /// Returns the value with as many decimals, up to `decimals`, as fit into `width` characters.
@@ -144,8 +144,8 @@ impl Sentence {
 
     /// Appends a whole number, with leading zeros up to `width` digits.
     pub fn integer(&mut self, value: u32, width: usize) -> &mut Self {
-        let (value, count) = (u64::from(value), digits(u64::from(value)).max(width));
-        self.field(count).number(value, count);
+        let count = low_digits(value).max(width);
+        self.field(count).low(value, count);
         self
     }
 
