@@ -332,11 +332,10 @@ fn power_of_two(x: f32) -> f32 {
 
 impl Seen {
     fn of(located: &Located) -> Option<Self> {
-        let Ecef { x_m, y_m, z_m } = located.position();
         Some(Self {
             satellite: located.satellite(),
-            position: [x_m, y_m, z_m].map(Grid::of),
-            clock: Grid::of(located.clock_m()),
+            position: located.place(),
+            clock: located.clock(),
             range_m: located.measured_m()? as f32,
             edition: located.edition(),
         })
