@@ -44,6 +44,7 @@ use raim_core::velocity::{RangeRate, Velocity, VelocityError};
 use crate::correction::horizon::Horizon;
 use crate::correction::{CAPACITY, Located, Sky};
 use crate::counters::{count, count_many, counters};
+use crate::ephemeris::difference_m;
 use crate::raw::{RawEpoch, RawSatellite};
 use crate::time::GpsTime;
 
@@ -357,8 +358,7 @@ impl Seen {
         // The time between the departures is shorter than that between the arrivals by the growth
         // of the range.
         let apart_s = elapsed_s - (self.range_m - before.range_m) / LIGHT_M_S;
-        let ([x, y, z], [from_x, from_y, from_z]) = (self.position, before.position);
-        let moved_m = [x.less(from_x), y.less(from_y), z.less(from_z)].map(Grid::narrow);
+        let moved_m = difference_m(self.position, before.position);
         Some((velocity_at_the_end(place_m, moved_m, apart_s), apart_s)).filter(|_| apart_s > 0.0)
     }
 

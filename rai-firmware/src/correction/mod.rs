@@ -31,7 +31,7 @@ use raim_core::satellite::SatelliteId;
 use raim_core::weighting::COARSE_M;
 
 use crate::counters::{count, counters};
-use crate::ephemeris::{self, EphemerisError, Store, nearest, scaled};
+use crate::ephemeris::{self, EphemerisError, Store, coordinates_m, nearest, scaled};
 use crate::raw::{RawEpoch, RawSatellite, RawSignal};
 use crate::settings::Systems;
 use crate::time::GpsTime;
@@ -119,8 +119,7 @@ impl Located {
 
     /// Returns its position then, to the digits of a single, m.
     fn coordinates_m(&self) -> [f32; 3] {
-        let [x, y, z] = self.place;
-        [x.narrow(), y.narrow(), z.narrow()]
+        coordinates_m(self.place)
     }
 
     /// Returns its clock then, times the speed of light, on the grid of ranges.

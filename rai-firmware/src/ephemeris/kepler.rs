@@ -268,9 +268,7 @@ impl Kepler {
         let node_rate_2_76 = wide(self.node_rate_2_44);
         if self.reading == Reading::BeidouGeostationary {
             let at_toe = plane.towards(self.node.plus(since_toe.turned(node_rate_2_76)).direction());
-            at_toe
-                .about_x(GEOSTATIONARY_TILT)
-                .about_z(since_toe.turned(earth_rate_2_76).direction())
+            at_toe.about_x(GEOSTATIONARY_TILT).about_z(since_toe.turned(earth_rate_2_76).direction())
         } else {
             let turned = since_toe.turned(node_rate_2_76 - earth_rate_2_76);
             plane.towards(self.node.plus(turned).direction())

@@ -52,7 +52,7 @@ mod store;
 use core::fmt;
 
 use raim_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
-use raim_core::numeric::absolute::Grid;
+use raim_core::numeric::absolute::{Absolute as _, Grid};
 use raim_core::numeric::bounds::is_within;
 use raim_core::satellite::SatelliteId;
 
@@ -177,6 +177,22 @@ impl IntegerState {
         let [x_m, y_m, z_m] = self.position_m36.map(|units| scaled(units, -36));
         SatelliteState { position: Ecef::new(x_m, y_m, z_m), clock_s: scaled(self.clock_s62, -62) }
     }
+}
+
+/// Returns a place on the grid to the digits of a single, m.
+// Not inlined, and a loop, so that its callers share one copy of the conversion.
+#[inline(never)]
+pub(crate) fn coordinates_m(place: [Grid; 3]) -> [f32; 3] {
+    let mut coordinates_m = [0.0; 3];
+    for (coordinate_m, coordinate) in coordinates_m.iter_mut().zip(&place) {
+        *coordinate_m = coordinate.narrow();
+    }
+    coordinates_m
+}
+
+/// Returns the difference of two places on the grid, m.
+pub(crate) fn difference_m([x, y, z]: [Grid; 3], [from_x, from_y, from_z]: [Grid; 3]) -> [f32; 3] {
+    coordinates_m([x.less(from_x), y.less(from_y), z.less(from_z)])
 }
 
 /// One satellite's orbit and clock, checked.

@@ -25,7 +25,7 @@ impl Digits<'_> {
         }
     }
 
-    /// Writes the last `count` digits of a number before the others, with leading zeros.
+    /// Writes the last `count` digits of a number below 10¹⁸ before the others, with leading zeros.
     pub(super) fn number(&mut self, value: u64, count: usize) {
         match u32::try_from(value) {
             Ok(value) => self.low(value, count),
@@ -38,7 +38,7 @@ impl Digits<'_> {
     fn long(&mut self, value: u64, count: usize) {
         let (high, low) = divided(value, SPLIT);
         self.low(low, LOW_DIGITS);
-        self.number(high, count.saturating_sub(LOW_DIGITS));
+        self.low(high as u32, count.saturating_sub(LOW_DIGITS));
     }
 
     /// Writes the last `count` digits of a number of 32 bits before the others.
@@ -55,11 +55,11 @@ impl Digits<'_> {
     }
 }
 
-/// Returns the number of digits of a number, which is at least one.
+/// Returns the number of digits of a number below 10¹⁸, which is at least one.
 pub(super) fn digits(value: u64) -> usize {
     match u32::try_from(value) {
         Ok(value) => low_digits(value),
-        Err(_) => digits(divided(value, SPLIT).0) + LOW_DIGITS,
+        Err(_) => low_digits(divided(value, SPLIT).0 as u32) + LOW_DIGITS,
     }
 }
 
@@ -81,9 +81,9 @@ mod tests {
 
     #[test]
     fn numbers_have_the_digits_that_the_library_prints() {
-        let powers = (0..19).map(|power| 10_u64.pow(power));
+        let powers = (0..18).map(|power| 10_u64.pow(power));
         let edges = powers.flat_map(|power| [power - 1, power, power + 1]);
-        for value in edges.chain((0..63).flat_map(|bit| [(1 << bit) - 1, 1 << bit])) {
+        for value in edges.chain((0..59).flat_map(|bit| [(1 << bit) - 1, 1 << bit])) {
             let want = value.to_string();
             assert_eq!(digits(value), want.len(), "{value}");
             let mut field = [b' '; 24];
