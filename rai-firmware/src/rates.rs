@@ -232,12 +232,13 @@ impl Rates {
     }
 
     /// Returns the velocity of a satellite of the present epoch in the earth-fixed frame, m/s.
-    /// `None` if the last epoch did not have it with the same ephemeris.
+    /// `None` if the last epoch did not have it with the same ephemeris. `index` is its place in the
+    /// sky, near which it was in the last epoch.
     #[inline(never)]
-    pub fn of_satellite(&self, located: &Located, time: GpsTime) -> Option<Vector3<f32>> {
+    pub fn of_satellite(&self, located: &Located, index: usize, time: GpsTime) -> Option<Vector3<f32>> {
         let elapsed_ms = time.since_ms(self.time);
         let now = Seen::of(located).filter(|_| (1..=LONGEST_MS).contains(&elapsed_ms))?;
-        let (before, elapsed_s) = (now.among(&self.last)?, elapsed_ms as f32 * 1e-3);
+        let (before, elapsed_s) = (now.among(&self.last, index)?, elapsed_ms as f32 * 1e-3);
         let (velocity_m_s, _) = now.velocity_since(before, elapsed_s, Grid::vector(now.position))?;
         Some(velocity_m_s.into())
     }
@@ -303,7 +304,7 @@ impl Since<'_> {
     /// `index` is its place in the sky, near which it is in the last epoch and in the raw one.
     fn measure(&self, located: &Located, index: usize) -> Option<Measured> {
         let now = Seen::of(located)?;
-        let before = self.last.get(index).filter(|seen| now.is(seen)).or_else(|| now.among(self.last))?;
+        let before = now.among(self.last, index)?;
         let is_it = |one: &&RawSatellite| one.satellite == now.satellite;
         // The sky has the order of the raw epoch, of which it lacks some.
         let later = self.raw.satellites.get(index..).unwrap_or_default().iter().find(is_it);
@@ -342,9 +343,11 @@ impl Seen {
         })
     }
 
-    /// Returns the same satellite with the same ephemeris in another epoch.
-    fn among<'s>(&self, others: &'s [Self]) -> Option<&'s Self> {
-        others.iter().find(|seen| self.is(seen))
+    /// Returns the same satellite with the same ephemeris in another epoch, where it is mostly at
+    /// `index`.
+    fn among<'s>(&self, others: &'s [Self], index: usize) -> Option<&'s Self> {
+        let here = others.get(index).filter(|seen| self.is(seen));
+        here.or_else(|| others.iter().find(|seen| self.is(seen)))
     }
 
     /// Returns true for the same satellite with the same ephemeris.

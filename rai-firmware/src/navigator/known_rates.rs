@@ -24,16 +24,17 @@ const APART_MS: u32 = 128;
 
 /// Returns the range rate of a receiver at rest to a satellite of the sky, m/s.
 ///
-/// If the last epoch cannot give it, a second place on the orbit does, which is expensive.
+/// `index` is its place in the sky. If the last epoch cannot give it, a second place on the orbit does, which is expensive.
 #[inline(never)]
 pub(super) fn range_rate(
-    located: &Located,
+    (located, index): (&Located, usize),
     last: &Rates,
     store: &Store,
     point: Ecef,
     time: GpsTime,
 ) -> Option<f32> {
-    let velocity_m_s = last.of_satellite(located, time).or_else(|| velocity_m_s(located, store, time))?;
+    let velocity_m_s =
+        last.of_satellite(located, index, time).or_else(|| velocity_m_s(located, store, time))?;
     let point = [point.x_m, point.y_m, point.z_m].map(Grid::of);
     let way_m = Vector3::from(difference_m(located.place(), point));
     Some(way_m.dot(&velocity_m_s) * way_m.dot(&way_m).inverse_sqrt_approx())
