@@ -7,7 +7,6 @@ use core::fmt::Display;
 use raim_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
 use raim_core::continuity::{Continuity, ContinuitySettings, Motion, Recovery};
 use raim_core::integrity::araim::{self, AraimScratch, Finding};
-use raim_core::integrity::raim::detection::threshold;
 use raim_core::integrity::raim::detection::threshold::policy::ThresholdProblem;
 use raim_core::integrity::raim::detection::{self, Detection};
 use raim_core::integrity::raim::hypotheses::separability;

@@ -14,7 +14,7 @@ use raim_core::integrity::raim::detection::threshold::{self, ThresholdError, Thr
 use raim_core::integrity::raim::isolation::ransac::{self, NoConsensus, Selection};
 use raim_core::integrity::raim::isolation::{exclusion, parity};
 use raim_core::integrity::raim::levels;
-use raim_core::integrity::{self, Method, MethodError};
+use raim_core::integrity::{Method, MethodError};
 use raim_core::least_squares::SnapshotError;
 use raim_core::least_squares::equations::RowError;
 use raim_core::least_squares::fix::FixError;
