@@ -1,11 +1,10 @@
 //! The receiver: bytes of a GNSS receiver in, sentences and pin out.
 
-use core::convert::Infallible;
 use core::ffi::c_char;
 use core::mem::MaybeUninit;
 
-use embedded_hal::digital::{ErrorType, OutputPin};
 use raim_core::monitor::MonitorError;
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 
 use crate::pointer::{Object, give, slice, status_of};
@@ -25,7 +24,7 @@ pub struct rai_receiver_t {
 }
 
 /// Result of the construction, because taking the receiver out of it would put it on the stack.
-type Made = Result<Receiver<Level>, MonitorError>;
+type Made = Result<Receiver<MemoryPin>, MonitorError>;
 
 type Stored = Object<Made, 2>;
 
@@ -33,7 +32,7 @@ type Stored = Object<Made, 2>;
 #[inline(never)]
 fn make(place: &mut MaybeUninit<Made>) {
     let boot = Boot { clock_error_ppm: Boot::WITHOUT_CRYSTAL_PPM, ..Boot::on_host("library") };
-    place.write(Receiver::new(Level { is_high: false }, boot));
+    place.write(Receiver::new(MemoryPin::default(), boot));
 }
 
 /// Returns the receiver behind a handle.
@@ -41,7 +40,9 @@ fn make(place: &mut MaybeUninit<Made>) {
 /// # Safety
 /// As for `Stored::at`.
 #[allow(unsafe_code)]
-pub(crate) unsafe fn at<'a>(handle: *const rai_receiver_t) -> Result<&'a mut Receiver<Level>, rai_status_t> {
+pub(crate) unsafe fn at<'a>(
+    handle: *const rai_receiver_t,
+) -> Result<&'a mut Receiver<MemoryPin>, rai_status_t> {
     // SAFETY: guaranteed by the caller.
     unsafe { Stored::at(handle.cast_mut().cast()) }?.as_mut().map_err(|&mut error| refusal_of(error))
 }
@@ -62,28 +63,6 @@ core::arch::global_asm!(
 /// Largest time of a caller's clock, ms, 292 million years, so that sums with times later by days
 /// do not overflow.
 const LAST_MS: u64 = u64::MAX / 2;
-
-/// Level of a pin that the caller drives.
-#[derive(Debug)]
-pub(crate) struct Level {
-    is_high: bool,
-}
-
-impl ErrorType for Level {
-    type Error = Infallible;
-}
-
-impl OutputPin for Level {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        self.is_high = false;
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        self.is_high = true;
-        Ok(())
-    }
-}
 
 /// Makes a receiver in memory of the caller, and writes sentences with its version and the result
 /// of the self-test.
@@ -225,7 +204,7 @@ pub unsafe extern "C" fn rai_receiver_set(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_pin(receiver: *const rai_receiver_t) -> u8 {
     // SAFETY: guaranteed by the caller.
-    unsafe { at(receiver) }.is_ok_and(|receiver| receiver.pin().is_high).into()
+    unsafe { at(receiver) }.is_ok_and(|receiver| receiver.pin().high).into()
 }
 
 /// Returns 1 if the host has requested a restart by command, else 0. The caller then makes the
@@ -280,7 +259,7 @@ pub unsafe extern "C" fn rai_receiver_report(
     status_of(receiver.and_then(|receiver| unsafe { give(verdict, &said_last(receiver)) }))
 }
 
-fn said_last(receiver: &Receiver<Level>) -> rai_verdict_t {
+fn said_last(receiver: &Receiver<MemoryPin>) -> rai_verdict_t {
     match (receiver.last_report(), receiver.last_verdict()) {
         (Some(report), _) => rai_verdict_t::of(report),
         (None, Some(verdict)) => rai_verdict_t::without_position(verdict),

@@ -3,11 +3,11 @@
 
 use std::time::Duration;
 
-use raim::pin::Pin;
 use raim::replay::{self, Window};
 use raim::signal::encode::{Frequency, Selection};
 use raim::signal::fault::Fault;
 use raim::signal::sky::raw::Simulation;
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use rig::board::{EmulatedBoard, is_installed};
 use rig::image::{CompiledFor, NAMED, Named};
@@ -40,7 +40,7 @@ fn lumps(satellites: usize) -> Vec<Vec<u8>> {
 
 fn on_host(lumps: &[Vec<u8>]) -> (Vec<u8>, Vec<bool>) {
     let boot = Boot::on_host("parity");
-    let mut receiver = Receiver::new(Pin::default(), boot).expect("a receiver");
+    let mut receiver = Receiver::new(MemoryPin::default(), boot).expect("a receiver");
     let mut sentences = Vec::new();
     let levels = lumps.iter().map(|lump| {
         receiver.gnss(lump, 0, &mut sentences);
