@@ -30,7 +30,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ) {
         let excluded = suspects(judgement, fix, epoch);
         let evidence = residuals_of_all(judgement, fix.snapshot(), epoch.observations().len());
-        let belief = self.belief(epoch.time_s(), evidence);
+        let belief = self.belief(epoch.time_s(), &evidence);
         if let Belief::Scaled(factor) = belief {
             judgement.scale_levels(f64::from(factor));
         }

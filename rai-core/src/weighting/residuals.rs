@@ -39,6 +39,13 @@ impl Residuals {
         let root = 1.0 - spread + normal * sqrt(spread);
         root * root * root
     }
+
+    /// Returns true if the mean square is at or above `χ²_p(ν)/ν`; false without degrees of
+    /// freedom.
+    pub(crate) fn reaches(self, normal: f32) -> bool {
+        // Without degrees of freedom both are NaN, which fails the comparison.
+        self.ratio() >= self.ratio_at(normal)
+    }
 }
 
 /// Number of spans that are kept.
