@@ -95,13 +95,13 @@ pub(super) struct EpochResiduals {
     all: Residuals,
     /// Residuals of the satellites used.
     rest: Residuals,
-    /// True if satellites were excluded and the rest agrees.
-    is_excluding: bool,
+    /// Number of satellites that were excluded one by one, if the rest agrees.
+    pub(super) excluded: u8,
 }
 
 impl EpochResiduals {
     /// The residuals of no epoch.
-    pub(super) const NONE: Self = Self { all: Residuals::NONE, rest: Residuals::NONE, is_excluding: false };
+    pub(super) const NONE: Self = Self { all: Residuals::NONE, rest: Residuals::NONE, excluded: 0 };
 }
 
 /// Residuals of the last minute.
@@ -130,26 +130,26 @@ impl Evidence {
     /// learned.
     pub(super) fn learn(&mut self, time_s: f64, latest: &EpochResiduals) {
         self.all.add(time_s, latest.all);
-        if latest.is_excluding {
+        if latest.excluded > 0 {
             self.rests.add(time_s, latest.rest);
         }
     }
 
     /// Returns the belief in the sigmas after an epoch with these residuals.
     pub(super) fn belief(&self, time_s: f64, latest: &EpochResiduals) -> Belief {
-        let EpochResiduals { rest, is_excluding, .. } = *latest;
-        let all = self.all.sum_at(time_s, latest.all);
-        let is_doubted =
-            || rest.reaches(REST_QUANTILE) || self.rests.sum_at(time_s, rest).reaches(REST_QUANTILE);
-        let excess = |of: Residuals| if of.reaches(SCALED_QUANTILE) { of.ratio() } else { 0.0 };
-        let scale = excess(all).max(excess(rest));
-        if (all.ratio() >= REFUTED && all.reaches(REFUTED_QUANTILE)) || (is_excluding && is_doubted()) {
-            Belief::Refuted
-        } else if scale > 0.0 {
-            Belief::Scaled(sqrt(scale))
-        } else {
-            Belief::Sound
+        let (all, rest) = (self.all.sum_at(time_s, latest.all), latest.rest);
+        if all.excess(REFUTED_QUANTILE) >= REFUTED {
+            return Belief::Refuted;
         }
+        if latest.excluded > 0 {
+            let doubt = rest.excess(REST_QUANTILE) + self.rests.sum_at(time_s, rest).excess(REST_QUANTILE);
+            if doubt > 0.0 {
+                return Belief::Refuted;
+            }
+        }
+        let (of_all, of_rest) = (all.excess(SCALED_QUANTILE), rest.excess(SCALED_QUANTILE));
+        let scale = if of_all > of_rest { of_all } else { of_rest };
+        if scale > 0.0 { Belief::Scaled(sqrt(scale)) } else { Belief::Sound }
     }
 }
 
@@ -197,7 +197,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         belief: Belief,
         fix: &Fix<'_, T>,
         epoch: &EpochView<'_>,
-        excluded: usize,
+        excluded: u8,
     ) -> Verdict {
         if belief == Belief::Refuted {
             return Verdict::Unavailable(Unavailable::Sigmas);
@@ -212,7 +212,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
         let doubtful = used.filter(|(_, observation)| self.named.contains(observation.satellite)).count();
         // A doubtful satellite takes its degree of freedom with it.
-        if !leaves_enough(excluded.max(1) + doubtful, fix.snapshot().dof()) {
+        if !leaves_enough(usize::from(excluded.max(1)) + doubtful, fix.snapshot().dof()) {
             return Verdict::Unavailable(Unavailable::Redundancy);
         }
         Verdict::Protected(how)
@@ -241,7 +241,8 @@ pub(super) fn residuals_of_all<T: Real>(
     let most = MOST_RATIO * dof as f32;
     // An infinite or NaN sum is the largest.
     let all = Residuals { sse: if sse < most { sse } else { most }, dof };
-    EpochResiduals { all, rest, is_excluding: count > 0 && judgement.outcome == ExclusionOutcome::Isolated }
+    let agrees = judgement.outcome == ExclusionOutcome::Isolated;
+    EpochResiduals { all, rest, excluded: if agrees { count as u8 } else { 0 } }
 }
 
 #[cfg(test)]
@@ -256,7 +257,8 @@ mod tests {
 
     /// Returns an epoch whose satellites used have this ratio.
     fn of_rest(ratio: f32, is_excluding: bool) -> EpochResiduals {
-        EpochResiduals { rest: Residuals { sse: 10.0 * ratio, dof: 10 }, is_excluding, ..of_all(1.0) }
+        let rest = Residuals { sse: 10.0 * ratio, dof: 10 };
+        EpochResiduals { rest, excluded: u8::from(is_excluding), ..of_all(1.0) }
     }
 
     fn after(epochs: u32, step_s: f64, latest: &EpochResiduals) -> Evidence {

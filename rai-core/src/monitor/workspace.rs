@@ -78,7 +78,7 @@ impl<const N: usize> EpochOutcome<N> {
         if self.report.solution.is_some() && !matches!(self.report.verdict, Verdict::Alert(_)) {
             self.report.verdict = Verdict::Alert(reason);
             self.report.protection = None;
-            self.update = Update::none(self.update.time_s);
+            self.update.clear();
         }
     }
 }
@@ -90,7 +90,7 @@ impl<const N: usize> EpochOutcome<N> {
     pub fn withdraw(&mut self, reason: Unavailable) {
         if matches!(self.report.verdict, Verdict::Protected(_)) {
             self.report.verdict = Verdict::Unavailable(reason);
-            self.update = Update::none(self.update.time_s);
+            self.update.clear();
         }
     }
 }
@@ -128,5 +128,12 @@ impl Update {
             residuals: None,
             systems: SystemsSeen::NONE,
         }
+    }
+
+    /// Takes every effect back.
+    // Compiled once for all callers.
+    #[inline(never)]
+    pub(super) fn clear(&mut self) {
+        *self = Self::none(self.time_s);
     }
 }

@@ -40,11 +40,14 @@ impl Residuals {
         root * root * root
     }
 
-    /// Returns true if the mean square is at or above `χ²_p(ν)/ν`; false without degrees of
+    /// Returns the mean square if it is at or above `χ²_p(ν)/ν`, else 0; 0 without degrees of
     /// freedom.
-    pub(crate) fn reaches(self, normal: f32) -> bool {
+    // Compiled once for all callers.
+    #[inline(never)]
+    pub(crate) fn excess(self, normal: f32) -> f32 {
+        let ratio = self.ratio();
         // Without degrees of freedom both are NaN, which fails the comparison.
-        self.ratio() >= self.ratio_at(normal)
+        if ratio >= self.ratio_at(normal) { ratio } else { 0.0 }
     }
 }
 
