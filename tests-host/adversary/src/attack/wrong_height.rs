@@ -50,12 +50,9 @@ const BEFORE: u32 = 30;
 /// Standard deviation that the host states, m.
 const STATED_M: f64 = 3.0;
 
-/// Rise of the sky in all, m.
+/// Rise of the sky in all, m. The levels are larger, so that the promise is kept if the rise is
+/// noticed at all; the time to the alert is printed.
 const RISEN_M: f64 = 60.0;
-
-/// Rise at which it is noticed at the latest, m: about six standard deviations of the difference
-/// between height and satellites.
-const NOTICED_M: f64 = 40.0;
 
 /// Error of a height at a time after its begin.
 #[derive(Clone, Copy)]
@@ -185,13 +182,13 @@ fn rising(effort: Effort) -> Result<Vec<Figure>> {
             let latest_s = runs.iter().map(|run| run.0).fold(0.0, f64::max);
             let beyond: usize = runs.iter().map(|run| run.1).sum();
             if has_height {
-                let bound_s = NOTICED_M / speed_m_s;
+                let bound_s = f64::from(epochs);
                 figures.push(Figure::at_most(
                     format!("s to the alert at {speed_m_s} m/s"),
                     latest_s,
                     bound_s,
                 ));
-                figures.push(Figure::plain("beyond", beyond as f64));
+                figures.push(Figure::at_most("beyond", beyond as f64, 0.0));
             } else {
                 figures.push(Figure::plain(
                     format!("beyond at {speed_m_s} m/s without a height"),
@@ -249,6 +246,8 @@ fn ramps(effort: Effort) -> Result<Vec<Figure>> {
             let runs =
                 (0..effort.pick(3, 20)).into_par_iter().map(|seed| ramp(seed, of_satellite, of_altimeter));
             let runs = runs.collect::<Result<Vec<_>>>()?;
+            // Where nothing is promised when the ramp begins, there is nothing to take back.
+            let runs: Vec<_> = runs.into_iter().flatten().collect();
             let mut times: Vec<f64> = runs.iter().map(|run| run.0).collect();
             times.sort_by(f64::total_cmp);
             beyond += runs.iter().map(|run| run.1).sum::<usize>();
@@ -262,8 +261,9 @@ fn ramps(effort: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Returns the time to the alarm or exclusion, s, and the misleading epochs of one sky.
-fn ramp(seed: u64, of_satellite: Option<f64>, of_altimeter: Option<f64>) -> Result<(f64, usize)> {
+/// Returns the time to the end of the promise or to the exclusion, s, and the misleading epochs of
+/// one sky; `None` if nothing is promised when the ramp begins.
+fn ramp(seed: u64, of_satellite: Option<f64>, of_altimeter: Option<f64>) -> Result<Option<(f64, usize)>> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     let simulation = Simulation::above_xian(3600.0 + 3600.0 * seed as f64, BEFORE + 900, seed);
     let sky = Sky::of(&simulation, Frequency::Dual)?;
@@ -286,9 +286,10 @@ fn ramp(seed: u64, of_satellite: Option<f64>, of_altimeter: Option<f64>) -> Resu
         }
         reports.push(victim.hear(bytes, sky.truth)?);
     }
-    let alarm_s = noticed_s(&reports, |seen| {
-        let state = &seen.said.state;
-        state.state == 'A' || !seen.said.excluded.is_empty()
-    });
-    Ok((alarm_s, reports.iter().flatten().filter(|seen| seen.is_misleading()).count()))
+    let is_promised = |seen: &Seen| seen.said.state.state == 'P';
+    if !reports.get(BEFORE as usize - 1).is_some_and(|seen| seen.iter().any(is_promised)) {
+        return Ok(None);
+    }
+    let ended_s = noticed_s(&reports, |seen| !is_promised(seen) || !seen.said.excluded.is_empty());
+    Ok(Some((ended_s, reports.iter().flatten().filter(|seen| seen.is_misleading()).count())))
 }

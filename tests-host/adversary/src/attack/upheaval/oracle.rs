@@ -72,7 +72,8 @@ pub(super) struct Oracle {
     seed: u64,
     sent: Vec<Sent>,
     recover: (u32, f64),
-    max_speed_m_s: f64,
+    /// Largest speed of the receiver, from `VMAX`, m/s.
+    pub(super) max_speed_m_s: f64,
     promise: Option<Promise>,
     /// Epochs since the last promise that may count as consistent with each other.
     since_promise: u32,

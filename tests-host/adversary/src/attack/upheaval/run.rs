@@ -25,9 +25,14 @@ const SCENES: std::ops::RangeInclusive<usize> = 6..=14;
 /// Time between the epochs of a slow receiver, s: below the time to alert, and above it.
 const SLOW_S: [f64; 2] = [5.0, 30.0];
 
-/// Healthy epochs at the end, and after `FORGET`: each scene has a clock of its own, which may
-/// leap, and half a minute must agree after that.
-const QUIET_EPOCHS: u32 = 60;
+/// Healthy epochs at the end.
+const QUIET_EPOCHS: u32 = 150;
+
+/// Seconds of agreement after a leap of the clock.
+const AGREEMENT_S: f64 = 30.0;
+
+/// Healthy epochs after `FORGET`: each scene has a clock of its own, which may leap, and half a
+/// minute must agree after that.
 const FORGOTTEN_EPOCHS: u32 = 45;
 
 /// Leap seconds: time tags are in GPS time, sentences in UTC.
@@ -61,9 +66,9 @@ pub(super) struct Run {
     /// True once tags have been ahead. Right tags are then late until `FORGET`, like a replayed
     /// recording.
     was_ahead: bool,
-    /// True once the place has leapt farther than any receiver comes in a silence, so that it must
-    /// agree for as long as the way takes.
-    has_leapt: bool,
+    /// The longest way between two scenes, m. After a silence a place must agree for as long as the
+    /// way to it takes at `VMAX`.
+    longest_m: f64,
     /// Second half of an epoch that the line holds back.
     kept: Vec<u8>,
     is_told: bool,
@@ -102,7 +107,7 @@ impl Run {
             victim,
             oracle: Oracle::new(seed),
             was_ahead: false,
-            has_leapt: false,
+            longest_m: 0.0,
             kept: Vec::new(),
             is_told,
         })
@@ -117,7 +122,7 @@ impl Run {
         let mut place_deg = (0.0, 0.0);
         for _ in 0..self.chance.random_range(SCENES) {
             let scene = Scene::by_chance(place_deg, &mut self.chance);
-            self.has_leapt |= is_leap(place_deg, scene.place_deg);
+            self.longest_m = self.longest_m.max(way_m(place_deg, scene.place_deg));
             place_deg = scene.place_deg;
             self.scene(&scene)?;
         }
@@ -134,8 +139,10 @@ impl Run {
     fn expect_promise(&mut self, when: &str, is_forgotten: bool) {
         const EXCUSES: [&str; 7] = ["HPL", "VPL", "EMT", "ACCURACY", "RISK", "REDUNDANCY", "GEOMETRY"];
         let last = self.oracle.last_reason.clone();
+        let quiet_s = f64::from(QUIET_EPOCHS) * self.sky.step_s;
+        let is_on_its_way = self.longest_m > self.oracle.max_speed_m_s * (quiet_s - AGREEMENT_S);
         let is_excused = EXCUSES.contains(&last.as_str())
-            || !is_forgotten && (self.was_ahead || last == "JUMP" || self.has_leapt && last == "RECOVERING");
+            || !is_forgotten && (self.was_ahead || last == "JUMP" || is_on_its_way && last == "RECOVERING");
         if !self.oracle.has_promised_last && !is_excused {
             self.oracle.find(Finding::Lost, self.victim.now_s(), &format!("{last} {when}"));
         }
@@ -285,7 +292,8 @@ impl AnyEncoder {
     }
 }
 
-/// Returns true if two places are more than 0.5 degrees, some 50 km, apart.
-fn is_leap(from_deg: (f64, f64), to_deg: (f64, f64)) -> bool {
-    (to_deg.0 - from_deg.0).hypot(to_deg.1 - from_deg.1) > 0.5
+/// Returns the length of the way between two places, m.
+fn way_m(from_deg: (f64, f64), to_deg: (f64, f64)) -> f64 {
+    const M_PER_DEG: f64 = 111_320.0;
+    M_PER_DEG * (to_deg.0 - from_deg.0).hypot(to_deg.1 - from_deg.1)
 }
