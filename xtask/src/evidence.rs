@@ -16,8 +16,8 @@ use crate::progress::progress;
 pub(crate) const NAME: &str = "evidence";
 
 /// Runs the command; the experiment in it is `of_experiment`.
-pub(crate) fn run(quick: bool, report: &Path, of_experiment: Work) -> anyhow::Result<()> {
-    let work = of_experiment.and(crate::attack::work(ATTACKS.len(), Form::Quick));
+pub(crate) fn run(quick: bool, report: &Path, of_experiment: &Work) -> anyhow::Result<()> {
+    let work = of_experiment.and(&crate::attack::work(ATTACKS.len(), Form::Quick));
     if done_elsewhere(&work, "the evidence does not hold")? {
         return Ok(());
     }

@@ -65,7 +65,7 @@ impl Work {
     }
 
     /// Returns the work of both.
-    pub(crate) fn and(self, other: Self) -> Self {
+    pub(crate) fn and(&self, other: &Self) -> Self {
         Self {
             serial_s: self.serial_s + other.serial_s,
             parallel_s: self.parallel_s + other.parallel_s,

@@ -35,7 +35,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.experiments.iter().any(|name| name == crate::evidence::NAME) {
         ensure!(arguments.experiments.len() == 1, "`{}` runs alone", crate::evidence::NAME);
-        return crate::evidence::run(arguments.quick, &arguments.report, work(arguments.quick, 1));
+        return crate::evidence::run(arguments.quick, &arguments.report, &work(arguments.quick, 1));
     }
     let experiments = chosen(&arguments.experiments)?;
     if done_elsewhere(&work(arguments.quick, experiments.len()), "some values are out of bounds")? {
