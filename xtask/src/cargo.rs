@@ -31,17 +31,3 @@ pub(crate) fn spawn(command: &mut Command) -> anyhow::Result<()> {
     ensure!(status.success(), "`cargo {}` failed", words.join(" "));
     Ok(())
 }
-
-/// Runs the same command optimised, because millions of epochs are worth the build. The numbers are
-/// the same.
-pub(crate) fn again_optimised(failed: &'static str) -> anyhow::Result<()> {
-    eprintln!("building with optimisation; the first time takes minutes");
-    // Paths on the command line are relative to the caller's folder.
-    let status = command(&["run", "--release", "--package", "xtask", "--"])
-        .args(std::env::args_os().skip(1))
-        .current_dir(std::env::current_dir()?)
-        .status()
-        .context("cargo cannot be run")?;
-    ensure!(status.success(), failed);
-    Ok(())
-}

@@ -19,6 +19,7 @@ mod image;
 mod miri;
 mod mutants;
 mod nightly;
+mod optimise;
 mod packages;
 mod progress;
 mod release;

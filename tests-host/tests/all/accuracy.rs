@@ -4,28 +4,43 @@
 
 use raim::replay::{self, Pace, Summary, Truth, Window};
 use raim::signal::encode::{Frequency, Selection};
+use raim::signal::recording::Recording;
+use raim::signal::sample::Sample;
+use raim_core::frame::Ecef;
+use rig::recordings::{kamakura, station_3040};
+use rig::skip;
 use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
 fn summary(station: &Station, systems: &str, frequency: Frequency) -> Option<Summary> {
-    let recording = station.load()?;
+    Some(summary_of(&station.load()?, (station.folder, station.truth), systems, frequency))
+}
+
+/// Sends a recording to the module as bytes, and compares its positions with the place of the
+/// antenna.
+fn summary_of(
+    recording: &Recording,
+    (name, truth): (&str, Ecef),
+    systems: &str,
+    frequency: Frequency,
+) -> Summary {
     let selection = Selection::new(systems, frequency).unwrap();
-    let lumps = replay::encode(&recording, &selection, &[], &Window::ALL).unwrap();
+    let lumps = replay::encode(recording, &selection, &[], &Window::ALL).unwrap();
     let coefficients =
         recording.klobuchar.map(|klobuchar| klobuchar.map(|value| format!("{value:e}")).join(","));
     let commands: Vec<String> = coefficients.iter().map(|numbers| format!("IONO,{numbers}")).collect();
     let run = replay::on_host(&lumps, &commands, Pace::Recorded, |_| {}).unwrap();
-    let track = replay::track(&lumps, &run, Some(&Truth::Fixed(station.truth))).unwrap();
+    let track = replay::track(&lumps, &run, Some(&Truth::Fixed(truth))).unwrap();
     let summary = Summary::of(&track, &[], true);
     println!(
         "{} {systems} {frequency:?}: {:.2} / {:.2} m, {} of {} protected, {} alerts",
-        station.folder,
+        name,
         summary.horizontal_rms_m.unwrap_or(f64::NAN),
         summary.vertical_rms_m.unwrap_or(f64::NAN),
         summary.protected,
         summary.epochs,
         summary.alerts
     );
-    Some(summary)
+    summary
 }
 
 /// Checks that root mean square errors are within the bounds, with a fix in 99.9 % and protection
@@ -72,4 +87,27 @@ fn rinex_4_runs_through() {
 #[test]
 fn a_merged_navigation_file_runs_through() {
     assert_sound(&TLSE, "GCE", Frequency::Dual, (2.0, 3.0));
+}
+
+/// Checks that every epoch is protected, with the antenna within its levels.
+fn assert_within_its_levels(name: &str, packaged: Option<Sample>, systems: &str, epochs: usize) {
+    let Some(Sample { observations, navigation, truth }) = packaged else {
+        return skip::say("the recordings of packages (`cargo xtask setup --recordings`)");
+    };
+    let recording = Recording::load(&[observations], &[navigation]).expect("a recording");
+    for frequency in [Frequency::Dual, Frequency::Single] {
+        let have = summary_of(&recording, (name, truth), systems, frequency);
+        assert_eq!((have.epochs, have.protected), (epochs, epochs), "{frequency:?}: {have:?}");
+        assert_eq!((have.alerts, have.misleading, have.hazardous), (0, Some(0), Some(0)), "{have:?}");
+    }
+}
+
+#[test]
+fn packaged_minute_of_three_systems_is_within_its_levels() {
+    assert_within_its_levels("kamakura", kamakura(), "GCE", 60);
+}
+
+#[test]
+fn packaged_hour_of_gps_of_2005_is_within_its_levels() {
+    assert_within_its_levels("3040", station_3040(), "G", 120);
 }

@@ -51,15 +51,15 @@ enum Action {
 }
 
 impl Arguments {
-    /// Returns true if the command computes cells, after a check of the specification.
+    /// Returns the number of epochs that the command judges, after a check of the specification.
     ///
     /// # Errors
     /// If the specification is missing or wrong.
-    pub fn computes(&self) -> Result<bool> {
+    pub fn epochs(&self) -> Result<u64> {
         if self.action.is_some() {
-            return Ok(false);
+            return Ok(0);
         }
-        self.load().map(|_| true)
+        Ok(self.load()?.epochs(self.shard.unwrap_or(Share::ALL)))
     }
 
     fn load(&self) -> Result<Campaign> {

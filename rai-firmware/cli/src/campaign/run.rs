@@ -13,7 +13,7 @@ use super::cell::{Bench, Judge};
 use super::errors::ErrorModel;
 use super::place::{self, Place};
 use super::sky::{Heaven, Sky};
-use super::spec::Spec;
+use super::spec::{FaultSpec, Spec};
 use super::table::{Identity, Table};
 
 /// Number of cells computed together, which an interrupted run loses.
@@ -126,6 +126,25 @@ impl Campaign {
         Ok(path)
     }
 
+    /// Returns the number of epochs that a share judges. If a fault strikes every satellite in
+    /// turn, it is an estimate: a third of a sky is above the horizon.
+    pub fn epochs(&self, share: Share) -> u64 {
+        let cells = (share.index..self.identity.cells).step_by(share.of).count();
+        let instants = if self.places.iter().any(|place| place.time_s.is_some()) {
+            1
+        } else {
+            self.skies.first().map_or(0, Vec::len)
+        };
+        let largest = self.skies.iter().flatten().map(|(_, heaven)| heaven.len()).max().unwrap_or(0);
+        let cases = |fault: &FaultSpec| match fault {
+            FaultSpec::None | FaultSpec::Drawn { .. } => 1,
+            FaultSpec::EverySatellite { .. } => largest / 3,
+            FaultSpec::Constellation { .. } => 2,
+        };
+        let cases: usize = self.spec.faults.iter().map(cases).sum();
+        (cells * instants * cases * self.judges.len()) as u64
+    }
+
     /// Returns a share as text, without a file.
     pub fn text(&self, share: Share) -> String {
         let cells: Vec<usize> = (share.index..self.identity.cells).step_by(share.of).collect();
@@ -182,7 +201,7 @@ impl Campaign {
         let cases =
             self.spec.faults.iter().flat_map(|fault| self.judges.iter().map(move |judge| (fault, judge)));
         let row = |((fault, judge), tally): (_, super::tally::Tally)| {
-            let (fault, judge): (&super::spec::FaultSpec, &Judge) = (fault, judge);
+            let (fault, judge): (&FaultSpec, &Judge) = (fault, judge);
             let Place { name, latitude_deg, longitude_deg, height_m, .. } = site;
             format!(
                 "{cell},{},{mask_deg},{},{},{},{name},{latitude_deg},{longitude_deg},{height_m},{}\n",

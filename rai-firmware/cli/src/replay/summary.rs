@@ -200,8 +200,9 @@ impl Summary {
         if let Some(error) = protected_error(moment) {
             let add =
                 |count: &mut Option<usize>, is: bool| *count = count.map(|count| count + usize::from(is));
-            add(&mut self.misleading, exceeds(error, state.hpl_m, state.vpl_m));
-            add(&mut self.hazardous, exceeds(error, state.hal_m, state.val_m));
+            let error_m = [error.horizontal(), error.up.abs()];
+            add(&mut self.misleading, state.is_misleading(error_m));
+            add(&mut self.hazardous, state.is_hazardous(error_m));
         }
     }
 }
@@ -209,12 +210,6 @@ impl Summary {
 /// Returns the error of a protected position.
 fn protected_error(moment: &Moment) -> Option<Enu> {
     moment.error.filter(|_| moment.output.as_ref().is_some_and(|output| output.state.is_protected()))
-}
-
-/// Returns true if an error exceeds one of the given bounds.
-fn exceeds(error: Enu, horizontal_m: Option<f64>, vertical_m: Option<f64>) -> bool {
-    horizontal_m.is_some_and(|bound_m| error.horizontal() > bound_m)
-        || vertical_m.is_some_and(|bound_m| error.up.abs() > bound_m)
 }
 
 impl Injected {

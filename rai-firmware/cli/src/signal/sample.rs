@@ -7,14 +7,20 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use raim_core::frame::Ecef;
 
 /// Package, and its only version whose content is known.
-const PACKAGE: &str = "cssrlib==1.2.1";
+pub const PACKAGE: &str = "cssrlib==1.2.1";
+
+/// Hash of that version's wheel, which pip compares.
+const HASH: &str = "sha256:4a8a7c283097e197e34fde44344fa7fe0f7ae319d07837acbad362d259cbb6cb";
 
 /// File names of observations and ephemerides, anywhere in the package.
 const NAMES: [&str; 2] = ["SEPT078M1.21O", "SEPT078M.21P"];
+
+/// Folder of the sample in a cache.
+const FOLDER: &str = "sample";
 
 /// A recording, and the place of its antenna.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,26 +37,35 @@ pub struct Sample {
 ///
 /// # Errors
 /// If Python with pip is missing, the package index cannot be reached, or the package lacks the
-/// files; the message says which.
+/// files or differs from the known one; the message says which.
 pub fn fetch(cache: &Path) -> Result<Sample> {
-    let folder = cache.join("sample");
-    let mut files = NAMES.map(|name| find(&folder, name));
-    if files.iter().any(Option::is_none) {
-        install(&folder)?;
-        files = NAMES.map(|name| find(&folder, name));
+    if let Some(sample) = at_hand(cache) {
+        return Ok(sample);
     }
-    let [Some(observations), Some(navigation)] = files else {
-        bail!("{PACKAGE} in {} lacks {}", folder.display(), NAMES.join(" and "));
-    };
+    let folder = cache.join(FOLDER);
+    install(&folder)?;
+    let missing = || format!("{PACKAGE} in {} lacks {}", folder.display(), NAMES.join(" and "));
+    at_hand(cache).with_context(missing)
+}
+
+/// Returns the sample if a folder of the cache has it.
+pub fn at_hand(cache: &Path) -> Option<Sample> {
+    let folder = cache.join(FOLDER);
+    let [observations, navigation] = NAMES.map(|name| find(&folder, name));
     let truth = Ecef::new(-3_962_108.673, 3_381_309.574, 3_668_678.638);
-    Ok(Sample { observations, navigation, truth })
+    Some(Sample { observations: observations?, navigation: navigation?, truth })
 }
 
 /// Unpacks the package without its dependencies.
 fn install(folder: &Path) -> Result<()> {
-    let arguments =
-        ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--target"];
-    let output = Command::new("python3").args(arguments).arg(folder).arg(PACKAGE).output();
+    let list = folder.join("requirements.txt");
+    std::fs::create_dir_all(folder)
+        .and_then(|()| std::fs::write(&list, format!("{PACKAGE} --hash={HASH}\n")))
+        .with_context(|| format!("{} cannot be written", list.display()))?;
+    let mut pip = Command::new("python3");
+    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps"]);
+    pip.args(["--only-binary", ":all:", "--require-hashes", "--target"]).arg(folder).arg("-r").arg(&list);
+    let output = pip.output();
     let output =
         output.context("pip, which fetches the sample, is missing: install python3 and python3-pip")?;
     let complaint = String::from_utf8_lossy(&output.stderr);

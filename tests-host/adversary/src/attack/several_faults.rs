@@ -47,6 +47,12 @@ pub(super) const CHOSEN: Attack = Attack {
 /// Methods of the module, by their words in the command.
 pub const METHODS: [&str; 7] =
     ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "AUTO"];
+/// Numbers of faulty satellites in [`table`].
+const FAULTS: [usize; 3] = [2, 3, 4];
+/// Numbers of satellites in [`table`].
+const SATELLITES: [usize; 6] = [7, 8, 10, 12, 15, 18];
+/// Number of kinds of epochs in [`table`].
+pub const KINDS: u64 = (METHODS.len() * FAULTS.len() * SATELLITES.len()) as u64;
 
 /// Sends the bytes to a fresh module under each method, and counts the reports.
 pub(super) fn by_every_method(bytes: &[u8], truth: Ecef) -> Result<Tally> {
@@ -91,8 +97,8 @@ pub struct Passing {
 pub fn table(epochs: u64) -> Result<Vec<Passing>> {
     let mut cells = Vec::new();
     for method in METHODS {
-        for faults in 2..=4 {
-            for satellites in [7, 8, 10, 12, 15, 18] {
+        for faults in FAULTS {
+            for satellites in SATELLITES {
                 cells.push((method, faults, satellites));
             }
         }

@@ -42,19 +42,16 @@ pub struct Seen {
 impl Seen {
     /// Returns true for a promised position with an error above one of its levels.
     pub fn is_misleading(&self) -> bool {
-        // A missing level bounds nothing.
-        let exceeds = |error_m: f64, level_m: Option<f64>| level_m.is_none_or(|level_m| error_m > level_m);
-        let state = &self.said.state;
-        self.is_promised
-            && (exceeds(self.horizontal_error_m, state.hpl_m) || exceeds(self.vertical_error_m, state.vpl_m))
+        self.is_promised && self.said.state.is_misleading(self.error_m())
     }
 
     /// Returns true for a promised position with an error above one of the limits in force.
     pub fn is_hazardous(&self) -> bool {
-        let exceeds = |error_m: f64, limit_m: Option<f64>| limit_m.is_some_and(|limit_m| error_m > limit_m);
-        let state = &self.said.state;
-        self.is_promised
-            && (exceeds(self.horizontal_error_m, state.hal_m) || exceeds(self.vertical_error_m, state.val_m))
+        self.is_promised && self.said.state.is_hazardous(self.error_m())
+    }
+
+    fn error_m(&self) -> [f64; 2] {
+        [self.horizontal_error_m, self.vertical_error_m]
     }
 }
 

@@ -306,13 +306,9 @@ impl Tally {
         }
         let is_stale = age_s > self.time_to_alert_s && !self.is_catching_up;
         self.stale += u64::from(is_stale);
-        let exceeds = |horizontal_m: Option<f64>, vertical_m: Option<f64>| {
-            error.is_none_or(|error| {
-                horizontal_m.is_some_and(|limit_m| error.horizontal() > limit_m)
-                    || vertical_m.is_some_and(|limit_m| error.up.abs() > limit_m)
-            })
-        };
-        let is_hazardous = exceeds(state.hal_m, state.val_m);
+        // A protected epoch without a position has no error that a bound could hold.
+        let error_m = error.map_or([f64::INFINITY; 2], |error| [error.horizontal(), error.up.abs()]);
+        let is_hazardous = error.is_none() || state.is_hazardous(error_m);
         self.hazardous += u64::from(is_hazardous && is_promised);
         if is_stale || is_hazardous && is_promised {
             let time = readable(offer.time);
@@ -320,7 +316,7 @@ impl Tally {
                 .push(format!("{time}, {age_s:.1} s old, error {error:?}, {offer:?}, {state:?}"));
         }
         self.hazardous_beyond_promise += u64::from(is_hazardous && !is_promised);
-        self.misleading[usize::from(!is_promised)] += u64::from(exceeds(state.hpl_m, state.vpl_m));
+        self.misleading[usize::from(!is_promised)] += u64::from(state.is_misleading(error_m));
     }
 
     /// Returns the number of epochs judged to be in that state.

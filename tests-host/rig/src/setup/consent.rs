@@ -17,7 +17,7 @@ pub fn assume_yes() {
 /// # Errors
 /// If the user refuses, or if there is no terminal to ask on and neither `--yes` nor `CI` stands
 /// for a yes.
-pub(super) fn ask(commands: &[String]) -> anyhow::Result<()> {
+pub(crate) fn ask(commands: &[String]) -> anyhow::Result<()> {
     let list = commands.join("\n    ");
     eprintln!("The set-up installs what is missing:\n\n    {list}\n");
     // Continuous integration sets CI and has nobody to ask.

@@ -21,6 +21,7 @@ use std::process::Command;
 
 use anyhow::{Context, bail, ensure};
 
+pub(crate) use consent::ask as agree;
 pub use consent::assume_yes;
 pub use packages::Packages;
 
@@ -237,7 +238,8 @@ fn run(command: &[&str]) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn root() -> PathBuf {
+/// Returns the project's root.
+pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 

@@ -18,7 +18,7 @@ const CRATE: [&str; 3] =
     ["swiftnav-sys", "0.10.0", "662d1a118ea189778e8d4be89c00389a8637daed9953d16fa2597adae8b1dce4"];
 
 /// Archive of RTKLIB, its SHA-256, and the files taken from it.
-const RTKLIB: [&str; 2] = [
+pub(crate) const RTKLIB: [&str; 2] = [
     "http://deb.debian.org/debian/pool/main/r/rtklib/rtklib_2.4.3.b34+dfsg.orig.tar.xz",
     "81ad284ea51724dd562c5b9b60941bc9dc64733ab9c8f27ee29cfd056c11895a",
 ];
@@ -58,7 +58,7 @@ impl Sources {
         }
         if !places.has_rtklib() {
             progress("RTKLIB from Debian, 32 MB");
-            fetch_rtklib(&places.rtklib)?;
+            fetch_rtklib(&places.rtklib, &RTKLIB_FILES)?;
         }
         Self::at_hand().context("files of the peers' sources are missing after fetching")
     }
@@ -133,14 +133,16 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
     Ok(())
 }
 
-fn fetch_rtklib(to: &Path) -> Result<()> {
+/// Fetches the archive of RTKLIB unless it is there, checks it, and takes files from it.
+pub(crate) fn fetch_rtklib(to: &Path, files: &[&str]) -> Result<()> {
     let [address, sha256] = RTKLIB;
+    std::fs::create_dir_all(folder())?;
     let archive = folder().join("rtklib.tar.xz");
     let status = Command::new("python3")
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("../peers/fetch.py"))
         .args([address, sha256])
         .args([&archive, to])
-        .args(RTKLIB_FILES)
+        .args(files)
         .status()
         .context("python3, which fetches RTKLIB, is missing: install it")?;
     ensure!(
