@@ -32,7 +32,8 @@ impl Sky {
     ///
     /// Those of all satellites of three systems would fill the memory of the module.
     pub(super) fn with(simulation: &Simulation, letters: &str, frequency: Frequency) -> Result<Self> {
-        let mut sky = Self { selection: Selection::new(letters, frequency)?, ..Self::of(simulation, frequency)? };
+        let mut sky =
+            Self { selection: Selection::new(letters, frequency)?, ..Self::of(simulation, frequency)? };
         let seen: BTreeSet<SatelliteId> =
             sky.recording.epochs.iter().flat_map(Measured::satellites).collect();
         sky.recording.ephemerides.retain(|set| seen.contains(&set.satellite));
