@@ -30,7 +30,7 @@ use super::{Attack, Effort, Figure};
 pub(super) const NOISE: Attack = Attack {
     name: "noise-four-times",
     about: "ranges of all satellites four times as noisy as their standard deviations, ARAIM and the method at start",
-    run: |effort| run(effort, Poor::Noise, [0.0, 0.12]),
+    run: |effort| run(effort, Poor::Noise, [0.0, 0.05]),
 };
 
 /// Attack with orbits.
