@@ -232,8 +232,9 @@ impl Rates {
     }
 
     /// Returns the velocity of a satellite of the present epoch in the earth-fixed frame, m/s.
-    /// `None` if the last epoch did not have it with the same ephemeris. `index` is its place in the
-    /// sky, near which it was in the last epoch.
+    /// `None` if the last epoch did not have it with the same ephemeris.
+    ///
+    /// `index` is its place in the sky, near which it was in the last epoch.
     #[inline(never)]
     pub fn of_satellite(&self, located: &Located, index: usize, time: GpsTime) -> Option<Vector3<f32>> {
         let elapsed_ms = time.since_ms(self.time);

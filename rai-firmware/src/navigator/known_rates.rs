@@ -24,7 +24,8 @@ const APART_MS: u32 = 128;
 
 /// Returns the range rate of a receiver at rest to a satellite of the sky, m/s.
 ///
-/// `index` is its place in the sky. If the last epoch cannot give it, a second place on the orbit does, which is expensive.
+/// `index` is its place in the sky. If the last epoch cannot give the rate, a second place on the
+/// orbit does, which is expensive.
 #[inline(never)]
 pub(super) fn range_rate(
     (located, index): (&Located, usize),

@@ -231,7 +231,7 @@ fn corrections() {
         <Rates as Default>::default as fn() -> _,
         Rates::tally as fn(_) -> _,
         Rates::velocity as fn(_, _, _, _, _, _) -> _,
-        Rates::of_satellite as fn(_, _, _) -> _,
+        Rates::of_satellite as fn(_, _, _, _) -> _,
         (|tally| exhaust(RateTally::iter(tally))) as fn(_),
     );
 }

@@ -70,7 +70,7 @@ pub(super) fn low_digits(value: u32) -> usize {
     // Zero has a digit, as 1 has.
     let value = value.max(1);
     // Numbers with as many bits have this many digits, or one more.
-    let least = ((32 - value.leading_zeros()) * DIGITS_OF_A_BIT >> 12) as usize;
+    let least = (((32 - value.leading_zeros()) * DIGITS_OF_A_BIT) >> 12) as usize;
     least + usize::from(SCALE.get(least).is_some_and(|power| value >= *power))
 }
 

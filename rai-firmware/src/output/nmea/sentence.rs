@@ -296,15 +296,12 @@ impl Sentence {
     #[inline(never)]
     fn place(&mut self, length: usize) -> &mut [u8] {
         let end = self.length + length;
-        match self.text.get_mut(self.length..end) {
-            Some(place) => {
-                self.length = end;
-                place
-            }
-            None => {
-                self.overflown = true;
-                &mut []
-            }
+        if let Some(place) = self.text.get_mut(self.length..end) {
+            self.length = end;
+            place
+        } else {
+            self.overflown = true;
+            &mut []
         }
     }
 

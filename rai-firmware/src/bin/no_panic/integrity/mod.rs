@@ -88,6 +88,7 @@ fn the_linearised_epoch<T: Real>() {
         <Snapshot<'_, T> as Excludable<T>>::leave_out as fn(_, _) -> _,
         <Snapshot<'_, T> as Excludable<T>>::take_back as fn(_, _) -> _,
         <Snapshot<'_, T> as Excludable<T>>::set_aside as fn(_, _) -> _,
+        <Snapshot<'_, T> as Excludable<T>>::set_aside_all as fn(_, _) -> _,
     );
 }
 
@@ -275,6 +276,7 @@ fn the_pipeline<T: Real>() {
         <Fix<'_, T> as Excludable<T>>::leave_out as fn(_, _) -> _,
         <Fix<'_, T> as Excludable<T>>::take_back as fn(_, _) -> _,
         <Fix<'_, T> as Excludable<T>>::set_aside as fn(_, _) -> _,
+        <Fix<'_, T> as Excludable<T>>::set_aside_all as fn(_, _) -> _,
         MonitorWorkspace::<T, N>::new as fn() -> _,
         <MonitorWorkspace<T, N> as Default>::default as fn() -> _,
         MonitorWorkspace::<T, N>::workspace as fn(_) -> _,
