@@ -5,7 +5,6 @@ use core::ffi::c_char;
 use core::mem::MaybeUninit;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
-use raim_core::monitor::MonitorError;
 use raim_firmware::receiver::{Boot, Receiver};
 
 use crate::pointer::{Object, give, slice, status_of};
@@ -24,16 +23,13 @@ pub struct rai_receiver_t {
     pub opaque: [u64; RAI_RECEIVER_WORDS],
 }
 
-/// Result of the construction, because taking the receiver out of it would put it on the stack.
-type Made = Result<Receiver<Level>, MonitorError>;
-
-type Stored = Object<Made, 2>;
+type Stored = Object<Receiver<Level>, 2>;
 
 /// Makes a receiver in place, behind an exclusive reference, so that it is not on the stack first.
 #[inline(never)]
-fn make(place: &mut MaybeUninit<Made>) {
+fn make(place: &mut MaybeUninit<Receiver<Level>>) -> Result<(), rai_status_t> {
     let boot = Boot { clock_error_ppm: Boot::WITHOUT_CRYSTAL_PPM, ..Boot::on_host("library") };
-    place.write(Receiver::new(Level { is_high: false }, boot));
+    Receiver::place(place, Level { is_high: false }, boot).map(|_| ()).map_err(refusal_of)
 }
 
 /// Returns the receiver behind a handle.
@@ -43,7 +39,7 @@ fn make(place: &mut MaybeUninit<Made>) {
 #[allow(unsafe_code)]
 pub(crate) unsafe fn at<'a>(handle: *const rai_receiver_t) -> Result<&'a mut Receiver<Level>, rai_status_t> {
     // SAFETY: guaranteed by the caller.
-    unsafe { Stored::at(handle.cast_mut().cast()) }?.as_mut().map_err(|&mut error| refusal_of(error))
+    unsafe { Stored::at(handle.cast_mut().cast()) }
 }
 
 const _: () = assert!(
@@ -104,9 +100,9 @@ pub unsafe extern "C" fn rai_receiver_init(
         // SAFETY: guaranteed by the caller; all of the result is written.
         unsafe {
             Stored::room(memory.cast(), length)?.fill(
-                |place: *mut Made| make(&mut *place.cast()),
-                |made| {
-                    made.as_mut().map_err(|&mut error| refusal_of(error))?.greet(&mut lines);
+                |place: *mut Receiver<Level>| make(&mut *place.cast()),
+                |receiver| {
+                    receiver.greet(&mut lines);
                     Ok(())
                 },
             )
