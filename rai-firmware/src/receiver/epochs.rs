@@ -209,6 +209,9 @@ impl<P: OutputPin> EpochLoop<P> {
     /// Returns the height of an epoch that came at `came_ms`: that of the host, or else that of a
     /// fixed antenna. A height of the host that has expired is discarded and counted.
     fn known_height(&mut self, came_ms: u64) -> Option<Aiding> {
+        if !cfg!(feature = "aiding") {
+            return None;
+        }
         let climb_m_s =
             self.navigator.velocity().map_or(0.0, |velocity| velocity.east_north_up_m_s[2] as f32);
         let of_host = self.host_height.and_then(|height| height.aiding(came_ms, climb_m_s));
@@ -220,6 +223,9 @@ impl<P: OutputPin> EpochLoop<P> {
 
     /// Returns true if the receiver reports counterfeit signals and its word counts.
     fn is_spoofed(&self, now_ms: u64) -> bool {
+        if !cfg!(feature = "ubx") {
+            return false;
+        }
         let word = &self.interference;
         self.configuration.spoof_flag == SpoofFlag::Hold
             && (word.is_sure() || word.confirms(self.sign_ms, now_ms))
@@ -245,8 +251,10 @@ impl<P: OutputPin> EpochLoop<P> {
                     count(&mut self.verdicts.epochs_skipped);
                     return false;
                 }
-                self.interference.age(now_ms);
-                if self.strengths.take(raw, now_ms) {
+                if cfg!(feature = "ubx") {
+                    self.interference.age(now_ms);
+                }
+                if cfg!(feature = "signs") && self.strengths.take(raw, now_ms) {
                     count(&mut self.verdicts.strengths_alike);
                     self.sign_ms = Some(now_ms);
                 }
@@ -283,6 +291,7 @@ impl<P: OutputPin> EpochLoop<P> {
                 self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
             }
             Event::Rivalry(rivalry) => self.hear_rival(*rivalry),
+            Event::SelfReport(_) if !cfg!(feature = "ubx") => {}
             Event::SelfReport(said) => {
                 self.interference.hear(said, now_ms);
                 if self.is_spoofed(now_ms) {

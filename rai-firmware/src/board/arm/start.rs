@@ -17,9 +17,9 @@ pub type Place<P> = MaybeUninit<Receiver<P>>;
 pub fn run<B: Board>(board: &mut B, receiver: &'static mut Place<B::Pin>, pin: B::Pin) -> ! {
     let cause = board.reset_cause();
     let (version, git) = (env!("CARGO_PKG_VERSION"), env!("RAI_GIT"));
-    defmt::info!("start: {=str} {=str}, reset cause {=str}", version, git, cause.word());
+    log!(info, "start: {=str} {=str}, reset cause {=str}", version, git, cause.word());
     if let ResetCause::Fault(Fault::Panic { file, line }) = cause {
-        defmt::error!("the program before panicked: file {=u32:08x}, line {=u32}", file, line);
+        log!(error, "the program before panicked: file {=u32:08x}, line {=u32}", file, line);
     }
     board.feed_watchdog();
     let Some(receiver) = settle(receiver, pin, boot(board, cause)) else { fault::reset_on_request() };
@@ -50,7 +50,7 @@ fn settle<P: embedded_hal::digital::OutputPin>(
 ) -> Option<&'static mut Receiver<P>> {
     let made = Receiver::place(place, pin, boot);
     if made.is_err() {
-        defmt::error!("the requirements at start are not in the threshold tables");
+        log!(error, "the requirements at start are not in the threshold tables");
     }
     made.ok()
 }
