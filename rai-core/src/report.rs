@@ -111,7 +111,8 @@ pub enum Unavailable {
     Recovering,
     /// No receiver can be at this height or place.
     Place,
-    /// The residuals of the last minute contradict the sigmas.
+    /// The residuals of the last minute contradict the sigmas, or the satellites left after an
+    /// exclusion hardly agree.
     Sigmas,
     /// A known answer was missed. The receiver around the core sets it, as it sets the next two.
     SelfTest,

@@ -6,38 +6,19 @@
 //! A thread reads, because the module must check the clock while the line is silent: without a byte
 //! it reports `STALE` and sets the pin low.
 
-use std::convert::Infallible;
 use std::io::{self, Read as _, Write as _};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use embedded_hal::digital::{ErrorType, OutputPin};
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 
 /// Interval between two ticks of the module.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Integrity pin of a machine without pins.
-#[derive(Default)]
-struct Pin;
-
-impl ErrorType for Pin {
-    type Error = Infallible;
-}
-
-impl OutputPin for Pin {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        Ok(())
-    }
-}
-
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut receiver = Receiver::new(Pin, Boot::on_host("example"))?;
+    let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("example"))?;
     let (start, mut sentences) = (Instant::now(), Vec::new());
     receiver.greet(&mut sentences);
     let (send, arrivals) = channel();

@@ -68,9 +68,9 @@
 //! # What this crate does not do
 //!
 //! It does not track signals, smooth with carrier phase, use SBAS or corrections of a network, or
-//! keep data over a power cycle. GLONASS and QZSS are used if `SYSTEMS` names them. It has no
-//! geoid, so heights are above the ellipsoid. The leap seconds between GPS time and UTC are those
-//! of the image ([`output::nmea::GPS_MINUS_UTC_S`]) until a receiver or a satellite sends them.
+//! keep data over a power cycle. GLONASS and QZSS are used if `SYSTEMS` names them. The leap
+//! seconds between GPS time and UTC are those of the image ([`output::nmea::GPS_MINUS_UTC_S`])
+//! until a receiver or a satellite sends them.
 //!
 //! # References
 //!
@@ -130,6 +130,7 @@ mod median;
 pub mod navigator;
 pub mod outlet;
 pub mod output;
+pub mod pin;
 pub mod publisher;
 pub mod rates;
 pub mod raw;

@@ -44,6 +44,7 @@ use raim_core::velocity::{RangeRate, Velocity, VelocityError};
 use crate::correction::horizon::Horizon;
 use crate::correction::{CAPACITY, Located, Sky};
 use crate::counters::{count, count_many, counters};
+use crate::ephemeris::difference_m;
 use crate::raw::{RawEpoch, RawSatellite};
 use crate::time::GpsTime;
 
@@ -234,12 +235,13 @@ impl Rates {
     }
 
     /// Returns the velocity of a satellite of the present epoch in the earth-fixed frame, m/s.
-    /// `None` if the last epoch did not have it with the same ephemeris.
+    /// `None` if the last epoch did not have it with the same ephemeris. `index` is its place in the
+    /// sky, near which it was in the last epoch.
     #[inline(never)]
-    pub fn of_satellite(&self, located: &Located, time: GpsTime) -> Option<Vector3<f32>> {
+    pub fn of_satellite(&self, located: &Located, index: usize, time: GpsTime) -> Option<Vector3<f32>> {
         let elapsed_ms = time.since_ms(self.time);
         let now = Seen::of(located).filter(|_| (1..=LONGEST_MS).contains(&elapsed_ms))?;
-        let (before, elapsed_s) = (now.among(&self.last)?, elapsed_ms as f32 * 1e-3);
+        let (before, elapsed_s) = (now.among(&self.last, index)?, elapsed_ms as f32 * 1e-3);
         let (velocity_m_s, _) = now.velocity_since(before, elapsed_s, Grid::vector(now.position))?;
         Some(velocity_m_s.into())
     }
@@ -305,7 +307,7 @@ impl Since<'_> {
     /// `index` is its place in the sky, near which it is in the last epoch and in the raw one.
     fn measure(&self, located: &Located, index: usize) -> Option<Measured> {
         let now = Seen::of(located)?;
-        let before = self.last.get(index).filter(|seen| now.is(seen)).or_else(|| now.among(self.last))?;
+        let before = now.among(self.last, index)?;
         let is_it = |one: &&RawSatellite| one.satellite == now.satellite;
         // The sky has the order of the raw epoch, of which it lacks some.
         let later = self.raw.satellites.get(index..).unwrap_or_default().iter().find(is_it);
@@ -335,19 +337,20 @@ fn power_of_two(x: f32) -> f32 {
 
 impl Seen {
     fn of(located: &Located) -> Option<Self> {
-        let Ecef { x_m, y_m, z_m } = located.position();
         Some(Self {
             satellite: located.satellite(),
-            position: [x_m, y_m, z_m].map(Grid::of),
-            clock: Grid::of(located.clock_m()),
+            position: located.place(),
+            clock: located.clock(),
             range_m: located.measured_m()? as f32,
             edition: located.edition(),
         })
     }
 
-    /// Returns the same satellite with the same ephemeris in another epoch.
-    fn among<'s>(&self, others: &'s [Self]) -> Option<&'s Self> {
-        others.iter().find(|seen| self.is(seen))
+    /// Returns the same satellite with the same ephemeris in another epoch, where it is mostly at
+    /// `index`.
+    fn among<'s>(&self, others: &'s [Self], index: usize) -> Option<&'s Self> {
+        let here = others.get(index).filter(|seen| self.is(seen));
+        here.or_else(|| others.iter().find(|seen| self.is(seen)))
     }
 
     /// Returns true for the same satellite with the same ephemeris.
@@ -361,8 +364,7 @@ impl Seen {
         // The time between the departures is shorter than that between the arrivals by the growth
         // of the range.
         let apart_s = elapsed_s - (self.range_m - before.range_m) / LIGHT_M_S;
-        let ([x, y, z], [from_x, from_y, from_z]) = (self.position, before.position);
-        let moved_m = [x.less(from_x), y.less(from_y), z.less(from_z)].map(Grid::narrow);
+        let moved_m = difference_m(self.position, before.position);
         Some((velocity_at_the_end(place_m, moved_m, apart_s), apart_s)).filter(|_| apart_s > 0.0)
     }
 

@@ -3,33 +3,33 @@
 use anyhow::{Context as _, ensure};
 use rig::bench::peers::Comparison;
 use rig::bench::peers::sources::Sources;
-use rig::bench::{self, Measurement, budget};
+use rig::bench::{self, Measurement, Scope, budget};
 use rig::board;
 use rig::setup;
 
 /// Arguments of the command.
-#[derive(clap::Args, Default)]
+#[derive(clap::Args)]
 #[allow(clippy::struct_excessive_bools, reason = "each is another thing to do")]
 pub(crate) struct Arguments {
     /// Fail if a figure exceeds its budget by more than 2 %
     #[arg(long, conflicts_with = "save")]
-    pub(crate) check: bool,
+    check: bool,
     /// Accept the current figures as budgets
     #[arg(long)]
-    pub(crate) save: bool,
+    save: bool,
     /// Measure epochs per second on this machine instead; not compared with a budget
     #[arg(long, conflicts_with_all = ["check", "save"])]
-    pub(crate) host: bool,
+    host: bool,
     /// Measure libswiftnav and RTKLIB on the same epochs; fetches their sources, and installs the C
     /// compiler
     #[arg(long, conflicts_with_all = ["check", "save", "host"])]
-    pub(crate) peers: bool,
+    peers: bool,
     /// Time ARAIM on this machine beside sidereon-core; the first run compiles for minutes
     #[arg(long, conflicts_with_all = ["check", "save", "host", "peers"])]
-    pub(crate) sidereon: bool,
+    sidereon: bool,
     /// Profile the first stage whose name contains this text, by function
     #[arg(long, value_name = "STAGE", conflicts_with_all = ["check", "save", "host", "peers", "sidereon"])]
-    pub(crate) profile: Option<String>,
+    profile: Option<String>,
 }
 
 /// Runs the command.
@@ -75,22 +75,34 @@ fn sidereon() -> anyhow::Result<()> {
 }
 
 fn target(arguments: &Arguments) -> anyhow::Result<()> {
-    ensure!(board::is_installed(), "the emulator is needed: `cargo xtask setup` installs it");
-    let measurement = Measurement::take(|at| eprintln!("measuring {at}"))?;
-    println!("{measurement}");
+    let measurement = measure(Scope::All)?;
     if arguments.save {
         let path = budget::path();
         std::fs::write(&path, budget::render(&measurement.figures))
             .with_context(|| path.display().to_string())?;
         println!("wrote {}", path.display());
     }
-    if arguments.check {
-        let findings = measurement.check()?;
-        ensure!(
-            findings.is_empty(),
-            "{}\nif the growth is intended, `cargo xtask bench --save` accepts the new figures",
-            findings.join("\n")
-        );
-    }
+    if arguments.check { compare(&measurement) } else { Ok(()) }
+}
+
+/// Measures, and fails if a figure exceeds its budget.
+pub(crate) fn check(scope: Scope) -> anyhow::Result<()> {
+    compare(&measure(scope)?)
+}
+
+fn measure(scope: Scope) -> anyhow::Result<Measurement> {
+    ensure!(board::is_installed(), "the emulator is needed: `cargo xtask setup` installs it");
+    let measurement = Measurement::take(scope, |at| eprintln!("measuring {at}"))?;
+    println!("{measurement}");
+    Ok(measurement)
+}
+
+fn compare(measurement: &Measurement) -> anyhow::Result<()> {
+    let findings = measurement.check()?;
+    ensure!(
+        findings.is_empty(),
+        "{}\nif the growth is intended, `cargo xtask bench --save` accepts the new figures",
+        findings.join("\n")
+    );
     Ok(())
 }

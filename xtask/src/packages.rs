@@ -28,6 +28,7 @@ raim-firmware = { path = \"raim-firmware\" }
 pub(crate) fn verify() -> Result<()> {
     pack()?;
     let unpacked = unpack()?;
+    check_licences(&unpacked)?;
     check_names(&unpacked)?;
     let manifest = unpacked.join("Cargo.toml").display().to_string();
     let folder = unpacked.join("target").display().to_string();
@@ -39,6 +40,20 @@ pub(crate) fn verify() -> Result<()> {
     spawn(command(&["check", "--quiet", "--examples", "-p", core]).args(place))?;
     spawn(command(&["test", "--quiet", "--doc", "-p", firmware]).args(place))?;
     spawn(command(&["check", "--quiet", "-p", command_line]).args(place))
+}
+
+/// Files of the licence, which every package contains.
+const LICENCES: [&str; 2] = ["LICENSE-MIT", "LICENSE-APACHE"];
+
+/// Checks that every package in a folder contains the text of the licence.
+fn check_licences(unpacked: &Path) -> Result<()> {
+    for (package, name) in PACKAGES.iter().flat_map(|package| LICENCES.map(|name| (package, name))) {
+        let file = unpacked.join(package).join(name);
+        let have = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
+        let want = fs::read_to_string(root().join(name))?;
+        ensure!(have == want, "{name} of {package} must be a copy of the file at the top level");
+    }
+    Ok(())
 }
 
 /// Checks that every name of ours resolves to our own package. A registry may give a name to
@@ -93,4 +108,30 @@ fn unpack() -> Result<PathBuf> {
         fs::rename(unpacked.join(versioned), folder)?;
     }
     Ok(unpacked)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_package_carries_the_text_of_the_licence() {
+        let folders =
+            ["rai-core/root", "rai-core", "rai-firmware", "rai-firmware/cli"].map(|name| root().join(name));
+        let together = tempfile::tempdir().expect("a folder");
+        for (package, folder) in PACKAGES.iter().zip(&folders) {
+            let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");
+            assert!(manifest.contains(&format!("name = \"{package}\"")), "{}", folder.display());
+            fs::create_dir(together.path().join(package)).expect("a folder");
+            for name in LICENCES {
+                fs::copy(folder.join(name), together.path().join(package).join(name)).expect("the licence");
+            }
+        }
+        check_licences(together.path()).expect("copies of the files at the top level");
+
+        // A link that git did not follow is a file with a path in it.
+        fs::write(together.path().join("raim-core/LICENSE-MIT"), "../LICENSE-MIT").expect("a file");
+        let error = check_licences(together.path()).expect_err("no licence").to_string();
+        assert!(error.contains("LICENSE-MIT of raim-core"), "{error}");
+    }
 }

@@ -189,7 +189,10 @@ pub(crate) struct PairCandidate<T: Real> {
     coupling_terms: CouplingTerms<T>,
     /// `a_i`.
     projected: T,
+    /// Decrease of SSE without this row and those before it.
     explained: T,
+    /// Decrease by which another row surely does not reach the bar.
+    lacking: T,
     /// `1/S_ii`.
     share: T,
     /// `r_i/S_ii`.
@@ -197,24 +200,38 @@ pub(crate) struct PairCandidate<T: Real> {
 }
 
 impl<T: Real> PairCandidate<T> {
-    pub(crate) fn new(standing: &ReducedRow<'_, T>) -> Self {
+    /// Returns the terms of a row beside rows that explain `explained` already.
+    pub(crate) fn new(explained: T, standing: &ReducedRow<'_, T>) -> Self {
         let share = standing.redundancy.recip();
         Self {
             coupling_terms: standing.row.coupling_terms,
             projected: standing.projected,
-            explained: squared_w_test(standing.residual, standing.redundancy),
+            explained: explained + squared_w_test(standing.residual, standing.redundancy),
+            lacking: T::zero(),
             share,
             bias: standing.residual * share,
         }
     }
 
-    /// Returns the decrease of SSE without this row and another one: the squared w-test of this
-    /// row, then of the other.
-    pub(crate) fn explains_with(&self, other: &ReducedRow<'_, T>) -> T {
+    /// Sets the decrease of SSE that a set must reach.
+    pub(crate) fn set_bar(&mut self, bar: T) {
+        // Less by more than all roundings of the comparison.
+        let rounding = T::narrow(4.0) * T::default_epsilon() * bar;
+        self.lacking = bar - self.explained - rounding;
+    }
+
+    /// Returns the decrease of SSE without this row, those before it and another one: the squared
+    /// w-test of each, one after the other. `None` if it is surely below the bar, which a product
+    /// finds out for nearly all sets, without a division.
+    pub(crate) fn explains_with(&self, other: &ReducedRow<'_, T>) -> Option<T> {
         let coupling = self.coupling_terms.coupling(other.row, self.projected * other.projected);
         let residual = other.residual - coupling * self.bias;
         let redundancy = other.redundancy - coupling * coupling * self.share;
-        self.explained + squared_w_test(residual, redundancy)
+        // NaN fails this comparison, so that it is compared with the bar itself.
+        if residual * residual < self.lacking * redundancy {
+            return None;
+        }
+        Some(self.explained + squared_w_test(residual, redundancy))
     }
 }
 

@@ -69,7 +69,9 @@ impl<T: Real> Row<T> {
         }
         let weight = (sigma * sigma).recip();
         // Outside the scalar's range a row would silently have no weight or infinite weight.
-        if !(sigma > T::zero() && weight > T::zero() && weight.is_finite()) {
+        // The sign is a bit, while the comparison of a sigma with 0 would be one of doubles, from
+        // which it was rounded.
+        if !(sigma.is_sign_positive() && weight > T::zero() && weight.is_finite()) {
             return Err(RowError::Sigma);
         }
         Ok(Self { clock, design, residual, sigma, weight })

@@ -40,6 +40,12 @@ pub trait Excludable<T: Real> {
     /// # Errors
     /// As [`Self::leave_out`].
     fn set_aside(&mut self, rows: &[usize]) -> Result<(), SnapshotError>;
+
+    /// Leaves out all rows of a bit set about the present point, even if the position moves far.
+    ///
+    /// # Errors
+    /// As [`Self::leave_out`].
+    fn set_aside_all(&mut self, rows: u64) -> Result<(), SnapshotError>;
 }
 
 impl<T: Real> Excludable<T> for Snapshot<'_, T> {
@@ -66,5 +72,9 @@ impl<T: Real> Excludable<T> for Snapshot<'_, T> {
 
     fn set_aside(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
         self.reduce(rows.iter().copied())
+    }
+
+    fn set_aside_all(&mut self, rows: u64) -> Result<(), SnapshotError> {
+        self.reduce(members(rows))
     }
 }

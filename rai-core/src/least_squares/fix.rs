@@ -188,6 +188,10 @@ impl<T: Real> Excludable<T> for Fix<'_, T> {
     fn set_aside(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
         Excludable::set_aside(&mut self.snapshot, rows)
     }
+
+    fn set_aside_all(&mut self, rows: u64) -> Result<(), SnapshotError> {
+        self.snapshot.leave_out_all(rows)
+    }
 }
 
 /// Returns true if a correction is no longer than a limit, m. Its length is the same in every frame

@@ -30,15 +30,12 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ) {
         let excluded = suspects(judgement, fix, epoch);
         let evidence = residuals_of_all(judgement, fix.snapshot(), epoch.observations().len());
-        let belief = self.belief(epoch.time_s(), evidence);
+        let belief = self.belief(epoch.time_s(), &evidence);
         if let Belief::Scaled(factor) = belief {
             judgement.scale_levels(f64::from(factor));
         }
         let verdict = match self.verdict(judgement, excluded.is_empty()) {
-            Verdict::Protected(how) => {
-                let alone = judgement.single_exclusions(fix.snapshot(), epoch.observations().len()).count();
-                self.supported(how, belief, fix, epoch, alone)
-            }
+            Verdict::Protected(how) => self.supported(how, belief, fix, epoch, evidence.excluded),
             other => other,
         };
         let passed = !matches!(judgement.outcome, ExclusionOutcome::NotIsolated(_));
@@ -97,7 +94,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             FixError::Snapshot(SnapshotError::Insufficient) | FixError::NotConverged => Unavailable::NoFix,
         };
         outcome.searched = false;
-        outcome.update = Update::none(epoch.time_s());
+        outcome.update.time_s = epoch.time_s();
+        outcome.update.clear();
         let report = &mut outcome.report;
         report.clear();
         report.verdict = Verdict::Unavailable(reason);

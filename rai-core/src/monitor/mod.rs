@@ -302,7 +302,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             report.verdict = self.height.judge(update.time_s, height, report.verdict);
             if matches!(report.verdict, Verdict::Alert(_)) {
                 report.protection = None;
-                *update = Update::none(update.time_s);
+                update.clear();
             }
         }
         let speed_m_s = velocity.ok().map(Velocity::speed_m_s);
@@ -310,10 +310,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         match report.verdict {
             Verdict::Alert(Alert::Jump | Alert::Clock | Alert::Track) => {
                 report.protection = None;
-                *update = Update::none(update.time_s);
+                update.clear();
             }
             Verdict::Unavailable(Unavailable::Place) => {
-                *update = Update::none(update.time_s);
+                update.clear();
             }
             Verdict::Unavailable(Unavailable::Recovering) => update.clocks = None,
             _ => {}

@@ -1,5 +1,6 @@
 //! Memory of one epoch: the workspace of its judgement, its report, and its update of the state.
 
+use super::evidence::EpochResiduals;
 use super::kept_out::SystemsSeen;
 use crate::clock::SolvedClocks;
 use crate::frame::Ecef;
@@ -77,7 +78,7 @@ impl<const N: usize> EpochOutcome<N> {
         if self.report.solution.is_some() && !matches!(self.report.verdict, Verdict::Alert(_)) {
             self.report.verdict = Verdict::Alert(reason);
             self.report.protection = None;
-            self.update = Update::none(self.update.time_s);
+            self.update.clear();
         }
     }
 }
@@ -89,7 +90,7 @@ impl<const N: usize> EpochOutcome<N> {
     pub fn withdraw(&mut self, reason: Unavailable) {
         if matches!(self.report.verdict, Verdict::Protected(_)) {
             self.report.verdict = Verdict::Unavailable(reason);
-            self.update = Update::none(self.update.time_s);
+            self.update.clear();
         }
     }
 }
@@ -103,7 +104,7 @@ pub(super) struct Update {
     /// SSE/dof of a test that passed, because a detected fault has no information on sigma.
     pub(super) ratio: Option<f32>,
     /// Residuals of every tracked satellite, alarms included.
-    pub(super) evidence: Residuals,
+    pub(super) evidence: EpochResiduals,
     /// True if sigmas scaled below 1 made the epoch fail its test.
     pub(super) is_refuting_scale: bool,
     /// Clocks of satellites that were protected without a forecast.
@@ -121,11 +122,18 @@ impl Update {
             time_s,
             start: None,
             ratio: None,
-            evidence: Residuals::NONE,
+            evidence: EpochResiduals::NONE,
             is_refuting_scale: false,
             clocks: None,
             residuals: None,
             systems: SystemsSeen::NONE,
         }
+    }
+
+    /// Takes every effect back.
+    // Compiled once for all callers.
+    #[inline(never)]
+    pub(super) fn clear(&mut self) {
+        *self = Self::none(self.time_s);
     }
 }

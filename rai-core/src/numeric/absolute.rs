@@ -102,6 +102,14 @@ impl Grid {
     const COARSER: i32 = 11;
     const COARSE_DIGITS: i32 = Self::DIGITS - Self::COARSER;
     const COARSE_STEP_M: f32 = 1.0 / (1 << Self::COARSE_DIGITS) as f32;
+
+    /// Rounds a multiple of 2^−`digits` m to the nearest, halves upwards, for `digits` of 15 to 63.
+    #[must_use]
+    pub const fn of_multiple(units: i64, digits: u32) -> Self {
+        // All digits behind the grid's, except for one, which rounds.
+        let shift = digits.saturating_sub(Self::DIGITS as u32 + 1);
+        Self((units.wrapping_shr(shift) + 1) >> 1)
+    }
 }
 
 // The longest vector, in units of its coarse form, must fit 32 bits.
@@ -133,7 +141,20 @@ impl Absolute<f32> for Grid {
     }
 
     fn widen(self) -> f64 {
-        self.0 as f64 / f64::from(1 << Self::DIGITS)
+        const BIAS: u32 = 1023;
+        /// Leading zeros of a number whose first bit is that of a mantissa.
+        const OF_MANTISSA: u32 = 11;
+        let size = self.0.unsigned_abs();
+        let zeros = size.leading_zeros();
+        if size == 0 || zeros < OF_MANTISSA {
+            return self.0 as f64 / f64::from(1 << Self::DIGITS);
+        }
+        // All lengths are exact in a double, which is composed of its bits, because a conversion
+        // and a division are calls on this processor. The first bit of the mantissa adds 1 to the
+        // exponent.
+        let exponent = BIAS + 63 - 1 - Self::DIGITS as u32 - zeros;
+        let bits = (size << (zeros - OF_MANTISSA)) + (u64::from(exponent) << 52);
+        f64::from_bits(bits | self.0.cast_unsigned() & 1 << 63)
     }
 
     fn narrow(self) -> f32 {

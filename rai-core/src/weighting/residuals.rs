@@ -39,6 +39,16 @@ impl Residuals {
         let root = 1.0 - spread + normal * sqrt(spread);
         root * root * root
     }
+
+    /// Returns the mean square if it is at or above `χ²_p(ν)/ν`, else 0; 0 without degrees of
+    /// freedom.
+    // Compiled once for all callers.
+    #[inline(never)]
+    pub(crate) fn excess(self, normal: f32) -> f32 {
+        let ratio = self.ratio();
+        // Without degrees of freedom both are NaN, which fails the comparison.
+        if ratio >= self.ratio_at(normal) { ratio } else { 0.0 }
+    }
 }
 
 /// Number of spans that are kept.

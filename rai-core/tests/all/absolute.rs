@@ -109,3 +109,21 @@ fn doubles_stay_what_they_are() {
     assert_eq!(f64::length([3.0, 4.0, 12.0]).whole, 13.0);
     assert_eq!(f64::length([3.0, 4.0, 12.0]).rest, 0.0);
 }
+
+proptest! {
+    #[test]
+    fn a_finer_multiple_becomes_the_nearest_of_the_grid(units in -(1_i64 << 62)..1 << 62, digits in 15_u32..40) {
+        let step = 1_i128 << (digits - 14);
+        let want = (i128::from(units) + step / 2).div_euclid(step);
+        let have = Grid::of_multiple(units, digits).widen() / STEP_M;
+        // Doubles hold 53 bits of it.
+        prop_assert!((have - want as f64).abs() <= want.unsigned_abs() as f64 * f64::EPSILON, "{have}, not {want}");
+    }
+
+    #[test]
+    fn every_length_of_the_grid_is_exact_in_metres(steps in -(1_i64 << 52)..1 << 52, bits in 0..52) {
+        let steps = steps >> bits;
+        let have_m = Grid::of_multiple(steps << 1, 15).widen();
+        prop_assert_eq!(have_m.to_bits(), (steps as f64 * STEP_M).to_bits());
+    }
+}

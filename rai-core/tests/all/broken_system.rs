@@ -3,25 +3,14 @@
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use crate::noise::Noise;
-use crate::sky::{observe, receiver, satellite};
-use raim_core::epoch::{Epoch, Observation};
-use raim_core::integrity::raim::isolation::parity::Isolation;
+use crate::sky::{METHODS, epoch_of, observe, receiver, satellite};
+use raim_core::epoch::Observation;
 use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::report::{Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation::{self, Beidou, Galileo, Glonass, Gps};
 
 const CAPACITY: usize = 32;
-
-const METHODS: [Method; 7] = [
-    Method::Auto,
-    Method::Baarda,
-    Method::Ransac,
-    Method::Parity(Isolation::Simultaneous),
-    Method::Parity(Isolation::Sequential),
-    Method::Parity(Isolation::Hybrid),
-    Method::Parity(Isolation::Grouping),
-];
 
 /// Returns so many satellites of each system, with noise of 1 m. Those of the systems in `broken`
 /// are wrong by 100 m to 2 km, each by another error.
@@ -51,10 +40,7 @@ fn process(
     time_s: f64,
     observations: &[Observation],
 ) -> Report<CAPACITY> {
-    let mut epoch = Epoch::new(time_s);
-    for observation in observations {
-        epoch.push(*observation).unwrap();
-    }
+    let epoch = epoch_of(time_s, observations);
     monitor.process(&epoch)
 }
 

@@ -1,7 +1,7 @@
 //! Reports of the monitor on small skies whose truth is known by construction.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
-use crate::sky::{self, DIRECTIONS, receiver, satellite};
+use crate::sky::{self, DIRECTIONS, epoch_of, receiver, satellite};
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::Ecef;
 use raim_core::monitor::Monitor;
@@ -28,10 +28,7 @@ fn single_system(count: usize) -> Vec<Observation> {
 }
 
 fn judge_from(start: Ecef, observations: &[Observation]) -> Report<CAPACITY> {
-    let mut epoch = Epoch::new(0.0);
-    for observation in observations {
-        epoch.push(*observation).unwrap();
-    }
+    let epoch = epoch_of(0.0, observations);
     let mut monitor = Monitor::<f32, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
     monitor.start_from(start);
     monitor.process(&epoch)

@@ -1,7 +1,7 @@
 //! State of the monitor between epochs, and the limits of its verdicts.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
-use crate::sky::{DIRECTIONS, SIGMA_M, observe, receiver, satellite};
+use crate::sky::{DIRECTIONS, SIGMA_M, epoch_of, observe, receiver, satellite};
 use raim_core::epoch::{Aiding, Epoch, Observation};
 use raim_core::frame::{Ecef, LocalFrame};
 use raim_core::monitor::{Method, Monitor, Strategy};
@@ -19,10 +19,7 @@ fn seen(directions: &[(f64, f64)], clock_m: f64) -> Vec<Observation> {
 }
 
 fn epoch<const N: usize>(time_s: f64, observations: &[Observation]) -> Epoch<N> {
-    let mut epoch = Epoch::new(time_s);
-    for observation in observations {
-        epoch.push(*observation).unwrap();
-    }
+    let epoch = epoch_of(time_s, observations);
     epoch
 }
 

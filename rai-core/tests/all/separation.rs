@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
-use crate::sky::{observe, receiver, satellite};
+use crate::sky::{epoch_of, observe, receiver, satellite};
 use proptest::prelude::*;
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::monitor::{Method, Monitor, Strategy as Pursuit};
@@ -40,10 +40,7 @@ fn monitor(requirements: Requirements) -> Monitor<f32, CAPACITY> {
 }
 
 fn judge(requirements: Requirements, observations: &[Observation]) -> Report<CAPACITY> {
-    let mut epoch = Epoch::new(0.0);
-    for observation in observations {
-        epoch.push(*observation).unwrap();
-    }
+    let epoch = epoch_of(0.0, observations);
     monitor(requirements).process(&epoch)
 }
 

@@ -7,6 +7,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
+use crate::noise::Noise;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use raim_core::integrity::araim::{
@@ -132,11 +133,10 @@ proptest! {
     fn the_order_of_the_satellites_means_nothing(sky in sky(), seed in any::<u64>()) {
         let Some(want) = solved(&sky, 0.0) else { return Ok(()) };
         let mut shuffled = sky.clone();
-        // Fisher and Yates, with a generator of their time.
-        let mut state = seed;
+        // By Fisher and Yates.
+        let mut noise = Noise(seed);
         for last in (1..shuffled.len()).rev() {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            shuffled.swap(last, (state >> 33) as usize % (last + 1));
+            shuffled.swap(last, noise.index(last + 1));
         }
         let have = solved(&shuffled, 0.0).expect("the same geometry");
         assert_same(&have.whole, &want.whole, 1e-6)?;

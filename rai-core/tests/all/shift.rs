@@ -3,10 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use crate::noise::Noise;
-use crate::sky::{observe, receiver, satellite};
-use raim_core::epoch::{Epoch, Observation};
+use crate::sky::{METHODS, epoch_of, observe, receiver, satellite};
+use raim_core::epoch::Observation;
 use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::isolation::parity::Isolation;
 use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::report::{Alert, Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
@@ -14,16 +13,6 @@ use raim_core::satellite::Constellation::{self, Beidou, Galileo, Gps};
 
 const CAPACITY: usize = 24;
 const EACH: usize = 7;
-
-const METHODS: [Method; 7] = [
-    Method::Auto,
-    Method::Baarda,
-    Method::Ransac,
-    Method::Parity(Isolation::Simultaneous),
-    Method::Parity(Isolation::Sequential),
-    Method::Parity(Isolation::Hybrid),
-    Method::Parity(Isolation::Grouping),
-];
 
 /// Returns azimuth and elevation, °.
 fn direction(index: usize) -> (f64, f64) {
@@ -52,10 +41,7 @@ fn sky_of(constellations: &[Constellation], shift_m: f64) -> Vec<Observation> {
 }
 
 fn judge(method: Method, observations: &[Observation]) -> Report<CAPACITY> {
-    let mut epoch = Epoch::new(0.0);
-    for observation in observations {
-        epoch.push(*observation).unwrap();
-    }
+    let epoch = epoch_of(0.0, observations);
     let mut monitor = Monitor::<f32, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
     monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT }).unwrap();
     monitor.process(&epoch)

@@ -3,8 +3,10 @@
 //! Ranges are straight distances to satellites turned by the angle through which the earth rotates
 //! in flight: the exact form of what the core does to first order.
 
-use raim_core::epoch::Observation;
+use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::integrity::raim::isolation::parity::Isolation;
+use raim_core::monitor::Method;
 use raim_core::satellite::{Constellation, SatelliteId};
 
 /// Standard deviation that the observations claim, m.
@@ -21,6 +23,26 @@ pub(crate) const DIRECTIONS: [(f64, f64); 8] = [
     (300.0, 40.0),
     (340.0, 12.0),
 ];
+
+/// Methods of classic RAIM.
+pub(crate) const METHODS: [Method; 7] = [
+    Method::Auto,
+    Method::Baarda,
+    Method::Ransac,
+    Method::Parity(Isolation::Simultaneous),
+    Method::Parity(Isolation::Sequential),
+    Method::Parity(Isolation::Hybrid),
+    Method::Parity(Isolation::Grouping),
+];
+
+/// Returns an epoch of these observations.
+pub(crate) fn epoch_of<const N: usize>(time_s: f64, observations: &[Observation]) -> Epoch<N> {
+    let mut epoch = Epoch::new(time_s);
+    for observation in observations {
+        epoch.push(*observation).unwrap();
+    }
+    epoch
+}
 
 /// Returns the position of the receiver.
 pub(crate) fn receiver() -> Ecef {

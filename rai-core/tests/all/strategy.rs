@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
-use crate::sky::{observe, receiver, satellite};
+use crate::sky::{epoch_of, observe, receiver, satellite};
 use raim_core::epoch::{Aiding, Epoch, Observation};
 use raim_core::frame::LocalFrame;
 use raim_core::integrity::raim::detection::threshold::policy::Policy;
@@ -32,10 +32,7 @@ fn judge(
     time_s: f64,
     observations: &[Observation],
 ) -> Report<CAPACITY> {
-    let mut epoch = Epoch::new(time_s);
-    for observation in observations {
-        epoch.push(*observation).unwrap();
-    }
+    let epoch = epoch_of(time_s, observations);
     monitor.process(&epoch)
 }
 

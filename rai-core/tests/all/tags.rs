@@ -1,7 +1,7 @@
 //! A wrong time of all ranges, distinguished from faulty satellites.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
-use raim_core::epoch::{Epoch, Observation};
+use raim_core::epoch::Observation;
 use raim_core::frame::LocalFrame;
 use raim_core::integrity::raim::detection::threshold::policy::Policy;
 use raim_core::integrity::raim::hypotheses::time_tag::RangeRates;
@@ -11,7 +11,7 @@ use raim_core::report::{Alert, Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 
-use crate::sky::{observe, receiver, satellite};
+use crate::sky::{epoch_of, observe, receiver, satellite};
 
 const CAPACITY: usize = 16;
 
@@ -62,10 +62,7 @@ fn judge(
     requirements: Requirements,
     rates: Option<&RangeRates<'_>>,
 ) -> Report<CAPACITY> {
-    let mut epoch = Epoch::new(0.0);
-    for observation in observations {
-        epoch.push(*observation).unwrap();
-    }
+    let epoch = epoch_of(0.0, observations);
     let mut monitor = Monitor::<f32, CAPACITY>::new(requirements).unwrap();
     monitor.set_strategy(strategy).unwrap();
     let mut memory = MonitorWorkspace::new();

@@ -373,7 +373,8 @@
 #define RAI_REASON_ACCURACY 78
 
 /**
- * Unavailable: the residuals of the last minute contradict the sigmas.
+ * Unavailable: the residuals of the last minute contradict the sigmas, or the satellites left after
+ * an exclusion hardly agree.
  */
 #define RAI_REASON_SIGMAS 79
 

@@ -1,10 +1,9 @@
 //! The receiver: bytes of a GNSS receiver in, sentences and pin out.
 
-use core::convert::Infallible;
 use core::ffi::c_char;
 use core::mem::MaybeUninit;
 
-use embedded_hal::digital::{ErrorType, OutputPin};
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 
 use crate::pointer::{Object, give, slice, status_of};
@@ -23,13 +22,13 @@ pub struct rai_receiver_t {
     pub opaque: [u64; RAI_RECEIVER_WORDS],
 }
 
-type Stored = Object<Receiver<Level>, 2>;
+type Stored = Object<Receiver<MemoryPin>, 2>;
 
 /// Makes a receiver in place, behind an exclusive reference, so that it is not on the stack first.
 #[inline(never)]
-fn make(place: &mut MaybeUninit<Receiver<Level>>) -> Result<(), rai_status_t> {
+fn make(place: &mut MaybeUninit<Receiver<MemoryPin>>) -> Result<(), rai_status_t> {
     let boot = Boot { clock_error_ppm: Boot::WITHOUT_CRYSTAL_PPM, ..Boot::on_host("library") };
-    Receiver::place(place, Level { is_high: false }, boot).map(|_| ()).map_err(refusal_of)
+    Receiver::place(place, MemoryPin::default(), boot).map(|_| ()).map_err(refusal_of)
 }
 
 /// Returns the receiver behind a handle.
@@ -37,7 +36,9 @@ fn make(place: &mut MaybeUninit<Receiver<Level>>) -> Result<(), rai_status_t> {
 /// # Safety
 /// As for `Stored::at`.
 #[allow(unsafe_code)]
-pub(crate) unsafe fn at<'a>(handle: *const rai_receiver_t) -> Result<&'a mut Receiver<Level>, rai_status_t> {
+pub(crate) unsafe fn at<'a>(
+    handle: *const rai_receiver_t,
+) -> Result<&'a mut Receiver<MemoryPin>, rai_status_t> {
     // SAFETY: guaranteed by the caller.
     unsafe { Stored::at(handle.cast_mut().cast()) }
 }
@@ -59,28 +60,6 @@ core::arch::global_asm!(
 /// do not overflow.
 const LAST_MS: u64 = u64::MAX / 2;
 
-/// Level of a pin that the caller drives.
-#[derive(Debug)]
-pub(crate) struct Level {
-    is_high: bool,
-}
-
-impl ErrorType for Level {
-    type Error = Infallible;
-}
-
-impl OutputPin for Level {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        self.is_high = false;
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        self.is_high = true;
-        Ok(())
-    }
-}
-
 /// Makes a receiver in memory of the caller, and writes sentences with its version and the result
 /// of the self-test.
 ///
@@ -100,7 +79,7 @@ pub unsafe extern "C" fn rai_receiver_init(
         // SAFETY: guaranteed by the caller; all of the result is written.
         unsafe {
             Stored::room(memory.cast(), length)?.fill(
-                |place: *mut Receiver<Level>| make(&mut *place.cast()),
+                |place: *mut Receiver<MemoryPin>| make(&mut *place.cast()),
                 |receiver| {
                     receiver.greet(&mut lines);
                     Ok(())
@@ -221,7 +200,7 @@ pub unsafe extern "C" fn rai_receiver_set(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_pin(receiver: *const rai_receiver_t) -> u8 {
     // SAFETY: guaranteed by the caller.
-    unsafe { at(receiver) }.is_ok_and(|receiver| receiver.pin().is_high).into()
+    unsafe { at(receiver) }.is_ok_and(|receiver| receiver.pin().high).into()
 }
 
 /// Returns 1 if the host has requested a restart by command, else 0. The caller then makes the
@@ -276,7 +255,7 @@ pub unsafe extern "C" fn rai_receiver_report(
     status_of(receiver.and_then(|receiver| unsafe { give(verdict, &said_last(receiver)) }))
 }
 
-fn said_last(receiver: &Receiver<Level>) -> rai_verdict_t {
+fn said_last(receiver: &Receiver<MemoryPin>) -> rai_verdict_t {
     match (receiver.last_report(), receiver.last_verdict()) {
         (Some(report), _) => rai_verdict_t::of(report),
         (None, Some(verdict)) => rai_verdict_t::without_position(verdict),

@@ -70,7 +70,8 @@ pub const RAI_REASON_SETTINGS: u8 = 76;
 pub const RAI_REASON_EMT: u8 = 77;
 /// Unavailable: the vertical accuracy of ARAIM exceeds its limit.
 pub const RAI_REASON_ACCURACY: u8 = 78;
-/// Unavailable: the residuals of the last minute contradict the sigmas.
+/// Unavailable: the residuals of the last minute contradict the sigmas, or the satellites left after
+/// an exclusion hardly agree.
 pub const RAI_REASON_SIGMAS: u8 = 79;
 
 fn text(reason: u8) -> &'static CStr {

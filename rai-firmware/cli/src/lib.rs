@@ -14,7 +14,7 @@
 //! | module | content |
 //! |---|---|
 //! | [`signal`] | what the module receives: skies, recordings, captures, faults, encoders |
-//! | [`sentence`], [`pin`] | what it sends: its sentences, parsed; the integrity pin of a module in process |
+//! | [`sentence`] | what it sends: its sentences, parsed |
 //! | [`satellites`] | satellites of an epoch: direction, C/N0, residual, reason for which one is not used |
 //! | [`page`] | pictures and pages of the results |
 //! | [`run`] | the module as a service |
@@ -28,8 +28,8 @@
 //! The algorithms of the module are in `rai-core` and `rai-firmware`, not here. Each command has a
 //! module `command` with its arguments and a function that runs it.
 //!
-//! Without the feature `commands` the library holds only `signal`, `sentence` and `pin`, which a
-//! fuzzer needs.
+//! Without the feature `commands` the library holds only `signal` and `sentence`, which a fuzzer
+//! needs.
 //!
 //! # References
 //!
@@ -55,7 +55,6 @@
 //! | `RTCM-10403.3` | RTCM SC104, *Differential GNSS Services, Version 3*, with amendments, 2016 |
 //! | `UBX-F9` | see the crate [`raim_firmware`] |
 
-pub mod pin;
 pub mod sentence;
 pub mod signal;
 

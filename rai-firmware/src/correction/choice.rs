@@ -151,7 +151,7 @@ fn combine(
     };
     Some(Choice {
         bands: (pair.first, Some(pair.second)),
-        range_m: sum_m(second.range_m, 0.0, added_m),
+        range_m: sum_m(second.range_m, 0, added_m),
         noise_gain: sqrt(pair.share * pair.share + (1.0 - pair.share) * (1.0 - pair.share)),
         weakness: noise_factor_from_cn0(Some(strength_dbhz)),
         uncalibrated_m: root_of_squares(
@@ -166,7 +166,7 @@ fn alone(signal: &RawSignal, ephemeris: &Ephemeris, unsaid_dbhz: f32) -> Option<
     let delay = ephemeris.group_delay(signal.carrier.band)?;
     Some(Choice {
         bands: (signal.carrier.band, None),
-        range_m: sum_m(signal.range_m, 0.0, -LIGHT_M_S * delay.seconds()),
+        range_m: sum_m(signal.range_m, 0, -LIGHT_M_S * delay.seconds()),
         noise_gain: 1.0,
         weakness: noise_factor_from_cn0(Some(strength(signal, unsaid_dbhz))),
         uncalibrated_m: delay.uncalibrated_m(),

@@ -39,7 +39,10 @@ impl Horizon {
     /// Returns the unit vector along a path: east, north, up.
     pub(crate) fn direction(&self, way: &Way) -> [f32; 3] {
         let [x, y, z] = way.difference_m;
-        self.axes.map(|[a, b, c]| way.inverse_length * (a * x + b * y + c * z))
+        let along = |[a, b, c]: [f32; 3]| way.inverse_length * (a * x + b * y + c * z);
+        // By components, because code compiled for size calls a function for an array's `map`.
+        let [east, north, up] = self.axes;
+        [along(east), along(north), along(up)]
     }
 }
 

@@ -23,18 +23,19 @@
 
 use heapless::Vec;
 use raim_core::epoch::{Epoch, Observation};
-use raim_core::frame::{Ecef, LocalAxes, SPEED_OF_LIGHT_M_S};
+use raim_core::frame::{Ecef, LocalAxes};
+use raim_core::numeric::absolute::{Absolute as _, Grid};
 use raim_core::numeric::angle::sine;
 use raim_core::numeric::sqrt;
 use raim_core::satellite::SatelliteId;
 use raim_core::weighting::COARSE_M;
 
 use crate::counters::{count, counters};
-use crate::ephemeris::{self, EphemerisError, Store, nearest, scaled};
+use crate::ephemeris::{self, EphemerisError, Store, coordinates_m, nearest, scaled};
 use crate::raw::{RawEpoch, RawSatellite, RawSignal};
 use crate::settings::Systems;
 use crate::time::GpsTime;
-use horizon::{Horizon, coordinates_m};
+use horizon::Horizon;
 
 mod atmosphere;
 mod bands;
@@ -84,9 +85,9 @@ pub struct Tally {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Located {
     satellite: SatelliteId,
-    position: Ecef,
-    /// Satellite clock times the speed of light, m.
-    clock_m: f64,
+    place: [Grid; 3],
+    /// Satellite clock times the speed of light, 2⁻³² m.
+    clock_m32: i64,
     choices: Choices,
     /// Standard deviation that the satellite promises for the pair and for the single range, m.
     promised_m: [f32; 2],
@@ -106,13 +107,24 @@ impl Located {
     }
 
     /// Returns its position when the signal left.
-    pub(crate) const fn position(&self) -> Ecef {
-        self.position
+    pub(crate) fn position(&self) -> Ecef {
+        let [x_m, y_m, z_m] = self.place.map(Grid::widen);
+        Ecef::new(x_m, y_m, z_m)
     }
 
-    /// Returns its clock then, times the speed of light, m.
-    pub(crate) const fn clock_m(&self) -> f64 {
-        self.clock_m
+    /// Returns its position then, on the grid of ranges.
+    pub(crate) const fn place(&self) -> [Grid; 3] {
+        self.place
+    }
+
+    /// Returns its position then, to the digits of a single, m.
+    fn coordinates_m(&self) -> [f32; 3] {
+        coordinates_m(self.place)
+    }
+
+    /// Returns its clock then, times the speed of light, on the grid of ranges.
+    pub(crate) const fn clock(&self) -> Grid {
+        Grid::of_multiple(self.clock_m32, DIGITS as u32)
     }
 
     /// Returns a measured range, accurate to some ten metres, m.
@@ -146,22 +158,22 @@ fn root_of_squares(a: f32, b: f32) -> f32 {
 /// sums cost a third of those of doubles here.
 const DIGITS: i32 = 32;
 
-/// Returns `first + second + added`, for lengths up to 10⁹ m.
+/// Returns `length + second + added`, for lengths up to 10⁹ m, the second of 2⁻³² m.
 #[inline(never)]
-fn sum_m(first_m: f64, second_m: f64, added_m: f32) -> f64 {
+fn sum_m(length_m: f64, second_m32: i64, added_m: f32) -> f64 {
     /// Digits of the larger part of the added length.
     const COARSE: i32 = 12;
     /// Largest added length whose larger part fits 32 bits, m.
     const LARGEST_M: f32 = 5e5;
     if !(added_m.abs() < LARGEST_M) {
-        return first_m + second_m + f64::from(added_m);
+        return length_m + scaled(second_m32, -DIGITS) + f64::from(added_m);
     }
     let coarse = (added_m * (1 << COARSE) as f32) as i32;
     let rest_m = added_m - coarse as f32 * (1.0 / (1 << COARSE) as f32);
     let rest = (rest_m * (1_u64 << DIGITS) as f32) as i32;
     let added = (i64::from(coarse) << (DIGITS - COARSE)) + i64::from(rest);
     // What is not finite becomes a length that no epoch accepts, and does not overflow.
-    let sum = nearest(first_m, DIGITS).wrapping_add(nearest(second_m, DIGITS));
+    let sum = nearest(length_m, DIGITS).wrapping_add(second_m32);
     scaled(sum.wrapping_add(added), -DIGITS)
 }
 
@@ -193,7 +205,7 @@ impl View {
     }
 
     fn shows(&self, located: &Located) -> bool {
-        let way = self.horizon.way_to(coordinates_m(located.position));
+        let way = self.horizon.way_to(located.coordinates_m());
         let [.., sin_elevation] = self.horizon.direction(&way);
         sin_elevation >= self.sin_mask
     }
@@ -307,15 +319,15 @@ fn locate_one(
         };
     };
     // Two ranges of a satellite differ by less than 100 m, in which it moves by a millimetre.
-    let state = ephemeris.at(time, choice.range_m)?;
+    let state = ephemeris.seen_at(time, choice.range_m)?;
     let promise = |choice: &Option<Choice>| {
         choice.as_ref().and_then(|choice| ephemeris.accuracy_m(choice.bands)).unwrap_or(0.0)
     };
     let promised_m = [promise(&choices.pair), promise(&choices.single)];
     let pushed = sky.push(Located {
         satellite: satellite.satellite,
-        position: state.position,
-        clock_m: SPEED_OF_LIGHT_M_S * state.clock_s,
+        place: state.place(),
+        clock_m32: state.clock_m32(),
         choices,
         promised_m,
         edition,
@@ -334,8 +346,8 @@ pub fn coarse(sky: &Sky, time: GpsTime, epoch: &mut Epoch<CAPACITY>) {
         // `correct` refuses and counts the same observation again.
         let _ = epoch.push(Observation {
             satellite: located.satellite,
-            position: located.position,
-            range_m: choice.range_m + located.clock_m,
+            position: located.position(),
+            range_m: sum_m(choice.range_m, located.clock_m32, 0.0),
             sigma_m: f64::from(COARSE_M),
         });
     }
@@ -343,7 +355,7 @@ pub fn coarse(sky: &Sky, time: GpsTime, epoch: &mut Epoch<CAPACITY>) {
 
 #[cfg(test)]
 mod tests {
-    use super::{difference_m, sum_m};
+    use super::{DIGITS, difference_m, nearest, sum_m};
 
     #[test]
     fn sums_and_differences_of_lengths_are_those_of_doubles() {
@@ -351,7 +363,8 @@ mod tests {
         let added_m = [0.0, 1e-6, -2.997_924_6, 7.123_456, -137.25, 9_999.9, 4.9e5, -5e5, 1e6, -4.2e7_f32];
         for (first, second) in lengths_m.iter().flat_map(|a| lengths_m.iter().map(move |b| (*a, *b))) {
             for added in added_m {
-                let (have, want) = (sum_m(first, second, added), first + second + f64::from(added));
+                let second_m32 = nearest(second, DIGITS);
+                let (have, want) = (sum_m(first, second_m32, added), first + second + f64::from(added));
                 // Roundings of the two additions, and one of the integers.
                 assert!((have - want).abs() <= 3e-8, "{first} + {second} + {added}: {have}, not {want}");
             }
@@ -359,7 +372,8 @@ mod tests {
             // Three roundings to 24 digits.
             assert!((have - want).abs() <= 1e-9 + 1.2e-7 * want.abs(), "{first} - {second}: {have}");
         }
-        assert!(!(sum_m(f64::NAN, 2e7, 1.0).abs() <= 1e9), "no length");
-        assert!(!(sum_m(f64::INFINITY, -2e7, 1.0).abs() <= 1e9), "no length");
+        let second_m32 = nearest(2e7, DIGITS);
+        assert!(!(sum_m(f64::NAN, second_m32, 1.0).abs() <= 1e9), "no length");
+        assert!(!(sum_m(f64::INFINITY, -second_m32, 1.0).abs() <= 1e9), "no length");
     }
 }

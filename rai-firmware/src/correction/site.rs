@@ -16,7 +16,7 @@ use raim_core::weighting::{
 
 use super::atmosphere::{Klobuchar, Place, Troposphere};
 use super::frequency::{Geometry, Ranges, Spread};
-use super::horizon::{Horizon, coordinates_m};
+use super::horizon::Horizon;
 use super::{CAPACITY, Choice, Located, Refusals, Sky, root_of_squares, sum_m};
 use crate::counters::count;
 use crate::raw::Band;
@@ -101,7 +101,7 @@ impl Site {
             };
             let observation = Observation {
                 satellite: located.satellite,
-                position: located.position,
+                position: located.position(),
                 range_m: corrected.range_m,
                 sigma_m: f64::from(corrected.sigma_m),
             };
@@ -150,7 +150,7 @@ impl Site {
         usual: &Usual,
         ionosphere: Ionosphere,
     ) -> Option<Corrected> {
-        let line_of_sight = self.line_of_sight(located.position);
+        let line_of_sight = self.line_of_sight(located);
         let [.., sin_elevation] = line_of_sight;
         if sin_elevation < self.sin_mask {
             return None;
@@ -175,7 +175,7 @@ impl Site {
         let air_m = self.troposphere.delay_m(sin_elevation) + delay_m;
         Some(Corrected {
             line_of_sight,
-            range_m: sum_m(choice.range_m, located.clock_m, -air_m),
+            range_m: sum_m(choice.range_m, located.clock_m32, -air_m),
             sigma_m: match &self.ism {
                 Some(ism) if cfg!(feature = "araim") => {
                     let support = ism.of(located.satellite.constellation());
@@ -188,8 +188,8 @@ impl Site {
     }
 
     /// Returns the unit vector towards a satellite, east, north, up.
-    fn line_of_sight(&self, satellite: Ecef) -> [f32; 3] {
-        self.horizon.direction(&self.horizon.way_to(coordinates_m(satellite)))
+    fn line_of_sight(&self, located: &Located) -> [f32; 3] {
+        self.horizon.direction(&self.horizon.way_to(located.coordinates_m()))
     }
 
     /// Returns the ionospheric delay of a range, m, and the residual of the model.

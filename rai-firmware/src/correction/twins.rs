@@ -10,7 +10,6 @@
 //! C59 at 140° E) by more than 5 km, which is the distance that operators of shared slots count as
 //! a close approach.
 
-use super::horizon::coordinates_m;
 use super::{CAPACITY, Located, Sky};
 use crate::counters::count;
 
@@ -23,7 +22,7 @@ pub(super) fn remove_twins(sky: &mut Sky, counter: &mut u32) {
     // A number of single precision has steps of 4 m at the distance of a satellite.
     let mut places = [[0.0_f32; 3]; CAPACITY];
     for (place, located) in places.iter_mut().zip(sky.iter()) {
-        *place = coordinates_m(located.position);
+        *place = located.coordinates_m();
     }
     let mut doubled = 0_u64;
     let places = places.get(..sky.len()).unwrap_or_default();

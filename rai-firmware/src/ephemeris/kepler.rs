@@ -35,7 +35,6 @@
 //! [OS-SIS-ICD]: crate#references
 //! [BDS-SIS-B1I]: crate#references
 
-use raim_core::frame::Ecef;
 use raim_core::satellite::SatelliteId;
 
 use super::elapsed::Elapsed;
@@ -214,7 +213,7 @@ impl Kepler {
         let anomaly = self.eccentric_anomaly(since_toe);
         let plane = self.in_plane(anomaly, since_toe);
         Motion {
-            position: self.earth_fixed(&plane, since_toe),
+            position_m36: self.earth_fixed(&plane, since_toe).coordinates(),
             relativity_s62: self.relativity_s62(anomaly.sin_q62),
         }
     }
@@ -264,18 +263,15 @@ impl Kepler {
         ((self.sqrt_a_2_19 as u64 * self.sqrt_a_2_19 as u64) >> 2).cast_signed()
     }
 
-    fn earth_fixed(&self, plane: &InPlane, since_toe: Elapsed) -> Ecef {
+    fn earth_fixed(&self, plane: &InPlane, since_toe: Elapsed) -> Point {
         let earth_rate_2_76 = self.reading.convention().earth_rate_2_76;
         let node_rate_2_76 = wide(self.node_rate_2_44);
         if self.reading == Reading::BeidouGeostationary {
             let at_toe = plane.towards(self.node.plus(since_toe.turned(node_rate_2_76)).direction());
-            at_toe
-                .about_x(GEOSTATIONARY_TILT)
-                .about_z(since_toe.turned(earth_rate_2_76).direction())
-                .to_ecef()
+            at_toe.about_x(GEOSTATIONARY_TILT).about_z(since_toe.turned(earth_rate_2_76).direction())
         } else {
             let turned = since_toe.turned(node_rate_2_76 - earth_rate_2_76);
-            plane.towards(self.node.plus(turned).direction()).to_ecef()
+            plane.towards(self.node.plus(turned).direction())
         }
     }
 
@@ -323,10 +319,8 @@ impl Point {
         }
     }
 
-    /// Converts to metres; 2⁻³⁶ m is exact in all but the last digit.
-    fn to_ecef(self) -> Ecef {
-        let [x_m, y_m, z_m] = [self.x, self.y, self.z].map(|units| scaled(units, -36));
-        Ecef::new(x_m, y_m, z_m)
+    const fn coordinates(self) -> [i64; 3] {
+        [self.x, self.y, self.z]
     }
 }
 

@@ -52,6 +52,7 @@ mod store;
 use core::fmt;
 
 use raim_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
+use raim_core::numeric::absolute::{Absolute as _, Grid};
 use raim_core::numeric::bounds::is_within;
 use raim_core::satellite::SatelliteId;
 
@@ -147,6 +148,51 @@ pub struct SatelliteState {
     pub position: Ecef,
     /// Satellite clock minus system time, relativity included, group delay not, s.
     pub clock_s: f64,
+}
+
+/// The same in integers, which cost a core without doubles less.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct IntegerState {
+    /// Position, 2⁻³⁶ m.
+    position_m36: [i64; 3],
+    /// Satellite clock, 2⁻⁶² s.
+    clock_s62: i64,
+}
+
+impl IntegerState {
+    /// Returns the position, on the grid of ranges.
+    pub(crate) fn place(&self) -> [Grid; 3] {
+        self.position_m36.map(|units| Grid::of_multiple(units, 36))
+    }
+
+    /// Returns the satellite clock times the speed of light, 2⁻³² m.
+    pub(crate) const fn clock_m32(&self) -> i64 {
+        /// The speed of light, which is a whole number of m/s.
+        const LIGHT_M_S: i64 = SPEED_OF_LIGHT_M_S as i64;
+        mul_high(self.clock_s62, LIGHT_M_S << 34)
+    }
+
+    /// Converts to doubles; a position of 2⁻³⁶ m is exact in all but the last digit.
+    fn in_metres(&self) -> SatelliteState {
+        let [x_m, y_m, z_m] = self.position_m36.map(|units| scaled(units, -36));
+        SatelliteState { position: Ecef::new(x_m, y_m, z_m), clock_s: scaled(self.clock_s62, -62) }
+    }
+}
+
+/// Returns a place on the grid to the digits of a single, m.
+// Not inlined, and a loop, so that its callers share one copy of the conversion.
+#[inline(never)]
+pub(crate) fn coordinates_m(place: [Grid; 3]) -> [f32; 3] {
+    let mut coordinates_m = [0.0; 3];
+    for (coordinate_m, coordinate) in coordinates_m.iter_mut().zip(&place) {
+        *coordinate_m = coordinate.narrow();
+    }
+    coordinates_m
+}
+
+/// Returns the difference of two places on the grid, m.
+pub(crate) fn difference_m([x, y, z]: [Grid; 3], [from_x, from_y, from_z]: [Grid; 3]) -> [f32; 3] {
+    coordinates_m([x.less(from_x), y.less(from_y), z.less(from_z)])
 }
 
 /// One satellite's orbit and clock, checked.
@@ -309,6 +355,11 @@ impl Ephemeris {
     /// of light, or if `received` is more than a day from the reference time;
     /// [`EphemerisError::Stale`] for a state vector that is more than half an hour old.
     pub fn at(&self, received: GpsTime, range_m: f64) -> Result<SatelliteState, EphemerisError> {
+        self.seen_at(received, range_m).map(|state| state.in_metres())
+    }
+
+    /// Works like [`Self::at`], in integers.
+    pub(crate) fn seen_at(&self, received: GpsTime, range_m: f64) -> Result<IntegerState, EphemerisError> {
         const PER_METRE_2_77: i64 = ((1_u128 << 77) / SPEED_OF_LIGHT_M_S as u128) as i64;
         let since_toe_ms = received.since_ms(self.toe);
         let is_travel = is_within(range_m, &(0.0..=SPEED_OF_LIGHT_M_S));
@@ -319,7 +370,7 @@ impl Ephemeris {
         let shown = Elapsed::of_ms(since_toe_ms).earlier(travel_2_46);
         let polynomial_s62 = self.clock.polynomial_s62(shown);
         let motion = self.orbit.at(shown.earlier(polynomial_s62 >> 16))?;
-        let clock_s = fixed::scaled(polynomial_s62 + motion.relativity_s62, -62);
-        Ok(SatelliteState { position: motion.position, clock_s })
+        let clock_s62 = polynomial_s62 + motion.relativity_s62;
+        Ok(IntegerState { position_m36: motion.position_m36, clock_s62 })
     }
 }

@@ -1,12 +1,10 @@
 //! Place of a satellite at one instant, with the relativistic effect on its clock.
 
-use raim_core::frame::Ecef;
-
 /// Position and relativity of one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Motion {
-    /// Earth-fixed position.
-    pub position: Ecef,
+    /// Earth-fixed position, 2⁻³⁶ m.
+    pub position_m36: [i64; 3],
     /// Periodic relativistic part of the clock, 2⁻⁶² s.
     pub relativity_s62: i64,
 }

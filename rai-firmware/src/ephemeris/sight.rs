@@ -2,16 +2,19 @@
 //! position.
 //!
 //! ```text
-//! sin el = (|s|² − |p|² − d²) / (2 |p| d)          s satellite, p receiver, d their distance; el above a spherical earth
+//! sin el = p·(s − p) / (|p| |s − p|)          s satellite, p receiver; el above a spherical earth
 //! ```
 //!
 //! A satellite takes one bit, with or without an ephemeris. Sines of elevations are stored in
 //! hundredths.
 
+use nalgebra::Vector3;
 use raim_core::frame::Ecef;
+use raim_core::numeric::angle::sine;
+use raim_core::numeric::sqrt;
 use raim_core::satellite::SatelliteId;
 
-use super::Ephemeris;
+use super::{Ephemeris, coordinates_m};
 use crate::time::GpsTime;
 
 /// Epochs that one set of bits covers. One epoch may have lost satellites, so two sets are kept: a
@@ -81,18 +84,18 @@ fn place_of(satellite: SatelliteId) -> (usize, u32) {
 /// The sky of a receiver.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Skyline {
-    receiver: Ecef,
+    receiver_m: Vector3<f32>,
     mask: Elevation,
 }
 
 impl Skyline {
     /// Returns the sky above a position and a mask.
     pub(super) fn new(receiver: Ecef, mask_rad: f64) -> Self {
-        // Three terms of the series are accurate to half a hundredth up to 90°. A sine of the
-        // library takes 5 KiB of flash.
-        let square = mask_rad * mask_rad;
-        let sine = mask_rad * (1.0 - square / 6.0 * (1.0 - square / 20.0));
-        Self { receiver, mask: hundredths(sine) }
+        let Ecef { x_m, y_m, z_m } = receiver;
+        Self {
+            receiver_m: Vector3::new(x_m as f32, y_m as f32, z_m as f32),
+            mask: hundredths(sine(mask_rad as f32)),
+        }
     }
 
     /// Returns true if an elevation is above the mask.
@@ -102,16 +105,15 @@ impl Skyline {
 
     /// Returns the elevation of a satellite, or that of the horizon if it has no position then.
     pub(super) fn elevation(&self, ephemeris: &Ephemeris, now: GpsTime) -> Elevation {
-        let Ok(state) = ephemeris.at(now, RANGE_M) else { return HORIZON };
-        let (radius_m, distance_m) = (self.receiver.radius_m(), state.position.distance_m(self.receiver));
-        let satellite_m = state.position.radius_m();
-        let up_m2 = satellite_m * satellite_m - radius_m * radius_m - distance_m * distance_m;
-        hundredths(up_m2 / (2.0 * radius_m * distance_m))
+        let Ok(state) = ephemeris.seen_at(now, RANGE_M) else { return HORIZON };
+        let (receiver_m, satellite_m) = (self.receiver_m, Vector3::from(coordinates_m(state.place())));
+        let way_m = satellite_m - receiver_m;
+        hundredths(receiver_m.dot(&way_m) / sqrt(receiver_m.dot(&receiver_m) * way_m.dot(&way_m)))
     }
 }
 
 /// Rounds a sine; a NaN becomes the horizon.
-fn hundredths(sine: f64) -> Elevation {
+fn hundredths(sine: f32) -> Elevation {
     (sine.clamp(-1.0, 1.0) * 100.0) as Elevation
 }
 

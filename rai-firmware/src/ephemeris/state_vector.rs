@@ -21,10 +21,10 @@
 //! [GLO-ICD]: crate#references
 
 use nalgebra::Vector3;
-use raim_core::frame::Ecef;
 use raim_core::satellite::SatelliteId;
 
 use super::elapsed::Elapsed;
+use super::fixed::nearest;
 use super::forces::{Node, State};
 use super::motion::Motion;
 use super::orbit_types::{GLONASS_AXES_M, GLONASS_COS2_INCLINATIONS, GLONASS_ECCENTRICITY};
@@ -109,8 +109,10 @@ impl StateVector {
     pub(super) fn at(&self, since_toe: Elapsed) -> Option<Motion> {
         let seconds = since_toe.to_s();
         let state = self.node_of(Node::steps_to(seconds)?).state_at(seconds, self.pull_m_s2());
-        let [x_m, y_m, z_m] = state.position.into();
-        Some(Motion { position: Ecef::new(x_m, y_m, z_m), relativity_s62: 0 })
+        let position_m: [f64; 3] = state.position.into();
+        // Exact for every satellite, whose distance takes 25 of the 53 bits.
+        let position_m36 = position_m.map(|coordinate_m| nearest(coordinate_m, 36));
+        Some(Motion { position_m36, relativity_s62: 0 })
     }
 
     /// Keeps the node before the departure of signals that are received this long after the

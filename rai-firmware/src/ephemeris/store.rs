@@ -44,11 +44,12 @@
 use core::cmp::Reverse;
 
 use heapless::Vec;
-use raim_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
+use nalgebra::Vector3;
+use raim_core::frame::Ecef;
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::sight::{Elevation, HORIZON, Sight, Skyline};
-use super::{Ephemeris, EphemerisError, Source};
+use super::{Ephemeris, EphemerisError, Source, difference_m};
 use crate::counters::count;
 use crate::time::GpsTime;
 
@@ -59,7 +60,7 @@ pub const CAPACITY: usize = crate::raw::EPOCH_CAPACITY;
 const RIVALS: usize = 6;
 
 /// Largest distance of two sets that agree, in position or clock, m: ten sigma of the poorest.
-const AGREEMENT_M: f64 = 30.0;
+const AGREEMENT_M: u16 = 30;
 
 const _: () = assert!(size_of::<Entry>() <= 144);
 
@@ -364,11 +365,12 @@ fn agree(one: &Ephemeris, other: &Ephemeris, now: Option<GpsTime>) -> bool {
         return true;
     }
     let when = now.unwrap_or_else(|| GpsTime::from_ms(u64::midpoint(one.toe.to_ms(), other.toe.to_ms())));
-    let (Ok(one), Ok(other)) = (one.at(when, 0.0), other.at(when, 0.0)) else {
+    let (Ok(one), Ok(other)) = (one.seen_at(when, 0.0), other.seen_at(when, 0.0)) else {
         return true;
     };
-    let clock_m = SPEED_OF_LIGHT_M_S * (one.clock_s - other.clock_s).abs();
-    one.position.distance_m(other.position) <= AGREEMENT_M && clock_m <= AGREEMENT_M
+    let apart_m = Vector3::from(difference_m(one.place(), other.place()));
+    let clock_m32 = one.clock_m32().abs_diff(other.clock_m32());
+    apart_m.dot(&apart_m) <= (AGREEMENT_M * AGREEMENT_M) as f32 && clock_m32 <= u64::from(AGREEMENT_M) << 32
 }
 
 fn forget(rivals: &mut Vec<Rival, RIVALS>, satellite: SatelliteId) {

@@ -49,6 +49,7 @@ mod assembly;
 mod bits;
 mod calendar;
 mod counters;
+mod crc24q;
 mod elements;
 mod epoch_ranges;
 mod framer;

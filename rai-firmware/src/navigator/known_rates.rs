@@ -8,11 +8,11 @@ use core::cell::Cell;
 
 use nalgebra::Vector3;
 use raim_core::frame::Ecef;
+use raim_core::numeric::absolute::{Absolute as _, Grid};
 use raim_core::numeric::real::Real;
 
-use crate::correction::horizon::coordinates_m;
 use crate::correction::{CAPACITY, Located};
-use crate::ephemeris::Store;
+use crate::ephemeris::{Store, difference_m};
 use crate::rates::Rates;
 use crate::time::GpsTime;
 
@@ -24,24 +24,26 @@ const APART_MS: u32 = 128;
 
 /// Returns the range rate of a receiver at rest to a satellite of the sky, m/s.
 ///
-/// If the last epoch cannot give it, a second place on the orbit does, which is expensive.
+/// `index` is its place in the sky. If the last epoch cannot give it, a second place on the orbit does, which is expensive.
 #[inline(never)]
 pub(super) fn range_rate(
-    located: &Located,
+    (located, index): (&Located, usize),
     last: &Rates,
     store: &Store,
     point: Ecef,
     time: GpsTime,
 ) -> Option<f32> {
-    let velocity_m_s = last.of_satellite(located, time).or_else(|| velocity_m_s(located, store, time))?;
-    let way_m = Vector3::from(coordinates_m(located.position() - point));
+    let velocity_m_s =
+        last.of_satellite(located, index, time).or_else(|| velocity_m_s(located, store, time))?;
+    let point = [point.x_m, point.y_m, point.z_m].map(Grid::of);
+    let way_m = Vector3::from(difference_m(located.place(), point));
     Some(way_m.dot(&velocity_m_s) * way_m.dot(&way_m).inverse_sqrt_approx())
 }
 
 /// Returns the velocity of a satellite in the earth-fixed frame, m/s, from two places on its orbit.
 fn velocity_m_s(located: &Located, store: &Store, time: GpsTime) -> Option<Vector3<f32>> {
     let ephemeris = store.get(located.satellite(), time).ok()?;
-    let later = ephemeris.at(time.later_by_ms(APART_MS), located.measured_m()?).ok()?;
-    let moved_m = coordinates_m(later.position - located.position());
-    Some(Vector3::from(moved_m) * (1e3 / APART_MS as f32))
+    let later = ephemeris.seen_at(time.later_by_ms(APART_MS), located.measured_m()?).ok()?;
+    let moved_m = Vector3::from(difference_m(later.place(), located.place()));
+    Some(moved_m * (1e3 / APART_MS as f32))
 }

@@ -402,14 +402,22 @@ impl Navigator {
         self.correct_about(point, time, ranges, configuration);
         let Room { sky, epoch, memory } = &mut self.room;
         let (store, last) = (&self.store, &self.rates);
+        // Satellites are asked for in the order of the sky, so that the next one is mostly the one
+        // behind the last.
+        let next = Cell::new(0);
         let rates = |satellite| {
             if !cfg!(feature = "hypotheses") {
                 return None;
             }
-            let index = sky.iter().position(|located| located.satellite() == satellite)?;
+            let is_it = |located: &Located| located.satellite() == satellite;
+            let index = match sky.get(next.get()) {
+                Some(located) if is_it(located) => next.get(),
+                _ => sky.iter().position(is_it)?,
+            };
+            next.set(index + 1);
             let slot = known.get(index)?;
             if slot.get().is_nan() {
-                slot.set(range_rate(sky.get(index)?, last, store, point, time)?);
+                slot.set(range_rate((sky.get(index)?, index), last, store, point, time)?);
             }
             Some(slot.get())
         };

@@ -1,37 +1,15 @@
-use core::convert::Infallible;
 use std::format;
 use std::string::String;
 use std::vec::Vec;
 
-use embedded_hal::digital::ErrorType;
 use embedded_io::ErrorKind;
 use raim_core::report::Protected;
 use raim_core::requirements::Requirements;
 
 use super::*;
+use crate::pin::MemoryPin;
 use crate::selftest::Failure;
 use crate::settings::Setting;
-
-#[derive(Debug)]
-struct Level {
-    high: bool,
-}
-
-impl ErrorType for Level {
-    type Error = Infallible;
-}
-
-impl OutputPin for Level {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        self.high = false;
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        self.high = true;
-        Ok(())
-    }
-}
 
 /// A host that accepts no byte.
 struct Deaf;
@@ -50,9 +28,9 @@ impl Write for Deaf {
     }
 }
 
-fn promising() -> Receiver<Level> {
+fn promising() -> Receiver<MemoryPin> {
     let boot = Boot::on_host("test");
-    let mut receiver = Receiver::new(Level { high: true }, boot).expect("in the tables");
+    let mut receiver = Receiver::new(MemoryPin { high: true }, boot).expect("in the tables");
     receiver.epochs.drive_pin(true);
     receiver
 }

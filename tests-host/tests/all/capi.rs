@@ -5,10 +5,10 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use raim::pin::Pin;
 use raim::replay::{self, Window};
 use raim::signal::encode::{Frequency, Selection};
 use raim::signal::sky::raw::Simulation;
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use rig::capi::program::{STRICT, SYSTEM};
 use rig::capi::{self, Kind, WHOLE, folder, library, run};
@@ -122,7 +122,7 @@ fn stream() -> Vec<u8> {
 /// calls it.
 fn from_rust(bytes: &[u8]) -> String {
     let boot = Boot::on_host("library");
-    let mut receiver = Receiver::new(Pin::default(), boot).expect("in the tables");
+    let mut receiver = Receiver::new(MemoryPin::default(), boot).expect("in the tables");
     let mut said = Vec::new();
     receiver.greet(&mut said);
     for (count, byte) in (1_u64..).zip(bytes) {

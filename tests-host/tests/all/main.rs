@@ -31,6 +31,7 @@ mod host_and_target;
 mod hostile;
 mod images;
 mod injection;
+mod known_place;
 mod memory_routines;
 mod merged_stream;
 mod moving_receiver;

@@ -1,7 +1,6 @@
 //! Streams in which every message announces that more of its epoch follow, as casters of a single
 //! system send them: a silent line completes the epoch.
 
-use raim::pin::Pin;
 use raim::replay::{self, Pace, Window};
 use raim::sentence::{self, EpochOutput};
 use raim::signal::capture::Capture;
@@ -10,6 +9,7 @@ use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::pieces::pieces;
 use raim::signal::sky::Fleet;
 use raim::signal::sky::raw::Simulation;
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 
 /// Interval between two ticks of the module, ms.
@@ -48,14 +48,14 @@ fn announcing(frame: &[u8]) -> Vec<u8> {
 
 /// The module on a line: bytes in time, and ticks.
 struct Line {
-    receiver: Receiver<Pin>,
+    receiver: Receiver<MemoryPin>,
     said: Vec<u8>,
     now_ms: u64,
 }
 
 impl Line {
     fn new() -> Self {
-        let receiver = Receiver::new(Pin::default(), Boot::on_host("open epochs")).unwrap();
+        let receiver = Receiver::new(MemoryPin::default(), Boot::on_host("open epochs")).unwrap();
         Self { receiver, said: Vec::new(), now_ms: 0 }
     }
 

@@ -4,12 +4,12 @@
 use std::path::Path;
 use std::time::Duration;
 
-use raim::pin::Pin;
 use raim::replay::{self, Window};
 use raim::signal::encode::{Frequency, Selection};
 use raim::signal::fault::Fault;
 use raim::signal::sky::raw::Simulation;
 use raim_firmware::output::schedule::Item;
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use rig::board::{EmulatedBoard, is_installed};
 use rig::image::{CompiledFor, NAMED, Named};
@@ -45,7 +45,7 @@ fn lumps(satellites: usize) -> Vec<Vec<u8>> {
 /// The host has every part. It sends no sentence that a small image lacks.
 fn on_host(named: &Named, lumps: &[Vec<u8>]) -> (String, Vec<bool>) {
     let boot = Boot::on_host("parity");
-    let mut receiver = Receiver::new(Pin::default(), boot).expect("a receiver");
+    let mut receiver = Receiver::new(MemoryPin::default(), boot).expect("a receiver");
     let others = Item::NAMES.iter().filter(|name| !named.is_whole() && !["RMC", "GGA"].contains(name));
     for name in others {
         let rate = format!("{name},0");

@@ -3,9 +3,9 @@
 
 use std::time::Duration;
 
-use raim::pin::Pin;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::sky::raw::Simulation;
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use rig::board::{EmulatedBoard, LogLine, Machine, Settings, is_installed};
 use rig::image;
@@ -21,7 +21,7 @@ fn lumps(epochs: u32) -> Vec<Vec<u8>> {
 /// Returns the verdicts of the module in process.
 fn on_host(lumps: &[Vec<u8>]) -> Vec<String> {
     let boot = Boot::on_host("host");
-    let mut receiver = Receiver::new(Pin::default(), boot).expect("the module starts");
+    let mut receiver = Receiver::new(MemoryPin::default(), boot).expect("the module starts");
     let mut said = Vec::new();
     for lump in lumps {
         receiver.gnss(lump, 0, &mut said);

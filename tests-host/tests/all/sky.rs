@@ -1,7 +1,6 @@
 //! The simulated sky against published tables, closed forms and the geometry of well-known sites.
 
 use oracle::vectors;
-use raim::pin::Pin;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::sky::broadcast::SatelliteClock;
 use raim::signal::sky::linear::{Sigma, rows};
@@ -11,6 +10,7 @@ use raim::signal::sky::{Fleet, Noise, Oscillator, ReceiverClock, Site, sights};
 use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, SPEED_OF_LIGHT_M_S};
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::input::{Event, Input};
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::time::GpsTime;
 
@@ -273,7 +273,7 @@ fn module_finds_the_site_under_the_simulated_sky() {
     let selection = Selection::new("GC", Frequency::Dual).unwrap();
     let mut encoder = Encoder::new(&recording.ephemerides, selection);
     let boot = Boot::on_host("test");
-    let mut receiver = Receiver::new(Pin::default(), boot).unwrap();
+    let mut receiver = Receiver::new(MemoryPin::default(), boot).unwrap();
     let mut said: Vec<u8> = Vec::new();
     for (epoch, now_ms) in recording.epochs.iter().zip((0..).step_by(1000)) {
         receiver.gnss(&encoder.epoch(epoch).unwrap(), now_ms, &mut said);

@@ -1,7 +1,6 @@
 //! Velocity of the module from Doppler frequencies that are computed another way: from the changes
 //! of the simulated sky's ranges.
 
-use raim::pin::Pin;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::measurement::{Ephemeris as Broadcast, TimedEphemeris};
 use raim::signal::recording::Recording;
@@ -15,6 +14,7 @@ use raim_core::velocity::Velocity;
 use raim_firmware::correction::{Sky, Tally, locate};
 use raim_firmware::ephemeris::{Ephemeris, Store};
 use raim_firmware::input::{Event, Input};
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::rates::Rates;
 use raim_firmware::raw::{RawEpoch, RawSatellite};
 use raim_firmware::receiver::{Boot, Receiver};
@@ -256,7 +256,7 @@ fn at_rest(recording: &Recording, systems: &str) -> (f64, f64, usize, usize) {
     let selection = Selection::new(systems, Frequency::Dual).expect("systems");
     let mut encoder = Encoder::new(&recording.ephemerides, selection);
     let boot = Boot::on_host("test");
-    let mut module = Receiver::new(Pin::default(), boot).expect("it starts");
+    let mut module = Receiver::new(MemoryPin::default(), boot).expect("it starts");
     let (mut horizontal, mut vertical, mut fixes, mut velocities) = (0.0, 0.0, 0, 0);
     for (index, epoch) in (0_u64..).zip(recording.epochs.iter().take(600)) {
         let bytes = encoder.epoch(epoch).expect("bytes");

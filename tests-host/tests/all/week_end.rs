@@ -5,7 +5,6 @@
 //! the next week, and every one of `BeiDou` in this one. Right values follow from the simulation's
 //! own time.
 
-use raim::pin::Pin;
 use raim::sentence;
 use raim::signal::encode::{Encoder, Frequency, Selection, StatedWeek};
 use raim::signal::measurement::TimedEphemeris;
@@ -14,6 +13,7 @@ use raim::signal::sky::Fleet;
 use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::Constellation;
 use raim_firmware::input::{Event, Input};
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::time::GpsTime;
 use rig::shared;
@@ -108,7 +108,7 @@ fn civil_from_days(mut days: i64) -> (i64, u32, u32) {
 
 /// Returns the date of each epoch in the output, and true if its position is protected.
 fn dates(lumps: &[Vec<u8>], by_byte: bool) -> Vec<(String, bool)> {
-    let mut receiver = Receiver::new(Pin::default(), Boot::on_host("week end")).unwrap();
+    let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("week end")).unwrap();
     let mut dates = Vec::new();
     for (index, lump) in lumps.iter().enumerate() {
         let (mut said, now_ms) = (Vec::new(), 1000 * index as u64);

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 
 use anyhow::{Context as _, Result, ensure};
+use rig::bench::Scope;
 use rig::image::{self, Chip, NAMED, Named};
 use rig::setup;
 use rig::skip;
@@ -81,9 +82,7 @@ pub(super) const STEPS: &[Step] = &[
     step("memory of the image", Lane::Target, When::Both, |_, _| sizes(&NAMED[..1])),
     step("memory of the other named images", Lane::Target, When::Whole, |_, _| sizes(&NAMED[1..])),
     step("no panic", Lane::Target, When::Whole, |_, _| done(rig::no_panic::prove())),
-    step("costs on the target", Lane::Target, When::Whole, |_, _| {
-        done(crate::bench::run(&crate::bench::Arguments { check: true, ..Default::default() }))
-    }),
+    step("costs on the target", Lane::Target, When::Whole, |_, _| done(crate::bench::check(Scope::Tested))),
     step("threshold tables", Lane::Target, When::Whole, |_, _| {
         done(crate::tables::run(&crate::tables::Arguments { check: true, geoid: None }))
     }),
@@ -100,7 +99,7 @@ fn cargo(arguments: &[&str]) -> Result<Done> {
 
 fn lints_of_the_image() -> Result<Done> {
     let target = format!("--target={}", setup::TARGETS[0]);
-    let what = ["--profile=firmware", &target, "--package=raim-firmware", "--features=probe"];
+    let what = ["--profile=firmware", &target, "--package=raim-firmware", "--features=stm32f405,instruments"];
     cargo(&[&["clippy"], &what[..], &["--", "-D", "warnings"]].concat())
 }
 

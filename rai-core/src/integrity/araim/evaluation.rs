@@ -85,12 +85,10 @@ impl<'a, T: Real> MonitoredModes<'a, T> {
         self.modes.members.iter().filter(|&&members| members & !taken != 0).count() as u32
     }
 
-    /// Returns the rows that are monitored singly without `gone` and leave one satellite more than
-    /// unknowns.
-    pub(super) fn singles(&self, gone: RowSet) -> RowSet {
+    /// Returns the rows that are monitored singly.
+    pub(super) fn singles(&self) -> RowSet {
         let watched = |&index: &usize| self.modes.monitors(index) && self.is_monitorable(row(index));
-        let left = self.modes.not_alone(gone) & !gone;
-        members(left).filter(watched).fold(0, |set, index| set | row(index))
+        members(self.modes.satellites).filter(watched).fold(0, |set, index| set | row(index))
     }
 
     /// Judges the remaining rows without `gone`; `solutions` holds their solution.

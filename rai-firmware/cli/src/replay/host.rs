@@ -5,11 +5,11 @@ use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::Configuration;
 
 use super::ahead::Ahead;
-use crate::pin::Pin;
 use crate::satellites::{View, Watcher};
 use crate::sentence::{self, EpochOutput, command};
 use crate::signal::lump::Lump;
 use crate::signal::pieces;
+use raim_firmware::pin::MemoryPin;
 
 /// Bodies of the commands that configure the module before the first epoch, without `$PRAIC,` and
 /// checksum.
@@ -193,7 +193,7 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
 
 /// Module in process.
 pub struct Module {
-    receiver: Receiver<Pin>,
+    receiver: Receiver<MemoryPin>,
     watcher: Option<Watcher>,
 }
 
@@ -204,7 +204,7 @@ impl Module {
     /// The module refuses a setup command.
     pub fn start(setup: &Setup) -> Result<Self> {
         let boot = Boot::on_host("host");
-        let mut receiver = Receiver::new(Pin::default(), boot).context("the module cannot start")?;
+        let mut receiver = Receiver::new(MemoryPin::default(), boot).context("the module cannot start")?;
         let mut answers = Vec::new();
         for body in setup {
             receiver.command(command(body).as_bytes(), &mut answers);

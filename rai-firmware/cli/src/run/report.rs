@@ -114,16 +114,16 @@ mod tests {
     use raim_firmware::receiver::Boot;
 
     use super::*;
-    use crate::pin::Pin;
     use crate::signal::encode::{Encoder, Frequency, Selection};
     use crate::signal::sky::raw::Simulation;
+    use raim_firmware::pin::MemoryPin;
 
     #[test]
     fn epochs_and_a_silence_reach_the_page() {
         let recording = Simulation::above_xian(0.0, 20, 1).record();
         let mut encoder =
             Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual).unwrap());
-        let mut receiver = Receiver::new(Pin::default(), Boot::on_host("test")).unwrap();
+        let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("test")).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let mut recorder = Recorder::new(folder.path().to_owned(), "tcp://receiver:1".to_owned());
         for (second, epoch) in (0_u64..).zip(&recording.epochs) {

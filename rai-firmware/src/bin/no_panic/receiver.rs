@@ -27,6 +27,7 @@ use raim_firmware::output::mavlink::{Sender, dialect};
 use raim_firmware::output::nmea::{self, Sentence, TimeOfDay};
 use raim_firmware::output::schedule::{Due, Item, Schedule};
 use raim_firmware::output::{Interference, Motion, nic};
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::publisher::Publisher;
 use raim_firmware::rates::{RateTally, Rates};
 use raim_firmware::raw::{Band, Carrier, RawEpoch, RawSignal};
@@ -378,6 +379,8 @@ fn the_loop() {
         ResetCause::word as fn(_) -> _,
         Record::of as fn(_) -> _,
         Record::fault as fn(_) -> _,
+        <MemoryPin as OutputPin>::set_low as fn(_) -> _,
+        <MemoryPin as OutputPin>::set_high as fn(_) -> _,
     );
 }
 

@@ -22,10 +22,10 @@ use raim_core::satellite::SatelliteId;
 
 use super::Refusal;
 use super::leap::Announcement;
-use super::parity::crc24q;
 use crate::ephemeris::{Broadcast, Health, Source, galileo_sisa_m};
 use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::Calendar;
+use crate::input::crc24q::crc24q;
 use crate::input::elements::{GALILEO, Head, Layout, on};
 use crate::input::message_week::MessageWeek;
 use crate::raw::Band;
@@ -74,13 +74,12 @@ pub(super) fn inav_word(words: &[u32; 8]) -> Result<[u8; INAV_BYTES], Refusal> {
     if page.unsigned(0, 2) != 0b00 || page.unsigned(128, 2) != 0b10 {
         return Err(Refusal::Malformed);
     }
-    // Leading zeros do not change a CRC. Four of them therefore precede the 114 and 82 bits, so
-    // that these fill whole bytes.
+    // Four zeros precede the 114 and 82 bits, so that these fill whole bytes.
     let mut covered = Packed::<25>::new();
     covered.push(0, 4);
     append(&mut covered, page, 0, 114);
     append(&mut covered, page, 128, 82);
-    if crc24q(Bits(&covered.bytes), 200) != page.unsigned(210, 24) {
+    if crc24q(&covered.bytes) != page.unsigned(210, 24) {
         return Err(Refusal::Parity);
     }
     let mut word = Packed::new();
@@ -93,7 +92,10 @@ pub(super) fn inav_word(words: &[u32; 8]) -> Result<[u8; INAV_BYTES], Refusal> {
 pub(super) fn fnav_page(words: &[u32; 8]) -> Result<[u8; FNAV_BYTES], Refusal> {
     let page = bytes_of(words);
     let bits = Bits(&page);
-    if crc24q(bits, 214) != bits.unsigned(214, 24) {
+    let mut covered = Packed::<27>::new();
+    covered.push(0, 2);
+    append(&mut covered, bits, 0, 214);
+    if crc24q(&covered.bytes) != bits.unsigned(214, 24) {
         return Err(Refusal::Parity);
     }
     page.first_chunk().copied().ok_or(Refusal::Malformed)

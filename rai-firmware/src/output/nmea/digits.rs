@@ -1,70 +1,105 @@
-//! Numbers in digits, written from the last one to the first, so that a field is one piece.
+//! Numbers in digits, written into their place from the last digit to the first.
+//!
+//! A field is opened with its length, so that its characters are written once, where they stay.
 
 use crate::division::divided;
 
-/// Room for the longest field: two numbers of sixteen digits less their sign, point and comma.
-const ROOM: usize = 32;
+/// Number of digits that are split off a number of more than 32 bits.
+const LOW_DIGITS: usize = 9;
 
-/// Number of digits in the lower part of a split number.
-pub(super) const LOW_DIGITS: usize = 9;
+/// Powers of ten up to the largest number of decimals of a field.
+pub(super) const SCALE: [u32; LOW_DIGITS + 1] =
+    [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000, 1_000_000_000];
 
 /// Ten to the power of [`LOW_DIGITS`].
 const SPLIT: u32 = 1_000_000_000;
 
-/// Characters that grow to the front.
-pub(super) struct Digits {
-    text: [u8; ROOM],
-    first: usize,
-}
+/// Places of a field that are still free; the last of them is the next.
+pub(super) struct Digits<'f>(pub(super) &'f mut [u8]);
 
-impl Digits {
-    pub(super) const fn new() -> Self {
-        Self { text: [b'0'; ROOM], first: ROOM }
-    }
-
-    /// Returns what was written.
-    pub(super) fn text(&self) -> &[u8] {
-        self.text.get(self.first..).unwrap_or_default()
-    }
-
+impl Digits<'_> {
     /// Writes a character before the others.
     pub(super) fn put(&mut self, byte: u8) {
-        self.first = self.first.saturating_sub(1);
-        if let Some(place) = self.text.get_mut(self.first) {
-            *place = byte;
+        if let Some((place, free)) = core::mem::take(&mut self.0).split_last_mut() {
+            (*place, self.0) = (byte, free);
         }
     }
 
-    /// Writes a number before the others, with leading zeros up to `width` digits, at least one.
-    pub(super) fn number(&mut self, value: u64, width: usize) {
-        let (high, low) = split(value);
-        if high == 0 {
-            self.low(low, width.max(1));
-        } else {
-            self.low(low, LOW_DIGITS);
-            self.number(high, width.saturating_sub(LOW_DIGITS));
+    /// Writes the last `count` digits of a number below 10¹⁸ before the others, with leading zeros.
+    pub(super) fn number(&mut self, value: u64, count: usize) {
+        match u32::try_from(value) {
+            Ok(value) => self.low(value, count),
+            Err(_) => self.long(value, count),
         }
     }
 
-    /// Writes a number of 32 bits before the others.
+    #[cold]
+    #[inline(never)]
+    fn long(&mut self, value: u64, count: usize) {
+        let (high, low) = divided(value, SPLIT);
+        self.low(low, LOW_DIGITS);
+        self.low(high as u32, count.saturating_sub(LOW_DIGITS));
+    }
+
+    /// Writes the last `count` digits of a number of 32 bits before the others.
     // Not inlined, because it has many callers, and flash is scarcer than time here.
     #[inline(never)]
-    pub(super) fn low(&mut self, mut value: u32, width: usize) {
-        let mut count = 0;
-        // The room is all zeros.
-        for digit in self.text.get_mut(..self.first).unwrap_or_default().iter_mut().rev() {
-            if value == 0 && count >= width {
-                break;
-            }
-            *digit += (value % 10) as u8;
+    pub(super) fn low(&mut self, mut value: u32, count: usize) {
+        let all = core::mem::take(&mut self.0);
+        let Some((free, places)) = all.split_at_mut_checked(all.len().saturating_sub(count)) else { return };
+        for place in places.iter_mut().rev() {
+            *place = b'0' + (value % 10) as u8;
             value /= 10;
-            count += 1;
         }
-        self.first = self.first.saturating_sub(count);
+        self.0 = free;
     }
 }
 
-/// Splits off the last nine digits.
-pub(super) fn split(value: u64) -> (u64, u32) {
-    if value < u64::from(SPLIT) { (0, value as u32) } else { divided(value, SPLIT) }
+/// Returns the number of digits of a number below 10¹⁸, which is at least one.
+pub(super) fn digits(value: u64) -> usize {
+    match u32::try_from(value) {
+        Ok(value) => low_digits(value),
+        Err(_) => low_digits(divided(value, SPLIT).0 as u32) + LOW_DIGITS,
+    }
+}
+
+/// Returns the number of digits of a number of 32 bits, which is at least one.
+pub(super) fn low_digits(value: u32) -> usize {
+    /// The logarithm of 2 to the base 10, in 2⁻¹².
+    const DIGITS_OF_A_BIT: u32 = 1233;
+    // Zero has a digit, as 1 has.
+    let value = value.max(1);
+    // Numbers with as many bits have this many digits, or one more.
+    let least = ((32 - value.leading_zeros()) * DIGITS_OF_A_BIT >> 12) as usize;
+    least + usize::from(SCALE.get(least).is_some_and(|power| value >= *power))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Digits, digits};
+    use std::string::ToString as _;
+
+    #[test]
+    fn numbers_have_the_digits_that_the_library_prints() {
+        let powers = (0..18).map(|power| 10_u64.pow(power));
+        let edges = powers.flat_map(|power| [power - 1, power, power + 1]);
+        for value in edges.chain((0..59).flat_map(|bit| [(1 << bit) - 1, 1 << bit])) {
+            let want = value.to_string();
+            assert_eq!(digits(value), want.len(), "{value}");
+            let mut field = [b' '; 24];
+            Digits(&mut field).number(value, digits(value));
+            assert_eq!(std::str::from_utf8(&field).expect("ASCII").trim_start(), want);
+        }
+    }
+
+    #[test]
+    fn a_field_takes_no_more_than_its_places() {
+        let mut field = *b"   ";
+        let mut digits = Digits(&mut field);
+        digits.low(7, 2);
+        digits.put(b'-');
+        digits.put(b'-');
+        digits.low(1, 1);
+        assert_eq!(&field, b"-07");
+    }
 }

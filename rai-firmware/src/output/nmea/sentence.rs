@@ -9,11 +9,10 @@
 //! because the processor divides 32 bits in hardware and 64 bits by long calls.
 
 use embedded_io::Write;
-use heapless::Vec;
 use raim_core::satellite::SatelliteId;
 
 use super::TimeOfDay;
-use super::digits::{Digits, LOW_DIGITS, split};
+use super::digits::{Digits, SCALE, digits, low_digits};
 use crate::division::divided;
 
 /// Longest sentence, `$` and CR LF included ([NMEA-0183] v4.11 §5.3).
@@ -24,17 +23,15 @@ pub const MAX_LENGTH: usize = 82;
 /// Length of checksum and line end: `*CS` CR LF.
 pub(super) const ENDING: usize = 5;
 
-/// Powers of ten up to the largest number of decimals of a field.
-const SCALE: [u32; 10] =
-    [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000, 1_000_000_000];
-
 /// Largest scaled number; larger ones are not formatted, and every field ends far below it.
 const SCALED_LIMIT: f64 = 1e15;
 
 /// Sentence that is being built.
 #[derive(Clone, Debug)]
 pub struct Sentence {
-    bytes: Vec<u8, MAX_LENGTH>,
+    /// Characters, of which the first `length` are written.
+    text: [u8; MAX_LENGTH],
+    length: usize,
     overflown: bool,
 }
 
@@ -44,6 +41,8 @@ struct Fixed {
     negative: bool,
     whole: u64,
     fraction: u32,
+    /// Number of digits of `whole`, and of `fraction`.
+    digits: usize,
     decimals: usize,
 }
 
@@ -54,7 +53,8 @@ impl Fixed {
         let scale = *SCALE.get(decimals)?;
         let scaled = nearest_integer(libm::fabs(value) * f64::from(scale))?;
         let (whole, fraction) = divided(scaled, scale);
-        Some(Self { negative: value.is_sign_negative() && scaled > 0, whole, fraction, decimals })
+        let negative = value.is_sign_negative() && scaled > 0;
+        Some(Self { negative, whole, fraction, digits: digits(whole), decimals })
     }
 
     /// Rounds in single precision, which the processor supports. The result differs from
@@ -69,12 +69,8 @@ impl Fixed {
         }
         let scaled = (libm::fabsf(value as f32) * scale as f32 + BESIDE).to_bits() - BESIDE.to_bits();
         let (whole, fraction) = (scaled / scale, scaled % scale);
-        Some(Self {
-            negative: value.is_sign_negative() && scaled > 0,
-            whole: u64::from(whole),
-            fraction,
-            decimals,
-        })
+        let (negative, digits) = (value.is_sign_negative() && scaled > 0, low_digits(whole));
+        Some(Self { negative, whole: u64::from(whole), fraction, digits, decimals })
     }
 
     /// Returns the value with as many decimals, up to `decimals`, as fit into `width` characters.
@@ -86,7 +82,7 @@ impl Fixed {
 
     fn width(self) -> usize {
         let point = if self.decimals > 0 { self.decimals + 1 } else { 0 };
-        usize::from(self.negative) + digits(self.whole) + point
+        usize::from(self.negative) + self.digits + point
     }
 }
 
@@ -101,14 +97,6 @@ fn nearest_integer(value: f64) -> Option<u64> {
     is_within.then(|| (value + BESIDE).to_bits() - BESIDE.to_bits())
 }
 
-/// Returns the number of digits of a number.
-fn digits(value: u64) -> usize {
-    match split(value) {
-        (0, low) => 1 + SCALE.iter().skip(1).take_while(|&&power| low >= power).count(),
-        (high, _) => digits(high) + LOW_DIGITS,
-    }
-}
-
 /// Returns true for a character that may stand inside a field: printable, and not reserved by the
 /// format.
 pub(crate) fn is_field_character(byte: u8) -> bool {
@@ -120,7 +108,7 @@ impl Sentence {
     // Not inlined, so that its many callers share one copy.
     #[inline(never)]
     pub fn new(address: &str) -> Self {
-        let mut sentence = Self { bytes: Vec::new(), overflown: false };
+        let mut sentence = Self { text: [0; MAX_LENGTH], length: 0, overflown: false };
         sentence.push_one(b'$');
         sentence.push(address.as_bytes());
         sentence
@@ -156,9 +144,9 @@ impl Sentence {
 
     /// Appends a whole number, with leading zeros up to `width` digits.
     pub fn integer(&mut self, value: u32, width: usize) -> &mut Self {
-        let mut digits = Digits::new();
-        digits.number(u64::from(value), width);
-        self.field(digits)
+        let count = low_digits(value).max(width);
+        self.field(count).low(value, count);
+        self
     }
 
     /// Appends eight hexadecimal digits.
@@ -205,30 +193,29 @@ impl Sentence {
         let Some(minutes) = Fixed::new(degrees * 60.0, 7) else { return self.empty().empty() };
         // 180° is 10,800 minutes, which fits into 32 bits.
         let whole_minutes = minutes.whole as u32;
-        let mut digits = Digits::new();
-        digits.low(minutes.fraction, 7);
-        digits.put(b'.');
-        digits.low(whole_minutes % 60, 2);
-        digits.low(whole_minutes / 60, degree_digits);
-        self.field(digits);
+        let mut field = self.field(degree_digits + "mm.0123456".len());
+        field.low(minutes.fraction, 7);
+        field.put(b'.');
+        field.low(whole_minutes % 60, 2);
+        field.low(whole_minutes / 60, degree_digits);
         let [positive, negative] = hemispheres;
         self.ready(if minutes.negative { negative } else { positive }.as_bytes())
     }
 
     /// Returns the text behind the address, for other sentences with the same fields.
     pub(super) fn fields(&self) -> &[u8] {
-        let from =
-            self.bytes.iter().position(|byte| *byte == b',').map_or(self.bytes.len(), |comma| comma + 1);
-        self.bytes.get(from..).unwrap_or_default()
+        let text = self.written();
+        let from = text.iter().position(|byte| *byte == b',').map_or(text.len(), |comma| comma + 1);
+        text.get(from..).unwrap_or_default()
     }
 
     /// Appends a satellite as in RINEX: `G05`.
     pub fn satellite(&mut self, satellite: SatelliteId) -> &mut Self {
         let (letter, number) = satellite.name();
-        let mut digits = Digits::new();
-        digits.low(u32::from(number), 2);
-        digits.put(letter as u8);
-        self.field(digits)
+        let mut field = self.field("G05".len());
+        field.low(u32::from(number), 2);
+        field.put(letter as u8);
+        self
     }
 
     /// Appends a satellite's number in the numbering of [NMEA-0183] v4.11, which needs a system id.
@@ -247,54 +234,83 @@ impl Sentence {
             return None;
         }
         // The `$` does not count.
-        let checksum = exclusive_or(&self.bytes) ^ b'$';
+        let checksum = exclusive_or(self.written()) ^ b'$';
         let [high, low] = [checksum >> 4, checksum & 0xF].map(hexadecimal);
         self.push(&[b'*', high, low, b'\r', b'\n']);
-        Some(&self.bytes)
+        Some(self.written())
     }
 
     /// Returns the number of characters that still fit before checksum and line end.
     pub(super) fn room(&self) -> usize {
-        (MAX_LENGTH - ENDING).saturating_sub(self.bytes.len())
+        (MAX_LENGTH - ENDING).saturating_sub(self.length)
     }
 
     /// Returns true if checksum and line end fit.
     pub(super) fn fits(&self) -> bool {
-        !self.overflown && self.bytes.len() + ENDING <= MAX_LENGTH
+        !self.overflown && self.length + ENDING <= MAX_LENGTH
     }
 
     /// Appends a rounded number, or an empty field for `None`.
     fn fixed(&mut self, fixed: Option<Fixed>) -> &mut Self {
         let Some(fixed) = fixed else { return self.empty() };
-        let mut digits = Digits::new();
+        let mut field = self.field(fixed.width());
         if fixed.decimals > 0 {
-            digits.low(fixed.fraction, fixed.decimals);
-            digits.put(b'.');
+            field.low(fixed.fraction, fixed.decimals);
+            field.put(b'.');
         }
-        digits.number(fixed.whole, 1);
+        field.number(fixed.whole, fixed.digits);
         if fixed.negative {
-            digits.put(b'-');
+            field.put(b'-');
         }
-        self.field(digits)
-    }
-
-    /// Appends a field of digits.
-    fn field(&mut self, mut digits: Digits) -> &mut Self {
-        digits.put(b',');
-        self.push(digits.text());
         self
     }
 
-    // Not inlined, nor is the function below: they have many callers, and flash is scarcer than
+    /// Opens a field of this many characters, with its comma.
+    fn field(&mut self, length: usize) -> Digits<'_> {
+        match self.place(1 + length) {
+            [comma, field @ ..] => {
+                *comma = b',';
+                Digits(field)
+            }
+            [] => Digits(&mut []),
+        }
+    }
+
+    // Not inlined, nor are the functions below: they have many callers, and flash is scarcer than
     // time here.
     #[inline(never)]
     fn push_one(&mut self, byte: u8) {
-        self.overflown |= self.bytes.push(byte).is_err();
+        if let [place] = self.place(1) {
+            *place = byte;
+        }
     }
 
     #[inline(never)]
     fn push(&mut self, bytes: &[u8]) {
-        self.overflown |= self.bytes.extend_from_slice(bytes).is_err();
+        for (place, byte) in self.place(bytes.len()).iter_mut().zip(bytes) {
+            *place = *byte;
+        }
+    }
+
+    /// Returns the place of the next characters; no place if they do not fit.
+    #[inline(never)]
+    fn place(&mut self, length: usize) -> &mut [u8] {
+        let end = self.length + length;
+        match self.text.get_mut(self.length..end) {
+            Some(place) => {
+                self.length = end;
+                place
+            }
+            None => {
+                self.overflown = true;
+                &mut []
+            }
+        }
+    }
+
+    /// Returns what was written.
+    fn written(&self) -> &[u8] {
+        self.text.get(..self.length).unwrap_or_default()
     }
 }
 

@@ -1,8 +1,10 @@
 //! Tools of an adversary: skies as bytes, epoch by epoch, changed on the way.
 
+use std::collections::BTreeSet;
+
 use anyhow::Result;
 use raim::signal::encode::{Encoder, Frequency, Selection};
-use raim::signal::fault::Measured as _;
+use raim::signal::fault::Measured;
 use raim::signal::measurement::MeasuredEpoch;
 use raim::signal::recording::Recording;
 use raim::signal::sky::Site;
@@ -19,15 +21,22 @@ pub(super) struct Sky {
 }
 
 impl Sky {
-    /// Records GPS and `BeiDou` of a simulation.
+    /// Records GPS and `BeiDou` of a simulation, with the ephemerides of all their satellites.
     pub(super) fn of(simulation: &Simulation, frequency: Frequency) -> Result<Self> {
-        Self::with(simulation, "GC", frequency)
+        let selection = Selection::new("GC", frequency)?;
+        Ok(Self { recording: simulation.record(), truth: simulation.site.position, selection })
     }
 
-    /// Records the systems with these letters of a simulation.
+    /// Records the systems with these letters of a simulation, with the ephemerides of the
+    /// satellites in view.
+    ///
+    /// Those of all satellites of three systems would fill the memory of the module.
     pub(super) fn with(simulation: &Simulation, letters: &str, frequency: Frequency) -> Result<Self> {
-        let selection = Selection::new(letters, frequency)?;
-        Ok(Self { recording: simulation.record(), truth: simulation.site.position, selection })
+        let mut sky = Self { selection: Selection::new(letters, frequency)?, ..Self::of(simulation, frequency)? };
+        let seen: BTreeSet<SatelliteId> =
+            sky.recording.epochs.iter().flat_map(Measured::satellites).collect();
+        sky.recording.ephemerides.retain(|set| seen.contains(&set.satellite));
+        Ok(sky)
     }
 
     /// Returns a sky above Xi'an on two frequencies, an epoch a second, halfway between two changes

@@ -1,11 +1,11 @@
 //! The module in process, and its report on each epoch beside the truth.
 
 use anyhow::{Context as _, Result, ensure};
-use raim::pin::Pin;
 use raim::sentence::{self, EpochOutput};
 use raim_core::frame::{Ecef, Enu, LocalFrame};
 use raim_core::velocity::Velocity;
 use raim_firmware::input::Suspicion;
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::SEALED_BYTES;
 
@@ -15,15 +15,15 @@ const LOOK: f64 = 0.6;
 
 /// A module under attack.
 pub struct Victim {
-    receiver: Receiver<Pin>,
+    receiver: Receiver<MemoryPin>,
     now_ms: u64,
     step_ms: u64,
 }
 
 /// Returns a module that has received nothing.
-fn started() -> Result<Receiver<Pin>> {
+fn started() -> Result<Receiver<MemoryPin>> {
     let boot = Boot::on_host("attack");
-    Receiver::new(Pin::default(), boot).context("the module cannot start")
+    Receiver::new(MemoryPin::default(), boot).context("the module cannot start")
 }
 
 /// The report on one epoch, and its error.

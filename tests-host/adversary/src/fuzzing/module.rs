@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use raim::pin::Pin;
 use raim::sentence::EpochOutput;
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::Configuration;
 
@@ -11,7 +11,7 @@ use super::overheard;
 
 /// A module, its clock, and the number of bytes and epochs that it processed.
 pub(super) struct Module {
-    receiver: Receiver<Pin>,
+    receiver: Receiver<MemoryPin>,
     now_ms: u64,
     bytes: usize,
     epochs: usize,
@@ -21,7 +21,8 @@ pub(super) struct Module {
 impl Module {
     pub(super) fn new() -> Self {
         let boot = Boot::on_host("fuzzing");
-        let receiver = Receiver::new(Pin::default(), boot).expect("thresholds of the requirements at start");
+        let receiver =
+            Receiver::new(MemoryPin::default(), boot).expect("thresholds of the requirements at start");
         Self { receiver, now_ms: 0, bytes: 0, epochs: 0, stale: 0 }
     }
 

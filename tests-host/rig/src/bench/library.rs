@@ -15,6 +15,7 @@ use std::process::Command;
 use anyhow::{Context as _, Result};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags, SectionKind};
 
+use super::Scope;
 use super::figure::Figure;
 use crate::capi::{Optimised, Processor, library_of, run};
 use crate::no_panic::static_library::linker;
@@ -58,6 +59,7 @@ type Build = (&'static str, Level, &'static str, (Optimised, Processor), Option<
 /// Most builds are compiled for size on the boards' processor.
 const SMALL: (Optimised, Processor) = (Optimised::Size, Processor::OfBoards);
 
+/// All builds; the first [`TESTED`] are those of [`crate::capi::program::classic_on_board`].
 const BUILDS: [Build; 12] = [
     ("classic, 16 satellites", Level::Monitor, "", SMALL, Some(CLASSIC_BYTES)),
     ("classic, 32 satellites", Level::Monitor, "satellites-32", SMALL, Some(CLASSIC_BYTES)),
@@ -85,22 +87,42 @@ const BUILDS: [Build; 12] = [
     ("48 satellites", Level::Receiver, "whole,satellites-48", SMALL, None),
 ];
 
-/// Measures flash and object of every build.
+/// Number of builds, from the first, that the tests of the C interface link anyway.
+const TESTED: usize = 3;
+
+/// Returns the builds that a measurement includes.
+fn builds(scope: Scope) -> &'static [Build] {
+    match scope {
+        Scope::All => &BUILDS,
+        Scope::Tested => &BUILDS[..TESTED],
+    }
+}
+
+/// Returns true if a measurement includes the figure of that name, which need not be of a library.
+pub fn is_measured(name: &str, scope: Scope) -> bool {
+    let is_of = |(words, level, ..): &Build| {
+        ["flash", "object"].iter().any(|quantity| figure_name(*level, words, quantity) == name)
+    };
+    builds(scope).iter().any(is_of) || !BUILDS.iter().any(is_of)
+}
+
+fn figure_name(level: Level, words: &str, quantity: &str) -> String {
+    format!("C library, {}, {words}: {quantity}, bytes", level.name())
+}
+
+/// Measures flash and object of the builds.
 ///
 /// # Errors
 /// If one does not build or link.
-pub fn measure() -> Result<Vec<Figure>> {
+pub fn measure(scope: Scope) -> Result<Vec<Figure>> {
     let linker = linker()?;
     let mut figures = Vec::new();
-    for (words, level, features, (optimised, processor), most) in BUILDS {
+    for &(words, level, features, (optimised, processor), most) in builds(scope) {
         let archive = library_of(features, optimised, processor)?;
         let (flash, object) =
             sizes(&linker, &archive, level).with_context(|| format!("{}, {words}", level.name()))?;
-        let figure = |of: &str, value, target| Figure {
-            name: format!("C library, {}, {words}: {of}, bytes", level.name()),
-            value,
-            target,
-        };
+        let figure =
+            |quantity, value, target| Figure { name: figure_name(level, words, quantity), value, target };
         figures.extend([figure("flash", flash, most), figure("object", object, None)]);
     }
     Ok(figures)
@@ -127,4 +149,20 @@ fn is_loaded<'a>(section: &impl object::ObjectSection<'a>) -> bool {
     let allocated = u64::from(object::elf::SHF_ALLOC);
     matches!(section.flags(), SectionFlags::Elf { sh_flags } if sh_flags & allocated != 0)
         && section.kind() != SectionKind::UninitializedData
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::budget;
+
+    #[test]
+    fn tested_scope_leaves_out_the_other_libraries_and_nothing_else() {
+        let committed = budget::committed().expect("the committed figures");
+        let of = |scope| committed.keys().filter(move |name| is_measured(name, scope));
+        assert_eq!(of(Scope::All).count(), committed.len());
+        let left_out: Vec<_> = committed.keys().filter(|name| !is_measured(name, Scope::Tested)).collect();
+        assert_eq!(left_out.len(), 2 * (BUILDS.len() - TESTED), "{left_out:?}");
+        assert!(left_out.iter().all(|name| name.starts_with("C library, ")), "{left_out:?}");
+    }
 }

@@ -188,7 +188,7 @@ const MISSING: &str = "qemu-system-arm cannot be run (`cargo xtask setup` instal
 
 /// Builds the measuring image in release form, like the shipped one.
 fn build(machine: Machine) -> Result<PathBuf> {
-    image::build_for(machine, &["--features", "laboratory", "--bin", "laboratory"])
+    image::build_for(machine, &["--features", "instruments", "--bin", "laboratory"])
 }
 
 fn answers(bytes: &[u8], machine: Machine) -> Vec<Answer> {

@@ -36,6 +36,12 @@ use crate::image::{self, CompiledFor, NAMED, Named};
 /// Symbol that the panic handler of the image calls.
 pub const SYMBOL: &str = "rai_a_panic_is_reachable_here";
 
+/// Image of every public function of the two libraries.
+pub const EVERY_FUNCTION: &str = "no_panic";
+
+/// Image of one function that panics, which must be found.
+pub const ONE_PANIC: &str = "reachable_panic";
+
 /// Places at which a named image may panic: RTT refuses a second initialisation, and is
 /// initialised once, at start.
 pub const TOLERATED: [&str; 1] = ["rai-firmware/src/board/arm/log.rs"];
@@ -47,7 +53,7 @@ pub const TOLERATED: [&str; 1] = ["rai-firmware/src/board/arm/log.rs"];
 /// If a panic is reachable, with each place; or if an image does not compile.
 pub fn prove() -> anyhow::Result<()> {
     for compiled_for in CompiledFor::ALL {
-        prove_library("probe", compiled_for)?;
+        prove_library(EVERY_FUNCTION, compiled_for)?;
     }
     NAMED.iter().try_for_each(prove_image)?;
     refuse(&StaticLibrary::build()?.offences(&[])?)
@@ -60,13 +66,12 @@ fn prove_image(named: &Named) -> anyhow::Result<()> {
         .with_context(|| format!("image `{}`", named.name))
 }
 
-/// Links the image of all public functions with these features of `rai-firmware`. `reachable-panic`
-/// adds a panic that must be found.
+/// Links an image whose panic handler calls [`SYMBOL`]: [`EVERY_FUNCTION`] or [`ONE_PANIC`].
 ///
 /// # Errors
 /// As [`prove`].
-pub fn prove_library(features: &str, compiled_for: CompiledFor) -> anyhow::Result<()> {
-    let linked = std::fs::read(link("no_panic", features, compiled_for)?)?;
+pub fn prove_library(image: &str, compiled_for: CompiledFor) -> anyhow::Result<()> {
+    let linked = std::fs::read(link(image, compiled_for)?)?;
     let lacking = undefined(&linked)?;
     if lacking.is_empty() {
         return Ok(());
@@ -84,11 +89,11 @@ fn refuse(places: &[Offence]) -> anyhow::Result<()> {
 }
 
 /// Links an image, even with undefined symbols.
-fn link(name: &str, features: &str, compiled_for: CompiledFor) -> anyhow::Result<PathBuf> {
+fn link(name: &str, compiled_for: CompiledFor) -> anyhow::Result<PathBuf> {
     let mut cargo = image::cargo();
     cargo
         .args(["rustc", "--profile", compiled_for.profile(), "--target=thumbv7em-none-eabihf"])
-        .args(["--package=raim-firmware", "--bin", name, "--features", features])
+        .args(["--package=raim-firmware", "--bin", name, "--features", "stm32f405,instruments"])
         .args(["--quiet", "--message-format=json-render-diagnostics", "--"])
         .args(["-C", "link-arg=--warn-unresolved-symbols"]);
     let output = cargo.output().context("cargo cannot be run")?;

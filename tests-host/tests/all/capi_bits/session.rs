@@ -1,7 +1,6 @@
 //! A session run twice: as calls for the C program, and in Rust, whose results are laid out by the
 //! header.
 
-use raim::pin::Pin;
 use raim::sentence;
 use raim_core::continuity::ContinuitySettings;
 use raim_core::epoch::{Epoch, Observation};
@@ -13,6 +12,7 @@ use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::single::{self, CAPACITY, Monitor};
 use raim_core::velocity::Velocity;
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use rig::capi::{self, calls::Calls};
 
@@ -22,7 +22,7 @@ pub(crate) struct Session {
     want: Vec<Vec<u8>>,
     header: String,
     monitor: Option<Monitor>,
-    receiver: Option<Receiver<Pin>>,
+    receiver: Option<Receiver<MemoryPin>>,
     protected: usize,
 }
 
@@ -133,7 +133,8 @@ impl Session {
     pub(crate) fn start(&mut self) {
         self.calls.start();
         let boot = Boot::on_host("library");
-        let receiver = self.receiver.insert(Receiver::new(Pin::default(), boot).expect("in the tables"));
+        let receiver =
+            self.receiver.insert(Receiver::new(MemoryPin::default(), boot).expect("in the tables"));
         let mut said = Vec::new();
         receiver.greet(&mut said);
         self.want.push(said);
@@ -192,7 +193,7 @@ impl Session {
         self.want.push(want);
     }
 
-    fn hear(&mut self, call: impl FnOnce(&mut Receiver<Pin>, &mut Vec<u8>) -> bool) {
+    fn hear(&mut self, call: impl FnOnce(&mut Receiver<MemoryPin>, &mut Vec<u8>) -> bool) {
         let mut receiver = self.receiver.take().expect("started");
         let mut said = Vec::new();
         let judged = call(&mut receiver, &mut said);

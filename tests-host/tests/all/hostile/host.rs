@@ -3,10 +3,10 @@
 
 use std::cell::{Cell, RefCell};
 
-use raim::pin::Pin;
 use raim::sentence::{self, Sentence};
 use raim_firmware::outlet::Outlet;
 use raim_firmware::output::nmea::MAX_LENGTH;
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::ring::Ring;
 
@@ -46,7 +46,7 @@ fn a_starved_host_misses_whole_sentences_and_the_pin_does_not_suffer() {
     let wire =
         Wire { ring: &ring, bytes_per_ms: Cell::new(11), now_ms: Cell::new(0), taken: RefCell::default() };
     let boot = Boot::on_host("slow");
-    let mut receiver = Receiver::new(Pin::default(), boot).unwrap();
+    let mut receiver = Receiver::new(MemoryPin::default(), boot).unwrap();
     let mut outlet = Outlet::new(&ring, || ());
     for (turn, lump) in sky.lumps.iter().enumerate() {
         // 115200 baud are 11 bytes a millisecond; a busy host takes none.

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use raim::pin::Pin;
 use raim::sentence::{self, EpochOutput};
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::sky::Site;
 use raim::signal::sky::raw::Simulation;
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 
 /// Pause after each burst, in which a receiver would be silent, ms.
@@ -42,7 +42,7 @@ impl Sky {
 
 /// The module, with a copy of its counters.
 pub(crate) struct Module {
-    pub(crate) receiver: Receiver<Pin>,
+    pub(crate) receiver: Receiver<MemoryPin>,
     site: Site,
     now_ms: u64,
     noted: BTreeMap<&'static str, u32>,
@@ -52,7 +52,7 @@ impl Module {
     /// Returns a module without input so far.
     pub(crate) fn new(sky: &Sky) -> Self {
         let boot = Boot::on_host("hostile");
-        let receiver = Receiver::new(Pin::default(), boot).unwrap();
+        let receiver = Receiver::new(MemoryPin::default(), boot).unwrap();
         Self { receiver, site: sky.site, now_ms: 0, noted: BTreeMap::new() }
     }
 

@@ -316,12 +316,14 @@ fn next<T: Real>(
     solutions.prepare_without_biases(priors);
     // In single precision no smaller difference of two sums is known.
     let tie = view.sse * T::TIE;
+    let singles = monitored.singles();
     let mut agreeing = |option: Hypothesis, limit: Option<T>| {
         let taken = monitored.modes.taken_by(option);
         let is_left = monitored.leaves_enough(taken, 1);
         let sse = if is_left { solutions.sse_without(view.sse, option)? } else { return None };
         let is_close = limit.is_none_or(|limit| sse < limit);
-        (is_close && !solutions.contradict(option, monitored.singles(taken), limits)).then_some((sse, option))
+        let singles_left = singles & monitored.modes.not_alone(taken) & !taken;
+        (is_close && !solutions.contradict(option, singles_left, limits)).then_some((sse, option))
     };
     let satellites = members(left.satellites).map(Hypothesis::of_row);
     if let Some(best) = rivals::best(satellites, tie, &mut agreeing) {

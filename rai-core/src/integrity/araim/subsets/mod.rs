@@ -378,10 +378,17 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
         singles: RowSet,
         limits: &Vector3<T>,
     ) -> bool {
-        if self.by_algebra(hypothesis).is_none() {
+        let is_of_row = hypothesis.rows().next().is_some();
+        if is_of_row {
+            // The solution without a lone row does not store that row, from which the others are
+            // tested here.
+            self.enter_first(hypothesis);
+            if self.first.is_none() {
+                return false;
+            }
+        } else if self.by_algebra(hypothesis).is_none() {
             return false;
         }
-        let is_of_row = hypothesis.rows().next().is_some();
         self.kernel.complete(&self.groups);
         members(singles).any(|index| {
             let left = if is_of_row { self.left_by_first(index) } else { self.left_by_kernel(index) };

@@ -1,6 +1,7 @@
 //! Tests of internals: the worked example with every intermediate, and random skies against dense
 //! least squares.
 
+mod contradictions;
 mod random_skies;
 mod systems_apart;
 

@@ -16,6 +16,16 @@
 //! test without it. Another system is then blamed only if its own exclusion passes and that of the
 //! wrong one does not, which is no likelier than a false alarm.
 //!
+//! **Cost.** A solution that moved far is solved again about its own point, as expensive as a fix.
+//! That is left out if the misfit about the present point is larger than a distance can cause:
+//!
+//! ```text
+//! SSE > 10⁴ + 32 Σw (d²/2ρ)²        d the correction, ρ the distance of the nearest satellite
+//! ```
+//!
+//! If the others agree at a distance `D`, their ranges are off by `D²/2ρ` at most about the present
+//! point, and `D` is at most `2d`, which gives `SSE ≤ 16 Σw (d²/2ρ)²` and the noise.
+//!
 //! **Two systems.** Each explains the data by the other's fault, whatever their sizes, so that none
 //! is left out. A lone satellite agrees with any place and is no system here.
 //!
@@ -25,8 +35,9 @@
 use crate::bit_set::{bit, count_of};
 use crate::integrity::raim::detection::Detection;
 use crate::integrity::raim::detection::threshold::Thresholds;
-use crate::least_squares::Excludable;
+use crate::least_squares::{Excludable, Snapshot};
 use crate::numeric::real::Real;
+use crate::numeric::space::dot;
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::Constellation;
 
@@ -66,8 +77,14 @@ pub(crate) fn find<T: Real>(
     let mut least_rival: Option<T> = None;
     for (constellation, rows) in Constellation::ALL.into_iter().zip(systems) {
         // Others that determine no position confirm nothing, and are no rivals either.
-        if rows == 0 || solution.leave_out_all(rows).is_err() {
+        if rows == 0 || solution.set_aside_all(rows).is_err() {
             continue;
+        }
+        if may_agree(solution.snapshot()) {
+            solution.take_back_all(rows);
+            if solution.leave_out_all(rows).is_err() {
+                continue;
+            }
         }
         let (left, dof) = (solution.snapshot().sse(), solution.snapshot().dof());
         let passes = Detection::passes(solution.snapshot(), thresholds);
@@ -85,6 +102,19 @@ pub(crate) fn find<T: Real>(
     let is_apart =
         |found: &BrokenSystem<T>| least_rival.is_none_or(|rival| rival >= found.left + threshold * threshold);
     found.filter(is_apart)
+}
+
+/// Returns true if the rows may agree about a point that is nearer to the solution.
+fn may_agree<T: Real>(snapshot: &Snapshot<'_, T>) -> bool {
+    /// Distance of the nearest satellite of any system, m.
+    const NEAREST_M: f64 = 1.9e7;
+    /// Sum of squares beyond every threshold.
+    const FLOOR: f64 = 1e4;
+    let weights = snapshot.equations().iter().fold(T::zero(), |sum, row| sum + row.weight);
+    let correction = snapshot.correction();
+    let bent_m = dot(&correction, &correction) * T::narrow(0.5 / NEAREST_M);
+    // NaN fails this comparison, so that it may agree.
+    !(snapshot.sse() > T::narrow(FLOOR) + T::narrow(32.0) * weights * bent_m * bent_m)
 }
 
 /// Returns the satellites of a system that take part.

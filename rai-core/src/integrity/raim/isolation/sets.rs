@@ -136,10 +136,13 @@ fn pairs<T: Real>(
         if first.is_untestable() {
             continue;
         }
-        let going = PairCandidate::new(first);
+        let mut going = PairCandidate::new(explained, first);
+        going.set_bar(above.bar);
         for second in work.granted(rest) {
-            let explained = explained + going.explains_with(second);
-            above.consider(explained, || set(first.index(), second.index()));
+            if let Some(explained) = going.explains_with(second) {
+                above.consider(explained, || set(first.index(), second.index()));
+                going.set_bar(above.bar);
+            }
         }
     }
 }

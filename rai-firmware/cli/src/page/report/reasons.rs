@@ -25,7 +25,10 @@ const REASONS: [(&str, &str); 28] = [
     ("INPUT", "the input was refused as a whole"),
     ("RECOVERING", "the satellites agree again after an alert, but not yet for as long as RECOVER asks"),
     ("PLACE", "a height or place where no receiver can be"),
-    ("SIGMAS", "the residuals of the last minute contradict the sigmas"),
+    (
+        "SIGMAS",
+        "the residuals of the last minute contradict the sigmas, or the satellites left after an exclusion hardly agree",
+    ),
     ("EPHEMERIS", "ranges arrived without orbits"),
     ("SELFTEST", "a known answer was missed"),
     ("SETTINGS", "settings were lost by a restart, or a command has changed one that a promise rests on"),

@@ -136,10 +136,8 @@ impl Encoder {
             append(&mut self.builder, &mut bytes, &broadcast(&ephemeris.message, week_of))
                 .with_context(|| format!("ephemeris of {}", ephemeris.satellite))?;
         }
-        let ranges = msm::messages(epoch, &self.selection, &self.channels, &mut self.unsendable);
-        for message in ranges {
-            append(&mut self.builder, &mut bytes, &message).context("ranges")?;
-        }
+        let ranges = msm::frames(epoch, &self.selection, &self.channels, &mut self.unsendable);
+        bytes.extend(ranges.flatten());
         Ok(bytes)
     }
 }

@@ -107,7 +107,8 @@ struct Signals {
 /// # Errors
 /// A pseudorange that is no number with a decimal point, because what follows it may have moved.
 fn signals(fields: &[(usize, Field)], values: &str) -> Result<Signals> {
-    let mut found = Signals { signals: Vec::new(), damaged: 0 };
+    let ranges = fields.iter().take_while(|(_, field)| field.quantity == Quantity::Pseudorange).count();
+    let mut found = Signals { signals: Vec::with_capacity(ranges), damaged: 0 };
     for &(column, field) in fields {
         let value = match (value(values, column), field.quantity) {
             (Err(error), Quantity::Pseudorange) => return Err(error),

@@ -2,6 +2,8 @@
 
 use anyhow::{Result, ensure};
 
+use crate::signal::checksum;
+
 /// Row of bits that fields are appended to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Row {
@@ -77,10 +79,13 @@ fn remainder(bits: &[bool], polynomial: &[bool]) -> Vec<bool> {
     rest.split_off(bits.len())
 }
 
-/// Returns the CRC-24Q.
+/// Returns the CRC-24Q. Zeros in front fill whole bytes, because they do not change it.
 pub(super) fn crc24q(bits: &[bool]) -> Vec<bool> {
-    let polynomial: Vec<bool> = (0..25).rev().map(|power| 0x0186_4CFB_u32 >> power & 1 == 1).collect();
-    remainder(bits, &polynomial)
+    let zeros = std::iter::repeat_n(false, bits.len().next_multiple_of(8) - bits.len());
+    let filled: Vec<bool> = zeros.chain(bits.iter().copied()).collect();
+    let bytes: Vec<u8> = filled.chunks(8).map(|byte| number(byte) as u8).collect();
+    let parity = checksum::crc24q(&bytes);
+    parity.iter().flat_map(|byte| (0..8).rev().map(move |power| byte >> power & 1 == 1)).collect()
 }
 
 /// Returns the four parity bits of eleven bits: `x⁴ + x + 1`.

@@ -147,6 +147,12 @@ impl Encoder {
         Self { selection, schedule, channels: Channels::of(ephemerides), ionosphere_and_utc }
     }
 
+    /// Sends ephemerides as a receiver does: only those of the satellites in view, repeatedly.
+    #[must_use]
+    pub fn as_receiver(self) -> Self {
+        Self { schedule: self.schedule.like_a_receiver(), ..self }
+    }
+
     /// Returns the bytes of an epoch, with the selected signals.
     ///
     /// # Errors

@@ -1,47 +1,31 @@
 //! Every public function of the integrity core.
 
-use core::fmt::Display;
-use core::ops::{Add, Sub};
-use core::str::FromStr;
+mod values;
 
-use raim_core::allocation::AllocationError;
+use core::fmt::Display;
+
 use raim_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
-use raim_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Motion, Recovery};
-use raim_core::epoch::{Epoch, EpochError, EpochView};
-use raim_core::frame::{Ecef, Enu, Geodetic, LocalAxes, LocalFrame};
-use raim_core::integrity::araim::{self, Allocation, AraimError, AraimScratch, Finding, Hypothesis};
-use raim_core::integrity::raim::detection::threshold::policy::{
-    self, NoThreshold, ThresholdProblem, Weights,
-};
-use raim_core::integrity::raim::detection::threshold::{self, ThresholdError, Thresholds};
+use raim_core::continuity::{Continuity, ContinuitySettings, Motion, Recovery};
+use raim_core::integrity::araim::{self, AraimScratch, Finding};
+use raim_core::integrity::raim::detection::threshold::policy::ThresholdProblem;
 use raim_core::integrity::raim::detection::{self, Detection};
 use raim_core::integrity::raim::hypotheses::separability;
-use raim_core::integrity::raim::isolation::baarda;
-use raim_core::integrity::raim::isolation::exclusion;
-use raim_core::integrity::raim::isolation::parity;
-use raim_core::integrity::raim::isolation::ransac::{self, NoConsensus, Selection};
+use raim_core::integrity::raim::isolation::ransac::{self, Selection};
+use raim_core::integrity::raim::isolation::{baarda, exclusion, parity};
 use raim_core::integrity::raim::levels::{self, Slopes};
 use raim_core::integrity::raim::shared_errors;
-use raim_core::integrity::{self, Method, MethodError, MethodScratch};
+use raim_core::integrity::{self, MethodScratch};
 use raim_core::least_squares::downdate::{self, ExclusionSet, NormalisedRow};
-use raim_core::least_squares::equations::{LinearEpoch, RowError};
-use raim_core::least_squares::fix::{Fix, FixError};
-use raim_core::least_squares::{Excludable, RowFit, Snapshot, SnapshotError, Workspace};
-use raim_core::monitor::{EpochOutcome, Monitor, MonitorError, MonitorWorkspace, ValidatedRequirements};
+use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::least_squares::fix::Fix;
+use raim_core::least_squares::{Excludable, RowFit, Snapshot, Workspace};
+use raim_core::monitor::{EpochOutcome, Monitor, MonitorWorkspace, ValidatedRequirements};
 use raim_core::numeric::absolute::{Absolute, Grid};
 use raim_core::numeric::chi_square::ChiSquare;
-use raim_core::numeric::normal;
-use raim_core::numeric::probability::Probability;
 use raim_core::numeric::real::Real;
-use raim_core::numeric::{angle, bounds};
-use raim_core::report::Solution;
-use raim_core::requirements::{Requirements, RequirementsError};
-use raim_core::satellite::{Constellation, ParseSatelliteError, SatelliteId};
+use raim_core::numeric::{angle, bounds, normal};
 use raim_core::single::{self, stages};
 use raim_core::velocity::{self, RangeRate, Velocity, VelocityError};
-use raim_core::weighting;
-use raim_core::weighting::adaptation::Adaptation;
-use raim_core::weighting::ionosphere::{self, IonosphereError};
 use raim_firmware::correction::CAPACITY as N;
 
 use crate::{exhaust, reach};
@@ -250,6 +234,7 @@ fn absolute_lengths() {
         <f64 as Absolute<f64>>::narrow as fn(_) -> _,
         <f64 as Absolute<f64>>::vector as fn(_) -> _,
         <f64 as Absolute<f64>>::length as fn(_) -> _,
+        Grid::of_multiple as fn(_, _) -> _,
         <Grid as Absolute<f32>>::of as fn(_) -> _,
         <Grid as Absolute<f32>>::less as fn(_, _) -> _,
         <Grid as Absolute<f32>>::widen as fn(_) -> _,
@@ -334,11 +319,7 @@ pub fn reach_what_has_no_precision() {
     as_a_module_runs_it();
     absolute_lengths();
     continuity();
-    frames();
-    requirements();
-    epochs();
-    tables();
-    errors();
+    values::reach_all();
 }
 
 fn continuity() {
@@ -379,162 +360,5 @@ fn as_a_module_runs_it() {
         stages::observe as fn(_, _, _, _) -> _,
         stages::forecast as fn(_, _) -> _,
         stages::threshold as fn(_, _) -> _,
-    );
-}
-
-fn frames() {
-    reach!(
-        Ecef::new as fn(_, _, _) -> _,
-        Ecef::radius_m as fn(_) -> _,
-        Ecef::distance_m as fn(_, _) -> _,
-        Ecef::is_finite as fn(_) -> _,
-        <Ecef as Add>::add as fn(_, _) -> _,
-        <Ecef as Sub>::sub as fn(_, _) -> _,
-        Geodetic::to_ecef as fn(_) -> _,
-        Enu::horizontal as fn(_) -> _,
-        LocalFrame::at as fn(_) -> _,
-        LocalFrame::geodetic as fn(_) -> _,
-        LocalFrame::height_m as fn(_) -> _,
-        LocalFrame::sin_latitude as fn(_) -> _,
-        LocalFrame::rotate as fn(_, _) -> _,
-        LocalFrame::unrotate as fn(_, _) -> _,
-        LocalFrame::sin_elevation as fn(_, _, _) -> _,
-        LocalAxes::at as fn(_) -> _,
-        LocalAxes::east_north_up as fn(_) -> _,
-        LocalAxes::height_m as fn(_) -> _,
-        LocalAxes::sin_latitude as fn(_) -> _,
-        LocalAxes::latitude_and_longitude_rad as fn(_) -> _,
-    );
-}
-
-fn requirements() {
-    reach!(
-        Requirements::en_route as fn() -> _,
-        Requirements::terminal as fn() -> _,
-        Requirements::non_precision_approach as fn() -> _,
-        Requirements::lpv200 as fn() -> _,
-        Requirements::validate as fn(_) -> _,
-        raim_core::report::ProtectionLevels::plus as fn(_, _) -> _,
-        raim_core::report::ProtectionLevels::times as fn(_, _) -> _,
-        raim_core::report::ProtectionLevels::or_larger as fn(_, _) -> _,
-        Allocation::vertical_guidance as fn() -> _,
-        Allocation::vertical as fn() -> _,
-        Allocation::horizontal as fn() -> _,
-        Allocation::integrity as fn(_) -> _,
-        Allocation::validate as fn(_) -> _,
-        (|hypothesis| exhaust(Hypothesis::rows(hypothesis))) as fn(_),
-        Hypothesis::named as fn(_) -> _,
-        Probability::new as fn(_) -> _,
-        Probability::get as fn(_) -> _,
-        levels::hdop_change_limit as fn(_, _, _) -> _,
-        Solution::pdop as fn(_) -> _,
-        Solution::residual_m::<f32> as fn(_, _) -> _,
-        <f32 as Real>::narrow as fn(_) -> _,
-        <f32 as Real>::widen as fn(_) -> _,
-        <f32 as Real>::sqrt_approx as fn(_) -> _,
-        <f32 as Real>::sine_and_cosine as fn(_) -> _,
-        <f32 as Real>::inverse_sqrt_approx as fn(_) -> _,
-        <f32 as Real>::normal_tail as fn(_) -> _,
-        <f32 as Real>::normal_quantile as fn(_) -> _,
-        <f64 as Real>::sqrt_approx as fn(_) -> _,
-        <f64 as Real>::sine_and_cosine as fn(_) -> _,
-        <f64 as Real>::inverse_sqrt_approx as fn(_) -> _,
-        <f64 as Real>::normal_tail as fn(_) -> _,
-        <f64 as Real>::normal_quantile as fn(_) -> _,
-        <f64 as Real>::narrow as fn(_) -> _,
-        <f64 as Real>::widen as fn(_) -> _,
-    );
-}
-
-fn epochs() {
-    reach!(
-        Constellation::letter as fn(_) -> _,
-        Constellation::from_letter as fn(_) -> _,
-        SatelliteId::new as fn(_, _) -> _,
-        SatelliteId::qzss as fn(_) -> _,
-        SatelliteId::from_name as fn(_, _) -> _,
-        SatelliteId::is_qzss as fn(_) -> _,
-        SatelliteId::name as fn(_) -> _,
-        SatelliteId::constellation as fn(_) -> _,
-        SatelliteId::number as fn(_) -> _,
-        weighting::ephemeris_sigma_m as fn(_, _) -> _,
-        weighting::sigma_m as fn(_) -> _,
-        weighting::noise_factor_from_cn0 as fn(_) -> _,
-        weighting::reflection_sigma_m as fn(_, _) -> _,
-        IonosphereError::of as fn(_, _, _, _) -> _,
-        IonosphereError::times as fn(_, _) -> _,
-        IonosphereError::undivided as fn(_) -> _,
-        ionosphere::obliquity as fn(_) -> _,
-        weighting::integrity_sigma_m as fn(_, _, _) -> _,
-        weighting::Ism::of as fn(_, _) -> _,
-        weighting::Ism::is_valid as fn(_) -> _,
-        weighting::IsmParameters::is_valid as fn(_) -> _,
-        Adaptation::new as fn() -> _,
-        <Adaptation as Default>::default as fn() -> _,
-        Adaptation::restart as fn(_),
-        Adaptation::learn as fn(_, _, _),
-        Adaptation::scale as fn(_, _) -> _,
-        Adaptation::sigma_m as fn(_, _, _, _) -> _,
-        Epoch::<N>::new as fn(_) -> _,
-        Epoch::<N>::restart as fn(_, _),
-        Epoch::<N>::push as fn(_, _) -> _,
-        Epoch::<N>::push_sharing as fn(_, _, _) -> _,
-        Epoch::<N>::aid as fn(_, _) -> _,
-        Epoch::<N>::view as fn(_) -> _,
-        EpochView::time_s as fn(_) -> _,
-        EpochView::observations as fn(_) -> _,
-        EpochView::shared as fn(_) -> _,
-        Epoch::<N>::time_s as fn(_) -> _,
-        Epoch::<N>::observations as fn(_) -> _,
-        Epoch::<N>::shared as fn(_) -> _,
-        Epoch::<N>::aiding as fn(_) -> _,
-    );
-}
-
-fn tables() {
-    reach!(
-        threshold::false_alarms as fn() -> _,
-        threshold::missed_detections as fn() -> _,
-        Thresholds::from_tables as fn(_, _) -> _,
-        Thresholds::from_rows as fn(_, _, _) -> _,
-        Thresholds::tau1::<f32> as fn(_, _) -> _,
-        Thresholds::lambda::<f32> as fn(_, _) -> _,
-        Thresholds::w_test::<f32> as fn(_, _) -> _,
-        Weights::new as fn(_, _) -> _,
-        levels::noncentrality_at as fn(_, _) -> _,
-        exclusion::leaves_enough as fn(_, _) -> _,
-        raim_core::integrity::raim::isolation::sets::count_up_to as fn(_, _) -> _,
-        policy::range_threshold_m as fn(_, _, _) -> _,
-        parity::SearchLimits::published as fn() -> _,
-        ransac::ConsensusLimits::published as fn() -> _,
-        Selection::none as fn() -> _,
-        ransac::Subsets::new as fn() -> _,
-        Selection::subsets as fn(_) -> _,
-        Selection::rows as fn(_) -> _,
-        Selection::contains as fn(_, _, _) -> _,
-        Selection::work as fn(_) -> _,
-        Selection::cut as fn(_) -> _,
-    );
-}
-
-fn errors() {
-    reach!(
-        <ContinuityError as Display>::fmt as fn(_, _) -> _,
-        <EpochError as Display>::fmt as fn(_, _) -> _,
-        <FixError as Display>::fmt as fn(_, _) -> _,
-        <MonitorError as Display>::fmt as fn(_, _) -> _,
-        <MethodError as Display>::fmt as fn(_, _) -> _,
-        Method::allows_aiding as fn(_) -> _,
-        <RequirementsError as Display>::fmt as fn(_, _) -> _,
-        <RowError as Display>::fmt as fn(_, _) -> _,
-        <SatelliteId as Display>::fmt as fn(_, _) -> _,
-        <AraimError as Display>::fmt as fn(_, _) -> _,
-        <SnapshotError as Display>::fmt as fn(_, _) -> _,
-        <ThresholdError as Display>::fmt as fn(_, _) -> _,
-        <AllocationError as Display>::fmt as fn(_, _) -> _,
-        <NoThreshold as Display>::fmt as fn(_, _) -> _,
-        <NoConsensus as Display>::fmt as fn(_, _) -> _,
-        <ParseSatelliteError as Display>::fmt as fn(_, _) -> _,
-        <SatelliteId as FromStr>::from_str as fn(_) -> _,
     );
 }

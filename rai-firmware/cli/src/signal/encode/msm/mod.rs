@@ -22,15 +22,12 @@
 //!
 //! [RTCM-10403.3]: crate#references
 
+mod message;
+#[cfg(test)]
+mod tests;
+
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
 use raim_core::satellite::{Constellation, SatelliteId};
-use raim_firmware::output::nmea::GPS_MINUS_UTC_S;
-use raim_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
-use rtcm_rs::Message;
-use rtcm_rs::msg::{
-    BdsSigId, GalSigId, GloSigId, GpsSigId, Msg1077Sig, Msg1077T, Msg1087Sig, Msg1087T, Msg1097Sig, Msg1097T,
-    Msg1117Sig, Msg1117T, Msg1127Sig, Msg1127T, Msm57GloSat, Msm57Sat, QzssSigId,
-};
 
 use super::Selection;
 use super::channels::Channels;
@@ -68,20 +65,23 @@ const CELLS: usize = 64;
 /// A band, and its components in the order of preference.
 type Choice = (u8, &'static str);
 
+/// The two bands of a pair, the first alone if only one is sent.
+type Pair = [Choice; 2];
+
 /// Returns the pairs in the order of preference: first band, then second.
 ///
 /// Components are in the order in which the broadcast group delays fit them best: GPS clocks refer
 /// to L1 P(Y) and L2 P(Y), Galileo's to E1 and E5, `BeiDou`'s to B3I.
-const fn pairs(constellation: Constellation) -> &'static [(Choice, Choice)] {
+const fn pairs(constellation: Constellation) -> &'static [Pair] {
     const L1: Choice = (1, "CWPXLS");
     const E1: Choice = (1, "CXBAZ");
     const B1I: Choice = (2, "IXQ");
     const B1C: Choice = (1, "PXD");
     match constellation {
-        Constellation::Gps => &[(L1, (2, "WPLXSC")), (L1, (5, "QXI"))],
-        Constellation::Galileo => &[(E1, (5, "QXI")), (E1, (7, "QXI"))],
-        Constellation::Beidou => &[(B1I, (6, "IXQ")), (B1I, (7, "IXQ")), (B1C, (5, "PXD"))],
-        Constellation::Glonass => &[((1, "CP"), (2, "CP"))],
+        Constellation::Gps => &[[L1, (2, "WPLXSC")], [L1, (5, "QXI")]],
+        Constellation::Galileo => &[[E1, (5, "QXI")], [E1, (7, "QXI")]],
+        Constellation::Beidou => &[[B1I, (6, "IXQ")], [B1I, (7, "IXQ")], [B1C, (5, "PXD")]],
+        Constellation::Glonass => &[[(1, "CP"), (2, "CP")]],
     }
 }
 
@@ -99,17 +99,15 @@ fn find(satellite: &MeasuredSatellite, (band, attributes): Choice) -> Option<&Me
 /// Returns the signals of a satellite that are sent.
 pub(super) fn chosen(satellite: &MeasuredSatellite, frequency: Frequency) -> Vec<&MeasuredSignal> {
     let system = satellite.satellite.constellation();
-    let all = |choices: &[Choice]| {
-        choices.iter().map(|choice| find(satellite, *choice)).collect::<Option<Vec<_>>>()
-    };
-    let triple = || (system == Constellation::Gps).then(|| all(&GPS_TRIPLE)).flatten();
-    let pair = || pairs(system).iter().find_map(|(first, second)| all(&[*first, *second]));
-    let single = || pairs(system).iter().find_map(|(first, _)| all(&[*first]));
-    let signals = match frequency {
+    let has = |choices: &&[Choice]| choices.iter().all(|choice| find(satellite, *choice).is_some());
+    let triple = || (system == Constellation::Gps).then_some(GPS_TRIPLE.as_slice()).filter(has);
+    let pair = || pairs(system).iter().map(Pair::as_slice).find(has);
+    let single = || pairs(system).iter().filter_map(|pair| pair.get(..1)).find(has);
+    let choices = match frequency {
         Frequency::Dual => triple().or_else(pair).or_else(single),
         Frequency::Single => single(),
     };
-    signals.unwrap_or_default()
+    choices.unwrap_or_default().iter().filter_map(|choice| find(satellite, *choice)).collect()
 }
 
 /// One satellite in the form of the message.
@@ -121,14 +119,15 @@ struct Row {
     whole_ms: u8,
     mod1_ms: f64,
     rate_m_s: Option<f64>,
+    /// Signals in the order of the standard's numbers.
     cells: Vec<Cell>,
 }
 
 /// One signal in the form of the message.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
-    band: u8,
-    attribute: char,
+    /// Number of the signal in the mask, from 1.
+    signal: u8,
     fine_ms: f64,
     cn0_dbhz: Option<f64>,
     fine_rate_m_s: Option<f64>,
@@ -156,23 +155,48 @@ impl Row {
         let rough_ms = rough / ROUGH_STEPS;
         let rates = signals.iter().filter_map(|signal| rate_m_s(system, slot, signal));
         let rate_m_s = rates.map(f64::round).find(|rate| rate.abs() <= ROUGH_RATE_LIMIT_M_S);
+        let (letter, number) = satellite.name();
         let cell = |signal: &&MeasuredSignal| {
             let fine_ms = signal.pseudorange_m / M_PER_MS - rough_ms;
             let place = first_ms.is_some() && fine_ms.abs() < FINE_LIMIT_MS;
-            place.then_some(Cell {
-                band: signal.band,
-                attribute: signal.attribute,
+            let number = signal_number(letter, signal).filter(|_| place);
+            number.map(|number| Cell {
+                signal: number,
                 fine_ms,
                 cn0_dbhz: cn0(signal),
                 fine_rate_m_s: fine_rate_m_s(self::rate_m_s(system, slot, signal), rate_m_s),
             })
         };
-        let cells: Vec<Cell> = signals.iter().filter_map(cell).collect();
+        let mut cells: Vec<Cell> = signals.iter().filter_map(cell).collect();
+        cells.sort_by_key(|cell| cell.signal);
         *unsendable += (signals.len() - cells.len()) as u64;
         let (whole_ms, mod1_ms) = (rough_ms.floor() as u8, rough_ms.fract());
-        let (_, number) = satellite.name();
         (!cells.is_empty()).then_some(Self { number, slot, whole_ms, mod1_ms, rate_m_s, cells })
     }
+}
+
+/// Returns the number of a signal in the mask of its system's messages, from 1.
+///
+/// Reference: [RTCM-10403.3] tables 3.5-91, 3.5-96, 3.5-99, 3.5-105, 3.5-108.
+///
+/// [RTCM-10403.3]: crate#references
+fn signal_number(letter: char, signal: &MeasuredSignal) -> Option<u8> {
+    let (first, attributes) = match (letter, signal.band) {
+        ('G' | 'R', 1) if "CPW".contains(signal.attribute) => (2, "CPW"),
+        ('G' | 'R', 2) if "CPW".contains(signal.attribute) => (8, "CPW"),
+        ('J', 1) if signal.attribute == 'C' => (2, "C"),
+        ('G' | 'J', 1) => (30, "SLX"),
+        ('G' | 'J', 2) => (15, "SLX"),
+        ('G' | 'J' | 'E', 5) => (22, "IQX"),
+        ('E', 1) => (2, "CABXZ"),
+        ('E' | 'C', 7) => (14, "IQX"),
+        ('C', 2) => (2, "IQX"),
+        ('C', 6) => (8, "IQX"),
+        ('C', 5) => (22, "DPX"),
+        ('C', 1) => (30, "DPX"),
+        _ => return None,
+    };
+    attributes.find(signal.attribute).map(|place| first + place as u8)
 }
 
 /// Returns the phase range rate of a signal, m/s.
@@ -204,13 +228,13 @@ fn cn0(signal: &MeasuredSignal) -> Option<f64> {
 /// Parts the rows so that each part fits into one message. The size of its cell mask is that of the
 /// part times the number of its different signals.
 fn parts(rows: Vec<Row>) -> Vec<Vec<Row>> {
-    let (mut parts, mut part, mut signals) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut parts, mut part, mut signals) = (Vec::new(), Vec::new(), 0_u64);
     for row in rows {
-        add_signals(&mut signals, &row);
-        if (part.len() + 1) * signals.len() > CELLS {
+        let of_row = row.cells.iter().fold(0, |signals, cell| signals | 1 << cell.signal);
+        signals |= of_row;
+        if (part.len() + 1) * signals.count_ones() as usize > CELLS {
             parts.push(std::mem::take(&mut part));
-            signals.clear();
-            add_signals(&mut signals, &row);
+            signals = of_row;
         }
         part.push(row);
     }
@@ -218,33 +242,24 @@ fn parts(rows: Vec<Row>) -> Vec<Vec<Row>> {
     parts
 }
 
-/// Adds the signals of a row that are not among those before.
-fn add_signals(signals: &mut Vec<(u8, char)>, row: &Row) {
-    for signal in row.cells.iter().map(|cell| (cell.band, cell.attribute)) {
-        if !signals.contains(&signal) {
-            signals.push(signal);
-        }
-    }
-}
-
-/// Returns the messages of an epoch; none for a system without satellites, because some readers
+/// Returns the frames of an epoch; none for a system without satellites, because some readers
 /// refuse an empty message.
-pub(super) fn messages(
+pub(super) fn frames(
     epoch: &MeasuredEpoch,
     selection: &Selection,
     channels: &Channels,
     unsendable: &mut u64,
-) -> impl Iterator<Item = Message> {
+) -> impl Iterator<Item = Vec<u8>> {
     let mut planned: Vec<(char, Vec<Row>)> = Vec::new();
     for letter in &selection.letters {
         let rows = rows(epoch, *letter, selection.frequency, channels, unsendable);
         planned.extend(parts(rows).into_iter().filter(|part| !part.is_empty()).map(|part| (*letter, part)));
     }
     let last = planned.len().saturating_sub(1);
-    let message = move |(index, (letter, rows)): (usize, (_, Vec<Row>))| {
-        message(letter, epoch.time, index < last, &rows)
+    let frame = move |(index, (letter, rows)): (usize, (_, Vec<Row>))| {
+        message::frame(letter, epoch.time, index < last, &rows)
     };
-    planned.into_iter().enumerate().map(message)
+    planned.into_iter().enumerate().map(frame)
 }
 
 fn rows(
@@ -264,75 +279,4 @@ fn rows(
     rows.sort_by_key(|row| row.number);
     rows.dedup_by_key(|row| row.number);
     rows
-}
-
-/// Makes a message; messages differ only in names, and in the fields beside the time and beside a
-/// satellite's range.
-macro_rules! msm7 {
-    ($message:ident: $type:ident, $satellite:ident { $extended:ident: $of:expr }, $signal:ident, $id:ident,
-     $($time:ident = $time_value:expr),+; $more:expr, $rows:expr) => {{
-        let mut message = $type {
-            $($time: $time_value,)+
-            msm_multiple_message_flag: u8::from($more),
-            ..$type::default()
-        };
-        let data = &mut message.data_segment;
-        for row in $rows {
-            data.satellite_data.push($satellite {
-                satellite_id: row.number,
-                gnss_satellite_rough_range_integer_ms: Some(row.whole_ms),
-                gnss_satellite_rough_range_mod1ms_ms: row.mod1_ms,
-                gnss_satellite_rough_phaserange_rates_m_s: row.rate_m_s.map(|rate| rate as i16),
-                $extended: $of(row),
-            });
-            for cell in &row.cells {
-                data.signal_data.push($signal {
-                    satellite_id: row.number,
-                    signal_id: $id::new(cell.band, cell.attribute),
-                    gnss_signal_fine_pseudorange_ext_ms: Some(cell.fine_ms),
-                    gnss_signal_cnr_ext_dbhz: cell.cn0_dbhz,
-                    gnss_signal_fine_phaserange_rate_m_s: cell.fine_rate_m_s,
-                    ..$signal::default()
-                });
-            }
-        }
-        Message::$message(message)
-    }};
-}
-
-/// Returns one message of a system by its letter; `more` is true if others of the same epoch
-/// follow.
-fn message(letter: char, time: GpsTime, more: bool, rows: &[Row]) -> Message {
-    let beidou_ms = (time.tow_ms + WEEK_MS - BEIDOU_OFFSET_MS) % WEEK_MS;
-    match letter {
-        'J' => {
-            msm7!(Msg1117: Msg1117T, Msm57Sat { reserved_8_4: |_| 0 }, Msg1117Sig, QzssSigId,
-            qzss_epoch_time_ms = time.tow_ms; more, rows)
-        }
-        'E' => {
-            msm7!(Msg1097: Msg1097T, Msm57Sat { reserved_8_4: |_| 0 }, Msg1097Sig, GalSigId,
-            gal_epoch_time_ms = time.tow_ms; more, rows)
-        }
-        'C' => {
-            msm7!(Msg1127: Msg1127T, Msm57Sat { reserved_8_4: |_| 0 }, Msg1127Sig, BdsSigId,
-            bds_epoch_time_ms = beidou_ms; more, rows)
-        }
-        'R' => {
-            let (day, of_day_ms) = glonass_time(time);
-            msm7!(Msg1087: Msg1087T, Msm57GloSat { glonass_satellite_frequency_channel_number: |row: &Row| Some(row.slot) },
-                Msg1087Sig, GloSigId, glo_day_of_week = day, glo_epoch_time_ms = of_day_ms; more, rows)
-        }
-        _ => {
-            msm7!(Msg1077: Msg1077T, Msm57Sat { reserved_8_4: |_| 0 }, Msg1077Sig, GpsSigId,
-            gps_epoch_time_ms = time.tow_ms; more, rows)
-        }
-    }
-}
-
-/// Returns the day of the week and the time of day of GLONASS, three hours ahead of UTC.
-fn glonass_time(time: GpsTime) -> (Option<u8>, u32) {
-    const DAY_MS: u32 = 86_400_000;
-    let utc_ms = time.tow_ms + WEEK_MS - 1000 * u32::from(GPS_MINUS_UTC_S);
-    let of_week_ms = (utc_ms + GLONASS_OFFSET_MS as u32) % WEEK_MS;
-    (Some((of_week_ms / DAY_MS) as u8), of_week_ms % DAY_MS)
 }
