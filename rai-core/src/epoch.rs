@@ -206,7 +206,8 @@ impl<const N: usize> Epoch<N> {
     ///
     /// # Errors
     /// [`EpochError::Range`] or [`EpochError::Sigma`] for values out of range,
-    /// [`EpochError::Duplicate`] for a second row of the same kind.
+    /// [`EpochError::Duplicate`] for a second row of the same kind. [`EpochError::Full`] in a build
+    /// without the feature `aiding`, which has no room for such rows.
     pub fn aid(&mut self, aiding: Aiding) -> Result<(), EpochError> {
         self.accepts(&aiding)?;
         self.aiding.push(aiding).map_err(|_| EpochError::Full)
@@ -214,6 +215,9 @@ impl<const N: usize> Epoch<N> {
 
     /// Checks outside knowledge.
     fn accepts(&self, aiding: &Aiding) -> Result<(), EpochError> {
+        if !cfg!(feature = "aiding") {
+            return Err(EpochError::Full);
+        }
         let (Aiding::Clock { value_m, sigma_m, .. } | Aiding::Height { value_m, sigma_m }) = *aiding;
         if !is_within(value_m.abs(), &(0.0..=RANGE_LIMIT_M)) {
             return Err(EpochError::Range(value_m));

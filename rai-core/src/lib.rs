@@ -71,6 +71,10 @@
 //! | `araim` | yes | builds [`Method::Araim`], solution separation over all monitored fault modes |
 //! | `searches` | yes | builds [`Method::Parity`] and [`Method::Ransac`] |
 //! | `tables` | yes | thresholds of all committed probabilities; without it those of the phases of flight |
+//! | `policies` | yes | `Policy::T2` and `Policy::TOp`; without it they have no threshold, as if none met both probabilities |
+//! | `past` | yes | compares an epoch with those before: residuals with sigmas, position and clock with velocity and drift, satellites that were excluded lately |
+//! | `hypotheses` | yes | explains residuals by more than single satellites: a wrong time tag, a system that is shifted or broken as a whole |
+//! | `aiding` | yes | rows beside the satellites (forecast of the receiver clock, known height), and sigmas scaled by residuals; without it an epoch has no room for such rows |
 //! | `double-tables` | yes | thresholds in double precision and for all degrees of freedom; without it in single precision, for at most [`single::CAPACITY`] |
 //! | `satellites-32`, `satellites-48` | yes | at most 32 or 48 satellites in an epoch, 64 on a computer; without both 16 |
 //! | `unstable` | no | the modules behind the interface, which may change in any version: pin the exact one |

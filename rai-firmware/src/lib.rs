@@ -41,10 +41,22 @@
 //! # Features
 //!
 //! The default feature `whole` builds everything except a board. A small build has RTCM 3 in,
-//! sentences out, and classic RAIM with the thresholds of the phases of flight. It adds features by
-//! name: `ubx`, `glonass`, `mavlink`, `araim`, `searches`, `tables`. Commands that need a missing
-//! feature are refused with `not in this build`. `stm32f405` and `mps2-an500` are the boards; only
-//! they need the crates of a Cortex-M.
+//! `RMC`, `GGA` and the sentences of the module out, and classic RAIM with the thresholds of the
+//! phases of flight. It adds features by name:
+//!
+//! | feature | adds |
+//! |---|---|
+//! | `ubx`, `glonass`, `mavlink` | messages of u-blox receivers with their reports of jamming and spoofing, orbits of GLONASS, messages for autopilots |
+//! | `araim`, `searches`, `tables`, `policies` | `METHOD,SEPARATION` and `ISM`; the methods of the papers; thresholds for all committed probabilities; `POLICY,T2` and `TOP` |
+//! | `past` | alerts `CLOCK`, `TRACK` and the verdict `SIGMAS`; the velocity |
+//! | `hypotheses` | alert `TIME`; detection and exclusion of a system that is shifted or broken as a whole |
+//! | `aiding` | `CLOCKAID`, `SIGMA,ADAPT`, `PLACE`, `HEIGHTAID` |
+//! | `signs` | two receivers that take turns, copied ranges, bands that disagree, strengths that are alike |
+//! | `sentences` | `GNS`, `VTG`, `ZDA`, `GSA`, `GST`, `GBS` |
+//! | `log` | the log of a board |
+//!
+//! Commands that need a missing feature are refused with `not in this build`. `stm32f405` and
+//! `mps2-an500` are the boards; only they need the crates of a Cortex-M.
 //!
 //! # Output
 //!

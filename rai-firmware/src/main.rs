@@ -6,6 +6,16 @@
 #[cfg(all(target_os = "none", not(any(feature = "stm32f405", feature = "mps2-an500"))))]
 compile_error!("an image is for a board: choose the feature `stm32f405` or `mps2-an500`");
 
+/// Logs words of a level, in an image with a log.
+#[cfg(target_os = "none")]
+macro_rules! log {
+    ($level:ident, $($words:tt)+) => {
+        if cfg!(feature = "log") {
+            defmt::$level!($($words)+);
+        }
+    };
+}
+
 #[cfg(target_os = "none")]
 #[path = "board/arm/mod.rs"]
 mod arm;

@@ -48,6 +48,9 @@ use crate::ephemeris::difference_m;
 use crate::raw::{RawEpoch, RawSatellite};
 use crate::time::GpsTime;
 
+/// Most satellites of the last epoch: none in a build that compares no rates.
+const SEEN: usize = if cfg!(any(feature = "past", feature = "hypotheses")) { CAPACITY } else { 0 };
+
 /// Longest time between two epochs whose difference is a velocity, ms.
 const LONGEST_MS: i64 = 60_000;
 
@@ -173,7 +176,7 @@ impl Trust {
 /// Velocities of satellites and receiver, from two successive epochs.
 #[derive(Clone, Debug)]
 pub struct Rates {
-    last: Vec<Seen, CAPACITY>,
+    last: Vec<Seen, SEEN>,
     /// Time of the last epoch, long ago before the first. It is not an `Option`, which would put
     /// the whole struct on the stack first.
     time: GpsTime,
@@ -227,7 +230,7 @@ impl Rates {
         }
         self.last.clear();
         // Both have the same capacity.
-        self.last.extend(sky.iter().filter_map(Seen::of).take(CAPACITY));
+        self.last.extend(sky.iter().filter_map(Seen::of).take(SEEN));
         velocity
     }
 

@@ -20,7 +20,8 @@
 
 /// Returns `√x`, correctly rounded: −0 for −0, NaN for other negative numbers and for NaN.
 #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
-#[inline]
+#[cfg_attr(compiled_for_size, inline(never))]
+#[cfg_attr(not(compiled_for_size), inline)]
 #[must_use]
 #[allow(unsafe_code, reason = "an instruction that the language has no word for")]
 pub fn sqrt(x: f32) -> f32 {

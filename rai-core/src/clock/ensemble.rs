@@ -40,6 +40,9 @@ const MIN_SATELLITES: usize = 2;
 /// minute shows how temperature and shock move a quartz within a minute, but not within ten.
 pub const HOLD_OVER_S: f64 = 60.0;
 
+/// Number of clocks that coast: none in a build without aiding.
+const CLOCKS: usize = if cfg!(feature = "aiding") { Constellation::COUNT } else { 0 };
+
 /// A receiver clock as solved from the satellites of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolvedClock {
@@ -52,7 +55,7 @@ pub struct SolvedClock {
 /// The coasting clocks of a receiver.
 #[derive(Clone, Debug)]
 pub struct Clocks<T: Real, const L: usize = WINDOW> {
-    each: [CoastingClock<T, L>; Constellation::COUNT],
+    each: [CoastingClock<T, L>; CLOCKS],
 }
 
 impl<T: Real, const L: usize> Default for Clocks<T, L> {
@@ -68,7 +71,10 @@ impl<T: Real, const L: usize> Clocks<T, L> {
     pub fn new() -> Self {
         // One by one, because a loop would make them on the stack first.
         Self {
+            #[cfg(feature = "aiding")]
             each: [CoastingClock::new(), CoastingClock::new(), CoastingClock::new(), CoastingClock::new()],
+            #[cfg(not(feature = "aiding"))]
+            each: [],
         }
     }
 

@@ -73,7 +73,7 @@ const WINDOW_S: f64 = 60.0;
 const SPACING_S: f64 = 5.0;
 
 /// Number of marks: those of a window, and the one that begins it.
-const MARKS: usize = (WINDOW_S / SPACING_S) as usize + 1;
+const MARKS: usize = if cfg!(feature = "past") { (WINDOW_S / SPACING_S) as usize + 1 } else { 1 };
 
 /// Age from which a mark teaches the spread, s.
 const TEACHING_AGE_S: f64 = 50.0;
@@ -257,6 +257,9 @@ impl Motion {
         report: &Report<N>,
         velocity: Result<&Velocity, VelocityError>,
     ) -> Option<Alert> {
+        if !cfg!(feature = "past") {
+            return None;
+        }
         let (solution, levels) = report.solution.as_ref().zip(report.protection)?;
         let level_m = (levels.hpl_m + levels.vpl_m) as f32;
         let velocity = match velocity {

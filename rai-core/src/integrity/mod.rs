@@ -235,7 +235,9 @@ fn judge_by_residuals<T: Real>(
         searched,
         araim: None,
     };
-    if matches!(judgement.outcome, ExclusionOutcome::NotIsolated(reason) if reason != Unidentified::Time) {
+    if cfg!(feature = "hypotheses")
+        && matches!(judgement.outcome, ExclusionOutcome::NotIsolated(reason) if reason != Unidentified::Time)
+    {
         systems::leave_out_broken(solution, epoch, &aids, criteria, rates, &mut judgement);
     }
     judgement
@@ -243,6 +245,9 @@ fn judge_by_residuals<T: Real>(
 
 /// Returns the row of a known height, which stands behind the satellites and touches no clock.
 pub(crate) fn height_row<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Option<usize> {
+    if !cfg!(feature = "aiding") {
+        return None;
+    }
     let satellites = epoch.observations().len();
     let behind = snapshot.equations().get(satellites..)?;
     Some(satellites + behind.iter().position(|row| row.clock.is_none())?)

@@ -44,7 +44,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let test = judgement.test.as_ref().ok().map(|test| test.detection);
         let ratio = test.filter(|test| passed && !test.fault());
         let ratio = ratio.map(|test| (test.sse.widen() / test.dof as f64) as f32);
-        let teaches = self.strategy.clock_aid && self.satellites_are_protected(judgement, verdict);
+        let teaches = self.strategy.aids_with_clock() && self.satellites_are_protected(judgement, verdict);
         let EpochOutcome { report, searched, update } = outcome;
         *update = Update {
             time_s: epoch.time_s(),
@@ -55,7 +55,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             is_refuting_scale: self.scale(epoch.time_s()).is_some_and(|scale| scale < 1.0)
                 && judgement.outcome != ExclusionOutcome::Passed,
             clocks: teaches.then(|| SolvedClocks::of(fix.snapshot())),
-            residuals: ratio.filter(|_| self.strategy.sigma_adapt).map(|_| residuals(fix.snapshot(), epoch)),
+            residuals: ratio
+                .filter(|_| self.strategy.scales_sigmas())
+                .map(|_| residuals(fix.snapshot(), epoch)),
             systems: SystemsSeen { in_view: systems_of(epoch), ..SystemsSeen::NONE },
         };
         *searched = judgement.searched;

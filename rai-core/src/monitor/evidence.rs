@@ -156,6 +156,9 @@ impl Evidence {
 impl<T: Real, const N: usize> Monitor<T, N> {
     /// Adds an epoch, promised or not, to the evidence against sigmas and satellites.
     pub(super) fn remember(&mut self, outcome: &EpochOutcome<N>) {
+        if !cfg!(feature = "past") {
+            return;
+        }
         let EpochOutcome { report, update, .. } = outcome;
         if report.verdict == Verdict::Alert(Alert::Time) {
             // A wrong time explains the alarms about it, in which it was not told from a fault.
@@ -176,8 +179,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// independently are no evidence against each other.
     pub(super) fn belief(&self, time_s: f64, latest: &EpochResiduals) -> Belief {
         match self.continuity_settings {
-            Some(_) => self.evidence.belief(time_s, latest),
-            None => Belief::Sound,
+            Some(_) if cfg!(feature = "past") => self.evidence.belief(time_s, latest),
+            _ => Belief::Sound,
         }
     }
 
@@ -205,7 +208,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         if self.rests_on_kept_out(fix, epoch) {
             return Verdict::Unavailable(Unavailable::Redundancy);
         }
-        if self.continuity_settings.is_none() || self.named.is_empty() {
+        if !cfg!(feature = "past") || self.continuity_settings.is_none() || self.named.is_empty() {
             return Verdict::Protected(how);
         }
         let used =

@@ -81,12 +81,18 @@ impl KeptOutSystems {
 
     /// Returns the systems to leave out, a bit for each id.
     pub(super) fn systems(&self) -> u8 {
+        if !cfg!(feature = "hypotheses") {
+            return 0;
+        }
         let each = self.records.iter().enumerate();
         each.fold(0, |set, (id, record)| set | u8::from(record.exclusions >= EXCLUSIONS) << id)
     }
 
     /// Learns from an epoch whose satellites agree, except for those that were left out.
     pub(super) fn learn(&mut self, time_s: f64, seen: SystemsSeen) {
+        if !cfg!(feature = "hypotheses") {
+            return;
+        }
         let step_s = (time_s - self.latest_s) as f32;
         self.latest_s = time_s;
         let kept_out = self.systems();

@@ -217,14 +217,14 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         rates: Option<&RangeRates<'_>>,
         memory: &'m mut MonitorWorkspace<T, N>,
     ) -> &'m mut EpochOutcome<N> {
-        let is_aided = self.strategy.clock_aid && self.strategy.method.allows_aiding();
-        let forecast = self.clocks.aiding(&epoch.view()).filter(|_| is_aided);
+        let is_aided = self.strategy.aids_with_clock() && self.strategy.method.allows_aiding();
+        let forecast = if is_aided { self.clocks.aiding(&epoch.view()) } else { None };
         let scale = self.scale(epoch.time_s());
         let MonitorWorkspace { workspace, scratch, outcome } = memory;
         // Judged in place, because a copy would be on the stack below every search.
         match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
             Ok(fix) => {
-                let clock_row = fix.clock_row();
+                let clock_row = fix.clock_row().filter(|_| cfg!(feature = "aiding"));
                 let kept_out = self.keep_out(fix, &epoch.view());
                 let mut judgement =
                     judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
@@ -268,10 +268,14 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             }
             let _ = self.ratios.push_back(ratio);
         }
-        if let Some(clocks) = clocks {
+        if cfg!(feature = "aiding")
+            && let Some(clocks) = clocks
+        {
             self.clocks.learn(*time_s, clocks);
         }
-        if let Some(residuals) = *residuals {
+        if cfg!(feature = "aiding")
+            && let Some(residuals) = *residuals
+        {
             self.adaptation.learn(*time_s, residuals);
         }
     }
@@ -291,7 +295,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         {
             report.verdict = Verdict::Alert(contradiction);
         }
-        if let Some(height) = &report.height
+        if cfg!(feature = "aiding")
+            && let Some(height) = &report.height
             && !matches!(report.verdict, Verdict::Alert(_))
         {
             report.verdict = self.height.judge(update.time_s, height, report.verdict);
@@ -329,7 +334,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// faults that minutes of small residuals have not seen.
     fn scale(&self, time_s: f64) -> Option<f64> {
         let least = if self.strategy.method.uses_ism() { 1.0 } else { 0.0 };
-        self.strategy.sigma_adapt.then(|| self.adaptation.scale(time_s).max(least))
+        self.strategy.scales_sigmas().then(|| self.adaptation.scale(time_s).max(least))
     }
 
     fn criteria(&self) -> Criteria<'_, T> {

@@ -13,10 +13,11 @@ pub struct Strategy {
     pub method: Method,
     /// Quantity that a protection level bounds.
     pub levels: Levels,
-    /// True if the predicted receiver clock takes a row beside the satellites.
+    /// True if the predicted receiver clock takes a row beside the satellites. Without the feature
+    /// `aiding` it has no effect.
     pub clock_aid: bool,
     /// True if the residuals of the last minutes scale the sigmas
-    /// ([`crate::weighting::adaptation`]).
+    /// ([`crate::weighting::adaptation`]). Without the feature `aiding` it has no effect.
     pub sigma_adapt: bool,
 }
 
@@ -33,4 +34,14 @@ impl Strategy {
         clock_aid: false,
         sigma_adapt: false,
     };
+
+    /// Returns true if a clock takes a row, which needs the feature `aiding`.
+    pub(super) const fn aids_with_clock(self) -> bool {
+        cfg!(feature = "aiding") && self.clock_aid
+    }
+
+    /// Returns true if residuals scale the sigmas, which needs the feature `aiding`.
+    pub(super) const fn scales_sigmas(self) -> bool {
+        cfg!(feature = "aiding") && self.sigma_adapt
+    }
 }

@@ -272,7 +272,7 @@ pub fn integrity_sigma_m(support: &IsmParameters, promised_m: f32, budget: &Erro
 /// Returns the receiver's own part, m².
 fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
     let is_pair = budget.noise_gain > 1.0;
-    if budget.user == UserModel::Airborne && is_pair {
+    if cfg!(feature = "araim") && budget.user == UserModel::Airborne && is_pair {
         airborne_m2(sin_elevation, budget.weakness)
     } else {
         budget.noise_gain * budget.noise_gain * code_m2(sin_elevation, budget.weakness)

@@ -120,6 +120,7 @@ pub unsafe extern "C" fn rai_monitor_init(
                     (&raw mut (*watch).made).write(Monitor::new(requirements));
                     (&raw mut (*watch).memory).write(MonitorWorkspace::new());
                     (&raw mut (*watch).epoch).write(Epoch::new(0.0));
+                    Ok(())
                 },
                 |watch| configure(watch.monitor()?, &settings),
             )

@@ -75,14 +75,14 @@ pub(crate) struct Room<'a, V, const KIND: u8>(&'a mut MaybeUninit<Object<V, KIND
 
 impl<V, const KIND: u8> Room<'_, V, KIND> {
     /// Makes an object in place. `make` writes it part by part, so that the whole is not on the
-    /// stack first. If `finish` refuses it, no object has been made.
+    /// stack first. If `make` or `finish` refuses it, no object has been made.
     ///
     /// # Safety
-    /// `make` writes every field of the value whose place it is given.
+    /// `make` writes every field of the value whose place it is given, unless it refuses.
     #[allow(unsafe_code)]
     pub(crate) unsafe fn fill(
         self,
-        make: impl FnOnce(*mut V),
+        make: impl FnOnce(*mut V) -> Result<(), rai_status_t>,
         finish: impl FnOnce(&mut V) -> Result<(), rai_status_t>,
     ) -> Result<(), rai_status_t> {
         let object = self.0.as_mut_ptr();
@@ -91,7 +91,7 @@ impl<V, const KIND: u8> Room<'_, V, KIND> {
         unsafe {
             (&raw mut (*object).mark).write(0);
             let value = &raw mut (*object).value;
-            make(value);
+            make(value)?;
             finish(&mut *value)?;
             (&raw mut (*object).mark).write(mark(KIND));
         }

@@ -3,7 +3,6 @@
 use core::ffi::c_char;
 use core::mem::MaybeUninit;
 
-use raim_core::monitor::MonitorError;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 
@@ -23,16 +22,13 @@ pub struct rai_receiver_t {
     pub opaque: [u64; RAI_RECEIVER_WORDS],
 }
 
-/// Result of the construction, because taking the receiver out of it would put it on the stack.
-type Made = Result<Receiver<MemoryPin>, MonitorError>;
-
-type Stored = Object<Made, 2>;
+type Stored = Object<Receiver<MemoryPin>, 2>;
 
 /// Makes a receiver in place, behind an exclusive reference, so that it is not on the stack first.
 #[inline(never)]
-fn make(place: &mut MaybeUninit<Made>) {
+fn make(place: &mut MaybeUninit<Receiver<MemoryPin>>) -> Result<(), rai_status_t> {
     let boot = Boot { clock_error_ppm: Boot::WITHOUT_CRYSTAL_PPM, ..Boot::on_host("library") };
-    place.write(Receiver::new(MemoryPin::default(), boot));
+    Receiver::place(place, MemoryPin::default(), boot).map(|_| ()).map_err(refusal_of)
 }
 
 /// Returns the receiver behind a handle.
@@ -44,7 +40,7 @@ pub(crate) unsafe fn at<'a>(
     handle: *const rai_receiver_t,
 ) -> Result<&'a mut Receiver<MemoryPin>, rai_status_t> {
     // SAFETY: guaranteed by the caller.
-    unsafe { Stored::at(handle.cast_mut().cast()) }?.as_mut().map_err(|&mut error| refusal_of(error))
+    unsafe { Stored::at(handle.cast_mut().cast()) }
 }
 
 const _: () = assert!(
@@ -83,9 +79,9 @@ pub unsafe extern "C" fn rai_receiver_init(
         // SAFETY: guaranteed by the caller; all of the result is written.
         unsafe {
             Stored::room(memory.cast(), length)?.fill(
-                |place: *mut Made| make(&mut *place.cast()),
-                |made| {
-                    made.as_mut().map_err(|&mut error| refusal_of(error))?.greet(&mut lines);
+                |place: *mut Receiver<MemoryPin>| make(&mut *place.cast()),
+                |receiver| {
+                    receiver.greet(&mut lines);
                     Ok(())
                 },
             )

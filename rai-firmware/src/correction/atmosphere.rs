@@ -173,12 +173,15 @@ impl Klobuchar {
         let elevation_sc = libm::atan2f(up.max(0.0), horizontal) / PI;
         let pierce = PiercePoint::of(place, [east, north], horizontal, elevation_sc);
         let (vertical_s, longer) = match self.model {
-            Model::Gps => {
+            // Only the messages of u-blox receivers bring its coefficients.
+            Model::Beidou if cfg!(feature = "ubx") => {
+                self.beidou(place, [east, north, up.max(0.0)], horizontal)
+            }
+            _ => {
                 let local_s = local_time_s(pierce.longitude_sc, place.time_of_day_s);
                 let lower = 0.53 - elevation_sc;
                 (self.vertical_s(pierce.geomagnetic_sc, local_s), 1.0 + 16.0 * lower * lower * lower)
             }
-            Model::Beidou => self.beidou(place, [east, north, up.max(0.0)], horizontal),
         };
         let delay_m = SPEED_OF_LIGHT_M_S as f32 * longer * vertical_s;
         let delay_m = if delay_m.is_finite() { delay_m } else { 0.0 };

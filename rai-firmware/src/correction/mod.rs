@@ -257,8 +257,10 @@ pub(crate) fn locate_within(
             Err(reason) => tally.ephemerides.count(reason),
         }
     }
-    twins::remove_twins(sky, &mut tally.ranges.satellite_twice);
-    bands::remove_apart(sky, &mut tally.ranges.bands_apart);
+    if cfg!(feature = "signs") {
+        twins::remove_twins(sky, &mut tally.ranges.satellite_twice);
+        bands::remove_apart(sky, &mut tally.ranges.bands_apart);
+    }
 }
 
 /// Outcome for a satellite with a usable ephemeris.

@@ -177,11 +177,11 @@ impl Site {
             line_of_sight,
             range_m: sum_m(choice.range_m, located.clock_m32, -air_m),
             sigma_m: match &self.ism {
-                Some(ism) => {
+                Some(ism) if cfg!(feature = "araim") => {
                     let support = ism.of(located.satellite.constellation());
                     root_of_squares(integrity_sigma_m(&support, promised_m, &budget), receiver_m)
                 }
-                None => sigma_m(&budget),
+                _ => sigma_m(&budget),
             },
             shared: error.shared,
         })

@@ -34,14 +34,14 @@ use super::Source;
 #[derive(Debug)]
 pub(super) struct OrbitType {
     /// Square root of the semi-major axis, √m.
-    sqrt_a_sqrt_m: RangeInclusive<f64>,
-    eccentricity: RangeInclusive<f64>,
+    sqrt_a_sqrt_m: RangeInclusive<f32>,
+    eccentricity: RangeInclusive<f32>,
     /// Inclination to the equator, semicircles.
-    inclination_sc: RangeInclusive<f64>,
+    inclination_sc: RangeInclusive<f32>,
 }
 
 /// A geosynchronous axis, √m.
-const SYNCHRONOUS: (f64, f64) = (6478.0, 6508.0);
+const SYNCHRONOUS: (f32, f32) = (6478.0, 6508.0);
 
 const GPS: [OrbitType; 1] = [orbit((5140.0, 5167.0), (0.0, 0.03), (49.0, 61.0))];
 const QZSS: [OrbitType; 2] =
@@ -64,7 +64,7 @@ pub(super) const GLONASS_ECCENTRICITY: f64 = 0.03;
 #[cfg(feature = "glonass")]
 pub(super) const GLONASS_COS2_INCLINATIONS: RangeInclusive<f64> = 0.117..=0.25;
 
-const fn orbit(sqrt_a: (f64, f64), eccentricity: (f64, f64), inclination_deg: (f64, f64)) -> OrbitType {
+const fn orbit(sqrt_a: (f32, f32), eccentricity: (f32, f32), inclination_deg: (f32, f32)) -> OrbitType {
     OrbitType {
         sqrt_a_sqrt_m: sqrt_a.0..=sqrt_a.1,
         eccentricity: eccentricity.0..=eccentricity.1,
@@ -96,9 +96,9 @@ impl Shape {
             Source::GlonassStrings => &[],
         };
         types.iter().any(|known| {
-            known.sqrt_a_sqrt_m.contains(&self.sqrt_a_sqrt_m)
-                && known.eccentricity.contains(&self.eccentricity)
-                && known.inclination_sc.contains(&self.inclination_sc)
+            known.sqrt_a_sqrt_m.contains(&(self.sqrt_a_sqrt_m as f32))
+                && known.eccentricity.contains(&(self.eccentricity as f32))
+                && known.inclination_sc.contains(&(self.inclination_sc as f32))
         })
     }
 }

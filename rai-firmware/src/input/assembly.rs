@@ -376,6 +376,7 @@ impl Assembly {
         // With two receivers in one epoch the stored ranges are of either, so that their turns are
         // no evidence.
         if !self.has_rival
+            && cfg!(feature = "signs")
             && let Some(rivalry) = self.turns.take(&self.epoch)
         {
             tell(Event::Rivalry(rivalry));

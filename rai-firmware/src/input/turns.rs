@@ -35,7 +35,7 @@ use crate::raw::{Band, RawEpoch};
 use crate::time::GpsTime;
 
 /// Most satellites whose bends are compared.
-const TRACKS: usize = 16;
+const TRACKS: usize = if cfg!(feature = "signs") { 16 } else { 1 };
 
 /// Least number of satellites for a detection.
 const LEAST_TRACKS: usize = 5;

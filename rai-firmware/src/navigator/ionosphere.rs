@@ -33,6 +33,9 @@ impl Broadcast {
         coefficients: [f64; 8],
         now: Option<GpsTime>,
     ) {
+        if !cfg!(feature = "ubx") {
+            return;
+        }
         let [of_gps, of_beidou] = &mut self.models;
         let (known, heard) = match constellation {
             Constellation::Beidou => (of_beidou, Klobuchar::of_beidou(coefficients)),
@@ -46,6 +49,9 @@ impl Broadcast {
 
     /// Gives models that came before the first epoch the time of that epoch.
     pub(super) fn date(&mut self, time: GpsTime) {
+        if !cfg!(feature = "ubx") {
+            return;
+        }
         for (_, came) in self.models.iter_mut().flatten() {
             came.get_or_insert(time);
         }
@@ -53,7 +59,7 @@ impl Broadcast {
 
     /// Returns true once after another model came.
     pub(super) fn take_news(&mut self) -> bool {
-        core::mem::take(&mut self.has_new_model)
+        cfg!(feature = "ubx") && core::mem::take(&mut self.has_new_model)
     }
 
     /// Returns the model in force: that of a command, else a fresh one of GPS, else a fresh one of
@@ -61,7 +67,10 @@ impl Broadcast {
     pub(super) fn model(&self, time: GpsTime, configuration: &Configuration) -> Option<Klobuchar> {
         let is_fresh = |came: GpsTime| time.since_ms(came).unsigned_abs() <= IONOSPHERE_HOLDS_MS;
         let mut heard = self.models.iter().flatten();
-        let fresh = || heard.find(|(_, came)| came.is_none_or(is_fresh)).map(|(klobuchar, _)| *klobuchar);
+        let fresh = || {
+            let newest = heard.find(|(_, came)| came.is_none_or(is_fresh));
+            newest.filter(|_| cfg!(feature = "ubx")).map(|(klobuchar, _)| *klobuchar)
+        };
         configuration.klobuchar.and_then(Klobuchar::new).or_else(fresh)
     }
 }

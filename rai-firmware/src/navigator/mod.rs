@@ -21,7 +21,7 @@ use raim_core::report::{Alert, MAX_EXCLUDED, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_core::single::{self, Monitor, MonitorWorkspace, Workspace};
-use raim_core::velocity::Velocity;
+use raim_core::velocity::{Velocity, VelocityError};
 use raim_core::weighting::Ism;
 
 use crate::correction::horizon::coordinates_m;
@@ -160,7 +160,9 @@ impl Navigator {
         // that this build lacks.
         let _ = self.monitor.set_strategy(configuration.strategy());
         let _ = self.monitor.set_continuity(configuration.continuity());
-        self.monitor.set_ism(configuration.promises.ism());
+        if cfg!(feature = "araim") {
+            self.monitor.set_ism(configuration.promises.ism());
+        }
         Ok(())
     }
 
@@ -330,14 +332,20 @@ impl Navigator {
         if let Some(reason) = self.distrusted {
             memory.outcome_mut().override_alert(reason);
         }
-        if fixed.is_some_and(|place| is_elsewhere(place, &memory.outcome().report)) {
+        if cfg!(feature = "aiding")
+            && fixed.is_some_and(|place| is_elsewhere(place, &memory.outcome().report))
+        {
             memory.outcome_mut().withdraw(Unavailable::Place);
         }
         // Under an alert no velocity is reported, and computing one at a wrong place would only
         // cost time.
         let report = &memory.outcome().report;
         let place = found(report).filter(|_| !matches!(report.verdict, Verdict::Alert(_)));
-        let velocity = self.rates.velocity(raw, sky, place, &self.monitor, memory.workspace());
+        let velocity = if cfg!(feature = "past") {
+            self.rates.velocity(raw, sky, place, &self.monitor, memory.workspace())
+        } else {
+            Err(VelocityError::Redundancy)
+        };
         let came_s = came_ms as f64 * 1e-3;
         self.monitor.learn(memory.outcome_mut(), Some(came_s), velocity.as_ref().map_err(|error| *error));
         let is_alert = matches!(memory.outcome().report.verdict, Verdict::Alert(_));
@@ -398,6 +406,9 @@ impl Navigator {
         // behind the last.
         let next = Cell::new(0);
         let rates = |satellite| {
+            if !cfg!(feature = "hypotheses") {
+                return None;
+            }
             let is_it = |located: &Located| located.satellite() == satellite;
             let index = match sky.get(next.get()) {
                 Some(located) if is_it(located) => next.get(),
@@ -426,7 +437,10 @@ impl Navigator {
         site.correct(sky, &mut self.tally.ranges, epoch);
         // The forecast of a clock may take the last row.
         let has_room = epoch.observations().len() + 1 < CAPACITY;
-        if let Some(height) = self.known_height.filter(|_| has_room && configuration.method.allows_aiding()) {
+        if let Some(height) = self
+            .known_height
+            .filter(|_| cfg!(feature = "aiding") && has_room && configuration.method.allows_aiding())
+        {
             // Its values were checked when they were read.
             let _ = epoch.aid(height);
         }

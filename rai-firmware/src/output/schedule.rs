@@ -21,7 +21,7 @@ macro_rules! items {
             /// Names of the items.
             pub const NAMES: &'static [&'static str] = &[$($name,)*];
 
-            const AT_START: [u8; Self::ALL.len()] = [$($at_start,)*];
+            const AT_START: [u8; Self::ALL.len()] = [$(if Self::$item.is_built() { $at_start } else { 0 },)*];
 
             /// Returns true if the item is built in.
             pub const fn is_built(self) -> bool {
@@ -36,12 +36,12 @@ macro_rules! items {
 items! {
     "RMC" Rmc = 1: "Position, velocity and date.",
     "GGA" Gga = 1: "Position.",
-    "GNS" Gns = 1: "Position with the navigational status.",
-    "VTG" Vtg = 1: "Velocity.",
-    "ZDA" Zda = 1: "Date and time, once a second at most.",
-    "GSA" Gsa = 1: "Satellites used.",
-    "GST" Gst = 1: "Standard deviations.",
-    "GBS" Gbs = 1: "The satellite that fits worst.",
+    "GNS" Gns = 1 if "sentences": "Position with the navigational status.",
+    "VTG" Vtg = 1 if "sentences": "Velocity.",
+    "ZDA" Zda = 1 if "sentences": "Date and time, once a second at most.",
+    "GSA" Gsa = 1 if "sentences": "Satellites used.",
+    "GST" Gst = 1 if "sentences": "Standard deviations.",
+    "GBS" Gbs = 1 if "sentences": "The satellite that fits worst.",
     "HEARTBEAT" Heartbeat = 0 if "mavlink": "`MAVLink`: the module is there.",
     "GPS_INPUT" GpsInput = 0 if "mavlink": "`MAVLink`: a position for an autopilot.",
     "GNSS_INTEGRITY" GnssIntegrity = 0 if "mavlink": "`MAVLink`: use of the position.",
@@ -100,7 +100,7 @@ pub struct Due(u16);
 impl Due {
     /// Returns true if the item is in the set.
     pub const fn has(self, item: Item) -> bool {
-        self.0 >> item as u16 & 1 == 1
+        item.is_built() && self.0 >> item as u16 & 1 == 1
     }
 
     /// Returns the set without this item.

@@ -68,6 +68,17 @@ counters! {
     }
 }
 
+/// Settings at start, read where the program stores them, because a copy would be on the stack.
+static AT_START: Configuration = Configuration::at_start();
+
+/// Returns the requirements of the settings at start.
+///
+/// # Errors
+/// [`MonitorError`] if their thresholds are not in the tables.
+pub(super) fn requirements_at_start() -> Result<ValidatedRequirements, MonitorError> {
+    ValidatedRequirements::new(AT_START.requirements())
+}
+
 /// State of the module behind the input, and the reaction to each event.
 #[derive(Debug)]
 pub(super) struct EpochLoop<P> {
@@ -110,25 +121,24 @@ pub(super) struct EpochLoop<P> {
 }
 
 impl<P: OutputPin> EpochLoop<P> {
-    /// Returns the state before the first event, and sets the pin low.
+    /// Returns the state before the first event. The pin was set low, with so many failures.
+    ///
+    /// It cannot fail, because the value of an outcome would be on the stack first.
     #[allow(clippy::inline_always, reason = "what is large is written where it is to stay")]
     #[inline(always)]
-    pub(super) fn new(mut pin: P, clock_error_ppm: u32) -> Result<Self, MonitorError> {
-        // Read where the program stores it, because a copy would be on the stack.
-        static AT_START: Configuration = Configuration::at_start();
-        let mut verdicts = Verdicts::NONE;
-        if pin.set_low().is_err() {
-            count(&mut verdicts.pin_failures);
-        }
-        let requirements = ValidatedRequirements::new(AT_START.requirements())?;
-        let settings_hash = AT_START.hash();
-        Ok(Self {
+    pub(super) fn new(
+        pin: P,
+        pin_failures: u32,
+        requirements: ValidatedRequirements,
+        clock_error_ppm: u32,
+    ) -> Self {
+        Self {
             pin,
             navigator: Navigator::of(requirements),
             configuration: AT_START,
-            publisher: Publisher::new(settings_hash),
+            publisher: Publisher::new(AT_START.hash()),
             promise_hash: AT_START.promise_hash(),
-            verdicts,
+            verdicts: Verdicts { pin_failures, ..Verdicts::NONE },
             last_verdict: None,
             has_report: false,
             last_time: None,
@@ -146,7 +156,7 @@ impl<P: OutputPin> EpochLoop<P> {
             doubted: 0,
             rivalries: 0,
             gps_minus_utc_s: GPS_MINUS_UTC_S,
-        })
+        }
     }
 
     /// Discards the last position, the delays of epochs, and the reports of jamming and spoofing.
@@ -199,6 +209,9 @@ impl<P: OutputPin> EpochLoop<P> {
     /// Returns the height of an epoch that came at `came_ms`: that of the host, or else that of a
     /// fixed antenna. A height of the host that has expired is discarded and counted.
     fn known_height(&mut self, came_ms: u64) -> Option<Aiding> {
+        if !cfg!(feature = "aiding") {
+            return None;
+        }
         let climb_m_s =
             self.navigator.velocity().map_or(0.0, |velocity| velocity.east_north_up_m_s[2] as f32);
         let of_host = self.host_height.and_then(|height| height.aiding(came_ms, climb_m_s));
@@ -210,6 +223,9 @@ impl<P: OutputPin> EpochLoop<P> {
 
     /// Returns true if the receiver reports counterfeit signals and its word counts.
     fn is_spoofed(&self, now_ms: u64) -> bool {
+        if !cfg!(feature = "ubx") {
+            return false;
+        }
         let word = &self.interference;
         self.configuration.spoof_flag == SpoofFlag::Hold
             && (word.is_sure() || word.confirms(self.sign_ms, now_ms))
@@ -235,8 +251,10 @@ impl<P: OutputPin> EpochLoop<P> {
                     count(&mut self.verdicts.epochs_skipped);
                     return false;
                 }
-                self.interference.age(now_ms);
-                if self.strengths.take(raw, now_ms) {
+                if cfg!(feature = "ubx") {
+                    self.interference.age(now_ms);
+                }
+                if cfg!(feature = "signs") && self.strengths.take(raw, now_ms) {
                     count(&mut self.verdicts.strengths_alike);
                     self.sign_ms = Some(now_ms);
                 }
@@ -273,6 +291,7 @@ impl<P: OutputPin> EpochLoop<P> {
                 self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
             }
             Event::Rivalry(rivalry) => self.hear_rival(*rivalry),
+            Event::SelfReport(_) if !cfg!(feature = "ubx") => {}
             Event::SelfReport(said) => {
                 self.interference.hear(said, now_ms);
                 if self.is_spoofed(now_ms) {

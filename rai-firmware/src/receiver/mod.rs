@@ -31,15 +31,18 @@ mod epochs;
 mod lateness;
 mod strengths;
 
+use core::mem::MaybeUninit;
+
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
 use raim_core::epoch::Epoch;
 use raim_core::monitor::MonitorError;
 use raim_core::report::{Report, Verdict};
+use raim_core::single::ValidatedRequirements;
 use raim_core::velocity::Velocity;
 
-use self::epochs::EpochLoop;
 pub use self::epochs::Verdicts;
+use self::epochs::{EpochLoop, requirements_at_start};
 use crate::board::{PortLosses, SEALED_BYTES};
 use crate::correction::CAPACITY;
 use crate::counters::{at, count_many};
@@ -109,12 +112,30 @@ impl<P: OutputPin> Receiver<P> {
     ///
     /// # Errors
     /// [`MonitorError`] if the thresholds of the requirements at start are not in the tables.
-    pub fn new(pin: P, boot: Boot) -> Result<Self, MonitorError> {
+    pub fn new(mut pin: P, boot: Boot) -> Result<Self, MonitorError> {
+        let pin_failures = u32::from(pin.set_low().is_err());
+        Ok(Self::of(pin, pin_failures, requirements_at_start()?, boot))
+    }
+
+    /// Works like [`Self::new`] in the place where the module is to stay, with less stack.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; the place is then as it was.
+    pub fn place(place: &mut MaybeUninit<Self>, mut pin: P, boot: Boot) -> Result<&mut Self, MonitorError> {
+        let pin_failures = u32::from(pin.set_low().is_err());
+        let requirements = requirements_at_start()?;
+        Ok(place.write(Self::of(pin, pin_failures, requirements, boot)))
+    }
+
+    /// Returns a module whose pin was set low, with so many failures.
+    #[allow(clippy::inline_always, reason = "what is large is written where it is to stay")]
+    #[inline(always)]
+    fn of(pin: P, pin_failures: u32, requirements: ValidatedRequirements, boot: Boot) -> Self {
         // Built in one expression, so that large parts are written directly to their final place.
-        Ok(Self {
+        Self {
             input: Input::new(),
             commands: CommandPort::new(),
-            epochs: EpochLoop::new(pin, boot.clock_error_ppm)?,
+            epochs: EpochLoop::new(pin, pin_failures, requirements, boot.clock_error_ppm),
             boot,
             last_byte_ms: None,
             now_ms: 0,
@@ -123,7 +144,7 @@ impl<P: OutputPin> Receiver<P> {
             losses: PortLosses::NONE,
             is_unsealed: true,
             reset_requested: false,
-        })
+        }
     }
 
     // Not inlined, nor are the other entry points, so that their stacks do not add up.

@@ -5,9 +5,9 @@ use super::read::{next_number, none};
 use super::refusal::Refusal;
 
 /// Makes the orders from their keys. An order with numbers states the type and range of each behind
-/// its name.
+/// its name, and one that a small build lacks its feature.
 macro_rules! orders {
-    ($($key:literal $order:ident $(($($of:ident in $range:expr),+))?: $text:literal,)*) => {
+    ($($key:literal $order:ident $(($($of:ident in $range:expr),+))? $(if $feature:literal)?: $text:literal,)*) => {
         /// Order of the host.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum Order {
@@ -26,6 +26,7 @@ macro_rules! orders {
                 mut values: impl Iterator<Item = &'v str>,
             ) -> Option<Result<Self, Refusal>> {
                 match key {
+                    $($($key if !cfg!(feature = $feature) => Some(Err(Refusal::NotInBuild)),)?)*
                     $($key => Some(orders!(@read values, $order $(($($of in $range),+))?)),)*
                     _ => None,
                 }
@@ -55,6 +56,6 @@ orders! {
     "CONFIRM" Confirm: "The settings in force are meant",
     "FORGET" Forget: "The module forgets the last position, the delays of epochs, the time, the source of the ranges, and the receiver's word on jamming and spoofing",
     "WEEK" Week(u16 in WEEKS): "The next epoch is of this GPS week, 0 to 8191, not rolled over: the date of a recording, or of GPS alone after November 2038",
-    "HEIGHTAID" Height(f64 in HEIGHT_M, f64 in PLACE_SIGMA_M): "The antenna is now at this height above the ellipsoid, m, known to this standard deviation, m: from a barometer, a map or a deck. For 10 s it takes a row beside the satellites, with a standard deviation of at least 3 m that grows by 3 m/s and the vertical speed",
+    "HEIGHTAID" Height(f64 in HEIGHT_M, f64 in PLACE_SIGMA_M) if "aiding": "The antenna is now at this height above the ellipsoid, m, known to this standard deviation, m: from a barometer, a map or a deck. For 10 s it takes a row beside the satellites, with a standard deviation of at least 3 m that grows by 3 m/s and the vertical speed",
     "RESET" Reset: "The module starts again, with the pin low",
 }

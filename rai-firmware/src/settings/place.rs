@@ -37,6 +37,9 @@ impl Value for Option<Place> {
     fn change(&mut self, values: Values<'_, '_>, ranges: &Ranges) -> Result<(), Refusal> {
         let first = next(values)?;
         *self = None;
+        if first != OFF && !cfg!(feature = "aiding") {
+            return Err(Refusal::NotInBuild);
+        }
         if first != OFF {
             *self = Some(Place {
                 latitude_deg: number(first, range(ranges, 0))?,
@@ -50,12 +53,12 @@ impl Value for Option<Place> {
 
     fn say(&self, take: Take<'_>) {
         match self {
-            Some(Place { latitude_deg, longitude_deg, height_m, sigma_m }) => {
+            Some(Place { latitude_deg, longitude_deg, height_m, sigma_m }) if cfg!(feature = "aiding") => {
                 for value in [latitude_deg, longitude_deg, height_m, sigma_m] {
                     take(&plain(*value));
                 }
             }
-            None => [OFF, "", "", ""].iter().for_each(|field| take(field)),
+            _ => [OFF, "", "", ""].iter().for_each(|field| take(field)),
         }
     }
 

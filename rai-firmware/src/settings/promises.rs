@@ -20,6 +20,9 @@ use super::read::{Values, next, next_number, number};
 use super::value::{Commands, Ranges, Spelled, Take, Value, range};
 use super::word::Word;
 
+/// Number of systems whose values a command can override: none in a build without ARAIM.
+const OVERRIDES: usize = if cfg!(feature = "araim") { Constellation::COUNT } else { 0 };
+
 /// Number of values for a system.
 const VALUES: usize = 5;
 
@@ -67,7 +70,7 @@ impl Preset {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Promises {
     preset: Preset,
-    own: [Option<IsmParameters>; Constellation::COUNT],
+    own: [Option<IsmParameters>; OVERRIDES],
 }
 
 impl Promises {
@@ -76,7 +79,7 @@ impl Promises {
 
     /// Returns a preset without overrides.
     pub const fn preset(preset: Preset) -> Self {
-        Self { preset, own: [None; Constellation::COUNT] }
+        Self { preset, own: [None; OVERRIDES] }
     }
 
     /// Returns the integrity parameters for the core.
@@ -102,6 +105,9 @@ impl Spelled for Promises {
 
 impl Value for Promises {
     fn change(&mut self, values: Values<'_, '_>, ranges: &Ranges) -> Result<(), Refusal> {
+        if !cfg!(feature = "araim") {
+            return Err(Refusal::NotInBuild);
+        }
         let value = next(values)?;
         if let Some(constellation) = system(value) {
             let support = support(values, ranges)?;
@@ -124,6 +130,7 @@ impl Value for Promises {
                 None => (0..VALUES).for_each(|_| take("")),
             }
         }
+        (OVERRIDES * VALUES..Constellation::COUNT * VALUES).for_each(|_| take(""));
     }
 
     fn tell(&self, take: Take<'_>) -> bool {

@@ -63,8 +63,8 @@ words! { Phase {
 
 words! { Policy {
     "T1" = [Policy::T1],
-    "T2" = [Policy::T2],
-    "TOP" = [Policy::TOp],
+    "T2" = [Policy::T2] if "policies",
+    "TOP" = [Policy::TOp] if "policies",
 } }
 
 words! { Method {
@@ -94,7 +94,7 @@ words! { Frequencies {
 
 words! { Sigma {
     "FIXED" = [Sigma::Fixed],
-    "ADAPT" = [Sigma::Adapted],
+    "ADAPT" = [Sigma::Adapted] if "aiding",
 } }
 
 words! { SpoofFlag {
@@ -111,7 +111,7 @@ words! { Preset {
 
 words! { bool {
     "OFF" = [false],
-    "ON" = [true],
+    "ON" = [true] if "aiding",
 } }
 
 words! { Baud {

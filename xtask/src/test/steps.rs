@@ -117,7 +117,9 @@ fn features_of_the_core() -> Result<Done> {
         let what = ["clippy", "--quiet", "--package=raim-core", "--lib"];
         spawn(command(&what).args(features).args(["--", "-D", "warnings"]))
     };
-    for feature in ["", "araim", "searches", "tables", "double-tables", "satellites-32", "satellites-48"] {
+    let features =
+        "araim searches tables double-tables policies past hypotheses aiding satellites-32 satellites-48";
+    for feature in std::iter::once("").chain(features.split(' ')) {
         check(&["--no-default-features", "--features", feature])?;
     }
     check(&["--all-features"])?;

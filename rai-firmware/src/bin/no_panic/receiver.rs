@@ -337,6 +337,7 @@ fn the_loop() {
     reach!(
         Boot::on_host as fn(_) -> _,
         Receiver::<Pin>::new as fn(_, _) -> _,
+        Receiver::<Pin>::place as fn(_, _, _) -> _,
         Receiver::<Pin>::greet::<Host> as fn(_, _),
         Receiver::<Pin>::gnss::<Host> as fn(_, _, _, _) -> _,
         Receiver::<Pin>::gnss_since::<Host> as fn(_, _, _, _, _) -> _,

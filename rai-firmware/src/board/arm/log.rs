@@ -48,6 +48,9 @@ static SHARED: Shared = Shared(UnsafeCell::new(State {
 /// Opens the channel for a debug probe. Call it once, before the first log.
 #[allow(unsafe_code)]
 pub fn start() {
+    if !cfg!(feature = "log") {
+        return;
+    }
     let channels = rtt_target::rtt_init! {
         up: {
             0: {
@@ -67,16 +70,16 @@ pub fn start() {
 pub fn note(note: Note) {
     match note {
         Note::Judged(verdict, ticks) => {
-            defmt::info!("judged {}: pin {=u64} ticks after the last byte", verdict, ticks);
+            log!(info, "judged {}: pin {=u64} ticks after the last byte", verdict, ticks);
         }
-        Note::Stale(verdict) => defmt::info!("judged {}: no byte came", verdict),
-        Note::Epoch(number, ticks) => defmt::info!("epoch {=u32} took {=u64} ticks", number, ticks),
+        Note::Stale(verdict) => log!(info, "judged {}: no byte came", verdict),
+        Note::Epoch(number, ticks) => log!(info, "epoch {=u32} took {=u64} ticks", number, ticks),
         Note::HighWater => {
-            defmt::info!("stack high water {=u32} bytes", stack::high_water_bytes());
-            defmt::info!("rings high water {}", rings::high_water());
+            log!(info, "stack high water {=u32} bytes", stack::high_water_bytes());
+            log!(info, "rings high water {}", rings::high_water());
         }
-        Note::GnssRate(baud) => defmt::info!("GNSS port at {=u32} baud", baud),
-        Note::Lost(losses) => defmt::warn!("bytes lost since start: {}", losses),
+        Note::GnssRate(baud) => log!(info, "GNSS port at {=u32} baud", baud),
+        Note::Lost(losses) => log!(warn, "bytes lost since start: {}", losses),
     }
 }
 
@@ -115,6 +118,9 @@ impl State {
 #[allow(unsafe_code)]
 unsafe impl defmt::Logger for Logger {
     fn acquire() {
+        if !cfg!(feature = "log") {
+            return;
+        }
         // SAFETY: released in `release`, which defmt calls exactly once for each `acquire`.
         let restore = unsafe { critical_section::acquire() };
         // SAFETY: interrupts are held back.
@@ -129,11 +135,17 @@ unsafe impl defmt::Logger for Logger {
     }
 
     unsafe fn write(bytes: &[u8]) {
+        if !cfg!(feature = "log") {
+            return;
+        }
         // SAFETY: between `acquire` and `release`.
         unsafe { (*SHARED.0.get()).append(bytes) };
     }
 
     unsafe fn release() {
+        if !cfg!(feature = "log") {
+            return;
+        }
         // SAFETY: between `acquire` and `release`.
         let state = unsafe { &mut *SHARED.0.get() };
         state.finish();

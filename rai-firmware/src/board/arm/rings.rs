@@ -24,6 +24,9 @@ use super::time;
 /// Divisor of the rings that grow with an epoch.
 const SHARE: usize = if EPOCH_CAPACITY > 32 { 1 } else { 2 };
 
+/// Bytes of the log that may wait.
+const LOG_BYTES: usize = if cfg!(feature = "log") { 1024 / SHARE } else { 1 };
+
 /// Ring from the GNSS receiver.
 pub static GNSS_IN: TimedRing<{ 4096 / SHARE }, 64> = TimedRing::new();
 /// Ring from the host.
@@ -31,7 +34,7 @@ pub static HOST_IN: Ring<256> = Ring::new();
 /// Ring to the host.
 pub static HOST_OUT: Ring<HOST_OUT_BYTES> = Ring::new();
 /// Ring to the reader of the log.
-pub static LOG_OUT: Ring<{ 1024 / SHARE }> = Ring::new();
+pub static LOG_OUT: Ring<LOG_BYTES> = Ring::new();
 
 static HOST_OVERRUNS: AtomicU32 = AtomicU32::new(0);
 

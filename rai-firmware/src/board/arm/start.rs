@@ -2,7 +2,6 @@
 
 use core::mem::MaybeUninit;
 
-use raim_core::monitor::MonitorError;
 use raim_firmware::board::reset::{Fault, ResetCause};
 use raim_firmware::board::{Board, SEALED_BYTES};
 use raim_firmware::epoch_loop::EpochLoop;
@@ -11,16 +10,16 @@ use raim_firmware::settings::{Configuration, Unsealed};
 
 use super::{fault, rings};
 
-/// A place for the receiver among the statics, with the result of its construction.
-pub type Place<P> = MaybeUninit<Result<Receiver<P>, MonitorError>>;
+/// A place for the receiver among the statics.
+pub type Place<P> = MaybeUninit<Receiver<P>>;
 
 /// Announces the start to the host and runs the loop until the host requests a reset.
 pub fn run<B: Board>(board: &mut B, receiver: &'static mut Place<B::Pin>, pin: B::Pin) -> ! {
     let cause = board.reset_cause();
     let (version, git) = (env!("CARGO_PKG_VERSION"), env!("RAI_GIT"));
-    defmt::info!("start: {=str} {=str}, reset cause {=str}", version, git, cause.word());
+    log!(info, "start: {=str} {=str}, reset cause {=str}", version, git, cause.word());
     if let ResetCause::Fault(Fault::Panic { file, line }) = cause {
-        defmt::error!("the program before panicked: file {=u32:08x}, line {=u32}", file, line);
+        log!(error, "the program before panicked: file {=u32:08x}, line {=u32}", file, line);
     }
     board.feed_watchdog();
     let Some(receiver) = settle(receiver, pin, boot(board, cause)) else { fault::reset_on_request() };
@@ -42,17 +41,16 @@ fn is_after_power_on(cause: ResetCause, memory: &[u8; SEALED_BYTES]) -> bool {
     }
 }
 
-/// Builds the receiver in its place among the statics, because taking it out of its result would
-/// put it on the stack first.
+/// Builds the receiver in its place among the statics.
 #[inline(never)]
 fn settle<P: embedded_hal::digital::OutputPin>(
     place: &'static mut Place<P>,
     pin: P,
     boot: Boot,
 ) -> Option<&'static mut Receiver<P>> {
-    let made = place.write(Receiver::new(pin, boot)).as_mut();
+    let made = Receiver::place(place, pin, boot);
     if made.is_err() {
-        defmt::error!("the requirements at start are not in the threshold tables");
+        log!(error, "the requirements at start are not in the threshold tables");
     }
     made.ok()
 }

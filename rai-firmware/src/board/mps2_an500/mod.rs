@@ -64,7 +64,7 @@ fn main() -> ! {
     let place = singleton!(: start::Place<IntegrityPin> = MaybeUninit::uninit());
     let (Some((mut board, pin)), Some(place)) = (Mps2An500::take(), place) else { fault::reset_on_request() };
     log::start();
-    defmt::info!("clock: {=str}, core at {=u32} Hz", "Board", CORE_HZ);
+    log!(info, "clock: {=str}, core at {=u32} Hz", "Board", CORE_HZ);
     start::run(&mut board, place, pin)
 }
 
@@ -95,9 +95,9 @@ impl IntegrityPin {
         self.driven_ticks = time::now_ticks();
         if core::mem::replace(&mut self.high, high) != high {
             if high {
-                defmt::info!("integrity pin high");
+                log!(info, "integrity pin high");
             } else {
-                defmt::info!("integrity pin low");
+                log!(info, "integrity pin low");
             }
         }
     }

@@ -74,7 +74,7 @@ mod hardware {
             fault::reset_on_request()
         };
         log::start();
-        defmt::info!("clock: {}, core at {=u32} Hz", board.clock.source, board.clock.core_hz);
+        log!(info, "clock: {}, core at {=u32} Hz", board.clock.source, board.clock.core_hz);
         start::run(&mut board, place, pin)
     }
 

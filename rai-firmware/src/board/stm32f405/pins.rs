@@ -53,7 +53,7 @@ impl OutputPin for IntegrityPin {
     fn set_low(&mut self) -> Result<(), Infallible> {
         self.port.bsrr().write(|w| w.br6().set_bit().br7().set_bit());
         if self.changed(false) {
-            defmt::info!("integrity pin low");
+            log!(info, "integrity pin low");
         }
         Ok(())
     }
@@ -61,7 +61,7 @@ impl OutputPin for IntegrityPin {
     fn set_high(&mut self) -> Result<(), Infallible> {
         self.port.bsrr().write(|w| w.bs6().set_bit().bs7().set_bit());
         if self.changed(true) {
-            defmt::info!("integrity pin high");
+            log!(info, "integrity pin high");
         }
         Ok(())
     }

@@ -31,7 +31,9 @@ pub fn start(rcc: &RCC, host: &USART1, gnss: &USART2, log: &USART3, clock: Clock
     rcc.apb2enr().modify(|_, w| w.usart1en().enabled());
     enable(host, divider(clock.bus2_hz, BAUD));
     enable(gnss, divider(clock.bus1_hz, BAUD));
-    enable(log, divider(clock.bus1_hz, BAUD));
+    if cfg!(feature = "log") {
+        enable(log, divider(clock.bus1_hz, BAUD));
+    }
     unmask();
     Outlet::new(&HOST_OUT, || NVIC::pend(Interrupt::USART1))
 }
@@ -50,7 +52,9 @@ fn unmask() {
     unsafe {
         NVIC::unmask(Interrupt::USART1);
         NVIC::unmask(Interrupt::USART2);
-        NVIC::unmask(Interrupt::USART3);
+        if cfg!(feature = "log") {
+            NVIC::unmask(Interrupt::USART3);
+        }
     }
 }
 
@@ -127,6 +131,9 @@ fn USART2() {
 #[interrupt]
 #[allow(unsafe_code)]
 fn USART3() {
+    if !cfg!(feature = "log") {
+        return;
+    }
     // SAFETY: after start-up only this handler touches the port's registers.
     let port = unsafe { USART3::steal() };
     // No input is expected here, and noise on an open line is no loss.

@@ -86,13 +86,19 @@ pub fn write_epoch<W: Write, const N: usize>(
     }
     proprietary::write_state(statement, time, out)?;
     proprietary::write_exclusions(statement.report, time, out)?;
-    if let Some(separation) = &statement.report.araim {
+    if cfg!(feature = "araim")
+        && let Some(separation) = &statement.report.araim
+    {
         proprietary::write_separation(separation, time, out)?;
     }
-    if let Some(height) = &statement.report.height {
+    if cfg!(feature = "aiding")
+        && let Some(height) = &statement.report.height
+    {
         proprietary::write_height(height, time, out)?;
     }
-    proprietary::write_evidence(&statement.interference, time, out)?;
+    if cfg!(feature = "ubx") {
+        proprietary::write_evidence(&statement.interference, time, out)?;
+    }
     proprietary::write_settings_and_interference(statement, time, out)
 }
 

@@ -70,13 +70,13 @@ pub const NAMED: [Named; 3] = [
     },
     Named {
         name: "small",
-        content: "RTCM 3, classic RAIM, thresholds of the phases of flight",
+        content: "RTCM 3, classic RAIM, thresholds of the phases of flight, RMC and GGA; no log",
         features: "",
         compiled_for: CompiledFor::Size,
         satellites: 16,
-        stack_bytes: 9 * 1024,
-        flash_kib: 168,
-        ram_kib: 37,
+        stack_bytes: 6 * 1024,
+        flash_kib: 116,
+        ram_kib: 32,
     },
 ];
 
@@ -93,6 +93,23 @@ impl Named {
         bail!("image `{name}` is not one of {}", names.join(", "));
     }
 
+    /// Returns true if the image has every part, so that it sends every sentence, and a log.
+    pub fn is_whole(&self) -> bool {
+        self.features.split(',').any(|feature| feature == "whole")
+    }
+
+    /// Builds the image with a log, which shows its pin, its stack and its cost, and returns its
+    /// path. An image that has one is built as it is.
+    ///
+    /// # Errors
+    /// As [`Self::build`].
+    pub fn build_with_log(&self) -> anyhow::Result<PathBuf> {
+        if self.is_whole() {
+            return self.build();
+        }
+        self.build_in(&format!("{}-log", self.name), &format!("{},log", self.features))
+    }
+
     /// Builds the image and returns its path.
     ///
     /// All but the shipped image have folders of their own, because they have one file name.
@@ -103,10 +120,15 @@ impl Named {
         if *self == NAMED[0] {
             return build();
         }
+        self.build_in(self.name, self.features)
+    }
+
+    /// Builds an image with these features in a folder of its own.
+    fn build_in(&self, folder: &str, features: &str) -> anyhow::Result<PathBuf> {
         let mut cargo = cargo();
         cargo.arg(self.compiled_for.command()).args(SHIPPED);
-        cargo.args(["--no-default-features", "--features", self.features]);
-        built(apart(&mut cargo, &Path::new("target/images").join(self.name)))
+        cargo.args(["--no-default-features", "--features", features]);
+        built(apart(&mut cargo, &Path::new("target/images").join(folder)))
             .with_context(|| format!("image `{}`", self.name))
     }
 

@@ -39,6 +39,9 @@ const UNKNOWNS: usize = 3;
 /// Returns true if a shifted constellation explains more of the residuals than noise and any row
 /// do.
 pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
+    if !cfg!(feature = "hypotheses") {
+        return false;
+    }
     let noise = thresholds.tau1::<T>(UNKNOWNS);
     let least = noise.map(|tau1| tau1.max(snapshot.statistics().worst.largest));
     let most = least.map(|least| snapshot.sse() - least).filter(|&most| most > T::zero());
@@ -59,6 +62,9 @@ pub(crate) fn rivals<T: Real>(
     found: T,
     thresholds: &Thresholds<'_>,
 ) -> bool {
+    if !cfg!(feature = "hypotheses") {
+        return false;
+    }
     let Some(w_test) = thresholds.w_test::<T>(snapshot.used()) else { return false };
     let most = if excluded.len() > 1 { found + w_test * w_test } else { found };
     any_split(snapshot, &|split| {

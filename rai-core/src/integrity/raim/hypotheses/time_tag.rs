@@ -80,6 +80,9 @@ pub type RangeRates<'r> = dyn Fn(SatelliteId) -> Option<f32> + 'r;
 /// exceeded. But if most ranges change alike, a smaller wrong time moves a position beyond its
 /// level.
 pub(crate) fn is_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
+    if !cfg!(feature = "hypotheses") {
+        return false;
+    }
     let least = least_suspicious(snapshot, thresholds);
     !Detection::passes(snapshot, thresholds)
         || least.is_some_and(|least| snapshot.sse() >= least * T::narrow(0.5))

@@ -198,6 +198,7 @@ impl<'t> ThresholdProblem<'t> {
         let (classic, test) = self.classic::<T>().ok_or(NoThreshold::Redundancy)?;
         match policy {
             Policy::T1 => Ok(classic),
+            _ if !cfg!(feature = "policies") => Err(NoThreshold::Risk),
             _ if !self.available(classic) => Err(NoThreshold::Risk),
             Policy::T2 => Ok(self.highest(&test)),
             Policy::TOp => Ok(self.optimal(classic, &test)),
