@@ -324,7 +324,7 @@ mod tests {
     #[test]
     fn settings_are_shown_when_all_their_sentences_have_come() {
         let first = "PRAIQ,CAFE0001,NPA,556,,3.33e-7,1e-3,,10,T1,BAARDA,,,10,OFF,,1,2";
-        let second = format!("PRAIQ,CAFE0001{},2,2", ",".repeat(67 - 14));
+        let second = format!("PRAIQ,CAFE0001{},2,2", ",".repeat(68 - 14));
         assert!(heard(&[first]).settings.is_empty());
         assert!(heard(&[&second]).settings.is_empty(), "the first was missed");
         let have = heard(&[first, &second]).settings;

@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 use std::fs::File;
-use std::io::Write as _;
+use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
 use anyhow::{Context, Result};
@@ -124,11 +124,6 @@ impl Page {
         Ok(())
     }
 
-    /// Lets HTML be written to the end of the page, without a copy.
-    pub(super) fn append(&mut self, write: impl FnOnce(&mut String)) {
-        write(&mut self.body);
-    }
-
     /// Adds HTML as it is.
     pub(super) fn raw(&mut self, html: &str) {
         self.body.push_str(html);
@@ -175,13 +170,29 @@ impl Page {
         )
     }
 
-    /// Writes the page, and makes its folder. The page is not copied, because that of a long
-    /// recording is large.
+    /// Writes the page, and makes its folder.
     ///
     /// # Errors
     /// The folder or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        write_parts(path, &[&self.head(), &self.body, TAIL])
+        self.write_with(path, |_| Ok(()))
+    }
+
+    /// Writes the page, with more HTML at its end that need not be in memory.
+    ///
+    /// # Errors
+    /// The folder or the file cannot be written.
+    pub(super) fn write_with(
+        &self,
+        path: &Path,
+        more: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    ) -> Result<()> {
+        replace(path, |file| {
+            file.write_all(self.head().as_bytes())?;
+            file.write_all(self.body.as_bytes())?;
+            more(file)?;
+            file.write_all(TAIL.as_bytes())
+        })
     }
 }
 
@@ -204,18 +215,28 @@ const TAIL: &str = "</main>\n</body>\n</html>\n";
 /// # Errors
 /// The folder or the file cannot be written.
 pub fn write_file(path: &Path, text: &str) -> Result<()> {
-    write_parts(path, &[text])
+    replace(path, |file| file.write_all(text.as_bytes()))
 }
 
-fn write_parts(path: &Path, parts: &[&str]) -> Result<()> {
+/// Replaces a file in one step, so that a reader finds the old one or the new one: writes beside it
+/// and renames. Makes its folder.
+fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
     }
-    let write = || -> std::io::Result<()> {
-        let mut file = File::create(path)?;
-        parts.iter().try_for_each(|part| file.write_all(part.as_bytes()))
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(".new");
+    let written = File::create(&beside).and_then(|file| {
+        let mut file = BufWriter::new(file);
+        write(&mut file)?;
+        file.flush()?;
+        std::fs::rename(&beside, path)
+    });
+    if written.is_err() {
+        // Half a page is of no use, and may be what fills the disk.
+        let _ = std::fs::remove_file(&beside);
+    }
+    written.with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// Returns the text escaped for HTML.

@@ -1,14 +1,14 @@
 //! Quantiles of any number of values in bounded memory.
 //!
 //! Values are counted exactly until [`EXACT`] different ones have come. Then all are rounded to
-//! multiples of 1 mm, and the step doubles whenever as many have come again. A day at one epoch a
-//! second is therefore exact, and a longer run has an error of half a step: 0.5 mm if all values
-//! are below 131 m.
+//! multiples of 1 mm, and the step doubles whenever as many have come again. A few hours at one
+//! epoch a second are therefore exact, and a longer run has an error of half a step: 0.5 mm if all
+//! values are below 16 m.
 
 use std::collections::BTreeMap;
 
 /// Number of different values that are counted exactly.
-const EXACT: usize = 131_072;
+const EXACT: usize = 16_384;
 
 /// First step of the rounding, m.
 const FIRST_STEP_M: f64 = 1e-3;

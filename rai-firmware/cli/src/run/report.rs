@@ -1,6 +1,7 @@
 //! The report of the service: what happened since it started, as `replay` reports a recording.
 //!
-//! The epoch loop only takes notes. A thread writes the page, once an hour and at the end.
+//! The epoch loop only takes notes. A thread writes the page, once a minute and at the end, and
+//! replaces the last one in one step.
 
 use std::path::PathBuf;
 use std::thread::{self, JoinHandle};
@@ -15,7 +16,7 @@ use crate::satellites::Watcher;
 use crate::sentence;
 
 /// Milliseconds between two pages.
-const INTERVAL_MS: u64 = 3_600_000;
+const INTERVAL_MS: u64 = 60_000;
 
 /// Notes of the service.
 #[derive(Debug)]
@@ -118,26 +119,54 @@ mod tests {
     use crate::signal::sky::raw::Simulation;
     use raim_firmware::pin::MemoryPin;
 
-    #[test]
-    fn epochs_and_a_silence_reach_the_page() {
-        let recording = Simulation::above_xian(0.0, 20, 1).record();
+    /// Sends the epochs of a sky to a module and its recorder, a second apart by their clock.
+    fn observe(recorder: &mut Recorder, receiver: &mut Receiver<MemoryPin>, epochs: u32) -> String {
+        let recording = Simulation::above_xian(0.0, epochs, 1).record();
         let mut encoder =
             Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual).unwrap());
-        let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("test")).unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        let mut recorder = Recorder::new(folder.path().to_owned(), "tcp://receiver:1".to_owned());
         for (second, epoch) in (0_u64..).zip(&recording.epochs) {
             let (bytes, mut said) = (encoder.epoch(epoch).unwrap(), Vec::new());
             recorder.hear(&bytes, second * 1000);
             receiver.gnss(&bytes, second * 1000, &mut said);
-            recorder.note(&said, &receiver, receiver.pin().high, second * 1000);
+            recorder.note(&said, receiver, receiver.pin().high, second * 1000);
         }
+        recording.epochs[0].satellites[0].satellite.to_string()
+    }
+
+    #[test]
+    fn page_is_replaced_every_minute_while_the_service_runs() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("test")).unwrap();
+        let mut recorder = Recorder::new(folder.path().to_owned(), "-".to_owned());
+        observe(&mut recorder, &mut receiver, 60);
+        assert!(recorder.writer.is_none() && !folder.path().join("report.html").exists());
+        let mut epochs = [0; 2];
+        for (now_ms, epochs) in [60_000, 120_000].into_iter().zip(&mut epochs) {
+            let mut said = Vec::new();
+            receiver.tick(now_ms, &mut said);
+            recorder.note(&said, &receiver, false, now_ms);
+            recorder.writer.take().expect("a page each minute").join().unwrap().unwrap();
+            let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+            assert!(html.ends_with("</html>\n"));
+            let (before, _) = html.split_once(" epochs and silences").expect("a summary");
+            *epochs = before.rsplit('>').next().unwrap().parse().unwrap();
+        }
+        // After a minute of epochs, a minute of silence adds its alerts.
+        assert!(epochs[0] >= 60 && epochs[1] > epochs[0], "{epochs:?}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing stays beside the page");
+    }
+
+    #[test]
+    fn epochs_and_a_silence_reach_the_page() {
+        let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("test")).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let mut recorder = Recorder::new(folder.path().to_owned(), "tcp://receiver:1".to_owned());
+        let known = observe(&mut recorder, &mut receiver, 20);
         for now_ms in (19_100..35_000).step_by(100) {
             let mut said = Vec::new();
             receiver.tick(now_ms, &mut said);
             recorder.note(&said, &receiver, receiver.pin().high, now_ms);
         }
-        let known = recording.epochs[0].satellites[0].satellite.to_string();
         recorder.end(receiver.configuration()).unwrap();
         let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
         for part in [

@@ -7,6 +7,8 @@
 //! A code of 16 bits holds 12 decades of both signs within 0.05 %. Codes are in the order of their
 //! values, so that extremes of codes are those of values. Bytes travel in base64.
 
+use std::io::{self, Write};
+
 /// Code of an unknown value.
 pub(super) const UNKNOWN: i16 = i16::MIN;
 
@@ -40,17 +42,20 @@ pub(super) fn value(code: i16) -> Option<f64> {
 }
 
 /// Appends bytes in base64 (RFC 4648, with padding).
-pub(super) fn base64(bytes: &[u8], text: &mut String) {
+///
+/// # Errors
+/// The writer's own.
+pub(super) fn base64(bytes: &[u8], out: &mut impl Write) -> io::Result<()> {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    text.reserve(bytes.len().div_ceil(3) * 4);
     for group in bytes.chunks(3) {
         let part = |index: usize| u32::from(group.get(index).copied().unwrap_or(0));
         let bits = part(0) << 16 | part(1) << 8 | part(2);
-        for index in 0..4 {
-            let letter = LETTERS[(bits >> (18 - 6 * index) & 63) as usize];
-            text.push(if index <= group.len() { char::from(letter) } else { '=' });
-        }
+        let letter = |index: usize| {
+            if index <= group.len() { LETTERS[(bits >> (18 - 6 * index) & 63) as usize] } else { b'=' }
+        };
+        out.write_all(&[0, 1, 2, 3].map(letter))?;
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -63,9 +68,9 @@ mod tests {
         for (bytes, want) in
             [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")]
         {
-            let mut have = String::new();
-            base64(bytes.as_bytes(), &mut have);
-            assert_eq!(have, want);
+            let mut have = Vec::new();
+            base64(bytes.as_bytes(), &mut have).unwrap();
+            assert_eq!(have, want.as_bytes());
         }
     }
 

@@ -12,6 +12,7 @@
 //! | `faults` | injected faults: name, from and to in s |
 
 use std::fmt::Write as _;
+use std::io::{self, Write};
 
 use serde_json::json;
 
@@ -26,13 +27,16 @@ use crate::satellites::Fate;
 /// GPS time 0 in Unix time, ms.
 const GPS_EPOCH_MS: i64 = 315_964_800_000;
 
-/// Appends the values as JSON that may stand in a page.
-pub(super) fn json(journal: &Journal, facts: &Facts, text: &mut String) {
-    text.push('{');
+/// Writes the values as JSON that may stand in a page.
+///
+/// # Errors
+/// The writer's own.
+pub(super) fn json(journal: &Journal, facts: &Facts, out: &mut impl Write) -> io::Result<()> {
+    let mut fields = String::new();
     let mut field = |name: &str, value: &serde_json::Value| {
         // Names come from a command line; none of them may end the script.
         let value = value.to_string().replace('<', "\\u003c");
-        let _ = write!(text, "\"{name}\":{value},");
+        let _ = write!(fields, "\"{name}\":{value},");
     };
     field("t0", &json!(start_ms(journal)));
     field("scale", &json!(scale(journal)));
@@ -52,9 +56,11 @@ pub(super) fn json(journal: &Journal, facts: &Facts, text: &mut String) {
         lines.iter().map(line).collect()
     };
     field("beside", &facts.beside.iter().map(Vec::as_slice).map(beside).collect());
-    columns(journal, text);
-    satellites(journal, text);
-    text.push('}');
+    write!(out, "{{{fields}\"col\":{{")?;
+    columns(journal, out)?;
+    write!(out, "}},\"st\":\"")?;
+    satellites(journal, out)?;
+    write!(out, "]}}")
 }
 
 /// Returns the Unix time of second 0, ms: UTC, or GPS time if the difference is unknown.
@@ -72,62 +78,62 @@ pub(super) fn scale(journal: &Journal) -> &'static str {
     }
 }
 
-/// Appends a column: one value if all are equal, else all of them.
+/// Appends a column with a comma behind it: one value if all are equal, else all of them.
 fn column<T: PartialEq + Copy, const N: usize>(
-    text: &mut String,
+    out: &mut impl Write,
     name: &str,
     values: &[T],
     bytes: impl Fn(T) -> [u8; N],
-) {
-    let _ = write!(text, "\"{name}\":\"");
+) -> io::Result<()> {
+    write!(out, "\"{name}\":\"")?;
     let is_one = values.first().is_some_and(|first| values.iter().all(|value| value == first));
     let values = if is_one { &values[..1] } else { values };
     let all: Vec<u8> = values.iter().flat_map(|value| bytes(*value)).collect();
-    base64(&all, text);
-    text.push_str("\",");
+    base64(&all, out)?;
+    write!(out, "\",")
 }
 
-fn columns(journal: &Journal, text: &mut String) {
+fn columns(journal: &Journal, out: &mut impl Write) -> io::Result<()> {
     let (buckets, is_thinned) = (&journal.epochs.buckets, journal.epochs.stretch > 1);
     let codes = |pick: &dyn Fn(&Bucket) -> i16| -> Vec<i16> { buckets.iter().map(pick).collect() };
     let small = |pick: fn(&Bucket) -> u8| -> Vec<u8> { buckets.iter().map(pick).collect() };
-    text.push_str("\"col\":{");
-    let times: Vec<u32> = buckets.iter().map(|bucket| bucket.first_ms).collect();
-    column(text, "t", &times, u32::to_le_bytes);
     for (index, name) in CURVES.iter().enumerate() {
-        column(text, name, &codes(&|bucket| bucket.low[index]), i16::to_le_bytes);
+        column(out, name, &codes(&|bucket| bucket.low[index]), i16::to_le_bytes)?;
         if is_thinned {
-            column(text, &format!("{name}+"), &codes(&|bucket| bucket.high[index]), i16::to_le_bytes);
+            let high: Vec<i16> = journal.epochs.high.iter().map(|codes| codes[index]).collect();
+            column(out, &format!("{name}+"), &high, i16::to_le_bytes)?;
         }
     }
     for (index, name) in VALUES.iter().enumerate() {
         // Bits, because NaN is not equal to itself.
         let bits: Vec<u32> = buckets.iter().map(|bucket| bucket.values[index].to_bits()).collect();
-        column(text, name, &bits, u32::to_le_bytes);
+        column(out, name, &bits, u32::to_le_bytes)?;
     }
-    column(text, "reason", &small(|bucket| bucket.reason), |byte| [byte]);
-    column(text, "severity", &small(|bucket| bucket.severity), |byte| [byte]);
-    column(text, "pin", &small(|bucket| bucket.pin), |byte| [byte]);
-    column(text, "used", &small(|bucket| bucket.used), |byte| [byte]);
-    column(text, "excluded", &small(|bucket| bucket.excluded), |byte| [byte]);
-    end(text);
+    column(out, "reason", &small(|bucket| bucket.reason), |byte| [byte])?;
+    column(out, "severity", &small(|bucket| bucket.severity), |byte| [byte])?;
+    column(out, "pin", &small(|bucket| bucket.pin), |byte| [byte])?;
+    column(out, "used", &small(|bucket| bucket.used), |byte| [byte])?;
+    column(out, "excluded", &small(|bucket| bucket.excluded), |byte| [byte])?;
+    // Times are never all equal, and end the object without a comma.
+    write!(out, "\"t\":\"")?;
+    base64(&bytes_of(buckets.iter().map(|bucket| bucket.first_ms)), out)?;
+    write!(out, "\"")
 }
 
-fn satellites(journal: &Journal, text: &mut String) {
-    text.push_str("\"st\":\"");
-    let times: Vec<u8> =
-        journal.satellites.times_ms.iter().flat_map(|time_ms| time_ms.to_le_bytes()).collect();
-    base64(&times, text);
-    text.push_str("\",\"sats\":[");
-    for (satellite, known) in &journal.satellites.all {
-        let _ = write!(text, "{{\"n\":\"{satellite}\",\"b\":\"");
-        base64(&packed(known), text);
-        text.push_str("\"},");
+fn bytes_of(numbers: impl Iterator<Item = u32>) -> Vec<u8> {
+    numbers.flat_map(u32::to_le_bytes).collect()
+}
+
+/// Appends the times of the satellites' buckets, and the satellites.
+fn satellites(journal: &Journal, out: &mut impl Write) -> io::Result<()> {
+    base64(&bytes_of(journal.satellites.times_ms.iter().copied()), out)?;
+    write!(out, "\",\"sats\":[")?;
+    for (index, (satellite, known)) in journal.satellites.all.iter().enumerate() {
+        write!(out, "{}{{\"n\":\"{satellite}\",\"b\":\"", if index > 0 { "," } else { "" })?;
+        base64(&packed(known), out)?;
+        write!(out, "\"}}")?;
     }
-    if text.ends_with(',') {
-        text.pop();
-    }
-    text.push(']');
+    Ok(())
 }
 
 /// Returns the columns of a track one after the other, those of 16 bits first.
@@ -146,12 +152,4 @@ fn packed(satellite: &Satellite) -> Vec<u8> {
     let of_wide = wide.iter().flat_map(|pick| track.iter().flat_map(move |spot| pick(spot).to_le_bytes()));
     let of_small = small.iter().flat_map(|pick| track.iter().map(pick));
     of_wide.chain(of_small).collect()
-}
-
-/// Ends an object whose last field has a comma behind it.
-fn end(text: &mut String) {
-    if text.ends_with(',') {
-        text.pop();
-    }
-    text.push_str("},");
 }

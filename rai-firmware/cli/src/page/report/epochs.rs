@@ -1,7 +1,8 @@
 //! The values of all epochs over time, in bounded memory.
 //!
 //! Every epoch has a bucket until there are [`MOST`] of them. Then each two neighbours become one,
-//! with the smallest and the largest of their values and the worst of their states.
+//! with the smallest and the largest of their values and the worst of their states. The largest
+//! values are stored only from then on, because those of one epoch are its smallest.
 
 use super::code::{UNKNOWN, coded};
 use crate::page::Verdict;
@@ -44,8 +45,8 @@ pub(super) const fn severity(verdict: Verdict) -> u8 {
 pub(super) struct Bucket {
     /// Milliseconds after the first epoch.
     pub(super) first_ms: u32,
-    pub(super) low: [i16; CURVES.len()],
-    pub(super) high: [i16; CURVES.len()],
+    /// Smallest values.
+    pub(super) low: Codes,
     pub(super) values: [f32; VALUES.len()],
     pub(super) reason: u8,
     pub(super) severity: u8,
@@ -59,11 +60,9 @@ pub(super) struct Bucket {
 
 impl Bucket {
     fn of(sample: &Sample) -> Self {
-        let codes = sample.curves.map(coded);
         Self {
             first_ms: (sample.time_s * 1e3).round() as u32,
-            low: codes,
-            high: codes,
+            low: sample.curves.map(coded),
             values: sample.values.map(|value| value.map_or(f32::NAN, |value| value as f32)),
             reason: sample.reason,
             severity: sample.severity,
@@ -76,8 +75,6 @@ impl Bucket {
     fn join(&mut self, other: &Self) {
         for curve in 0..CURVES.len() {
             self.low[curve] = least(self.low[curve], other.low[curve]);
-            // The unknown is the least of all codes.
-            self.high[curve] = self.high[curve].max(other.high[curve]);
         }
         for (value, other) in self.values.iter_mut().zip(other.values) {
             if value.is_nan() {
@@ -101,10 +98,20 @@ pub(super) fn least(one: i16, other: i16) -> i16 {
     }
 }
 
+/// Codes of the curves.
+type Codes = [i16; CURVES.len()];
+
+/// Returns the largest codes of both. The unknown is the least of all codes.
+fn largest(one: Codes, other: Codes) -> Codes {
+    std::array::from_fn(|curve| one[curve].max(other[curve]))
+}
+
 /// All epochs.
 #[derive(Clone, Debug)]
 pub(super) struct Epochs {
     pub(super) buckets: Vec<Bucket>,
+    /// Largest values of each bucket; empty while a bucket is one epoch.
+    pub(super) high: Vec<Codes>,
     /// Epochs of a bucket.
     pub(super) stretch: u64,
     all: u64,
@@ -112,7 +119,9 @@ pub(super) struct Epochs {
 
 impl Default for Epochs {
     fn default() -> Self {
-        Self { buckets: Vec::new(), stretch: 1, all: 0 }
+        // All the room at once, which costs nothing before it is used. Growing it would need the
+        // old and the new room at the same time.
+        Self { buckets: Vec::with_capacity(MOST + 1), high: Vec::new(), stretch: 1, all: 0 }
     }
 }
 
@@ -120,9 +129,16 @@ impl Epochs {
     pub(super) fn push(&mut self, sample: &Sample) {
         let bucket = Bucket::of(sample);
         let is_next = self.all.is_multiple_of(self.stretch);
-        match self.buckets.last_mut().filter(|_| !is_next) {
-            Some(last) => last.join(&bucket),
-            None => self.buckets.push(bucket),
+        if let Some(last) = self.buckets.last_mut().filter(|_| !is_next) {
+            last.join(&bucket);
+            if let Some(high) = self.high.last_mut() {
+                *high = largest(*high, bucket.low);
+            }
+        } else {
+            self.buckets.push(bucket);
+            if self.stretch > 1 {
+                self.high.push(bucket.low);
+            }
         }
         self.all += 1;
         if self.buckets.len() >= MOST && self.all.is_multiple_of(2 * self.stretch) {
@@ -132,16 +148,23 @@ impl Epochs {
 
     fn halve(&mut self) {
         self.stretch *= 2;
-        let mut half = 0;
+        let mut highs = Vec::with_capacity(MOST / 2 + 1);
         for index in (0..self.buckets.len()).step_by(2) {
-            let mut joined = self.buckets[index];
+            let (mut joined, mut high) = (self.buckets[index], self.high_of(index));
             if let Some(second) = self.buckets.get(index + 1) {
                 joined.join(second);
+                high = largest(high, self.high_of(index + 1));
             }
-            self.buckets[half] = joined;
-            half += 1;
+            self.buckets[highs.len()] = joined;
+            highs.push(high);
         }
-        self.buckets.truncate(half);
+        self.buckets.truncate(highs.len());
+        self.high = highs;
+    }
+
+    /// Returns the largest values of a bucket.
+    fn high_of(&self, index: usize) -> Codes {
+        self.high.get(index).copied().unwrap_or(self.buckets[index].low)
     }
 
     /// Returns the number of epochs.
@@ -176,7 +199,8 @@ mod tests {
         assert!(epochs.buckets.len() <= MOST && epochs.buckets.len() > MOST / 2, "{}", epochs.buckets.len());
         assert_eq!(epochs.all(), 604_800);
         let of = |number: u64| epochs.buckets[(number / epochs.stretch) as usize];
-        assert_eq!(of(123_457).high[0], coded(Some(99.0)));
+        assert_eq!(epochs.high.len(), epochs.buckets.len());
+        assert_eq!(epochs.high[(123_457 / epochs.stretch) as usize][0], coded(Some(99.0)));
         assert_eq!(of(123_457).low[0], coded(Some(10.0)));
         assert_eq!((of(70_001).severity, of(70_001).reason, of(5).used), (2, 2, 4));
         assert_eq!(of(0).low[1], UNKNOWN);

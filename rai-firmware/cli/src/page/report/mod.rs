@@ -25,6 +25,7 @@ mod reasons;
 mod satellites;
 mod tables;
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
@@ -37,8 +38,8 @@ pub use facts::{Facts, command_line, settings_of};
 pub use journal::{Happened, Journal};
 pub use reasons::explanation;
 
-/// Script of the page.
-const SCRIPT: &str = include_str!("report.js");
+/// Script of the page, behind its values.
+const AFTER_THE_VALUES: &str = concat!("</script>\n<script>\n", include_str!("report.js"), "</script>\n");
 
 /// Style of the parts that the script makes.
 const STYLE: &str = include_str!("report.css");
@@ -51,6 +52,31 @@ const WIDTH_PX: u32 = 960;
 /// # Errors
 /// A picture cannot be drawn.
 pub fn page(journal: &Journal, facts: &Facts) -> Result<Page> {
+    let mut page = before_the_values(journal, facts)?;
+    let mut values = Vec::new();
+    data::json(journal, facts, &mut values)?;
+    page.raw(&String::from_utf8(values)?);
+    page.raw(AFTER_THE_VALUES);
+    Ok(page)
+}
+
+/// Writes the page as `report.html` into a folder; returns its path. The values, which are most of
+/// a long page, are never in memory as text.
+///
+/// # Errors
+/// The page cannot be drawn or written.
+pub fn write(journal: &Journal, facts: &Facts, folder: &Path) -> Result<PathBuf> {
+    let path = folder.join("report.html");
+    let page = before_the_values(journal, facts)?;
+    page.write_with(&path, |file| {
+        data::json(journal, facts, file)?;
+        file.write_all(AFTER_THE_VALUES.as_bytes())
+    })?;
+    Ok(path)
+}
+
+/// Returns the page up to the values for its script.
+fn before_the_values(journal: &Journal, facts: &Facts) -> Result<Page> {
     let mut page = Page::new(&facts.title, &facts.summary);
     page.figures(&facts.figures);
     tables::facts(&mut page, journal, facts);
@@ -69,19 +95,7 @@ pub fn page(journal: &Journal, facts: &Facts) -> Result<Page> {
     tables::satellites(&mut page, journal);
     against_truth(&mut page, journal)?;
     page.raw(&format!("<style>\n{STYLE}</style>\n<script type=\"application/json\" id=\"data\">"));
-    page.append(|text| data::json(journal, facts, text));
-    page.raw(&format!("</script>\n<script>\n{SCRIPT}</script>\n"));
     Ok(page)
-}
-
-/// Writes the page as `report.html` into a folder; returns its path.
-///
-/// # Errors
-/// The page cannot be drawn or written.
-pub fn write(journal: &Journal, facts: &Facts, folder: &Path) -> Result<PathBuf> {
-    let path = folder.join("report.html");
-    page(journal, facts)?.write(&path)?;
-    Ok(path)
 }
 
 /// Adds the pictures over time, for a page without script.

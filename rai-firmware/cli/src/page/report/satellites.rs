@@ -178,6 +178,7 @@ impl Satellite {
             }
         }
         self.track.truncate(half);
+        self.track.shrink_to_fit();
     }
 }
 
