@@ -23,6 +23,7 @@ class WithLibrary(build_py):
     def run(self):
         super().run()
         command = ["cargo", "rustc", "--locked", "--release", "--package", "rai-capi", "--lib", "--crate-type", "cdylib"]
+        command += ["--features", "gsv,watcher"]
         subprocess.run(command, cwd=HERE, check=True)
         target = pathlib.Path(self.build_lib, "raim")
         shutil.copy(HERE.parent.parent / "target" / "release" / NAME, target / NAME.replace("rai.dll", "librai.dll"))

@@ -42,10 +42,12 @@
 //! |---|---|
 //! | `receiver` | `rai_receiver_*`: RTCM 3 in, sentences and pin out |
 //! | `ubx`, `glonass`, `mavlink` | messages of u-blox receivers, orbits of GLONASS, messages for autopilots |
+//! | `gsv` | satellites in view (`OUTPUT,GSV`); not part of `whole` |
 //! | `tables` | thresholds for all committed probabilities |
 //! | `searches` | `RAI_METHOD_SIMULTANEOUS` to `RAI_METHOD_RANSAC` |
 //! | `araim` | `RAI_METHOD_SEPARATION` |
 //! | `whole` | all of the above |
+//! | `watcher` | on a computer: the satellites of an epoch one by one, for Python; not in the header and not part of `whole` |
 //! | `satellites-32`, `satellites-48` | at most 32 or 48 satellites in an epoch; without both 16, in less memory |
 //!
 //! `cargo xtask bench` prints the flash of each feature, and the memory of the objects.
@@ -78,6 +80,8 @@ mod text;
 #[cfg(feature = "receiver")]
 mod velocity;
 mod verdict;
+#[cfg(feature = "watcher")]
+mod watcher;
 
 pub use accuracy::*;
 #[cfg(feature = "receiver")]
@@ -94,6 +98,8 @@ pub use text::rai_text_t;
 #[cfg(feature = "receiver")]
 pub use velocity::*;
 pub use verdict::*;
+#[cfg(feature = "watcher")]
+pub use watcher::*;
 
 use core::ffi::{CStr, c_char};
 

@@ -71,7 +71,7 @@ fn write<const N: usize>(
 /// # Safety
 /// `count` is null or points to a number that no other code uses during the call.
 #[allow(unsafe_code)]
-unsafe fn counted(
+pub(crate) unsafe fn counted(
     count: *mut usize,
     call: impl FnOnce() -> Result<usize, rai_status_t>,
 ) -> Result<(), rai_status_t> {

@@ -29,7 +29,7 @@
 //! module `command` with its arguments and a function that runs it.
 //!
 //! Without the feature `commands` the library holds only `signal` and `sentence`, which a fuzzer
-//! needs.
+//! needs, and `satellites`, which the package for Python needs.
 //!
 //! # References
 //!
@@ -55,6 +55,7 @@
 //! | `RTCM-10403.3` | RTCM SC104, *Differential GNSS Services, Version 3*, with amendments, 2016 |
 //! | `UBX-F9` | see the crate [`raim_firmware`] |
 
+pub mod satellites;
 pub mod sentence;
 pub mod signal;
 
@@ -74,7 +75,5 @@ pub mod page;
 pub mod replay;
 #[cfg(feature = "commands")]
 pub mod run;
-#[cfg(feature = "commands")]
-pub mod satellites;
 #[cfg(feature = "commands")]
 pub mod second_opinion;

@@ -10,6 +10,7 @@ from ctypes import POINTER, c_char, c_char_p, c_double, c_size_t, c_uint8, c_uin
 
 ABI_VERSION = 2
 MAX_SATELLITES = 48
+MAX_SEEN = 64
 
 STATES = {0: "none", 1: "protected", 2: "alert", 3: "unavailable"}
 PHASES = {"ENROUTE": 0, "TERMINAL": 1, "NPA": 2, "LPV200": 3}
@@ -97,6 +98,14 @@ class Residual(ctypes.Structure):
     ]  # fmt: skip
 
 
+class Seen(ctypes.Structure):
+    """`rai_seen_t`, which is not part of the header."""
+
+    _fields_ = [(name, c_double) for name in ("azimuth_rad", "elevation_rad", "cn0_dbhz", "residual_m", "sigma_m", "w_test")] + [
+        ("system", c_char), ("number", c_uint8), ("fate", c_uint8), ("reserved", c_uint8 * 5),
+    ]  # fmt: skip
+
+
 class Counter(_Sized):
     """`rai_counter_t`."""
 
@@ -131,7 +140,11 @@ _FUNCTIONS = {
     "rai_receiver_report": (_STATUS, [c_void_p, POINTER(Verdict)]),
     "rai_receiver_accuracy": (_STATUS, [c_void_p, POINTER(Accuracy)]),
     "rai_receiver_velocity": (_STATUS, [c_void_p, POINTER(Velocity)]),
-    "rai_receiver_residuals": (_STATUS, [c_void_p, POINTER(Residual), c_size_t, POINTER(c_size_t)]),
+    "rai_watcher_make": (c_void_p, []),
+    "rai_watcher_free": (None, [c_void_p]),
+    "rai_watcher_hear": (_STATUS, [c_void_p, c_char_p, c_size_t, c_uint64]),
+    "rai_watcher_view": (_STATUS, [c_void_p, c_void_p, POINTER(Seen), c_size_t, POINTER(c_size_t)]),
+    "rai_fate_text": (c_void_p, [c_uint8, POINTER(c_size_t)]),
     "rai_receiver_counter": (_STATUS, [c_void_p, c_size_t, POINTER(Counter)]),
 }
 
@@ -170,6 +183,12 @@ def demand(status: int) -> None:
 def reason(number: int) -> str:
     """Returns the word of a reason, as in the sentences."""
     return LIBRARY.rai_reason_text(number).decode()
+
+
+def fate(number: int) -> str:
+    """Returns the words of a satellite's treatment, as in the table of `rai replay --satellites`."""
+    length = c_size_t()
+    return ctypes.string_at(LIBRARY.rai_fate_text(number, length), length.value).decode()
 
 
 def memory(size: int) -> ctypes.Array:

@@ -11,6 +11,7 @@ import dataclasses
 import gzip
 import math
 import os
+import weakref
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -35,7 +36,13 @@ class Replay:
     epochs: pandas.DataFrame
     """One row for each verdict: time of day in UTC, state, reason, levels, position, velocity, pin."""
     satellites: pandas.DataFrame
-    """One row for each satellite of each epoch: residual, sigma, and whether it is used; `epoch` is the row above."""
+    """One row for each satellite that is tracked in an epoch, as in the table of `rai replay --satellites`.
+
+    `epoch` is the row of `epochs`. `azimuth_deg` counts from north over east, `elevation_deg` from the horizon. `cn0_dbhz`
+    is that of the strongest signal. `residual_m` is the range minus distance and receiver clock, `sigma_m` its standard
+    deviation, `w_test` the residual over its own standard deviation. `is_used` is true for a part of the position, and
+    `reason` names the treatment, for example "below the elevation mask". Unknown values are NaN.
+    """
     counters: dict[str, int]
     """Counters by name: unused input by its reason, verdicts."""
     sentences: list[str]
@@ -54,12 +61,13 @@ def replay(path: str | os.PathLike[str], settings: Mapping[str, str] | None = No
     name = os.fspath(path)
     with gzip.open(name) if name.endswith(".gz") else open(name, "rb") as file:
         data = file.read()
-    module = _Module(settings or {})
+    module = _Module(settings or {}, watches=False)
     times = [(end, row["time_s"]) for end, row, _ in _pass(module, data, []) if not math.isnan(row["time_s"])]
     module = _Module(settings or {})
     rows = list(_pass(module, data, _arrivals(times)))
     satellites = [{"epoch": number} | known for number, (_, _, seen) in enumerate(rows) for known in seen]
-    columns = ["epoch", "satellite", "residual_m", "sigma_m", "is_used"]
+    columns = ["epoch", "satellite", "azimuth_deg", "elevation_deg", "cn0_dbhz", "residual_m", "sigma_m", "w_test"]
+    columns += ["is_used", "reason"]
     return Replay(
         epochs=pandas.DataFrame([row for _, row, _ in rows]),
         satellites=pandas.DataFrame(satellites, columns=columns),
@@ -104,14 +112,16 @@ def _pass(module: _Module, data: bytes, arrivals: list[tuple[int, int]]):
 class _Module:
     """A receiver of the C interface."""
 
-    def __init__(self, settings: Mapping[str, str]):
+    def __init__(self, settings: Mapping[str, str], watches: bool = True):
         self.sentences: list[str] = []
         self._room = ctypes.create_string_buffer(16384)
         self._text = c.Text(ctypes.addressof(self._room), len(self._room), 0, 0)
         self._memory = c.memory(LIBRARY.rai_receiver_size())
         self._judged = ctypes.c_uint8()
         self._verdict, self._accuracy, self._velocity = c.Verdict(), c.Accuracy(), c.Velocity()
-        self._residuals, self._count = (c.Residual * c.MAX_SATELLITES)(), ctypes.c_size_t()
+        self._seen, self._count = (c.Seen * c.MAX_SEEN)(), ctypes.c_size_t()
+        self._watcher = LIBRARY.rai_watcher_make() if watches else None
+        weakref.finalize(self, LIBRARY.rai_watcher_free, self._watcher)
         demand(LIBRARY.rai_receiver_init(self._memory, ctypes.sizeof(self._memory), self._text))
         self._said()
         for key, values in settings.items():
@@ -130,6 +140,8 @@ class _Module:
         return len(chunk), list(self._verdicts())
 
     def _gnss(self, chunk: bytes, now_ms: int) -> None:
+        if self._watcher:
+            demand(LIBRARY.rai_watcher_hear(self._watcher, chunk, len(chunk), now_ms))
         demand(LIBRARY.rai_receiver_gnss(self._memory, chunk, len(chunk), now_ms, self._text, self._judged))
 
     def tick(self, now_ms: int):
@@ -177,15 +189,22 @@ class _Module:
         return row
 
     def _satellites(self) -> list[dict[str, object]]:
-        demand(LIBRARY.rai_receiver_residuals(self._memory, self._residuals, c.MAX_SATELLITES, self._count))
+        if not self._watcher or not self._verdict.tracked:
+            return []
+        demand(LIBRARY.rai_watcher_view(self._watcher, self._memory, self._seen, c.MAX_SEEN, self._count))
         return [
             {
                 "satellite": f"{known.system.decode()}{known.number:02}",
+                "azimuth_deg": math.degrees(known.azimuth_rad),
+                "elevation_deg": math.degrees(known.elevation_rad),
+                "cn0_dbhz": known.cn0_dbhz,
                 "residual_m": known.residual_m,
                 "sigma_m": known.sigma_m,
-                "is_used": bool(known.is_used),
+                "w_test": known.w_test,
+                "is_used": known.fate == 0,
+                "reason": c.fate(known.fate),
             }
-            for known in self._residuals[: self._count.value]
+            for known in self._seen[: self._count.value]
         ]
 
 

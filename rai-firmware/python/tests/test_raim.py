@@ -99,6 +99,23 @@ class Recording(unittest.TestCase):
         for column in ("time_s", "hpl_m", "vpl_m", "statistic", "height_m", "east_m_s"):
             self.assertEqual(run.epochs[column].dtype, np.float64, column)
 
+    @unittest.skipUnless(os.environ.get("RAIM_SATELLITES"), "needs the table of `rai replay --satellites`")
+    def test_satellites_are_those_of_the_command(self):
+        import pandas as pd
+
+        have = raim.replay(os.environ["RAIM_CAPTURE"], {"MASK": "25"}).satellites
+        want = pd.read_csv(os.environ["RAIM_SATELLITES"])
+        self.assertEqual(len(have), len(want))
+        for ours, theirs in (("satellite", "satellite"), ("reason", "reason"), ("is_used", "used")):
+            self.assertEqual(list(have[ours]), list(want[theirs].astype(have[ours].dtype)), ours)
+        # The table has rounded numbers.
+        for column, atol in [("azimuth_deg", 0.0051), ("elevation_deg", 0.0051), ("cn0_dbhz", 0.0051)] + [
+            (column, 0.00051) for column in ("residual_m", "sigma_m", "w_test")
+        ]:
+            np.testing.assert_allclose(have[column], want[column], rtol=0, atol=atol, err_msg=column)
+        self.assertGreater(len(set(have.reason)), 1)
+        self.assertTrue(have[have.is_used].notna().all(axis=None))
+
     def test_setting_is_obeyed_or_refused(self):
         run = raim.replay(os.environ["RAIM_CAPTURE"], {"PHASE": "LPV200"})
         self.assertTrue(any(line.startswith("$PRAIA,PHASE,LPV200,OK") for line in run.sentences))

@@ -4,9 +4,12 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use raim::replay::{self, Window};
+use raim::replay::{self, Lump, Window};
+use raim::satellites::{HEADING, Watcher};
 use raim::signal::encode::{Frequency, Selection};
 use raim::signal::sky::raw::Simulation;
+use raim_firmware::pin::MemoryPin;
+use raim_firmware::receiver::{Boot, Receiver};
 use rig::capi::{Kind, WHOLE, folder, library, run};
 use rig::{setup, skip};
 use serde_json::Value;
@@ -32,13 +35,36 @@ fn with_recording(python: &Path, out: &Path) -> Command {
     let selection = Selection::new("G", Frequency::Dual).expect("a system");
     let recording = Simulation::above_xian(7200.0, EPOCHS as u32, 3).record();
     let lumps = replay::encode(&recording, &selection, &[], &Window::ALL).expect("a recording");
+    let table = out.join("satellites.csv");
+    std::fs::write(&table, satellites(&lumps)).expect("a file");
     let bytes: Vec<u8> = lumps.into_iter().flat_map(|lump| lump.bytes).collect();
     std::fs::write(&capture, bytes).expect("a file");
     let mut python = Command::new(python);
     python.env("PYTHONPATH", package()).env("PYTHONDONTWRITEBYTECODE", "1");
-    python.env("RAI_LIBRARY", library(Kind::Shared, WHOLE).expect("the library builds"));
+    let features = format!("{WHOLE},watcher");
+    python.env("RAI_LIBRARY", library(Kind::Shared, &features).expect("the library builds"));
+    python.env("RAIM_SATELLITES", table);
     python.env("RAIM_CAPTURE", capture).env("RAIM_EPOCHS", EPOCHS.to_string());
     python
+}
+
+/// Returns the table of satellites that `rai replay --satellites` writes for a recording, with a
+/// mask that leaves some out.
+fn satellites(lumps: &[Lump]) -> String {
+    let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("test")).expect("a module");
+    receiver.set("MASK", Some("25"), &mut Vec::new()).expect("a setting");
+    let mut watcher = Watcher::new();
+    let mut table = format!("{HEADING}\n");
+    for lump in lumps {
+        let now_ms = lump.elapsed_ms();
+        watcher.hear(&lump.bytes, now_ms);
+        if receiver.gnss(&lump.bytes, now_ms, &mut Vec::new()) {
+            let view = watcher.view(&receiver);
+            let time = view.time.expect("an epoch");
+            view.satellites.iter().for_each(|seen| table += &(seen.row(time) + "\n"));
+        }
+    }
+    table
 }
 
 fn package() -> PathBuf {
