@@ -177,6 +177,9 @@ fn terminal(path: &std::path::Path, consumers: &Consumers, inbox: &Arc<Inbox>) -
     use nix::pty::openpty;
     use nix::sys::termios::{SetArg, cfmakeraw, tcgetattr, tcsetattr};
 
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    }
     let pair = openpty(None, None)?;
     let mut settings = tcgetattr(&pair.slave)?;
     cfmakeraw(&mut settings);
@@ -187,7 +190,7 @@ fn terminal(path: &std::path::Path, consumers: &Consumers, inbox: &Arc<Inbox>) -
         Ok(_) => bail!("{} exists and is no link: remove it, or name another path", path.display()),
         Err(_) => {}
     }
-    std::os::unix::fs::symlink(&name, path).with_context(|| path.display().to_string())?;
+    std::os::unix::fs::symlink(&name, path)?;
     fcntl(pair.master.as_fd(), FcntlArg::F_SETFL(OFlag::O_NONBLOCK))?;
     let master = File::from(pair.master);
     spawn(consumers, Kind::Nmea, Terminal(master.try_clone()?));

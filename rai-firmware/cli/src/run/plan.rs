@@ -46,7 +46,7 @@ pub struct Arguments {
     /// Setting of the module, such as PHASE=LPV200; repeatable, in this order.
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Write a report into this folder, once an hour and at the end: one HTML page.
+    /// Write a report into this folder, once a minute and at the end: one HTML page.
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
     /// Only drive the pin low, and end: what a service manager calls after the service has died.

@@ -172,6 +172,7 @@ impl<'p> Trial<'p> {
             "--output=-".into(),
             format!("--pin=file:{}", folder.join("pin").display()),
             format!("--set=TTA={TIME_TO_ALERT_S}"),
+            "--set=OUTPUT=GSV,1".into(),
         ]
         .into();
         let process = Process::start(program, &arguments)?;

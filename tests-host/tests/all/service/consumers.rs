@@ -35,12 +35,14 @@ fn instants(objects: &[Value]) -> [Vec<&str>; 2] {
 }
 
 #[test]
-fn gpsd_on_the_terminal_reports_each_epoch_once_and_loses_the_fix_in_an_alert() {
+fn gpsd_on_the_terminal_reports_each_epoch_once_and_its_sky_and_loses_the_fix_in_an_alert() {
     let folder = tempfile::tempdir().unwrap();
     let (receiver, input) = receiver();
-    let terminal = folder.path().join("nmea");
+    // The service makes the folder.
+    let terminal = folder.path().join("run/nmea");
     let output = vec![format!("pty:{}", terminal.display())];
-    let _service = Service::start(folder.path(), Arguments { input, output, ..Arguments::default() });
+    let set = vec!["OUTPUT=GSV,1".to_owned()];
+    let _service = Service::start(folder.path(), Arguments { input, output, set, ..Arguments::default() });
     let (mut line, _) = receiver.accept().unwrap();
     let Some(mut gpsd) = Gpsd::on_terminal_or_skip(&terminal).unwrap() else { return };
     let feed = thread::spawn(move || send(&mut line, &jump()));
@@ -66,6 +68,40 @@ fn gpsd_on_the_terminal_reports_each_epoch_once_and_loses_the_fix_in_an_alert() 
     near("lat", 34.17, 1e-3);
     near("lon", 108.57, 1e-3);
     near("altHAE", 400.0, 30.0);
+    let last_fix = objects.iter().rposition(|object| object["mode"].as_u64() >= Some(2)).expect("a fix");
+    let [before, after] = [&objects[..last_fix], &objects[last_fix..]].map(complete_sky);
+    assert!(before.iter().any(|(.., used)| *used), "{before:?}");
+    let want: Vec<_> = sky(1).sights_at(EPOCHS);
+    // Both skies are of the same six seconds, and the stray antenna is 5 km away.
+    for have in [before, after] {
+        assert_eq!(have.len(), want.len(), "{have:?}");
+        for sight in &want {
+            let name = sight.satellite.to_string();
+            let one = have.iter().find(|one| one.0 == name);
+            let (_, [elevation_deg, azimuth_deg, cn0_dbhz], _) =
+                one.unwrap_or_else(|| panic!("{name}: {have:?}"));
+            let [elevation_rad, azimuth_rad] = [sight.elevation_rad(), sight.azimuth_rad()];
+            // Half a degree is the rounding, a tenth the way of a satellite and of the antenna.
+            assert!((elevation_deg - elevation_rad.to_degrees()).abs() < 0.6, "{name}: {elevation_deg}");
+            let turn_deg = (azimuth_deg - azimuth_rad.to_degrees() + 180.0).rem_euclid(360.0) - 180.0;
+            assert!(turn_deg.abs() * elevation_rad.cos() < 0.6, "{name}: {azimuth_deg}");
+            assert!((cn0_dbhz - (36.0 + 14.0 * elevation_rad.sin())).abs() < 0.6, "{name}: {cn0_dbhz}");
+        }
+    }
+}
+
+/// Returns the satellites of gpsd's last sky with the most of them: name, elevation, azimuth and
+/// C/N0, and true for one that is used.
+fn complete_sky(objects: &[Value]) -> Vec<(String, [f64; 3], bool)> {
+    let skies = objects.iter().filter_map(|object| object["satellites"].as_array());
+    let satellite = |one: &Value| {
+        let letter = ["G", "S", "E", "C"][one["gnssid"].as_u64().expect("a system") as usize];
+        let values = ["el", "az", "ss"].map(|field| one[field].as_f64().unwrap_or(f64::NAN));
+        let name = format!("{letter}{:02}", one["svid"].as_u64().expect("a number"));
+        (name, values, one["used"] == true)
+    };
+    let longest = skies.max_by_key(|satellites| satellites.len()).expect("a sky");
+    longest.iter().map(satellite).collect()
 }
 
 /// Reads for some time, and prints the last position with a fix and the last message of each kind.

@@ -3,6 +3,7 @@
 //! | module | content |
 //! |---|---|
 //! | [`consumers`] | gpsd on the pseudo-terminal, `pymavlink` over UDP |
+//! | [`time`] | chrony behind gpsd |
 //! | [`ports`] | a serial port, and a caster for a receiver without orbits |
 //! | [`endurance`] | the service as a program, between cuts, kills and dead clients |
 
@@ -10,6 +11,7 @@ mod consumers;
 #[cfg(target_os = "linux")]
 mod endurance;
 mod ports;
+mod time;
 
 use std::fs;
 use std::io::{Read as _, Write};
