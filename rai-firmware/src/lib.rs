@@ -40,7 +40,7 @@
 //!
 //! # Features
 //!
-//! The default feature `whole` builds everything except a board. A small build has RTCM 3 in,
+//! The default features `whole` and `gsv` build everything except a board. A small build has RTCM 3 in,
 //! `RMC`, `GGA` and the sentences of the module out, and classic RAIM with the thresholds of the
 //! phases of flight. It adds features by name:
 //!
@@ -53,6 +53,7 @@
 //! | `aiding` | `CLOCKAID`, `SIGMA,ADAPT`, `PLACE`, `HEIGHTAID` |
 //! | `signs` | two receivers that take turns, copied ranges, bands that disagree, strengths that are alike |
 //! | `sentences` | `GNS`, `VTG`, `ZDA`, `GSA`, `GST`, `GBS` |
+//! | `gsv` | `GSV` |
 //! | `log` | the log of a board |
 //!
 //! Commands that need a missing feature are refused with `not in this build`. `stm32f405` and

@@ -182,6 +182,17 @@ impl Navigator {
         &self.room.memory.outcome().report
     }
 
+    /// Returns the place of a satellite of the last epoch when its signal left.
+    pub(crate) fn position_of(&self, satellite: SatelliteId) -> Option<Ecef> {
+        let located = self.room.sky.iter().find(|located| located.satellite() == satellite);
+        located.map(Located::position)
+    }
+
+    /// Returns the last place that was not contradicted; `None` if there is none yet.
+    pub(crate) fn place(&self) -> Option<Ecef> {
+        Some(self.monitor.start()).filter(|start| !is_unknown(*start))
+    }
+
     /// Returns the corrected ranges of the last epoch.
     pub fn epoch(&self) -> &Epoch<CAPACITY> {
         &self.room.epoch

@@ -6,6 +6,7 @@
 //! | [`mavlink`] | autopilots |
 //! | [`geoid`] | altitude above mean sea level, for both |
 //! | [`nic`] | aviation: the integrity category of a level |
+//! | [`InView`] | the satellites of an epoch, for `GSV` |
 //! | [`schedule`] | rate of each sentence and message |
 //!
 //! [`crate::publisher`] sends them, and remembers the last state.
@@ -23,7 +24,10 @@ use raim_core::velocity::Velocity;
 use crate::input::{ReceiverLevels, Suspicions};
 use crate::time::GpsTime;
 
+pub use in_view::InView;
+
 pub mod geoid;
+mod in_view;
 #[cfg(feature = "mavlink")]
 pub mod mavlink;
 pub mod nic;
@@ -102,6 +106,8 @@ pub struct Statement<'r, const N: usize> {
     pub interference: Interference,
     /// Hash of the settings in force.
     pub settings_hash: u32,
+    /// Satellites in view; `None` if they are not known.
+    pub in_view: Option<InView<'r>>,
 }
 
 impl<const N: usize> Statement<'_, N> {

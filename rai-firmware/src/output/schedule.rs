@@ -42,6 +42,7 @@ items! {
     "GSA" Gsa = 1 if "sentences": "Satellites used.",
     "GST" Gst = 1 if "sentences": "Standard deviations.",
     "GBS" Gbs = 1 if "sentences": "The satellite that fits worst.",
+    "GSV" Gsv = 0 if "gsv": "Satellites in view.",
     "HEARTBEAT" Heartbeat = 0 if "mavlink": "`MAVLink`: the module is there.",
     "GPS_INPUT" GpsInput = 0 if "mavlink": "`MAVLink`: a position for an autopilot.",
     "GNSS_INTEGRITY" GnssIntegrity = 0 if "mavlink": "`MAVLink`: use of the position.",
@@ -64,7 +65,7 @@ impl Schedule {
     /// Number of items.
     pub const ITEMS: usize = Item::ALL.len();
 
-    /// All sentences with every epoch, and no message of `MAVLink`.
+    /// All sentences with every epoch except `GSV`, and no message of `MAVLink`.
     pub const AT_START: Self = Self { every: Item::AT_START };
 
     /// Returns the schedule with another rate of one item.

@@ -17,8 +17,9 @@ use crate::input::{Event, Rivalry, Suspicions};
 use crate::known_place::{HostHeight, aiding_of};
 use crate::navigator::Navigator;
 use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
-use crate::output::{Interference, Motion, Statement};
+use crate::output::{InView, Interference, Motion, Statement};
 use crate::publisher::Publisher;
+use crate::raw::RawEpoch;
 use crate::selftest::{self, Failure};
 use crate::settings::{Configuration, SpoofFlag};
 use crate::time::GpsTime;
@@ -278,7 +279,7 @@ impl<P: OutputPin> EpochLoop<P> {
                     self.lateness.learn(raw.time, *came_ms);
                     self.agreed = Some((raw.time, *came_ms));
                 }
-                self.conclude(raw.time, due_ms, host);
+                self.conclude(raw, due_ms, host);
                 return true;
             }
             Event::Ephemeris(ephemeris) => self.learn(ephemeris),
@@ -316,7 +317,8 @@ impl<P: OutputPin> EpochLoop<P> {
     ///
     /// Not inlined, so that the stack of the sentences is not needed while an epoch is judged.
     #[inline(never)]
-    fn conclude<W: Write>(&mut self, time: GpsTime, due_ms: u64, host: &mut W) {
+    fn conclude<W: Write>(&mut self, raw: &RawEpoch, due_ms: u64, host: &mut W) {
+        let time = raw.time;
         let verdict = self.navigator.report().verdict;
         self.drive_pin(matches!(verdict, Verdict::Protected(_)));
         let report = self.navigator.report();
@@ -336,6 +338,7 @@ impl<P: OutputPin> EpochLoop<P> {
         if report.excluded_constellations != 0 {
             count(&mut self.verdicts.system_excluded);
         }
+        let position = |satellite| self.navigator.position_of(satellite);
         let statement = Statement {
             report,
             time,
@@ -344,6 +347,11 @@ impl<P: OutputPin> EpochLoop<P> {
             motion: self.navigator.velocity().map(Motion::of),
             interference: Interference::of(&self.interference),
             settings_hash: self.publisher.settings_hash(),
+            in_view: cfg!(feature = "gsv").then_some(InView {
+                raw,
+                position: &position,
+                place: self.navigator.place(),
+            }),
         };
         let written = self.publisher.tell(&statement, &self.configuration.outputs, host);
         self.sent(written.is_ok());

@@ -14,10 +14,12 @@ impl Spelled for Schedule {
 impl Value for Schedule {
     fn change(&mut self, values: Values<'_, '_>, ranges: &Ranges) -> Result<(), Refusal> {
         let item = Item::named(next(values)?).ok_or(Refusal::UnknownValue)?;
-        if !item.is_built() {
+        let every = next_whole(values, range(ranges, 0))?;
+        // Sealed settings name every item, and one that is not built is never sent.
+        if every > 0 && !item.is_built() {
             return Err(Refusal::NotInBuild);
         }
-        *self = self.with(item, next_whole(values, range(ranges, 0))?);
+        *self = self.with(item, every);
         Ok(())
     }
 

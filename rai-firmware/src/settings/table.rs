@@ -326,7 +326,7 @@ settings! {
         outputs: Schedule = Schedule::AT_START,
         ranges: &[(0.0, 255.0)],
         unit: "epochs",
-        fields: "every how many epochs: `RMC`, `GGA`, `GNS`, `VTG`, `ZDA`, `GSA`, `GST`, `GBS`, `HEARTBEAT`, `GPS_INPUT`, `GNSS_INTEGRITY`",
+        fields: "every how many epochs: `RMC`, `GGA`, `GNS`, `VTG`, `ZDA`, `GSA`, `GST`, `GBS`, `GSV`, `HEARTBEAT`, `GPS_INPUT`, `GNSS_INTEGRITY`",
         promise: false,
         phase: Apart,
         warning: nothing,

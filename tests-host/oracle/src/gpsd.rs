@@ -6,7 +6,7 @@
 
 use std::ffi::{OsStr, OsString};
 use std::io::{self, ErrorKind, Read, Write};
-use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -55,9 +55,7 @@ impl Gpsd {
     /// # Errors
     /// As [`Self::start_or_skip`].
     pub fn start_apart_or_skip() -> Result<Option<Self>> {
-        let mut command = Command::new("unshare");
-        command.args(["--ipc", "gpsd"]);
-        Self::launched_by(command)
+        Self::launched_by(apart())
     }
 
     /// Starts gpsd on a terminal that another program writes to.
@@ -65,8 +63,21 @@ impl Gpsd {
     /// # Errors
     /// As [`Self::start_or_skip`].
     pub fn on_terminal_or_skip(terminal: &Path) -> Result<Option<Self>> {
+        Self::reading(terminal.as_os_str(), Command::new("gpsd"))
+    }
+
+    /// Starts gpsd on a port that another program serves, with its memory apart as
+    /// [`Self::start_apart_or_skip`] does.
+    ///
+    /// # Errors
+    /// As [`Self::start_or_skip`].
+    pub fn on_port_apart_or_skip(address: SocketAddr) -> Result<Option<Self>> {
+        Self::reading(OsStr::new(&format!("tcp://{address}")), apart())
+    }
+
+    fn reading(source: &OsStr, command: Command) -> Result<Option<Self>> {
         let served = free_port()?;
-        let Some(daemon) = launch(Command::new("gpsd"), terminal.as_os_str(), served)? else {
+        let Some(daemon) = launch(command, source, served)? else {
             rig::skip::say("gpsd (apt-get install gpsd)");
             return Ok(None);
         };
@@ -151,6 +162,13 @@ impl Gpsd {
             .map(|line| serde_json::from_slice(line).context("gpsd must send JSON"))
             .collect()
     }
+}
+
+/// Returns the command of a gpsd whose shared memory only processes in its namespace can see.
+fn apart() -> Command {
+    let mut command = Command::new("unshare");
+    command.args(["--ipc", "gpsd"]);
+    command
 }
 
 fn is_not_yet(error: &io::Error) -> bool {

@@ -1,8 +1,8 @@
 //! A real gpsd's result for the module's sentences.
 //!
 //! gpsd takes position and mode from `GNS` and `GSA`, its `GST` object from `GST`, and the errors
-//! `epx`, `epy`, `epv` of its position from `GBS` and from nothing else. Its `SKY` needs `GSV`,
-//! which the module does not send.
+//! `epx`, `epy`, `epv` of its position from `GBS` and from nothing else. Its `SKY` needs `GSV`;
+//! `service/consumers.rs` has it.
 
 use std::time::{Duration, SystemTime};
 
@@ -90,6 +90,7 @@ fn sentences_at(report: &Report<64>, time: GpsTime) -> Vec<u8> {
         motion: Some(Motion { east_m_s: 3.0, north_m_s: 4.0, up_m_s: 0.0, sigma_m_s: 0.1 }),
         interference: Interference::default(),
         settings_hash: 0,
+        in_view: None,
     };
     write_epoch(&statement, Schedule::AT_START.due(0), &mut bytes).expect("a vector takes all");
     bytes

@@ -1,23 +1,23 @@
 //! A known place, a known height and a receiver's report on itself, from bytes to the pin and to
 //! the sentences that report them.
 
-use raim::pin::Pin;
 use raim::sentence;
 use raim::signal::encode::{Encoder, Frequency, Selection, ubx};
 use raim::signal::sky::raw::Simulation;
 use raim_core::frame::Geodetic;
 use raim_core::satellite::Constellation;
+use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 
 /// A module on a line that brings one epoch a second.
 struct Module {
-    receiver: Receiver<Pin>,
+    receiver: Receiver<MemoryPin>,
     now_ms: u64,
 }
 
 impl Module {
     fn new() -> Self {
-        let receiver = Receiver::new(Pin::default(), Boot::on_host("known place"));
+        let receiver = Receiver::new(MemoryPin::default(), Boot::on_host("known place"));
         Self { receiver: receiver.expect("the module starts"), now_ms: 0 }
     }
 

@@ -30,6 +30,7 @@ mod gpsd;
 mod host_and_target;
 mod hostile;
 mod images;
+mod in_view;
 mod injection;
 mod known_place;
 mod memory_routines;

@@ -135,10 +135,10 @@ fn satellites_move_as_their_ranges_say() {
         locate(&raw, &heard.store, 0.0, Systems::AT_START, &mut Tally::default(), &mut sky);
         (sky.pop().expect("located"), raw)
     };
-    for satellite in &last.satellites {
+    for (index, satellite) in last.satellites.iter().enumerate() {
         let (located, raw) = alone(satellite, 2_000);
         let velocity_m_s =
-            rates.of_satellite(&located, raw.time).expect("seen by the same set").map(f64::from);
+            rates.of_satellite(&located, index, raw.time).expect("seen by the same set").map(f64::from);
         let orbit = heard.store.get(satellite.satellite, raw.time).expect("an orbit");
         let position = orbit.at(raw.time, satellite.signals[0].range_m).expect("a place").position;
         let toward = position - heard.simulation.site.position;
@@ -147,7 +147,7 @@ fn satellites_move_as_their_ranges_say() {
         let want_m_s = heard.rate_m_s(&raw, satellite.satellite, REST).expect("in the sky");
         assert!((have_m_s - want_m_s).abs() < 1.0, "{}: {have_m_s}, not {want_m_s}", satellite.satellite);
         let (long_after, raw) = alone(satellite, 100_000);
-        assert_eq!(rates.of_satellite(&long_after, raw.time), None);
+        assert_eq!(rates.of_satellite(&long_after, index, raw.time), None);
     }
 }
 

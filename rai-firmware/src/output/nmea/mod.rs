@@ -5,6 +5,8 @@
 //! for each 12 further satellites), `GST`, and `GBS` (if there is redundancy). `PRAIS`, one `PRAIX`
 //! for each excluded satellite, `PRAIM` if ARAIM judged, `PRAIH` if a height is known, `PRAIE` if
 //! the receiver reports on its own signals, and `PRAIN`, which ends the epoch, are always sent.
+//! `GSV`, which is off at start, stands before `PRAIN`, so that it delays no verdict and a full
+//! port loses no verdict by it.
 //!
 //! | verdict | navigational status of `GNS` | fix mode of `GSA` | state of `PRAIS` |
 //! |---|---|---|---|
@@ -45,6 +47,8 @@ use crate::time::GpsTime;
 
 mod digits;
 mod flow;
+#[cfg(feature = "gsv")]
+mod in_view;
 mod position;
 mod proprietary;
 mod sentence;
@@ -98,6 +102,10 @@ pub fn write_epoch<W: Write, const N: usize>(
     }
     if cfg!(feature = "ubx") {
         proprietary::write_evidence(&statement.interference, time, out)?;
+    }
+    #[cfg(feature = "gsv")]
+    if let Some(view) = statement.in_view.filter(|_| due.has(Item::Gsv)) {
+        in_view::write_in_view(&view, out)?;
     }
     proprietary::write_settings_and_interference(statement, time, out)
 }

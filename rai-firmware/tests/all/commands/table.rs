@@ -216,7 +216,7 @@ fn values(setting: Setting) -> String {
 /// Returns the value of a setting at start, in the form of a command.
 fn at_start(setting: Setting) -> String {
     if setting == Setting::Output {
-        return "sentences 1, MAVLink 0".to_owned();
+        return "sentences 1, `GSV` and MAVLink 0".to_owned();
     }
     let answer = Module::new().ask(&format!("PRAIC,{}", setting.key())).concat();
     let value =

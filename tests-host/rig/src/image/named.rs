@@ -51,7 +51,7 @@ pub const NAMED: [Named; 3] = [
     Named {
         name: "fast",
         content: "everything",
-        features: "whole,satellites-48",
+        features: "whole,gsv,satellites-48",
         compiled_for: CompiledFor::Speed,
         satellites: 48,
         stack_bytes: 10 * 1024,
@@ -60,7 +60,7 @@ pub const NAMED: [Named; 3] = [
     },
     Named {
         name: "whole",
-        content: "everything",
+        content: "everything except `GSV`",
         features: "whole,satellites-32",
         compiled_for: CompiledFor::Size,
         satellites: 32,
