@@ -43,7 +43,7 @@ pub struct Judgement<T> {
     pub lost_systems: u8,
     /// True if faulty satellites were searched for.
     pub searched: bool,
-    /// Additional results of [`Method::Araim`].
+    /// Additional results of [`Method::Araim`](super::Method::Araim).
     pub araim: Option<AraimReport>,
 }
 

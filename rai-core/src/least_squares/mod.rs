@@ -53,6 +53,7 @@ use crate::numeric::real::Real;
 use crate::numeric::space::{dot, product, zero};
 use crate::satellite::Constellation;
 
+pub(crate) mod curvature;
 pub mod downdate;
 pub mod equations;
 mod excludable;

@@ -61,7 +61,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.continuity_settings = None;
     }
 
-    /// Replaces the integrity support message ([`Ism::ICAO`] at first), for [`Method::Araim`].
+    /// Replaces the integrity support message ([`Ism::ICAO`] at first), for
+    /// [`Method::Araim`](super::Method::Araim).
     ///
     /// An invalid message is ignored.
     pub fn set_ism(&mut self, ism: Ism) {

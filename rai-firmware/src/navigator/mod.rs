@@ -30,6 +30,7 @@ use crate::correction::{
 };
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::known_place::is_elsewhere;
+use crate::output::Places;
 use crate::rates::{RateTally, Rates};
 use crate::raw::RawEpoch;
 use crate::settings::{Configuration, Frequencies, Place, Systems};
@@ -180,12 +181,6 @@ impl Navigator {
     /// Returns the report of the last epoch.
     pub fn report(&self) -> &Report<CAPACITY> {
         &self.room.memory.outcome().report
-    }
-
-    /// Returns the place of a satellite of the last epoch when its signal left.
-    pub(crate) fn position_of(&self, satellite: SatelliteId) -> Option<Ecef> {
-        let located = self.room.sky.iter().find(|located| located.satellite() == satellite);
-        located.map(Located::position)
     }
 
     /// Returns the last place that was not contradicted; `None` if there is none yet.
@@ -474,6 +469,13 @@ impl Navigator {
         let Room { sky, epoch, memory } = &mut self.room;
         coarse(sky, time, epoch);
         single::position(memory.workspace(), epoch, Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
+    }
+}
+
+impl Places for Navigator {
+    fn place_of(&self, satellite: SatelliteId) -> Option<Ecef> {
+        let located = self.room.sky.iter().find(|located| located.satellite() == satellite);
+        located.map(Located::position)
     }
 }
 

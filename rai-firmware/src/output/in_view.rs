@@ -10,22 +10,21 @@ use raim_core::satellite::SatelliteId;
 
 use crate::raw::RawEpoch;
 
+/// Places of the satellites of an epoch.
+pub trait Places: fmt::Debug {
+    /// Returns the place of a satellite when its signal left; `None` if it is unknown.
+    fn place_of(&self, satellite: SatelliteId) -> Option<Ecef>;
+}
+
 /// Satellites of an epoch, used or not.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct InView<'r> {
     /// Signals of the epoch.
     pub raw: &'r RawEpoch,
-    /// Place of a satellite when its signal left; `None` if it is unknown.
-    pub position: &'r dyn Fn(SatelliteId) -> Option<Ecef>,
+    /// Places of the satellites.
+    pub satellites: &'r dyn Places,
     /// Place of the receiver, accurate to some kilometres; `None` if it is unknown.
     pub place: Option<Ecef>,
-}
-
-impl fmt::Debug for InView<'_> {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { raw, place, .. } = self;
-        formatter.debug_struct("InView").field("raw", raw).field("place", place).finish_non_exhaustive()
-    }
 }
 
 /// Axes at the receiver. Single precision suffices, because a direction is reported in degrees.

@@ -6,7 +6,7 @@
 //! | [`mavlink`] | autopilots |
 //! | [`geoid`] | altitude above mean sea level, for both |
 //! | [`nic`] | aviation: the integrity category of a level |
-//! | [`InView`] | the satellites of an epoch, for `GSV` |
+//! | [`InView`], [`Places`] | the satellites of an epoch, for `GSV` |
 //! | [`schedule`] | rate of each sentence and message |
 //!
 //! [`crate::publisher`] sends them, and remembers the last state.
@@ -24,7 +24,7 @@ use raim_core::velocity::Velocity;
 use crate::input::{ReceiverLevels, Suspicions};
 use crate::time::GpsTime;
 
-pub use in_view::InView;
+pub use in_view::{InView, Places};
 
 pub mod geoid;
 mod in_view;

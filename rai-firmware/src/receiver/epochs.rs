@@ -338,7 +338,6 @@ impl<P: OutputPin> EpochLoop<P> {
         if report.excluded_constellations != 0 {
             count(&mut self.verdicts.system_excluded);
         }
-        let position = |satellite| self.navigator.position_of(satellite);
         let statement = Statement {
             report,
             time,
@@ -349,7 +348,7 @@ impl<P: OutputPin> EpochLoop<P> {
             settings_hash: self.publisher.settings_hash(),
             in_view: cfg!(feature = "gsv").then_some(InView {
                 raw,
-                position: &position,
+                satellites: &self.navigator,
                 place: self.navigator.place(),
             }),
         };

@@ -61,6 +61,10 @@ fn sentences(sky: &Simulation) -> String {
     String::from_utf8(said).expect("ASCII")
 }
 
+/// A sentence as the package reads it: talker, sentences, number, satellites in view, and four of
+/// them.
+type Sentence = (String, String, String, String, [[Value; 4]; 4]);
+
 #[test]
 fn pynmea2_reads_every_satellite_with_its_direction_and_strength() {
     let python = setup::python();
@@ -78,8 +82,7 @@ fn pynmea2_reads_every_satellite_with_its_direction_and_strength() {
         .expect("python3");
     reader.stdin.take().expect("it").write_all(text.as_bytes()).expect("it reads");
     let output = reader.wait_with_output().expect("python3");
-    let groups: Vec<(String, String, String, String, [[Value; 4]; 4])> =
-        serde_json::from_slice(&output.stdout).expect("its answer");
+    let groups: Vec<Sentence> = serde_json::from_slice(&output.stdout).expect("its answer");
     let mut have = BTreeMap::new();
     let mut place = BTreeMap::new();
     for (talker, sentences, number, in_view, satellites) in &groups {

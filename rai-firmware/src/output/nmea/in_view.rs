@@ -98,7 +98,7 @@ pub(super) fn write_in_view<W: Write>(view: &InView<'_>, out: &mut W) -> Result<
             let mut sentence = Sentence::new(group.address);
             sentence.integer(sentences as u32, 1).integer(number as u32 + 1, 1).integer(many as u32, 2);
             for satellite in group.satellites(view).skip(number * PER_SENTENCE).take(PER_SENTENCE) {
-                let position = (view.position)(satellite.satellite);
+                let position = view.satellites.place_of(satellite.satellite);
                 let way = horizon.as_ref().zip(position).map(|(horizon, point)| horizon.way_to(point));
                 list(&mut sentence, satellite, way);
             }
@@ -138,6 +138,7 @@ fn whole(sentence: &mut Sentence, value: f32, digits: usize, largest: u32) {
 
 #[cfg(test)]
 mod tests {
+    use crate::output::Places;
     use std::string::String;
     use std::vec::Vec;
 
@@ -183,6 +184,21 @@ mod tests {
         raw
     }
 
+    /// Places by a function.
+    struct Given<F>(F);
+
+    impl<F> core::fmt::Debug for Given<F> {
+        fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+            formatter.write_str("places")
+        }
+    }
+
+    impl<F: Fn(SatelliteId) -> Option<Ecef>> Places for Given<F> {
+        fn place_of(&self, satellite: SatelliteId) -> Option<Ecef> {
+            self.0(satellite)
+        }
+    }
+
     /// Returns the bodies of the sentences, whose checksums and lengths are right.
     fn sentences(
         raw: &RawEpoch,
@@ -190,7 +206,7 @@ mod tests {
         position: impl Fn(SatelliteId) -> Option<Ecef>,
     ) -> Vec<String> {
         let mut lines = Lines(Vec::new());
-        let Ok(()) = write_in_view(&InView { raw, position: &position, place }, &mut lines);
+        let Ok(()) = write_in_view(&InView { raw, satellites: &Given(position), place }, &mut lines);
         let text = String::from_utf8(lines.0).expect("ASCII");
         let body = |line: &str| {
             assert!(line.len() + 2 <= super::super::MAX_LENGTH, "{line}");

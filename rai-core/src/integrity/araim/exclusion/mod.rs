@@ -303,6 +303,11 @@ struct Choice {
 }
 
 /// Returns the option that leaves the smallest SSE, of those that no single satellite contradicts.
+///
+/// A fault of tens of kilometres moves the position so far that healthy satellites seem to contradict
+/// each other. An option counts if that distance explains the contradiction ([`curvature`]).
+///
+/// [`curvature`]: crate::least_squares::curvature
 #[inline(never)]
 fn next<T: Real>(
     monitored: &MonitoredModes<'_, T>,
@@ -323,7 +328,10 @@ fn next<T: Real>(
         let sse = if is_left { solutions.sse_without(view.sse, option)? } else { return None };
         let is_close = limit.is_none_or(|limit| sse < limit);
         let singles_left = singles & monitored.modes.not_alone(taken) & !taken;
-        (is_close && !solutions.contradict(option, singles_left, limits)).then_some((sse, option))
+        let agrees = is_close
+            && (!solutions.contradict(option, singles_left, limits)
+                || solutions.may_agree_elsewhere(option, sse));
+        agrees.then_some((sse, option))
     };
     let satellites = members(left.satellites).map(Hypothesis::of_row);
     if let Some(best) = rivals::best(satellites, tie, &mut agreeing) {

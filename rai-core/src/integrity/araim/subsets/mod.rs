@@ -52,7 +52,7 @@ pub(super) use bounds::Bounds;
 use super::modes::{Hypothesis, ROOM, ROWS, RowSet, members};
 use super::{Prior, View};
 use crate::least_squares::equations::Row;
-use crate::least_squares::{RowFit, invert};
+use crate::least_squares::{RowFit, curvature, invert};
 use crate::numeric::real::Real;
 use crate::numeric::space::{
     add_outer_product, diagonal, dot, matrix_difference, matrix_sum, mirror, plus_scaled, product, scaled,
@@ -394,6 +394,18 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
             let left = if is_of_row { self.left_by_first(index) } else { self.left_by_kernel(index) };
             left.is_some_and(|left| left.exceeds(limits))
         })
+    }
+
+    /// Returns true if the rows without a hypothesis, whose weighted SSE is `sse` about the present
+    /// point, may agree about their own point: their contradiction may be due to the distance alone.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn may_agree_elsewhere(&mut self, hypothesis: Hypothesis, sse: T) -> bool {
+        /// Sum of squares that noise of 36 degrees of freedom exceeds once in 360 epochs.
+        const NOISE: f64 = 64.0;
+        let rows = self.view.rows;
+        self.by_algebra(hypothesis)
+            .is_none_or(|without| curvature::may_explain(sse, NOISE, rows, &without.shift))
     }
 
     /// Returns the weighted SSE of the remaining rows without one row, or without one

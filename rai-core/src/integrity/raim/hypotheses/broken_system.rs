@@ -17,14 +17,8 @@
 //! wrong one does not, which is no likelier than a false alarm.
 //!
 //! **Cost.** A solution that moved far is solved again about its own point, as expensive as a fix.
-//! That is left out if the misfit about the present point is larger than a distance can cause:
-//!
-//! ```text
-//! SSE > 10⁴ + 32 Σw (d²/2ρ)²        d the correction, ρ the distance of the nearest satellite
-//! ```
-//!
-//! If the others agree at a distance `D`, their ranges are off by `D²/2ρ` at most about the present
-//! point, and `D` is at most `2d`, which gives `SSE ≤ 16 Σw (d²/2ρ)²` and the noise.
+//! That is left out if the misfit about the present point is larger than a distance can cause
+//! ([`curvature`]).
 //!
 //! **Two systems.** Each explains the data by the other's fault, whatever their sizes, so that none
 //! is left out. A lone satellite agrees with any place and is no system here.
@@ -35,9 +29,8 @@
 use crate::bit_set::{bit, count_of};
 use crate::integrity::raim::detection::Detection;
 use crate::integrity::raim::detection::threshold::Thresholds;
-use crate::least_squares::{Excludable, Snapshot};
+use crate::least_squares::{Excludable, Snapshot, curvature};
 use crate::numeric::real::Real;
-use crate::numeric::space::dot;
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::Constellation;
 
@@ -106,15 +99,9 @@ pub(crate) fn find<T: Real>(
 
 /// Returns true if the rows may agree about a point that is nearer to the solution.
 fn may_agree<T: Real>(snapshot: &Snapshot<'_, T>) -> bool {
-    /// Distance of the nearest satellite of any system, m.
-    const NEAREST_M: f64 = 1.9e7;
     /// Sum of squares beyond every threshold.
-    const FLOOR: f64 = 1e4;
-    let weights = snapshot.equations().iter().fold(T::zero(), |sum, row| sum + row.weight);
-    let correction = snapshot.correction();
-    let bent_m = dot(&correction, &correction) * T::narrow(0.5 / NEAREST_M);
-    // NaN fails this comparison, so that it may agree.
-    !(snapshot.sse() > T::narrow(FLOOR) + T::narrow(32.0) * weights * bent_m * bent_m)
+    const NOISE: f64 = 1e4;
+    curvature::may_explain(snapshot.sse(), NOISE, snapshot.equations(), &snapshot.correction())
 }
 
 /// Returns the satellites of a system that take part.

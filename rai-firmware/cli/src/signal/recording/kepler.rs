@@ -89,7 +89,7 @@ impl Record {
         }
         let eccentricity = self.at(2, 1);
         ensure!((0.0..=0.5).contains(&eccentricity), "{}: eccentricity {eccentricity:e}", self.satellite);
-        let clock = self.values.iter().take(3).zip([0.0625, 1.5e-8, 1e-15]);
+        let clock = self.values.iter().take(3).zip([0.0625, 1.5e-8, 3.6e-15]);
         ensure!(clock.clone().all(|(value, limit)| value.abs() <= limit), "{}: clock", self.satellite);
         Ok(())
     }

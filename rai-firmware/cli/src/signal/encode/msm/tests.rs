@@ -12,7 +12,7 @@ use rtcm_rs::{Message, MessageBuilder, MsgFrameIter};
 use super::*;
 use crate::signal::measurement::{Ephemeris, TimedEphemeris};
 
-/// What a signal should be after the wire: range, m, C/N0, dBHz, and range rate, m/s.
+/// Ranges, m, C/N0, dBHz, and range rates, m/s, by satellite, band and attribute.
 type Sent = BTreeMap<(u8, u8, char), (f64, Option<f64>, Option<f64>)>;
 
 /// Adds the signals of a message as the library reads them.
