@@ -53,7 +53,7 @@ const MEASURED: &[(&str, &str, &str)] = &[
         "29 cuts, 6 kills and 180 dead clients | no epoch lost, 5.3 MB, 0.18 % of",
         "endure --minutes 30",
     ),
-    ("RESULTS.md", "the pin is promised within 36 ms", "test pin_in_time"),
+    ("RESULTS.md", "the pin is promised within 26 ms", "test pin_in_time"),
 ];
 
 /// Passages whose figures are inputs or facts of the hardware: document, passage.

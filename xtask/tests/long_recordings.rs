@@ -62,12 +62,12 @@ fn selection() -> Selection {
 }
 
 fn rtcm(recording: &Recording) -> impl Iterator<Item = Vec<u8>> {
-    let mut encoder = Encoder::new(&recording.ephemerides, selection());
+    let mut encoder = Encoder::new(&recording.ephemerides, selection()).as_receiver();
     recording.epochs.iter().map(move |epoch| encoder.epoch(epoch).unwrap())
 }
 
 fn of_u_blox(recording: &Recording) -> impl Iterator<Item = Vec<u8>> {
-    let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection(), None);
+    let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection(), None).as_receiver();
     recording.epochs.iter().map(move |epoch| encoder.epoch(epoch).unwrap())
 }
 

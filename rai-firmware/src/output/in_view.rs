@@ -11,13 +11,13 @@ use raim_core::satellite::SatelliteId;
 use crate::raw::RawEpoch;
 
 /// Places of the satellites of an epoch.
-pub trait Places: fmt::Debug {
+pub trait Places {
     /// Returns the place of a satellite when its signal left; `None` if it is unknown.
     fn place_of(&self, satellite: SatelliteId) -> Option<Ecef>;
 }
 
 /// Satellites of an epoch, used or not.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct InView<'r> {
     /// Signals of the epoch.
     pub raw: &'r RawEpoch,
@@ -25,6 +25,13 @@ pub struct InView<'r> {
     pub satellites: &'r dyn Places,
     /// Place of the receiver, accurate to some kilometres; `None` if it is unknown.
     pub place: Option<Ecef>,
+}
+
+// Not derived: it would bring the formatting of all that knows places into every image.
+impl fmt::Debug for InView<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("InView")
+    }
 }
 
 /// Axes at the receiver. Single precision suffices, because a direction is reported in degrees.

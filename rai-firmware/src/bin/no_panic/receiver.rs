@@ -1,7 +1,7 @@
 //! Every public function of the receiver around the core: wire parsers, orbits, corrections,
 //! sentences, the epoch loop.
 
-use core::fmt::Display;
+use core::fmt::{Debug, Display};
 
 use embedded_hal::digital::{self, OutputPin};
 use embedded_io::Write;
@@ -26,7 +26,7 @@ use raim_firmware::output::geoid::Altitude;
 use raim_firmware::output::mavlink::{Sender, dialect};
 use raim_firmware::output::nmea::{self, Sentence, TimeOfDay};
 use raim_firmware::output::schedule::{Due, Item, Schedule};
-use raim_firmware::output::{Interference, Motion, Places, nic};
+use raim_firmware::output::{InView, Interference, Motion, Places, nic};
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::publisher::Publisher;
 use raim_firmware::rates::{RateTally, Rates};
@@ -228,6 +228,7 @@ fn corrections() {
         Navigator::epoch as fn(_) -> _,
         Navigator::rate_tally as fn(_) -> _,
         <Navigator as Places>::place_of as fn(_, _) -> _,
+        <InView<'_> as Debug>::fmt as fn(_, _) -> _,
         Rates::new as fn() -> _,
         <Rates as Default>::default as fn() -> _,
         Rates::tally as fn(_) -> _,

@@ -187,12 +187,6 @@ mod tests {
     /// Places by a function.
     struct Given<F>(F);
 
-    impl<F> core::fmt::Debug for Given<F> {
-        fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-            formatter.write_str("places")
-        }
-    }
-
     impl<F: Fn(SatelliteId) -> Option<Ecef>> Places for Given<F> {
         fn place_of(&self, satellite: SatelliteId) -> Option<Ecef> {
             self.0(satellite)
