@@ -237,7 +237,8 @@ impl Module {
     /// # Errors
     /// The pin is high although the verdict forbids it, or the reverse.
     pub fn hear(&mut self, bytes: &[u8], now_ms: u64) -> Result<String> {
-        let mut said = Vec::new();
+        // An epoch has some 650 bytes of sentences.
+        let mut said = Vec::with_capacity(1024);
         if let Some(watcher) = &mut self.watcher {
             watcher.hear(bytes, now_ms);
         }

@@ -91,6 +91,9 @@ pub struct Encoder {
     unsendable: u64,
 }
 
+/// Length of an epoch of three systems without ephemerides, bytes; longer ones grow.
+const EPOCH_BYTES: usize = 2048;
+
 impl Encoder {
     /// Returns an encoder for these ephemerides.
     pub fn new(ephemerides: &[TimedEphemeris], selection: Selection) -> Self {
@@ -126,7 +129,7 @@ impl Encoder {
     /// # Errors
     /// A number does not fit its message.
     pub fn epoch(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
-        let mut bytes = Vec::new();
+        let mut bytes = Vec::with_capacity(EPOCH_BYTES);
         for ephemeris in self.schedule.news(epoch) {
             let week_of = match self.stated {
                 // A set that is sent ahead of its broadcast is sent as if it were broadcast now.
@@ -137,7 +140,7 @@ impl Encoder {
                 .with_context(|| format!("ephemeris of {}", ephemeris.satellite))?;
         }
         let ranges = msm::frames(epoch, &self.selection, &self.channels, &mut self.unsendable);
-        bytes.extend(ranges.flatten());
+        ranges.for_each(|frame| bytes.extend_from_slice(&frame));
         Ok(bytes)
     }
 }

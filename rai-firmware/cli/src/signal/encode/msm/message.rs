@@ -74,9 +74,12 @@ fn masks(rows: &[Row]) -> (u64, u32) {
 }
 
 /// Puts a bit for each signal of the message, which is 1 if the satellite has it.
-fn cell_mask(bits: &mut Bits, row: &Row, signals: u32) {
-    for signal in (1..=32).filter(|signal| signals >> (32 - signal) & 1 == 1) {
-        bits.put(row.cells.iter().any(|cell| cell.signal == signal).into(), 1);
+fn cell_mask(bits: &mut Bits, row: &Row, mut signals: u32) {
+    let of_row = row.cells.iter().fold(0_u32, |mask, cell| mask | 1 << (32 - cell.signal));
+    while signals != 0 {
+        let highest = 1 << signals.ilog2();
+        bits.put((of_row & highest != 0).into(), 1);
+        signals &= !highest;
     }
 }
 

@@ -228,7 +228,7 @@ fn cn0(signal: &MeasuredSignal) -> Option<f64> {
 /// Parts the rows so that each part fits into one message. The size of its cell mask is that of the
 /// part times the number of its different signals.
 fn parts(rows: Vec<Row>) -> Vec<Vec<Row>> {
-    let (mut parts, mut part, mut signals) = (Vec::new(), Vec::new(), 0_u64);
+    let (mut parts, mut part, mut signals) = (Vec::new(), Vec::with_capacity(rows.len()), 0_u64);
     for row in rows {
         let of_row = row.cells.iter().fold(0, |signals, cell| signals | 1 << cell.signal);
         signals |= of_row;
@@ -270,12 +270,11 @@ fn rows(
     unsendable: &mut u64,
 ) -> Vec<Row> {
     let of_system = epoch.satellites.iter().filter(|satellite| satellite.satellite.name().0 == letter);
-    let mut rows: Vec<Row> = of_system
-        .filter_map(|satellite| {
-            Row::new(satellite.satellite, &chosen(satellite, frequency), channels, unsendable)
-        })
-        .filter(|row| row.number <= 64)
-        .collect();
+    let row = |satellite: &MeasuredSatellite| {
+        Row::new(satellite.satellite, &chosen(satellite, frequency), channels, unsendable)
+    };
+    let mut rows = Vec::with_capacity(epoch.satellites.len());
+    rows.extend(of_system.filter_map(row).filter(|row| row.number <= 64));
     rows.sort_by_key(|row| row.number);
     rows.dedup_by_key(|row| row.number);
     rows
