@@ -41,8 +41,8 @@
 //! # Features
 //!
 //! The default features `whole` and `gsv` build everything except a board. A small build has RTCM 3
-//! in, `RMC`, `GGA` and the sentences of the module out, and classic RAIM with the thresholds of the
-//! phases of flight. It adds features by name:
+//! in, `RMC`, `GGA` and the sentences of the module out, and classic RAIM with the thresholds of
+//! the phases of flight. It adds features by name:
 //!
 //! | feature | adds |
 //! |---|---|

@@ -13,8 +13,8 @@
 //! | `ρ` | distance of the nearest satellite | m |
 //!
 //! If rows agree about a point at a distance `D`, their ranges are off by `D²/2ρ` at most about the
-//! present point, and `D` is at most `2d`. This gives `SSE ≤ 16 Σw (d²/2ρ)²` and the noise. A larger
-//! SSE proves that the rows contradict each other everywhere.
+//! present point, and `D` is at most `2d`. This gives `SSE ≤ 16 Σw (d²/2ρ)²` and the noise. A
+//! larger SSE proves that the rows contradict each other everywhere.
 
 use nalgebra::Vector3;
 

@@ -9,8 +9,8 @@
 use anyhow::Result;
 use raim::signal::encode::Frequency;
 use raim::signal::fault::{Fault, Kind, Measured, Target};
-use raim::signal::sky::Site;
 use raim::signal::sky::raw::Simulation;
+use raim::signal::sky::{Sight, Site};
 use raim_core::frame::LocalFrame;
 use raim_core::satellite::{Constellation, SatelliteId};
 use rand::seq::IndexedRandom as _;
@@ -261,15 +261,31 @@ fn ramps(effort: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
+/// Returns the GPS satellites that are above the mask from the first epoch to the last.
+fn high(simulation: &Simulation) -> Vec<SatelliteId> {
+    /// A degree above the mask at start.
+    const LEAST_DEG: f64 = 11.0;
+    let above = |index| {
+        let sights = simulation.sights_at(index);
+        let is_high = |sight: &&Sight| sight.elevation_rad().to_degrees() > LEAST_DEG;
+        sights.iter().filter(is_high).map(|sight| sight.satellite).collect::<Vec<_>>()
+    };
+    let last = above(simulation.epochs - 1);
+    let is_gps = |id: &SatelliteId| id.constellation() == Constellation::Gps && last.contains(id);
+    above(0).into_iter().filter(is_gps).collect()
+}
+
 /// Returns the time to the end of the promise or to the exclusion, s, and the misleading epochs of
 /// one sky; `None` if nothing is promised when the ramp begins.
 fn ramp(seed: u64, of_satellite: Option<f64>, of_altimeter: Option<f64>) -> Result<Option<(f64, usize)>> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     let simulation = Simulation::above_xian(3600.0 + 3600.0 * seed as f64, BEFORE + 900, seed);
     let sky = Sky::of(&simulation, Frequency::Dual)?;
-    let kept = kept(&sky, 6, &mut chance);
+    let high = high(&simulation);
+    let kept: Vec<SatelliteId> = high.choose_multiple(&mut chance, 6).copied().collect();
+    let Some(faulty) = kept.first() else { return Ok(None) };
     let fault = Fault {
-        target: Target::Satellite(kept[0]),
+        target: Target::Satellite(*faulty),
         kind: Kind::Ramp { rate_m_s: of_satellite.unwrap_or(0.0) / 60.0, limit_m: f64::INFINITY },
         start_s: f64::from(BEFORE),
         end_s: f64::INFINITY,

@@ -304,8 +304,9 @@ struct Choice {
 
 /// Returns the option that leaves the smallest SSE, of those that no single satellite contradicts.
 ///
-/// A fault of tens of kilometres moves the position so far that healthy satellites seem to contradict
-/// each other. An option counts if that distance explains the contradiction ([`curvature`]).
+/// A fault of tens of kilometres moves the position so far that healthy satellites seem to
+/// contradict each other. An option counts if that distance explains the contradiction
+/// ([`curvature`]).
 ///
 /// [`curvature`]: crate::least_squares::curvature
 #[inline(never)]

@@ -397,7 +397,7 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
     }
 
     /// Returns true if the rows without a hypothesis, whose weighted SSE is `sse` about the present
-    /// point, may agree about their own point: their contradiction may be due to the distance alone.
+    /// point, may agree about their own: the distance alone may explain their contradiction.
     #[cold]
     #[inline(never)]
     pub(super) fn may_agree_elsewhere(&mut self, hypothesis: Hypothesis, sse: T) -> bool {

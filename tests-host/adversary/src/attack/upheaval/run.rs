@@ -66,9 +66,9 @@ pub(super) struct Run {
     /// True once tags have been ahead. Right tags are then late until `FORGET`, like a replayed
     /// recording.
     was_ahead: bool,
-    /// The longest way between two scenes, m. After a silence a place must agree for as long as the
+    /// Places of the scenes so far, degrees. After a silence a place must agree for as long as the
     /// way to it takes at `VMAX`.
-    longest_m: f64,
+    places_deg: Vec<(f64, f64)>,
     /// Second half of an epoch that the line holds back.
     kept: Vec<u8>,
     is_told: bool,
@@ -107,7 +107,7 @@ impl Run {
             victim,
             oracle: Oracle::new(seed),
             was_ahead: false,
-            longest_m: 0.0,
+            places_deg: vec![(0.0, 0.0)],
             kept: Vec::new(),
             is_told,
         })
@@ -122,8 +122,8 @@ impl Run {
         let mut place_deg = (0.0, 0.0);
         for _ in 0..self.chance.random_range(SCENES) {
             let scene = Scene::by_chance(place_deg, &mut self.chance);
-            self.longest_m = self.longest_m.max(way_m(place_deg, scene.place_deg));
             place_deg = scene.place_deg;
+            self.places_deg.push(place_deg);
             self.scene(&scene)?;
         }
         self.scene(&Scene { before: Break::Right, ..Scene::quiet(place_deg, QUIET_EPOCHS) })?;
@@ -140,7 +140,9 @@ impl Run {
         const EXCUSES: [&str; 7] = ["HPL", "VPL", "EMT", "ACCURACY", "RISK", "REDUNDANCY", "GEOMETRY"];
         let last = self.oracle.last_reason.clone();
         let quiet_s = f64::from(QUIET_EPOCHS) * self.sky.step_s;
-        let is_on_its_way = self.longest_m > self.oracle.max_speed_m_s * (quiet_s - AGREEMENT_S);
+        let last_deg = self.places_deg.last().copied().unwrap_or_default();
+        let longest_m = self.places_deg.iter().map(|place| way_m(*place, last_deg)).fold(0.0, f64::max);
+        let is_on_its_way = longest_m > self.oracle.max_speed_m_s * (quiet_s - AGREEMENT_S);
         let is_excused = EXCUSES.contains(&last.as_str())
             || !is_forgotten && (self.was_ahead || last == "JUMP" || is_on_its_way && last == "RECOVERING");
         if !self.oracle.has_promised_last && !is_excused {

@@ -8,8 +8,9 @@
 //! ```
 //!
 //! A field that is unknown has the value that the standard reserves for it. A general library took
-//! a fifth of the time of a replay of RINEX. Tests compare every bit with that library. Reference: [RTCM-10403.3] tables 3.5-78 to
-//! 3.5-90.
+//! a fifth of the time of a replay of RINEX. Tests compare every bit with that library.
+//!
+//! Reference: [RTCM-10403.3] tables 3.5-78 to 3.5-90.
 //!
 //! [RTCM-10403.3]: crate#references
 
