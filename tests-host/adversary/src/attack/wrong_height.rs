@@ -6,7 +6,7 @@
 //!
 //! [TSO-C129a]: raim_core#references
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use raim::signal::encode::Frequency;
 use raim::signal::fault::{Fault, Kind, Measured, Target};
 use raim::signal::sky::raw::Simulation;
@@ -50,8 +50,8 @@ const BEFORE: u32 = 30;
 /// Standard deviation that the host states, m.
 const STATED_M: f64 = 3.0;
 
-/// Rise of the sky in all, m. The levels are larger, so that the promise is kept if the rise is
-/// noticed at all; the time to the alert is printed.
+/// Rise of the sky in all, m. It exceeds the levels, so that a rise that is noticed too late
+/// misleads.
 const RISEN_M: f64 = 60.0;
 
 /// Error of a height at a time after its begin.
@@ -250,11 +250,12 @@ fn ramps(effort: Effort) -> Result<Vec<Figure>> {
             let runs: Vec<_> = runs.into_iter().flatten().collect();
             let mut times: Vec<f64> = runs.iter().map(|run| run.0).collect();
             times.sort_by(f64::total_cmp);
+            let Some(latest_s) = times.last() else { bail!("no sky of the ramps is promised at first") };
             beyond += runs.iter().map(|run| run.1).sum::<usize>();
             let rate = of_satellite.unwrap_or(altimeter_m_min);
             let what = format!("s at {rate} m/min {name}");
             figures.push(Figure::plain(format!("median {what}"), times[times.len() / 2]));
-            figures.push(Figure::at_most(format!("latest {what}"), times[times.len() - 1], 900.0));
+            figures.push(Figure::at_most(format!("latest {what}"), *latest_s, 900.0));
         }
     }
     figures.push(Figure::at_most("beyond a level", beyond as f64, 0.0));
@@ -275,8 +276,7 @@ fn high(simulation: &Simulation) -> Vec<SatelliteId> {
     above(0).into_iter().filter(is_gps).collect()
 }
 
-/// Returns the time to the end of the promise or to the exclusion, s, and the misleading epochs of
-/// one sky; `None` if nothing is promised when the ramp begins.
+/// Returns the time to the alarm or exclusion, s, and the misleading epochs of one sky; `None` if nothing is promised when the ramp begins.
 fn ramp(seed: u64, of_satellite: Option<f64>, of_altimeter: Option<f64>) -> Result<Option<(f64, usize)>> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     let simulation = Simulation::above_xian(3600.0 + 3600.0 * seed as f64, BEFORE + 900, seed);
@@ -306,6 +306,7 @@ fn ramp(seed: u64, of_satellite: Option<f64>, of_altimeter: Option<f64>) -> Resu
     if !reports.get(BEFORE as usize - 1).is_some_and(|seen| seen.iter().any(is_promised)) {
         return Ok(None);
     }
-    let ended_s = noticed_s(&reports, |seen| !is_promised(seen) || !seen.said.excluded.is_empty());
-    Ok(Some((ended_s, reports.iter().flatten().filter(|seen| seen.is_misleading()).count())))
+    let noticed_s =
+        noticed_s(&reports, |seen| seen.said.state.state == 'A' || !seen.said.excluded.is_empty());
+    Ok(Some((noticed_s, reports.iter().flatten().filter(|seen| seen.is_misleading()).count())))
 }

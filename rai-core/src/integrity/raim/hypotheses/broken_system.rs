@@ -17,8 +17,8 @@
 //! wrong one does not, which is no likelier than a false alarm.
 //!
 //! **Cost.** A solution that moved far is solved again about its own point, as expensive as a fix.
-//! That is left out if the misfit about the present point is larger than a distance can cause
-//! ([`curvature`]).
+//! The second solution is skipped if the misfit about the present point is larger than a distance
+//! can cause ([`curvature`]).
 //!
 //! **Two systems.** Each explains the data by the other's fault, whatever their sizes, so that none
 //! is left out. A lone satellite agrees with any place and is no system here.
