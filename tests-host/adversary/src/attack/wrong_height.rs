@@ -276,7 +276,8 @@ fn high(simulation: &Simulation) -> Vec<SatelliteId> {
     above(0).into_iter().filter(is_gps).collect()
 }
 
-/// Returns the time to the alarm or exclusion, s, and the misleading epochs of one sky; `None` if nothing is promised when the ramp begins.
+/// Returns the time to the alarm or exclusion, s, and the misleading epochs of one sky; `None` if
+/// nothing is promised when the ramp begins.
 fn ramp(seed: u64, of_satellite: Option<f64>, of_altimeter: Option<f64>) -> Result<Option<(f64, usize)>> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     let simulation = Simulation::above_xian(3600.0 + 3600.0 * seed as f64, BEFORE + 900, seed);
