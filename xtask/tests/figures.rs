@@ -41,7 +41,11 @@ const MEASURED: &[(&str, &str, &str)] = &[
     ),
     ("RESULTS.md", "1400 values, worst 2e-15", "tables --check"),
     ("RESULTS.md", "100 epochs | `… --test all vectors …`", "test vectors"),
-    ("RESULTS.md", "GPS and Galileo: mean availability | 99.92 % |", "campaign tests-host/campaigns/lpv200.toml"),
+    (
+        "RESULTS.md",
+        "GPS and Galileo: mean availability | 99.92 % |",
+        "campaign tests-host/campaigns/lpv200.toml",
+    ),
     ("RESULTS.md", "0 to 0.6 % of all epochs are protected beyond their level", "attack --several 1000"),
     ("RESULTS.md", "/ 2.0 / 2.5 M instructions | `cargo xtask bench --peers`", "bench --peers"),
     (

@@ -24,8 +24,8 @@
 //! the pin is set before a sentence is written. The worst-case epoch of a stream, found by a search
 //! over all settings, takes 1.6 million instructions: 15 to 24 ms at 168 MHz by a model of the
 //! processor's cycles and its flash (`cargo xtask bench`). The pin follows within 30 ms at 168 MHz
-//! and within 350 ms at 16 MHz, with an allowance for what the search leaves out. [`Receiver::tick`], which must be called at least ten times a
-//! second, detects a silent line.
+//! and within 350 ms at 16 MHz, with an allowance for what the search leaves out.
+//! [`Receiver::tick`], which must be called at least ten times a second, detects a silent line.
 
 mod epochs;
 mod lateness;
