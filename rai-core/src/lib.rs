@@ -85,9 +85,9 @@
 //!
 //! A breaking change of the interface is a new minor version, and the changelog marks it. Reports,
 //! reasons, errors and strategies are `#[non_exhaustive]`, so that more fields and variants are no
-//! breaking change; [`Verdict`] is exhaustive. Items behind the feature `unstable` may change in any
-//! version. That feature also makes those types exhaustive, so that a program that pins this version
-//! can match them.
+//! breaking change; [`Verdict`] is exhaustive. Items behind the feature `unstable` may change in
+//! any version. That feature also makes those types exhaustive, so that a program that pins this
+//! version can match them.
 //!
 //! # Minimum supported Rust version
 //!

@@ -175,8 +175,8 @@ fn judge_by_residuals<T: Real>(
     let mut test = criteria.test(solution.snapshot(), epoch.shared());
     let mut exclusion = Exclusion::passed();
     let mut searched = false;
-    // With τ1 under every policy, because a wrong time may move the position more than the fault of a
-    // satellite that the policy tolerates.
+    // With τ1 under every policy, because a wrong time may move the position more than the fault of
+    // a satellite that the policy tolerates.
     let is_odd = test.is_ok() && is_suspicious(solution.snapshot(), &criteria.thresholds);
     if test.as_ref().is_ok_and(|test| test.detection.fault()) {
         let jump = aiding().find_map(|row| jump(solution, row, &criteria.thresholds));

@@ -67,8 +67,8 @@ impl<T: Real> Row<T> {
             return Err(RowError::Residual);
         }
         let weight = (sigma * sigma).recip();
-        // Outside the scalar's range a row would silently have no weight or infinite weight.
-        // The sign is one bit. The compiler would compare with 0 in double precision, from which the
+        // Outside the scalar's range a row would silently have no weight or infinite weight. The
+        // sign is one bit. The compiler would compare with 0 in double precision, from which the
         // sigma was rounded, and that is a library call on a Cortex-M4F.
         if !(sigma.is_sign_positive() && weight > T::zero() && weight.is_finite()) {
             return Err(RowError::Sigma);

@@ -24,8 +24,9 @@
 //! The result equals least squares with 3 + C columns in `x`, `v`, `S` and the gain, to rounding.
 //! Centring also makes `f32` safe, because it removes the clocks and their size.
 //!
-//! A row of weight 0 is left out: it contributes nothing, keeps its index, and its residual is
-//! the range minus what the other rows predict. No n×n matrix is stored; [`Snapshot::projection`] computes `S_ij` on demand.
+//! A row of weight 0 is left out: it contributes nothing, keeps its index, and its residual is the
+//! range minus what the other rows predict. No n×n matrix is stored; [`Snapshot::projection`]
+//! computes `S_ij` on demand.
 //!
 //! A [`Workspace`] owns the memory of the equations and lends them as a [`Snapshot`]. A snapshot is
 //! always solved, also after rows are left out or taken back.
@@ -368,8 +369,9 @@ impl<T: Real> Snapshot<'_, T> {
     /// Returns HDOP without one row: `√(HDOP² + (A_1i² + A_2i²)/S_ii)` of the unweighted geometry
     /// ([Lin2016] eq. 22).
     ///
-    /// Without the only satellite of a constellation its clock is no unknown, and HDOP stays. If the
-    /// geometry is singular without the row, HDOP is infinite. `None` for a row that takes no part.
+    /// Without the only satellite of a constellation its clock is no unknown, and HDOP stays. If
+    /// the geometry is singular without the row, HDOP is infinite. `None` for a row that takes no
+    /// part.
     ///
     /// [Lin2016]: crate#references
     pub fn hdop_without(&self, index: usize) -> Option<T> {

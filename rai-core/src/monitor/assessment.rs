@@ -1,7 +1,7 @@
 //! The assessment: derives the verdict, the report and the update of the monitor from a judgement.
 //!
-//! The monitor stores `ratio = SSE/dof` of each epoch that passed. Their mean, about 1 if the sigmas
-//! are right, is the sigma check of the report.
+//! The monitor stores `ratio = SSE/dof` of each epoch that passed. Their mean, about 1 if the
+//! sigmas are right, is the sigma check of the report.
 
 use super::description::{describe, known_height, residuals, suspects};
 use super::evidence::{Belief, residuals_of_all};

@@ -69,8 +69,9 @@ unstable! { pub use crate::integrity::Search; }
 unstable! { pub use validated::ValidatedRequirements; }
 unstable! { pub use workspace::{EpochOutcome, MonitorWorkspace}; }
 
-/// Number of epochs over which SSE/dof is averaged. With 10 degrees of freedom and independent epochs
-/// the mean is then accurate to 6 %; multipath repeats from epoch to epoch and makes it worse.
+/// Number of epochs over which SSE/dof is averaged. With 10 degrees of freedom and independent
+/// epochs the mean is then accurate to 6 %; multipath repeats from epoch to epoch and makes it
+/// worse.
 const SIGMA_CHECK_WINDOW: usize = 60;
 
 /// Integrity monitor for the positions of one receiver, at most `N` satellites at a time.
@@ -176,9 +177,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// clock is one more row.
     ///
     /// Writes only to `memory`; a caller with a small stack can keep it in a static. The
-    /// [`EpochOutcome`] is in it. A caller that corrects ranges for the position may judge linearised
-    /// at several successive points, and learns once, from the last. A caller that knows orbits passes
-    /// `rates`: without them a wrong time tag counts as faulty satellites
+    /// [`EpochOutcome`] is in it. A caller that corrects ranges for the position may judge
+    /// linearised at several successive points, and learns once, from the last. A caller that knows
+    /// orbits passes `rates`: without them a wrong time tag counts as faulty satellites
     /// ([`crate::integrity::raim::hypotheses::time_tag`]).
     #[cfg(feature = "unstable")]
     pub fn judge<'m>(
@@ -249,8 +250,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ) {
         self.remember(outcome);
         self.continue_from(outcome, own_clock_s, velocity);
-        // Only a protected epoch records its exclusions: those of an alert, or of the agreement that
-        // must follow it, may be wrong.
+        // Only a protected epoch records its exclusions: those of an alert, or of the agreement
+        // that must follow it, may be wrong.
         if matches!(outcome.report.verdict, Verdict::Protected(_)) {
             // The satellites of a system that is left out as a whole are not recorded one by one.
             let lost = outcome.report.excluded_constellations;
@@ -283,9 +284,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Applies continuity to an epoch.
     ///
-    /// A jump, a contradiction of the rates or of a height, and an unexpected place leave the start,
-    /// the sigma check, the clocks and the residuals as they were. The agreement that must follow an
-    /// alert leaves the clocks alone. The evidence against the sigmas has learned before.
+    /// A jump, a contradiction of the rates or of a height, and an unexpected place leave the
+    /// start, the sigma check, the clocks and the residuals as they were. The agreement that must
+    /// follow an alert leaves the clocks alone. The evidence against the sigmas has learned before.
     fn continue_from(
         &mut self,
         outcome: &mut EpochOutcome<N>,

@@ -26,19 +26,20 @@
 //!
 //! Three steps: [`modes`] chooses the monitored fault modes, [`subsets`] computes the position
 //! without each mode, [`levels`] sums the risk. After an alarm, exclusions are tried one after
-//! another: satellites, then constellations, in ascending order of the SSE that remains. The first set
-//! that agrees is taken, unless another explains the data as well ([`AraimOutcome::Ambiguous`]).
-//! Every outcome, with or without an exclusion, has its share of the risk, so that the risk includes
-//! a wrong exclusion. An epoch must also pass the global test of
+//! another: satellites, then constellations, in ascending order of the SSE that remains. The first
+//! set that agrees is taken, unless another explains the data as well
+//! ([`AraimOutcome::Ambiguous`]). Every outcome, with or without an exclusion, has its share of the
+//! risk, so that the risk includes a wrong exclusion. An epoch must also pass the global test of
 //! [`super::raim::detection`], which alone sees unmonitored faults.
 //!
 //! Unlike the levels of [`super::raim`], these also cover several faults and the loss of a
 //! constellation, with the risk of each accounted for. They are as good as the priors and sigmas
 //! that they are given ([`crate::weighting`]).
 //!
-//! Cost on a Cortex-M4F in `f32`: 350 to 1,100 instructions for each monitored mode, tests and levels
-//! together, the more the fewer modes there are. Most modes are dismissed by a bound, at 150
-//! instructions each, and the others are solved. Nothing is stored for each mode. Limits: [`ROWS`] rows, [`MAX_MODES`] modes; beyond, [`AraimError`].
+//! Cost on a Cortex-M4F in `f32`: 350 to 1,100 instructions for each monitored mode, tests and
+//! levels together, the more the fewer modes there are. Most modes are dismissed by a bound, at 150
+//! instructions each, and the others are solved. Nothing is stored for each mode. Limits: [`ROWS`]
+//! rows, [`MAX_MODES`] modes; beyond, [`AraimError`].
 //!
 //! References: [Blanch2015]. Where the paper leaves a choice, that of [MAAST] is used.
 //!
