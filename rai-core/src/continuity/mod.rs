@@ -35,6 +35,7 @@
 //! that is there from the start. A time tag that leaps ahead makes everything reachable unless the
 //! caller has its own clock.
 
+mod discrepancy;
 mod motion;
 mod oscillator;
 mod reach;

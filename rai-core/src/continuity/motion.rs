@@ -37,7 +37,7 @@
 //! to 10 m and 192 m of the clock, 8 to 13 m and 229 m of the position. A drift added to the four
 //! at rest is found in 12 s at 1 m/s and within 51 s at 0.2 m/s, in the position and in the clock.
 //!
-//! **Learning.** A drift is looked for once [`LEARNED`] marks are known. A value counts as at most
+//! **Learning.** A drift is looked for once [`super::discrepancy::LEARNED`] marks are known. A value counts as at most
 //! three means, so that a growing error needs minutes to widen its own bound, and none widens that
 //! of a leap. Epochs under an alert teach nothing.
 //!
@@ -59,6 +59,7 @@
 //! **Limits.** An attack that moves ranges and rates alike, slowly and from a genuine start, is not
 //! visible here.
 
+use super::discrepancy::{Discrepancy, Spread};
 use super::oscillator::{Oscillator, whole_milliseconds_m};
 use heapless::Deque;
 use nalgebra::Vector3;
@@ -99,20 +100,8 @@ const ACCELERATION_M_S2: f64 = 5.0;
 /// Largest change of speed while the rates contradict each other, m/s: that of a car.
 const FASTER_M_S: f32 = 40.0;
 
-/// Number of marks from which a spread is known: two minutes of them.
-const LEARNED: u16 = 24;
-
-/// Number of marks whose mean a spread becomes: ten minutes of them.
-const MEMORY: u16 = 120;
-
-/// Least ratio of a drift to the mean discrepancy and to the scatter, dimensionless.
-const DRIFT: f32 = 6.0;
-
 /// Windows in which a straight line is looked for, s.
 const WINDOWS_S: [f32; 3] = [20.0, 30.0, WINDOW_S as f32];
-
-/// Ratio of the largest value that teaches to the mean, dimensionless.
-const TEACHING_BOUND: f32 = 3.0;
 
 /// Smallest drift of the position, relative to `HPL + VPL`.
 const LEVEL_SHARE: f32 = 0.25;
@@ -120,75 +109,12 @@ const LEVEL_SHARE: f32 = 0.25;
 /// Smallest drift of the position and of the clock, m. The position has three components.
 const FLOORS_M: [f32; 2] = [4.0, 2.0];
 
-/// Mean of the absolute discrepancies over a minute.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Spread {
-    mean_m: f32,
-    count: u16,
-}
-
-impl Spread {
-    const fn new() -> Self {
-        Self { mean_m: 0.0, count: 0 }
-    }
-
-    /// Adds a discrepancy, m. One that is not finite teaches nothing.
-    fn learn(&mut self, discrepancy_m: f32) {
-        let is_known = self.count >= LEARNED;
-        let value_m = if is_known { discrepancy_m.min(TEACHING_BOUND * self.mean_m) } else { discrepancy_m };
-        if value_m.is_finite() {
-            self.count = (self.count + 1).min(MEMORY);
-            self.mean_m += (value_m - self.mean_m) / f32::from(self.count);
-        }
-    }
-
-    /// Returns true if a change along a straight line is a drift. A NaN counts as one.
-    fn is_drift(self, change_m: f32, scatter_m: f32, floor_m: f32) -> bool {
-        let explained_m = (DRIFT * self.mean_m).max(DRIFT * scatter_m).max(floor_m);
-        self.count >= LEARNED && !(change_m <= explained_m)
-    }
-}
-
 /// An epoch whose successors are compared with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Mark {
     /// Time since the origin, s.
     time_s: f32,
     discrepancy: Discrepancy,
-}
-
-/// Discrepancy between measured and integrated motion, m, relative to the origin.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Discrepancy {
-    /// Discrepancy of the position, earth-fixed, m.
-    position: Vector3<f32>,
-    /// Discrepancy of the clock, m.
-    clock_m: f32,
-    /// Possible displacement by unknown accelerations since the origin, m.
-    unknown_m: f32,
-    /// `HPL + VPL` of the epoch, m.
-    level_m: f32,
-}
-
-impl Discrepancy {
-    /// Returns the distances from another one, m: of the position, beyond what unknown
-    /// accelerations explain, and of the clock.
-    fn from(&self, other: &Self) -> [f32; 2] {
-        let unknown_m = self.unknown_m - other.unknown_m;
-        let away_m = sqrt((self.position - other.position).norm_squared()) - unknown_m;
-        [away_m, (self.clock_m - other.clock_m).abs()]
-    }
-
-    /// Returns the point on the straight line from here to another, at a share of the way.
-    fn towards(&self, other: &Self, share: f32) -> Self {
-        let Self { position, clock_m, unknown_m, .. } = *self;
-        Self {
-            position: position + (other.position - position) * share,
-            clock_m: clock_m + (other.clock_m - clock_m) * share,
-            unknown_m,
-            ..*other
-        }
-    }
 }
 
 /// An epoch with its rates.

@@ -59,6 +59,7 @@ pub mod downdate;
 pub mod equations;
 mod excludable;
 pub mod fix;
+mod means;
 mod solve;
 mod statistics;
 mod workspace;

@@ -10,7 +10,8 @@
 //! | `protocol` | interface to a wire format, and the table of formats |
 //! | `framer` | finds frames of all formats in the stream, and checks each once |
 //! | `rtcm` | reads the messages of RTCM 3 |
-//! | [`ubx`] | reads the messages of u-blox receivers, and the navigation bits in them |
+//! | [`ubx`] | reads the messages of u-blox receivers |
+//! | `navigation` | reads the navigation bits of satellites, whatever format brings them |
 //! | `bits` | fields of navigation messages |
 //! | `elements` | places of the orbital elements in each message |
 //! | `preference` | choice of the source of ranges |
@@ -56,6 +57,8 @@ mod epoch_ranges;
 mod framer;
 mod leap_seconds;
 mod message_week;
+#[cfg(feature = "ubx")]
+mod navigation;
 mod preference;
 mod present_week;
 mod protocol;

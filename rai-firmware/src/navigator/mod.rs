@@ -5,52 +5,35 @@
 //! first guess. Without one, a coarse fix without atmosphere gives it. If the position of an epoch
 //! is far from the guess, the epoch is corrected again at that position.
 
+mod choice;
 mod ionosphere;
 mod known_rates;
+mod passes;
 
-use core::cell::Cell;
-
-use heapless::Vec;
 use nalgebra::Vector3;
 use raim_core::epoch::{Aiding, Epoch};
 use raim_core::frame::Ecef;
-#[cfg(feature = "araim")]
-use raim_core::monitor::Method;
-use raim_core::monitor::{MonitorError, Search};
-use raim_core::report::{Alert, MAX_EXCLUDED, Report, Unavailable, Verdict};
+use raim_core::monitor::MonitorError;
+use raim_core::report::{Alert, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_core::single::{self, Monitor, MonitorWorkspace, Workspace};
 use raim_core::velocity::{Velocity, VelocityError};
-use raim_core::weighting::Ism;
 
 use crate::correction::horizon::coordinates_m;
-use crate::correction::{
-    CAPACITY, Located, Preference, Ranges, Site, Sky, Tally, View, coarse, locate_within,
-};
+use crate::correction::{CAPACITY, Located, Preference, Ranges, Sky, Tally, View, locate_within};
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::known_place::is_elsewhere;
 use crate::output::Places;
 use crate::rates::{RateTally, Rates};
 use crate::raw::RawEpoch;
-use crate::settings::{Configuration, Frequencies, Place, Systems};
+use crate::settings::{Configuration, Place, Systems};
 use crate::time::GpsTime;
 
 use ionosphere::Broadcast;
-use known_rates::{KnownRates, range_rate};
-
-/// Largest distance over which corrections hold, m: 1 km changes an elevation by 0.003° and the
-/// zenith delay by at most 0.25 m.
-const GUESS_HOLDS_M: f32 = 1e3;
 
 /// Least distance of a receiver from the centre of the earth, m; a position below it is unknown.
 const UNKNOWN_RADIUS_M: f32 = 6e6;
-
-/// Most passes of an epoch: a guess, a better guess, and one more if a gross fault bent the first.
-const MAX_PASSES: usize = 3;
-
-/// Most searches for faulty satellites in one epoch, which are the expensive part.
-const MAX_SEARCHES: usize = 2;
 
 /// Orbits, monitor and counters: everything between a raw epoch and its report.
 #[derive(Debug)]
@@ -223,84 +206,6 @@ impl Navigator {
         &self.tally
     }
 
-    /// Judges one epoch at successively better points, then learns from the last verdict.
-    ///
-    /// An exclusion set that was found is not searched for again at a better point. A search
-    /// without result is repeated once, because corrections at a distant point may have caused the
-    /// misfit. At the first point of all, which no earlier epoch confirms, a set is accepted
-    /// provisionally and checked at the next point.
-    ///
-    /// `came_ms` is the arrival time of the epoch by the module's own clock.
-    // The stages before and after are not inlined, so that the frame below the searches stays
-    // small.
-    #[inline(never)]
-    pub fn judge(
-        &mut self,
-        raw: &RawEpoch,
-        came_ms: u64,
-        configuration: &Configuration,
-    ) -> &mut Report<CAPACITY> {
-        let without_orbit = self.look_up(raw, configuration);
-        let mut guess = self.monitor.start();
-        let mut is_rough = is_unknown(guess);
-        if is_rough {
-            guess = self.coarse_position(raw.time);
-        }
-        let ranges = self.ranges(guess, raw.time, configuration);
-        self.learn_anew_of((ranges, configuration.systems));
-        self.learn_anew_with_model(ranges);
-        let before = self.tally.ranges;
-        let mut known = Vec::<SatelliteId, MAX_EXCLUDED>::new();
-        let mut searches = 0;
-        // Range rates are the same at every point within a metre per second.
-        let rates = [const { Cell::new(f32::NAN) }; CAPACITY];
-        let search = if is_rough { Search::Rough } else { Search::Anew };
-        self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
-        for _ in 1..MAX_PASSES {
-            let assessment = self.room.memory.outcome();
-            let found = found(&assessment.report);
-            let is_believed = is_rough && assessment.searched && is_excluded(&assessment.report);
-            if !is_believed && found.is_some_and(|found| is_shorter(found - guess, GUESS_HOLDS_M)) {
-                break;
-            }
-            is_rough = false;
-            searches += usize::from(assessment.searched);
-            let settled = is_excluded(&assessment.report) || searches >= MAX_SEARCHES;
-            if assessment.searched && settled {
-                known = assessment.report.excluded.iter().fold(Vec::new(), |mut known, suspect| {
-                    // Both have the same capacity, so that it is never full here.
-                    let _ = known.push(suspect.satellite);
-                    known
-                });
-            }
-            let search = if settled { Search::Known(&known) } else { Search::Anew };
-            guess = found.unwrap_or_else(|| self.coarse_position(raw.time));
-            // Refusals at the less accurate point do not count.
-            self.tally.ranges = before;
-            self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
-        }
-        let refused_a_range = self.tally.ranges.range_implausible != before.range_implausible;
-        self.conclude(raw, came_ms, configuration.place.as_ref(), refused_a_range, without_orbit)
-    }
-
-    /// Restarts learning if ranges or systems change, because residuals of others do not apply.
-    fn learn_anew_of(&mut self, learned: (Ranges, Systems)) {
-        if self.learned.replace(learned).is_some_and(|before| before != learned) {
-            self.monitor.forget_residuals();
-        }
-    }
-
-    /// Restarts learning if another model of the ionosphere applies to ranges of one frequency.
-    ///
-    /// Its error, of a forged page too, is in all residuals from now on, and those of another model
-    /// would hide it.
-    fn learn_anew_with_model(&mut self, ranges: Ranges) {
-        let is_new = self.ionosphere.take_news();
-        if is_new && (ranges == Ranges::Singles || !self.room.sky.iter().any(Located::has_pair)) {
-            self.monitor.forget_residuals();
-        }
-    }
-
     /// Computes the satellite positions of an epoch; returns the number of satellites without
     /// orbit.
     #[inline(never)]
@@ -367,109 +272,6 @@ impl Navigator {
         report.tracked = raw.satellites.len().min(255) as u8;
         report
     }
-
-    /// Returns the kind of ranges to use: as commanded, or the kind with the smaller levels.
-    ///
-    /// With clock aiding the kind stays, because another one moves the clock by the delay between
-    /// carriers.
-    #[inline(never)]
-    fn ranges(&mut self, point: Ecef, time: GpsTime, configuration: &Configuration) -> Ranges {
-        let sky = &self.room.sky;
-        match configuration.frequencies {
-            Frequencies::Dual => return Ranges::Pairs,
-            Frequencies::Single => return Ranges::Singles,
-            Frequencies::Auto if configuration.clock_aid || !sky.iter().any(Located::has_pair) => {}
-            Frequencies::Auto => {
-                let site = Site::new(
-                    point,
-                    time,
-                    configuration.mask_rad(),
-                    self.ionosphere.model(time, configuration),
-                );
-                let hal_m = configuration.hal_m as f32;
-                let val_m = configuration.val_m.map_or(f32::INFINITY, |val_m| val_m as f32);
-                let cost = |ranges| site.spread(sky, ranges).map(|spread| spread.cost(hal_m, val_m));
-                self.preference.weigh(cost);
-            }
-        }
-        self.preference.ranges()
-    }
-
-    /// Corrects and judges the sky as seen from a point.
-    fn judge_about(
-        &mut self,
-        point: Ecef,
-        time: GpsTime,
-        ranges: Ranges,
-        configuration: &Configuration,
-        search: Search<'_>,
-        known: &KnownRates,
-    ) {
-        self.correct_about(point, time, ranges, configuration);
-        let Room { sky, epoch, memory } = &mut self.room;
-        let (store, last) = (&self.store, &self.rates);
-        // Satellites are asked for in the order of the sky, so that the next one is mostly the one
-        // behind the last.
-        let next = Cell::new(0);
-        let rates = |satellite| {
-            if !cfg!(feature = "hypotheses") {
-                return None;
-            }
-            let is_it = |located: &Located| located.satellite() == satellite;
-            let index = match sky.get(next.get()) {
-                Some(located) if is_it(located) => next.get(),
-                _ => sky.iter().position(is_it)?,
-            };
-            next.set(index + 1);
-            let slot = known.get(index)?;
-            if slot.get().is_nan() {
-                slot.set(range_rate((sky.get(index)?, index), last, store, point, time)?);
-            }
-            Some(slot.get())
-        };
-        single::judge(&self.monitor, epoch, point, search, Some(&rates), memory);
-    }
-
-    /// Builds the epoch from the sky as seen from a point.
-    ///
-    /// Not inlined, so that the models of a site leave the stack before the epoch is judged.
-    #[inline(never)]
-    fn correct_about(&mut self, point: Ecef, time: GpsTime, ranges: Ranges, configuration: &Configuration) {
-        let ism = self.promise(configuration);
-        let klobuchar = self.ionosphere.model(time, configuration);
-        let site =
-            Site::new(point, time, configuration.mask_rad(), klobuchar).with_ranges(ranges).weighted_by(ism);
-        let Room { sky, epoch, .. } = &mut self.room;
-        site.correct(sky, &mut self.tally.ranges, epoch);
-        // The forecast of a clock may take the last row.
-        let has_room = epoch.observations().len() + 1 < CAPACITY;
-        if let Some(height) = self
-            .known_height
-            .filter(|_| cfg!(feature = "aiding") && has_room && configuration.method.allows_aiding())
-        {
-            // Its values were checked when they were read.
-            let _ = epoch.aid(height);
-        }
-    }
-
-    /// Returns the parameters that weight the ranges: the ISM for ARAIM, otherwise none.
-    fn promise(&self, configuration: &Configuration) -> Option<Ism> {
-        #[cfg(feature = "araim")]
-        if configuration.method == Method::Araim {
-            return Some(*self.monitor.ism());
-        }
-        let _ = configuration;
-        None
-    }
-
-    /// Returns a coarse position of a receiver that sees this sky, or the centre of the earth if
-    /// there is none.
-    #[inline(never)]
-    fn coarse_position(&mut self, time: GpsTime) -> Ecef {
-        let Room { sky, epoch, memory } = &mut self.room;
-        coarse(sky, time, epoch);
-        single::position(memory.workspace(), epoch, Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
-    }
 }
 
 impl Places for Navigator {
@@ -481,10 +283,6 @@ impl Places for Navigator {
 
 fn found(report: &Report<CAPACITY>) -> Option<Ecef> {
     report.solution.as_ref().map(|solution| solution.position)
-}
-
-fn is_excluded(report: &Report<CAPACITY>) -> bool {
-    !report.excluded.is_empty() && !matches!(report.verdict, Verdict::Alert(_))
 }
 
 fn is_unknown(point: Ecef) -> bool {

@@ -10,10 +10,11 @@ use raim_core::satellite::Constellation;
 use raim_core::single::ValidatedRequirements;
 
 use super::lateness::Lateness;
+use super::rivals::Rivals;
 use super::strengths::Strengths;
 use crate::counters::{count, counters};
 use crate::ephemeris::{Ephemeris, Insertion};
-use crate::input::{Event, Rivalry, Suspicions};
+use crate::input::{Event, Suspicions};
 use crate::known_place::{HostHeight, aiding_of};
 use crate::navigator::Navigator;
 use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
@@ -23,16 +24,6 @@ use crate::raw::RawEpoch;
 use crate::selftest::{self, Failure};
 use crate::settings::{Configuration, SpoofFlag};
 use crate::time::GpsTime;
-
-/// Number of epochs without protection after an epoch came again with other ranges.
-const RIVALLED_EPOCHS: u8 = 10;
-
-/// Number of epochs without protection after one that may be a half, or of another receiver.
-const DOUBTED_EPOCHS: u8 = 2;
-
-/// Number of detections of two receivers in a row after which only `FORGET` accepts one of them,
-/// because the one that remains may be the other.
-const FIRM_RIVALRIES: u8 = 3;
 
 counters! {
     /// Verdicts of the epochs, and events that prevented one.
@@ -111,12 +102,7 @@ pub(super) struct EpochLoop<P> {
     strengths: Strengths,
     /// Height that the host has stated.
     pub(super) host_height: Option<HostHeight>,
-    /// Number of epochs for which an epoch that came again with other ranges still counts.
-    rivalled: u8,
-    /// Number of epochs for which nothing is promised.
-    doubted: u8,
-    /// Number of times in a row that two receivers were detected.
-    rivalries: u8,
+    rivals: Rivals,
     /// GPS time minus UTC, s; the value of the image until the input states another.
     pub(super) gps_minus_utc_s: u8,
 }
@@ -153,9 +139,7 @@ impl<P: OutputPin> EpochLoop<P> {
             sign_ms: None,
             strengths: Strengths::NONE,
             host_height: None,
-            rivalled: 0,
-            doubted: 0,
-            rivalries: 0,
+            rivals: Rivals::NONE,
             gps_minus_utc_s: GPS_MINUS_UTC_S,
         }
     }
@@ -166,7 +150,7 @@ impl<P: OutputPin> EpochLoop<P> {
         self.lateness.forget();
         (self.interference, self.sign_ms, self.host_height) = (Suspicions::NONE, None, None);
         self.strengths = Strengths::NONE;
-        (self.rivalled, self.doubted, self.rivalries) = (0, 0, 0);
+        self.rivals = Rivals::NONE;
     }
 
     /// Discards the delays of epochs, because those of another week are not comparable.
@@ -174,37 +158,12 @@ impl<P: OutputPin> EpochLoop<P> {
         self.lateness.forget();
     }
 
-    /// Withdraws protection, because the ranges are not all of one antenna at one instant.
-    #[inline(never)]
-    fn hear_rival(&mut self, rivalry: Rivalry) {
-        let epochs = match rivalry {
-            Rivalry::Receivers => {
-                self.count_rivalry();
-                RIVALLED_EPOCHS
-            }
-            Rivalry::Joined => {
-                self.count_rivalry();
-                if self.rivalries > 1 { RIVALLED_EPOCHS } else { 1 }
-            }
-            Rivalry::Suspected | Rivalry::Halves => DOUBTED_EPOCHS,
-        };
-        self.doubted = self.doubted.max(epochs);
-        self.drive_pin(false);
-    }
-
-    /// Counts a detection of two receivers, in a row with those before it that still count.
-    fn count_rivalry(&mut self) {
-        self.rivalries = if self.rivalled > 0 { self.rivalries.saturating_add(1) } else { 1 };
-        self.rivalled = RIVALLED_EPOCHS;
-    }
-
     /// Returns the reason for which no position may be used, however well ranges agree.
     fn distrust(&self, now_ms: u64) -> Option<Alert> {
         if self.is_spoofed(now_ms) {
             return Some(Alert::Spoofed);
         }
-        let is_rivalled = self.doubted > 0 || self.rivalries >= FIRM_RIVALRIES;
-        Some(Alert::Ambiguous).filter(|_| is_rivalled)
+        Some(Alert::Ambiguous).filter(|_| self.rivals.are_near())
     }
 
     /// Returns the height of an epoch that came at `came_ms`: that of the host, or else that of a
@@ -262,8 +221,7 @@ impl<P: OutputPin> EpochLoop<P> {
                 self.navigator.distrust(self.distrust(now_ms));
                 let height = self.known_height(*came_ms);
                 self.navigator.know_height(height);
-                self.rivalled = self.rivalled.saturating_sub(1);
-                self.doubted = self.doubted.saturating_sub(1);
+                self.rivals.age();
                 let report = self.navigator.judge(raw, *came_ms, &self.configuration);
                 report.verdict = match report.verdict {
                     // An alert stays, because it reports that the position is wrong.
@@ -291,7 +249,10 @@ impl<P: OutputPin> EpochLoop<P> {
             Event::Ionosphere(constellation, coefficients) => {
                 self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
             }
-            Event::Rivalry(rivalry) => self.hear_rival(*rivalry),
+            Event::Rivalry(rivalry) => {
+                self.rivals.hear(*rivalry);
+                self.drive_pin(false);
+            }
             Event::SelfReport(_) if !cfg!(feature = "ubx") => {}
             Event::SelfReport(said) => {
                 self.interference.hear(said, now_ms);

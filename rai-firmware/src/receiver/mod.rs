@@ -27,8 +27,11 @@
 //! and within 350 ms at 16 MHz, with an allowance for what the search leaves out.
 //! [`Receiver::tick`], which must be called at least ten times a second, detects a silent line.
 
+mod boot;
 mod epochs;
 mod lateness;
+mod rivals;
+mod statistics;
 mod strengths;
 
 use core::mem::MaybeUninit;
@@ -41,41 +44,16 @@ use raim_core::report::{Report, Verdict};
 use raim_core::single::ValidatedRequirements;
 use raim_core::velocity::Velocity;
 
+pub use self::boot::Boot;
 pub use self::epochs::Verdicts;
 use self::epochs::{EpochLoop, requirements_at_start};
 use crate::board::{PortLosses, SEALED_BYTES};
 use crate::correction::CAPACITY;
-use crate::counters::{at, count_many};
+use crate::counters::count_many;
 use crate::input::{Input, LeapSecond, Suspicion};
 use crate::known_place::HostHeight;
-use crate::output::nmea::{Losses, write_answer, write_counters, write_refusal, write_version};
+use crate::output::nmea::{write_answer, write_counters, write_refusal, write_version};
 use crate::settings::{Action, CommandPort, Configuration, Heard, Order, Refusal, Unsealed};
-
-/// Facts that the board knows at start.
-#[derive(Clone, Debug)]
-pub struct Boot {
-    /// Commit that the image was built from.
-    pub git: &'static str,
-    /// Cause of the start, in the words of `PRAIV`.
-    pub reset_cause: heapless::String<16>,
-    /// Largest gain of the module's own clock on the right time, parts per million. An epoch
-    /// delayed by less than this gain goes unnoticed.
-    pub clock_error_ppm: u32,
-}
-
-impl Boot {
-    /// Error of a clock with a crystal, parts per million: some 50 when new and over its
-    /// temperatures, and a margin for ageing.
-    pub const CRYSTAL_PPM: u32 = 250;
-    /// Error of a clock without a crystal, parts per million: 1 % at room temperature. A larger
-    /// error would break UART reception anyway.
-    pub const WITHOUT_CRYSTAL_PPM: u32 = 40_000;
-
-    /// Returns the facts for a program on a computer: no cause, and a crystal.
-    pub const fn on_host(git: &'static str) -> Self {
-        Self { git, reset_cause: heapless::String::new(), clock_error_ppm: Self::CRYSTAL_PPM }
-    }
-}
 
 /// Pause of the line that never occurs inside a frame, and hardly inside an epoch, ms; shorter than
 /// the second between two epochs.
@@ -258,17 +236,6 @@ impl<P: OutputPin> Receiver<P> {
         judged
     }
 
-    fn losses_to_say(&self) -> Losses {
-        let wire = self.input.counters();
-        let PortLosses { gnss_bytes_lost, gnss_bytes_dropped, command_bytes_lost, .. } = self.losses;
-        Losses {
-            gnss_bytes: gnss_bytes_lost.saturating_add(gnss_bytes_dropped),
-            host_bytes: command_bytes_lost,
-            frames_refused: wire.crc_failures.saturating_add(wire.messages_malformed),
-            epochs_late: self.epochs.verdicts.epochs_late,
-        }
-    }
-
     /// Takes bytes of the host port and writes complete answers, for a host that has nothing else
     /// to wait for.
     #[inline(never)]
@@ -412,39 +379,6 @@ impl<P: OutputPin> Receiver<P> {
     /// Returns the pin.
     pub fn pin(&self) -> &P {
         &self.epochs.pin
-    }
-
-    /// Returns every counter by name: verdicts, ports, wire, satellites, range rates, commands; and
-    /// the mean of SSE/dof in percent, which is about 100 if the sigmas are right.
-    pub fn statistics(&self) -> impl Iterator<Item = (&'static str, u32)> {
-        self.statistics_from(0)
-    }
-
-    fn statistics_from(&self, first: usize) -> impl Iterator<Item = (&'static str, u32)> {
-        (first..).map_while(|number| self.statistic(number))
-    }
-
-    /// Returns name and value of the counter with this number, counted from 0; `None` beyond the
-    /// last.
-    #[inline(never)]
-    pub fn statistic(&self, mut number: usize) -> Option<(&'static str, u32)> {
-        let number = &mut number;
-        let sigma_check =
-            self.epochs.sigma_check.map(|mean| ("sigma_check_pct", libm::round(mean * 100.0) as u32));
-        let tally = self.epochs.navigator.tally();
-        let verdict = self.epochs.verdicts.at(number);
-        verdict
-            .or_else(|| match sigma_check {
-                Some((name, percent)) => at(&[name], &[percent], number),
-                None => None,
-            })
-            .or_else(|| self.losses.at(number))
-            .or_else(|| self.input.counters().at(number))
-            .or_else(|| tally.ephemerides.at(number))
-            .or_else(|| at(&["ephemerides_displaced"], &[self.epochs.navigator.displaced()], number))
-            .or_else(|| tally.ranges.at(number))
-            .or_else(|| self.epochs.navigator.rate_tally().at(number))
-            .or_else(|| self.commands.counter(*number))
     }
 }
 

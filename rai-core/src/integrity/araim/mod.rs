@@ -52,6 +52,7 @@ mod evaluation;
 mod exclusion;
 mod levels;
 mod modes;
+mod monitored;
 mod subsets;
 #[cfg(test)]
 #[allow(clippy::indexing_slicing, clippy::expect_used, reason = "a test may panic")]

@@ -7,7 +7,7 @@
 //! | message | class, id | content |
 //! |---|---|---|
 //! | RXM-RAWX | 02 15 | ranges of an epoch ([`rawx`]) |
-//! | RXM-SFRBX | 02 13 | pages of navigation messages; a complete set is an ephemeris ([`sfrbx`]) |
+//! | RXM-SFRBX | 02 13 | navigation bits ([`sfrbx`]), which [`super::navigation`] reads |
 //! | SEC-SIG | 27 09 | jamming and spoofing ([`security`]) |
 //! | SEC-SIGLOG | 27 10 | log of jamming and spoofing |
 //! | MON-RF | 0a 38 | jamming |
@@ -24,26 +24,18 @@
 //! [UBX-F9]: crate#references
 //! [UBX-M8]: crate#references
 
-mod beidou;
-mod galileo;
-#[cfg(feature = "glonass")]
-mod glonass;
-mod leap;
-mod lnav;
-mod pages;
-mod parity;
 mod rawx;
 mod security;
 mod sfrbx;
 mod transport;
 
 use super::calendar::Calendar;
+use super::navigation::Navigation;
 use super::protocol::Frame;
 use super::{Counters, Measured, Message, Ranges, Unread};
 use crate::counters::count;
 
 use rawx::Rawx;
-use sfrbx::Navigation;
 pub(super) use transport::Ubx;
 
 /// Reads one frame whose check holds; `None` if it only adds to earlier ones.
@@ -68,7 +60,7 @@ fn read<'a>(
             })))
         }
         [_, _, 0x02, 0x13, ..] => {
-            let told = navigation.read(payload, frame.came_ms, calendar);
+            let told = sfrbx::read(payload, navigation, frame.came_ms, calendar);
             counters.subframes_abandoned = navigation.abandoned();
             let told = told?;
             count(&mut counters.subframes);
@@ -88,17 +80,4 @@ fn read<'a>(
         }
         _ => Err(Unread::Other),
     }
-}
-
-/// Reason for which a frame of navigation bits is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Refusal {
-    /// The page has a wrong preamble, flags or number of words.
-    Malformed,
-    /// A parity or CRC is wrong.
-    Parity,
-    /// The pages are of different issues.
-    Mixed,
-    /// No satellite sends such a value.
-    Value,
 }

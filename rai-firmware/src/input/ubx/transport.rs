@@ -14,8 +14,8 @@
 //! [UBX-F9]: crate#references
 
 use super::rawx::{self, Rawx};
-use super::sfrbx::Navigation;
 use crate::input::calendar::Calendar;
+use crate::input::navigation::Navigation;
 use crate::input::protocol::{Extent, Frame, Protocol};
 use crate::input::{Counters, Message, Unread};
 

@@ -17,12 +17,23 @@ fn items() -> Vec<Item> {
 }
 
 /// Returns the bytes of one epoch at a place, with a velocity, of all items.
-fn sent(verdict: Verdict, [latitude_deg, longitude_deg, height_m]: [f64; 3], motion: Motion) -> Vec<u8> {
+fn sent(verdict: Verdict, place: [f64; 3], motion: Motion) -> Vec<u8> {
+    sent_as(verdict, place, motion, |_| 1)
+}
+
+/// Returns the same with each item at a rate.
+fn sent_as(
+    verdict: Verdict,
+    [latitude_deg, longitude_deg, height_m]: [f64; 3],
+    motion: Motion,
+    rate: impl Fn(Item) -> u8,
+) -> Vec<u8> {
     let (mut report, npa) = (report(), npa());
     report.verdict = verdict;
     report.solution = Some(solution(latitude_deg, longitude_deg, height_m));
     let statement = Statement { motion: Some(motion), ..statement(&report, &npa) };
-    let schedule = items().into_iter().fold(Schedule::AT_START, |schedule, item| schedule.with(item, 1));
+    let schedule =
+        items().into_iter().fold(Schedule::AT_START, |schedule, item| schedule.with(item, rate(item)));
     let mut bytes = Vec::new();
     Publisher::new(0).tell(&statement, &schedule, &mut Growing(&mut bytes)).expect("a vector takes all");
     bytes
@@ -50,6 +61,18 @@ const ALERTS: [Alert; 8] = [
     Alert::Track,
     Alert::Spoofed,
 ];
+
+#[test]
+fn every_item_of_the_schedule_adds_bytes() {
+    let verdict = Verdict::Protected(Protected::Ok);
+    // The first epoch is worse than none before it, and sends every item with a rate.
+    let without = sent_as(verdict, HERE, STILL, |_| 0);
+    for item in items().into_iter().filter(|item| item.is_built()) {
+        let with = sent_as(verdict, HERE, STILL, |other| u8::from(other == item));
+        // Satellites in view need the raw epoch, which this statement lacks.
+        assert!(with.len() > without.len() || item == Item::Gsv, "{item:?} is in no output");
+    }
+}
 
 #[test]
 fn in_an_alert_no_output_depends_on_place_height_or_velocity() {

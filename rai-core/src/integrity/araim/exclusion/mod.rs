@@ -31,9 +31,10 @@ mod rivals;
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use super::evaluation::{MonitoredModes, Purpose};
+use super::evaluation::Purpose;
 use super::levels::Axis;
 use super::modes::{Hypothesis, PriorOdds, ROOM, RowSet, members};
+use super::monitored::MonitoredModes;
 use super::subsets::{IntegrityRow, SubsetSolutions};
 use super::{AraimError, Finding, Prior, Priors, View};
 use crate::allocation::Allocation;

@@ -2,8 +2,8 @@
 
 use super::Choice;
 use crate::bit_set::count_of;
-use crate::integrity::araim::evaluation::MonitoredModes;
 use crate::integrity::araim::modes::Hypothesis;
+use crate::integrity::araim::monitored::MonitoredModes;
 use crate::numeric::real::Real;
 
 /// Returns the option with the smallest SSE. It is rivalled if another one's is larger by at most

@@ -11,9 +11,9 @@ use std::{format, println, vec};
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::evaluation::MonitoredModes;
 use super::exclusion::choose;
 use super::modes::{Hypothesis, Mode, ROWS, Visitor, members, row};
+use super::monitored::MonitoredModes;
 use super::subsets::SubsetSolutions;
 use super::{Allocation, AraimOutcome, Prior, Priors, View, judge};
 use crate::least_squares::equations::LinearEpoch;

@@ -6,8 +6,8 @@ use std::{println, vec};
 
 use nalgebra::Vector3;
 
-use super::super::evaluation::MonitoredModes;
 use super::super::exclusion::choose;
+use super::super::monitored::MonitoredModes;
 use super::super::subsets::SubsetSolutions;
 use super::super::{Allocation, AraimJudgement, Prior, Priors, ROWS, View, judge};
 use super::{Dice, Each};

@@ -22,25 +22,15 @@ use raim_core::satellite::SatelliteId;
 
 use super::Refusal;
 use super::leap::Announcement;
+use super::message::{NavigationMessage, Reader};
 use crate::ephemeris::{Broadcast, Health, Source, galileo_sisa_m};
 use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::Calendar;
 use crate::input::crc24q::crc24q;
 use crate::input::elements::{GALILEO, Head, Layout, on};
 use crate::input::message_week::MessageWeek;
+use crate::input::{Message, Unread};
 use crate::raw::Band;
-
-/// Bytes of an I/NAV word.
-pub(super) const INAV_BYTES: usize = 16;
-
-/// Words of an I/NAV ephemeris.
-pub(super) const INAV_PAGES: usize = 5;
-
-/// Bytes stored of an F/NAV page; its time is behind bit 192.
-pub(super) const FNAV_BYTES: usize = 24;
-
-/// Pages of an F/NAV ephemeris.
-pub(super) const FNAV_PAGES: usize = 4;
 
 const INAV: Layout = Layout {
     form: &GALILEO,
@@ -64,9 +54,53 @@ const FNAV: Layout = Layout {
     group_delays: [Some(on(0, 143)), None],
 };
 
-/// Returns the word of an I/NAV page, from the receiver's eight words: 120 bits of each part, then
-/// eight unused bits.
-pub(super) fn inav_word(words: &[u32; 8]) -> Result<[u8; INAV_BYTES], Refusal> {
+/// I/NAV.
+pub(super) struct Inav;
+
+impl NavigationMessage for Inav {
+    const WORDS: usize = 8;
+    const PAGE_BYTES: usize = 16;
+    const PAGES: usize = 5;
+
+    fn read<'a>(reader: &mut Reader<'_>) -> Result<Option<Message<'a>>, Unread> {
+        /// Words 1 to 4.
+        const BEFORE_THE_LAST: u16 = 0b1111;
+        let word = inav_word(reader.words()?)?;
+        match kind(Bits(&word)) {
+            kind @ 1..=4 => reader.add(kind - 1, &word).map(|_| None),
+            // The fifth word states no issue. It belongs to the words before it, and is taken only
+            // if these have come.
+            5 => {
+                if !reader.add(4, &word)?.has(BEFORE_THE_LAST) {
+                    return Ok(None);
+                }
+                reader.complete(4, &word, inav_ephemeris)
+            }
+            6 => Ok(Some(Message::Corrections(None, reader.leap_s(&utc(Bits(&word)))))),
+            _ => Ok(None),
+        }
+    }
+}
+
+/// F/NAV. The bytes that are stored of a page end behind its time, bit 192.
+pub(super) struct Fnav;
+
+impl NavigationMessage for Fnav {
+    const WORDS: usize = 8;
+    const PAGE_BYTES: usize = 24;
+    const PAGES: usize = 4;
+
+    fn read<'a>(reader: &mut Reader<'_>) -> Result<Option<Message<'a>>, Unread> {
+        let page = fnav_page(reader.words()?)?;
+        match kind(Bits(&page)) {
+            kind @ 1..=4 => reader.complete(kind - 1, &page, fnav_ephemeris),
+            _ => Ok(None),
+        }
+    }
+}
+
+/// Returns the word of an I/NAV page.
+fn inav_word(words: &[u32; Inav::WORDS]) -> Result<[u8; Inav::PAGE_BYTES], Refusal> {
     let page = bytes_of(words);
     let page = Bits(&page);
     // Both parts must be of a nominal page, the first even and the second odd. An alert page has
@@ -88,8 +122,8 @@ pub(super) fn inav_word(words: &[u32; 8]) -> Result<[u8; INAV_BYTES], Refusal> {
     Ok(word.bytes)
 }
 
-/// Returns the front of an F/NAV page, from the receiver's eight words: 238 bits and a tail.
-pub(super) fn fnav_page(words: &[u32; 8]) -> Result<[u8; FNAV_BYTES], Refusal> {
+/// Returns the front of an F/NAV page of 238 bits and a tail.
+fn fnav_page(words: &[u32; Fnav::WORDS]) -> Result<[u8; Fnav::PAGE_BYTES], Refusal> {
     let page = bytes_of(words);
     let bits = Bits(&page);
     let mut covered = Packed::<27>::new();
@@ -120,12 +154,12 @@ fn append<const BYTES: usize>(packed: &mut Packed<BYTES>, from: Bits<'_>, start:
 }
 
 /// Returns the type of a word or a page: its first six bits.
-pub(super) fn kind(page: Bits<'_>) -> u32 {
+fn kind(page: Bits<'_>) -> u32 {
     page.unsigned(0, 6)
 }
 
 /// Returns the ephemeris in words 1 to 5.
-pub(super) fn inav_ephemeris(
+fn inav_ephemeris(
     satellite: SatelliteId,
     pages: &[Bits<'_>],
     calendar: &Calendar,
@@ -154,7 +188,7 @@ pub(super) fn inav_ephemeris(
 }
 
 /// Returns the leap seconds in word 6.
-pub(super) fn utc(word: Bits<'_>) -> Announcement {
+fn utc(word: Bits<'_>) -> Announcement {
     Announcement {
         now_s: word.signed(62, 8),
         then_s: word.signed(97, 8),
@@ -164,7 +198,7 @@ pub(super) fn utc(word: Bits<'_>) -> Announcement {
 }
 
 /// Returns the ephemeris in pages 1 to 4 of F/NAV.
-pub(super) fn fnav_ephemeris(
+fn fnav_ephemeris(
     satellite: SatelliteId,
     pages: &[Bits<'_>],
     calendar: &Calendar,

@@ -23,10 +23,10 @@ use crate::input::bits::Bits;
 /// the six parity bits.
 const LNAV: [u32; 6] = [0xBB1F_3480, 0x5D8F_9A40, 0xAEC7_CD00, 0x5763_E680, 0x6BB1_F340, 0x8B7A_89C0];
 
-/// Returns true if the parity of a GPS word holds, as a u-blox receiver sends it.
+/// Returns true if the parity of a GPS word in normal order holds.
 ///
 /// Bits 31 and 30 are `D29*` and `D30*`, the last two bits of the word before. If `D30*` was 1, the
-/// satellite has inverted the data, and the receiver complements all 32 bits. The data are then
+/// satellite has inverted the data, and normal order complements all 32 bits. The data are then
 /// correct, and the parity and both bits are complemented. The equations also hold for the
 /// complement, because each parity bit covers one of the two. Bit 30 is thus always 0; a 1 there
 /// could hide a wrong `d21`, because both stand in the same equations.

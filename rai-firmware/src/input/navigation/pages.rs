@@ -1,8 +1,8 @@
 //! Pages of navigation messages, collected until they are a complete ephemeris.
 //!
-//! Each satellite's message has a slot until its set is complete. Slots are few: all messages but
-//! the ten pages of a geostationary `BeiDou` satellite fit into [`SMALL_BYTES`], and those have
-//! slots of their own. A slot is free after its set was read. It is also free if no page came for
+//! Each satellite's message has a slot until its set is complete. Slots are few: all sets but the
+//! ten pages of a geostationary `BeiDou` satellite fit into [`SMALL_BYTES`]. Larger sets share a few
+//! large slots, so that only few satellites may send such a message. A slot is free after its set was read. It is also free if no page came for
 //! [`ABANDONED_MS`]; its pages are then discarded, so that a returning satellite does not mix new
 //! pages with old ones.
 //!
@@ -13,69 +13,22 @@
 use heapless::Vec;
 use raim_core::satellite::SatelliteId;
 
-#[cfg(feature = "glonass")]
-use super::glonass;
-use super::{beidou, galileo, lnav};
+use super::Kind;
+use super::message::Sizes;
 use crate::counters::count;
 use crate::input::bits::Bits;
 
 /// Largest set of every message but D2, bytes: that of F/NAV.
 const SMALL_BYTES: usize = 96;
 
-/// Set of D2, bytes.
-const LARGE_BYTES: usize = beidou::D2_BYTES * beidou::D2_PAGES;
-
 /// Number of messages that are assembled at a time.
 const SMALL_SLOTS: usize = 48;
 const LARGE_SLOTS: usize = 8;
 
+const _: () = assert!(size_of::<Pages>() <= 6_656);
+
 /// Time without a new page after which a set is discarded, ms. A set takes 30 s to 50 s.
 const ABANDONED_MS: u64 = 120_000;
-
-/// Messages that come in pages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Lnav,
-    Inav,
-    Fnav,
-    D1,
-    D2,
-    #[cfg(feature = "glonass")]
-    Glonass,
-}
-
-impl Kind {
-    /// Returns the bytes of a page, and the number of pages in a set.
-    const fn size(self) -> (usize, usize) {
-        match self {
-            Self::Lnav => (lnav::BYTES, lnav::PAGES),
-            Self::Inav => (galileo::INAV_BYTES, galileo::INAV_PAGES),
-            Self::Fnav => (galileo::FNAV_BYTES, galileo::FNAV_PAGES),
-            Self::D1 => (beidou::D1_BYTES, beidou::D1_PAGES),
-            Self::D2 => (beidou::D2_BYTES, beidou::D2_PAGES),
-            #[cfg(feature = "glonass")]
-            Self::Glonass => (glonass::BYTES, glonass::PAGES),
-        }
-    }
-}
-
-const _: () = {
-    let small = [
-        Kind::Lnav,
-        Kind::Inav,
-        Kind::Fnav,
-        Kind::D1,
-        #[cfg(feature = "glonass")]
-        Kind::Glonass,
-    ];
-    let mut index = 0;
-    while index < small.len() {
-        let (bytes, pages) = small[index].size();
-        assert!(bytes * pages <= SMALL_BYTES);
-        index += 1;
-    }
-    assert!(size_of::<Pages>() <= 6_656);
-};
 
 /// Pages of one message of one satellite.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +46,7 @@ struct Slot<const BYTES: usize> {
 #[derive(Debug)]
 pub(super) struct Pages {
     small: Vec<Slot<SMALL_BYTES>, SMALL_SLOTS>,
-    large: Vec<Slot<LARGE_BYTES>, LARGE_SLOTS>,
+    large: Vec<Slot<{ Kind::SET_BYTES }>, LARGE_SLOTS>,
     /// Number of sets discarded incomplete.
     abandoned: u32,
 }
@@ -122,7 +75,7 @@ pub(super) struct Set<'a> {
 impl Set<'_> {
     /// Returns the pages if all have come.
     #[inline(never)]
-    pub(super) fn all(&self) -> Option<Vec<Bits<'_>, { beidou::D2_PAGES }>> {
+    pub(super) fn all(&self) -> Option<Vec<Bits<'_>, { Kind::PAGES }>> {
         let complete = (1_u32 << self.pages) - 1;
         if u32::from(*self.present) & complete != complete {
             return None;
@@ -137,7 +90,7 @@ impl Set<'_> {
 
     /// Returns true if the added page comes directly after the one before it, or is a first one.
     /// Otherwise the set is discarded.
-    pub(super) fn follows(&mut self, index: usize) -> bool {
+    pub(super) fn follows(&mut self, index: u32) -> bool {
         /// Two to three units of time, 2 s to 3 s.
         const NEXT: u32 = 3;
         let before = (1_u16 << index) - 1;
@@ -174,9 +127,10 @@ impl Pages {
 
     /// Adds a page to its set; `None` if every slot is in use.
     pub(super) fn add(&mut self, page: &Page<'_>, now_ms: u64) -> Option<Set<'_>> {
-        match page.kind {
-            Kind::D2 => add(&mut self.large, page, now_ms, &mut self.abandoned),
-            _ => add(&mut self.small, page, now_ms, &mut self.abandoned),
+        if page.kind.sizes().set_bytes() <= SMALL_BYTES {
+            add(&mut self.small, page, now_ms, &mut self.abandoned)
+        } else {
+            add(&mut self.large, page, now_ms, &mut self.abandoned)
         }
     }
 }
@@ -189,7 +143,7 @@ fn add<'a, const BYTES: usize, const SLOTS: usize>(
 ) -> Option<Set<'a>> {
     let now = (now_ms >> 10) as u32;
     let slot = slot_of(slots, page, now, abandoned)?;
-    let (page_bytes, pages) = page.kind.size();
+    let Sizes { page_bytes, pages, .. } = page.kind.sizes();
     if let Some(place) = slot.bytes.chunks_exact_mut(page_bytes).nth(page.index) {
         place.iter_mut().zip(page.bytes).for_each(|(place, byte)| *place = *byte);
         slot.present |= 1 << page.index;

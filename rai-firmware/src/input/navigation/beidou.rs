@@ -1,6 +1,6 @@
 //! `BeiDou` D1 and D2: subframes of ten words of 30 bits, on B1I, B2I and B3I.
 //!
-//! A page here is the information in a subframe without parities. The fields that the parities
+//! A page is the information in a subframe without parities. The fields that the parities
 //! split are thus joined: 26 bits of the first word, then 22 of each other. D1 spreads the
 //! ephemeris over subframes 1 to 3. D2 (of the geostationary satellites) spreads it over ten pages
 //! of subframe 1, of which five words are used. Neither states the issue of a subframe. Its second
@@ -26,28 +26,18 @@
 //! [BDS-SIS-B1I]: crate#references
 //! [BDS-SIS-B3I]: crate#references
 
-use raim_core::satellite::SatelliteId;
+use raim_core::satellite::{Constellation, SatelliteId};
 
-use super::Refusal;
+use super::message::{NavigationMessage, Reader};
 use super::parity::is_beidou_word;
+use super::{Kind, Refusal};
 use crate::ephemeris::{Broadcast, Health, Source, ura_m};
 use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::Calendar;
 use crate::input::elements::{BEIDOU, Head, Layout, on};
 use crate::input::message_week::MessageWeek;
+use crate::input::{Message, Unread};
 use crate::time::GpsTime;
-
-/// Bytes of the information in a subframe.
-pub(super) const D1_BYTES: usize = 28;
-
-/// Subframes of a D1 ephemeris.
-pub(super) const D1_PAGES: usize = 3;
-
-/// Bytes of the information in a page of D2, five words.
-pub(super) const D2_BYTES: usize = 15;
-
-/// Pages of a D2 ephemeris.
-pub(super) const D2_PAGES: usize = 10;
 
 /// First eleven bits of every subframe.
 const PREAMBLE: u32 = 0b111_0001_0010;
@@ -55,7 +45,7 @@ const PREAMBLE: u32 = 0b111_0001_0010;
 /// Step of the reference times, s.
 const REFERENCE_STEP_S: u32 = 8;
 
-const D1: Layout = Layout {
+const D1_LAYOUT: Layout = Layout {
     form: &BEIDOU,
     ellipse: [on(1, 190), on(1, 104)],
     angles: [on(1, 72), on(2, 159), on(2, 53), on(2, 191)],
@@ -66,7 +56,7 @@ const D1: Layout = Layout {
     group_delays: [Some(on(0, 78)), Some(on(0, 88))],
 };
 
-const D2: Layout = Layout {
+const D2_LAYOUT: Layout = Layout {
     form: &BEIDOU,
     ellipse: [on(5, 64), on(4, 96).behind(22)],
     angles: [on(4, 46), on(8, 47), on(6, 85).behind(11), on(8, 79).behind(5)],
@@ -77,8 +67,57 @@ const D2: Layout = Layout {
     group_delays: [Some(on(0, 82)), Some(on(0, 92))],
 };
 
+/// D1.
+pub(super) struct D1;
+
+impl NavigationMessage for D1 {
+    const WORDS: usize = 10;
+    const PAGE_BYTES: usize = 28;
+    const PAGES: usize = 3;
+
+    fn read<'a>(reader: &mut Reader<'_>) -> Result<Option<Message<'a>>, Unread> {
+        let subframe = subframe(reader.words()?)?;
+        let bits = Bits(&subframe);
+        match number(bits) {
+            number @ 1..=3 => {
+                let ephemeris = reader.complete(number - 1, &subframe, d1_ephemeris)?;
+                Ok(ephemeris.or_else(|| (number == 1).then(|| ionosphere(bits, 98))))
+            }
+            4 | 5 => Ok(None),
+            _ => Err(Refusal::Malformed.into()),
+        }
+    }
+}
+
+/// D2. The bytes that are stored of a page are those of the five words that it uses.
+pub(super) struct D2;
+
+impl NavigationMessage for D2 {
+    const WORDS: usize = 10;
+    const PAGE_BYTES: usize = 15;
+    const PAGES: usize = 10;
+
+    fn read<'a>(reader: &mut Reader<'_>) -> Result<Option<Message<'a>>, Unread> {
+        let subframe = subframe(reader.words()?)?;
+        let bits = Bits(&subframe);
+        match (number(bits), page(bits)) {
+            (1, page @ 1..=10) => {
+                let ephemeris = reader.complete(page - 1, &subframe, d2_ephemeris)?;
+                Ok(ephemeris.or_else(|| (page == 2).then(|| ionosphere(bits, 42))))
+            }
+            (1..=5, _) => Ok(None),
+            _ => Err(Refusal::Malformed.into()),
+        }
+    }
+}
+
+/// Returns the message that a satellite sends: the geostationary ones D2, all others D1.
+pub(in crate::input) fn kind_of(satellite: SatelliteId) -> Kind {
+    if matches!(satellite.number(), 1..=5 | 59..=63) { Kind::D2 } else { Kind::D1 }
+}
+
 /// Returns the information in a subframe.
-pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; D1_BYTES], Refusal> {
+fn subframe(words: &[u32; D1::WORDS]) -> Result<[u8; D1::PAGE_BYTES], Refusal> {
     let mut packed = Packed::new();
     for (index, &word) in words.iter().enumerate() {
         let (is_first, word) = (index == 0, word & 0x3FFF_FFFF);
@@ -91,12 +130,12 @@ pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; D1_BYTES], Refusal> {
 }
 
 /// Returns the number of a subframe, 1 to 5.
-pub(super) fn number(subframe: Bits<'_>) -> u32 {
+fn number(subframe: Bits<'_>) -> u32 {
     subframe.unsigned(15, 3)
 }
 
 /// Returns the page of a D2 subframe, 1 to 10.
-pub(super) fn page(subframe: Bits<'_>) -> u32 {
+fn page(subframe: Bits<'_>) -> u32 {
     subframe.unsigned(38, 4)
 }
 
@@ -115,18 +154,14 @@ fn follow_each_other(pages: &[Bits<'_>], step_s: u32) -> bool {
     })
 }
 
-/// Returns the coefficients of the ionosphere in subframe 1 of D1.
-pub(super) fn d1_ionosphere(subframe: Bits<'_>) -> [f64; 8] {
-    subframe.klobuchar(98)
-}
-
-/// Returns the coefficients of the ionosphere on page 2 of D2.
-pub(super) fn d2_ionosphere(page: Bits<'_>) -> [f64; 8] {
-    page.klobuchar(42)
+/// Returns the coefficients of the ionosphere from a bit on. A page that completes an ephemeris
+/// reports only that; its coefficients come again.
+fn ionosphere<'a>(page: Bits<'_>, start: usize) -> Message<'a> {
+    Message::Corrections(Some((Constellation::Beidou, page.klobuchar(start))), None)
 }
 
 /// Returns the ephemeris in subframes 1 to 3 of D1.
-pub(super) fn d1_ephemeris(
+fn d1_ephemeris(
     satellite: SatelliteId,
     pages: &[Bits<'_>],
     calendar: &Calendar,
@@ -140,11 +175,11 @@ pub(super) fn d1_ephemeris(
     let week = MessageWeek { constellation: satellite.constellation(), week: first.unsigned(48, 13) as u16 };
     let reference = calendar.stated(week, REFERENCE_STEP_S * toe).ok_or(Refusal::Value)?;
     let health = Health::of_satellite(!first.is_set(38));
-    Ok(const { D1 }.read(&head(satellite, health, first.small(44, 4), reference), pages))
+    Ok(const { D1_LAYOUT }.read(&head(satellite, health, first.small(44, 4), reference), pages))
 }
 
 /// Returns the ephemeris in the ten pages of D2.
-pub(super) fn d2_ephemeris(
+fn d2_ephemeris(
     satellite: SatelliteId,
     pages: &[Bits<'_>],
     calendar: &Calendar,
@@ -157,7 +192,7 @@ pub(super) fn d2_ephemeris(
     let week = MessageWeek { constellation: satellite.constellation(), week: first.unsigned(52, 13) as u16 };
     let reference = calendar.stated(week, REFERENCE_STEP_S * toe).ok_or(Refusal::Value)?;
     let health = Health::of_satellite(!first.is_set(42));
-    Ok(const { D2 }.read(&head(satellite, health, first.small(48, 4), reference), pages))
+    Ok(const { D2_LAYOUT }.read(&head(satellite, health, first.small(48, 4), reference), pages))
 }
 
 fn head(satellite: SatelliteId, health: Health, accuracy: u8, reference: GpsTime) -> Head {

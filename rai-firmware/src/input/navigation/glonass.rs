@@ -1,6 +1,6 @@
 //! GLONASS strings: 85 bits every two seconds; one to four are the ephemeris.
 //!
-//! A page here is a string with the idle bit first. Numbers are a sign bit and a magnitude. The
+//! A page is a string with the idle bit first. Numbers are a sign bit and a magnitude. The
 //! strings of one frame follow each other within eight seconds and do not identify their set. A set
 //! is therefore taken only in order: a first string begins it, and each other one must follow the
 //! one before.
@@ -20,23 +20,48 @@
 use raim_core::satellite::SatelliteId;
 
 use super::Refusal;
+use super::message::{NavigationMessage, Reader};
 use super::parity::is_glonass_string;
 use crate::ephemeris::{Health, StateBroadcast, glonass_accuracy_m};
 use crate::input::bits::{Bits, Packed};
+use crate::input::{Message, Unread};
 use crate::time::{GpsTime, glonass_time};
-
-/// Bytes of a string.
-pub(super) const BYTES: usize = 11;
-
-/// Strings of an ephemeris.
-pub(super) const PAGES: usize = 4;
 
 /// Factor from the message's kilometres to metres.
 const KM: f64 = 1e3;
 
-/// Returns the string in the receiver's words. A fourth word identifies the frame, and is not
-/// needed.
-pub(super) fn string(words: &[u32; 3]) -> Result<[u8; BYTES], Refusal> {
+/// GLONASS strings.
+pub(super) struct Glonass;
+
+impl NavigationMessage for Glonass {
+    const WORDS: usize = 3;
+    const PAGE_BYTES: usize = 11;
+    const PAGES: usize = 4;
+
+    fn read<'a>(reader: &mut Reader<'_>) -> Result<Option<Message<'a>>, Unread> {
+        let string = string(reader.words()?)?;
+        let number @ 1..=4 = number(Bits(&string)) else {
+            return Ok(None);
+        };
+        let (satellite, calendar) = (reader.transmission.satellite, reader.calendar);
+        let mut set = reader.add(number - 1, &string)?;
+        if !set.follows(number - 1) {
+            return Ok(None);
+        }
+        let Some(strings) = set.all() else {
+            return Ok(None);
+        };
+        let leap = calendar.leap_second().ok_or(Unread::LeapUnknown)?;
+        let now = calendar.present().ok_or(Unread::WithoutWeek)?;
+        let state = ephemeris(satellite, &strings, now, leap.seconds)?;
+        drop(strings);
+        set.close();
+        Ok(Some(Message::State(state)))
+    }
+}
+
+/// Returns the string in its words.
+fn string(words: &[u32; Glonass::WORDS]) -> Result<[u8; Glonass::PAGE_BYTES], Refusal> {
     let [first, second, third] = *words;
     let mut packed = Packed::new();
     packed.push(first, 32);
@@ -50,12 +75,12 @@ pub(super) fn string(words: &[u32; 3]) -> Result<[u8; BYTES], Refusal> {
 }
 
 /// Returns the number of a string, 1 to 15.
-pub(super) fn number(string: Bits<'_>) -> u32 {
+fn number(string: Bits<'_>) -> u32 {
     string.unsigned(1, 4)
 }
 
 /// Returns the ephemeris in strings 1 to 4, with the present time and the leap seconds.
-pub(super) fn ephemeris(
+fn ephemeris(
     satellite: SatelliteId,
     pages: &[Bits<'_>],
     now: GpsTime,

@@ -24,8 +24,11 @@
 //! The core decides the outcome from ranges; the dense part only chooses where to sample. A poor
 //! choice makes the interval wide, not the estimate wrong.
 
+mod aim;
+mod estimate;
+
 use anyhow::Result;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use raim::signal::sky::Site;
 use raim_core::integrity::araim::{Allocation, AraimJudgement, AraimOutcome, Priors, judge};
 use raim_core::least_squares::Workspace;
@@ -35,9 +38,12 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
 
-use super::scene::{Scene, spread};
-use super::{Effort, Finding, Interval, Judgement, Row, Section};
+use super::scene::Scene;
+use super::{Effort, Judgement, Row, Section};
 use crate::draw::generator;
+
+use aim::Aim;
+use estimate::Estimate;
 
 /// Prior below which a constellation fault is not monitored.
 const WATCHED: f64 = 1e-7;
@@ -47,9 +53,6 @@ const SIZES: [f64; 4] = [0.6, 0.9, 1.2, 1.6];
 
 /// Multiples of that size at which the fault is left out.
 const EXCLUDED: [f64; 2] = [1.6, 2.5];
-
-/// Number of sets most easily confused with the faulty one.
-const CONFUSED: usize = 2;
 
 /// Bias beyond every test, m.
 const FAR_M: f64 = 2000.0;
@@ -91,40 +94,6 @@ pub(super) fn normal(count: usize, generator: &mut ChaCha8Rng) -> DVector<f64> {
     DVector::from_fn(count, |_, _| StandardNormal.sample(generator))
 }
 
-/// A mean of weights, and the variance of the mean.
-#[derive(Clone, Copy, Debug, Default)]
-struct Estimate {
-    mean: f64,
-    variance: f64,
-}
-
-impl Estimate {
-    fn of(weights: &[f64]) -> Self {
-        let count = weights.len() as f64;
-        let mean = weights.iter().sum::<f64>() / count;
-        let squares: f64 = weights.iter().map(|weight| (weight - mean).powi(2)).sum();
-        Self { mean, variance: squares / (count * (count - 1.0).max(1.0)) }
-    }
-
-    fn plus(self, other: Self) -> Self {
-        Self { mean: self.mean + other.mean, variance: self.variance + other.variance }
-    }
-
-    fn times(self, factor: f64) -> Self {
-        Self { mean: factor * self.mean, variance: factor * factor * self.variance }
-    }
-
-    fn larger(self, other: Self) -> Self {
-        if other.mean > self.mean { other } else { self }
-    }
-
-    fn finding(self) -> Finding {
-        let half = 1.96 * self.variance.sqrt();
-        let interval = Interval { low: (self.mean - half).max(0.0), high: self.mean + half };
-        Finding::Number { value: self.mean, decimals: 6, interval: Some(interval) }
-    }
-}
-
 /// A sky under one allocation, with the axis of the error.
 struct Trial<'s> {
     scene: &'s Scene,
@@ -133,13 +102,6 @@ struct Trial<'s> {
     draws: u64,
     modes: Vec<Mode>,
     factors: [f64; 3],
-}
-
-/// Centre of the draws: the fault, the noise, and the outcome that counts.
-struct Aim {
-    fault_m: DVector<f64>,
-    centre: DVector<f64>,
-    left_out: u64,
 }
 
 /// Returns the sections.
@@ -310,22 +272,6 @@ impl Trial<'_> {
         Ok(largest)
     }
 
-    /// Returns the mode itself, and the modes whose separation is most similar to its own.
-    fn likely_exclusions(&self, mode: &Mode, axis: usize) -> Result<Vec<Vec<usize>>> {
-        let all = self.scene.gains(&[])?;
-        let moved = |taken: &[usize]| -> Result<DVector<f64>> {
-            Ok(self.noise_gain(&(self.scene.gains(taken)? - &all), axis).normalize())
-        };
-        let own = moved(&mode.taken)?;
-        let mut others: Vec<(f64, &Mode)> = Vec::new();
-        for other in self.modes.iter().filter(|other| other.taken != mode.taken) {
-            others.push((moved(&other.taken)?.dot(&own).abs(), other));
-        }
-        others.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let confused = others.into_iter().take(CONFUSED).map(|(_, other)| other.taken.clone());
-        Ok(std::iter::once(mode.taken.clone()).chain(confused).collect())
-    }
-
     /// Returns the core's levels after it has left out a set, if it does.
     fn levels_without(&self, left_out: &[usize]) -> Result<Option<[f32; 3]>> {
         let mut ranges_m = DVector::zeros(self.scene.satellites.len());
@@ -338,70 +284,6 @@ impl Trial<'_> {
         Ok(match judged.outcome {
             AraimOutcome::Excluded { rows, finding, .. } if rows == set(left_out) => Some(finding.levels_m),
             _ => None,
-        })
-    }
-
-    /// Chooses the centre of the draws so that the position is beyond the level and the remaining
-    /// tests pass.
-    fn aim(
-        &self,
-        mode: &Mode,
-        left_out: &[usize],
-        levels_m: [f32; 3],
-        axis: usize,
-        size: f64,
-    ) -> Result<Option<Aim>> {
-        let (is_right, all) = (left_out == mode.taken, self.scene.gains(&[])?);
-        let kept = self.scene.gains(left_out)?;
-        let both: Vec<usize> = left_out.iter().chain(&mode.taken).copied().collect();
-        let Ok(without) = self.scene.gains(&both) else { return Ok(None) };
-        // The threshold of the mode, in the units in which its fault must pass it, or exceed it.
-        let moved = if is_right { &kept - &all } else { &without - &kept };
-        let accuracies_m = self.scene.satellites.iter().map(|one| one.accuracy_m);
-        let threshold_m = self.factors[axis] * spread(moved.row(axis).iter().copied(), accuracies_m);
-        let unit = self.unit_fault(mode, axis);
-        let per_metre = (if is_right { &all } else { &kept }).row(axis).dot(&unit.transpose());
-        if per_metre.abs() < 1e-6 {
-            return Ok(None);
-        }
-        let nominal = self.nominal(&without, axis);
-        let fault_m = &unit * (size * threshold_m / per_metre) + nominal;
-        let missing_m = self.level_m(levels_m) - kept.row(axis).dot(&fault_m.transpose());
-        let towards = self.noise_gain(&kept, axis);
-        let seen = self.noise_gain(&(&kept - &without), axis);
-        let room_m = threshold_m - (&kept - &without).row(axis).dot(&fault_m.transpose());
-        let centre = if is_right {
-            &towards * (missing_m.max(0.0) / towards.norm_squared())
-        } else {
-            nearest(&towards, missing_m, &seen, room_m)
-        };
-        Ok(Some(Aim { fault_m, centre, left_out: set(left_out) }))
-    }
-
-    /// Returns a fault of one metre: of one range, or of a shift along the axis that all members
-    /// share.
-    fn unit_fault(&self, mode: &Mode, axis: usize) -> DVector<f64> {
-        let mut fault = DVector::zeros(self.scene.satellites.len());
-        for &index in &mode.taken {
-            fault[index] = match mode.constellation {
-                None => 1.0,
-                Some(_) => -self.scene.satellites[index].direction[axis],
-            };
-        }
-        fault
-    }
-
-    /// Returns `(S C^½)_q`.
-    fn noise_gain(&self, gains: &DMatrix<f64>, axis: usize) -> DVector<f64> {
-        DVector::from_fn(gains.ncols(), |index, _| {
-            gains[(axis, index)] * self.scene.satellites[index].sigma_m
-        })
-    }
-
-    /// Returns the nominal biases with the signs that move the position most.
-    fn nominal(&self, gains: &DMatrix<f64>, axis: usize) -> DVector<f64> {
-        DVector::from_fn(gains.ncols(), |index, _| {
-            gains[(axis, index)].signum() * self.scene.satellites[index].bias_m
         })
     }
 
@@ -430,47 +312,4 @@ impl Trial<'_> {
 /// Returns a set with one bit per row.
 fn set(rows: &[usize]) -> u64 {
     rows.iter().fold(0, |set, index| set | 1 << index)
-}
-
-/// Returns the shortest `z` with `a·z ≥ α` and `d·z ≤ β`.
-fn nearest(a: &DVector<f64>, alpha: f64, d: &DVector<f64>, beta: f64) -> DVector<f64> {
-    let zero = DVector::zeros(a.len());
-    let far = if alpha > 0.0 { a * (alpha / a.norm_squared()) } else { zero.clone() };
-    if d.dot(&far) <= beta {
-        return far;
-    }
-    let quiet = d * (beta.min(0.0) / d.norm_squared());
-    if a.dot(&quiet) >= alpha {
-        return quiet;
-    }
-    let (aa, ad, dd) = (a.norm_squared(), a.dot(d), d.norm_squared());
-    let determinant = aa * dd - ad * ad;
-    if determinant <= 1e-9 * aa * dd {
-        return far;
-    }
-    a * ((alpha * dd - beta * ad) / determinant) + d * ((beta * aa - alpha * ad) / determinant)
-}
-
-#[cfg(test)]
-mod tests {
-    use nalgebra::DVector;
-
-    use super::nearest;
-
-    /// In the plane, by hand: `a` alone requires (2, 0); `d` along (1, 1) limits the sum to 1, so
-    /// that the corner is (2, −1).
-    #[test]
-    fn the_nearest_point_is_on_the_borders_that_bind() {
-        let vector = |x, y| DVector::from_vec(vec![x, y]);
-        let (a, d) = (vector(1.0, 0.0), vector(1.0, 1.0));
-        for (alpha, beta, want) in [
-            (2.0, 5.0, vector(2.0, 0.0)),
-            (2.0, 1.0, vector(2.0, -1.0)),
-            (-3.0, 1.0, vector(0.0, 0.0)),
-            (-3.0, -2.0, vector(-1.0, -1.0)),
-        ] {
-            let have = nearest(&a, alpha, &d, beta);
-            assert!((&have - &want).norm() < 1e-12, "{alpha} {beta}: have {have}, want {want}");
-        }
-    }
 }

@@ -1,7 +1,7 @@
 //! LNAV of GPS and QZSS: subframes of ten words of 30 bits. Subframes 1 to 3 are the ephemeris;
 //! page 18 of the fourth has the ionosphere and UTC.
 //!
-//! A page here is a subframe without parities: 240 bits. Offsets in them:
+//! A page is a subframe without parities: 240 bits. Offsets in them:
 //!
 //! | subframe | fields |
 //! |---|---|
@@ -16,22 +16,18 @@
 //! [IS-GPS-200]: crate#references
 //! [IS-QZSS-PNT]: crate#references
 
-use raim_core::satellite::SatelliteId;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::Refusal;
 use super::leap::Announcement;
+use super::message::{NavigationMessage, Reader};
 use super::parity::is_lnav_word;
 use crate::ephemeris::{Broadcast, Health, Source, ura_m};
 use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::Calendar;
 use crate::input::elements::{GPS, Head, Layout, on};
 use crate::input::message_week::MessageWeek;
-
-/// Bytes of a subframe without parities.
-pub(super) const BYTES: usize = 30;
-
-/// Subframes of an ephemeris.
-pub(super) const PAGES: usize = 3;
+use crate::input::{Message, Unread};
 
 /// First eight bits of every subframe.
 const PREAMBLE: u32 = 0x8B;
@@ -59,9 +55,29 @@ const LAYOUT: Layout = Layout {
     group_delays: [Some(on(0, 160)), None],
 };
 
-/// Returns the subframe in the words of the receiver, which has undone the inversion of their data
-/// ([`is_lnav_word`]).
-pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; BYTES], Refusal> {
+/// LNAV.
+pub(super) struct Lnav;
+
+impl NavigationMessage for Lnav {
+    const WORDS: usize = 10;
+    const PAGE_BYTES: usize = 30;
+    const PAGES: usize = 3;
+
+    fn read<'a>(reader: &mut Reader<'_>) -> Result<Option<Message<'a>>, Unread> {
+        let subframe = subframe(reader.words()?)?;
+        match number(Bits(&subframe)) {
+            number @ 1..=3 => reader.complete(number - 1, &subframe, ephemeris),
+            4 => Ok(ionosphere_and_utc(Bits(&subframe)).map(|(coefficients, leap)| {
+                Message::Corrections(Some((Constellation::Gps, coefficients)), reader.leap_s(&leap))
+            })),
+            5 => Ok(None),
+            _ => Err(Refusal::Malformed.into()),
+        }
+    }
+}
+
+/// Returns the subframe without parities.
+fn subframe(words: &[u32; Lnav::WORDS]) -> Result<[u8; Lnav::PAGE_BYTES], Refusal> {
     let mut packed = Packed::new();
     for &word in words {
         if !is_lnav_word(word) {
@@ -73,16 +89,12 @@ pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; BYTES], Refusal> {
 }
 
 /// Returns the number of a subframe; valid ones have 1 to 5.
-pub(super) fn number(subframe: Bits<'_>) -> u32 {
+fn number(subframe: Bits<'_>) -> u32 {
     subframe.unsigned(43, 3)
 }
 
 /// Returns the ephemeris in subframes 1 to 3.
-pub(super) fn ephemeris(
-    satellite: SatelliteId,
-    pages: &[Bits<'_>],
-    calendar: &Calendar,
-) -> Result<Broadcast, Refusal> {
+fn ephemeris(satellite: SatelliteId, pages: &[Bits<'_>], calendar: &Calendar) -> Result<Broadcast, Refusal> {
     let &[first, second, third] = pages else { return Err(Refusal::Malformed) };
     let issue = second.unsigned(48, 8);
     if third.unsigned(216, 8) != issue
@@ -110,7 +122,7 @@ pub(super) fn ephemeris(
 }
 
 /// Returns true if the subframes are of one time, because an issue number returns after some hours.
-fn is_one_frame(subframes: [Bits<'_>; PAGES]) -> bool {
+fn is_one_frame(subframes: [Bits<'_>; Lnav::PAGES]) -> bool {
     const WEEK: u32 = 604_800 / 6;
     let [first, second, third] = subframes.map(|subframe| subframe.unsigned(24, 17));
     let is_near = |a: u32, b: u32| {
@@ -124,7 +136,7 @@ fn is_one_frame(subframes: [Bits<'_>; PAGES]) -> bool {
 /// GPS satellites.
 ///
 /// The satellites of QZSS send a page of the same identity with coefficients for their own region.
-pub(super) fn ionosphere_and_utc(subframe: Bits<'_>) -> Option<([f64; 8], Announcement)> {
+fn ionosphere_and_utc(subframe: Bits<'_>) -> Option<([f64; 8], Announcement)> {
     const GPS: u32 = 1;
     let is_page = subframe.unsigned(48, 2) == GPS && subframe.unsigned(50, 6) == IONOSPHERE_AND_UTC;
     is_page.then(|| {

@@ -1,0 +1,80 @@
+//! Discrepancy between two ways to know how far a receiver has moved, and its usual size.
+
+use nalgebra::Vector3;
+
+use crate::numeric::sqrt;
+
+/// Number of marks from which a spread is known: two minutes of them.
+pub(super) const LEARNED: u16 = 24;
+
+/// Number of marks whose mean a spread becomes: ten minutes of them.
+const MEMORY: u16 = 120;
+
+/// Least ratio of a drift to the mean discrepancy and to the scatter, dimensionless.
+const DRIFT: f32 = 6.0;
+
+/// Ratio of the largest value that teaches to the mean, dimensionless.
+const TEACHING_BOUND: f32 = 3.0;
+
+/// Mean of the absolute discrepancies over a minute.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Spread {
+    mean_m: f32,
+    count: u16,
+}
+
+impl Spread {
+    pub(super) const fn new() -> Self {
+        Self { mean_m: 0.0, count: 0 }
+    }
+
+    /// Adds a discrepancy, m. One that is not finite teaches nothing.
+    pub(super) fn learn(&mut self, discrepancy_m: f32) {
+        let is_known = self.count >= LEARNED;
+        let value_m = if is_known { discrepancy_m.min(TEACHING_BOUND * self.mean_m) } else { discrepancy_m };
+        if value_m.is_finite() {
+            self.count = (self.count + 1).min(MEMORY);
+            self.mean_m += (value_m - self.mean_m) / f32::from(self.count);
+        }
+    }
+
+    /// Returns true if a change along a straight line is a drift. A NaN counts as one.
+    pub(super) fn is_drift(self, change_m: f32, scatter_m: f32, floor_m: f32) -> bool {
+        let explained_m = (DRIFT * self.mean_m).max(DRIFT * scatter_m).max(floor_m);
+        self.count >= LEARNED && !(change_m <= explained_m)
+    }
+}
+
+/// Discrepancy between measured and integrated motion, m, relative to the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Discrepancy {
+    /// Discrepancy of the position, earth-fixed, m.
+    pub(super) position: Vector3<f32>,
+    /// Discrepancy of the clock, m.
+    pub(super) clock_m: f32,
+    /// Possible displacement by unknown accelerations since the origin, m.
+    pub(super) unknown_m: f32,
+    /// `HPL + VPL` of the epoch, m.
+    pub(super) level_m: f32,
+}
+
+impl Discrepancy {
+    /// Returns the distances from another one, m: of the position, beyond what unknown
+    /// accelerations explain, and of the clock.
+    pub(super) fn from(&self, other: &Self) -> [f32; 2] {
+        let unknown_m = self.unknown_m - other.unknown_m;
+        let away_m = sqrt((self.position - other.position).norm_squared()) - unknown_m;
+        [away_m, (self.clock_m - other.clock_m).abs()]
+    }
+
+    /// Returns the point on the straight line from here to another, at a share of the way.
+    pub(super) fn towards(&self, other: &Self, share: f32) -> Self {
+        let Self { position, clock_m, unknown_m, .. } = *self;
+        Self {
+            position: position + (other.position - position) * share,
+            clock_m: clock_m + (other.clock_m - clock_m) * share,
+            unknown_m,
+            ..*other
+        }
+    }
+}

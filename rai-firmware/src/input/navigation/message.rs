@@ -1,0 +1,182 @@
+//! Interface to a navigation message.
+//!
+//! A navigation message is one type that implements [`NavigationMessage`], in a file of its own,
+//! and one row of the table in `navigation/mod.rs`. `messages!` generates everything that has a
+//! case for each message from that table:
+//!
+//! | generated | use |
+//! |---|---|
+//! | `Kind` | names the message of a transmission; its `read` calls that of the implementation |
+//! | `Kind::WORDS`, `Kind::PAGES`, `Kind::SET_BYTES` | the largest of all messages, from which memory follows |
+//!
+//! No item of [`NavigationMessage`] has a default, so that an incomplete message does not compile.
+//! Calls are resolved at compile time, so that cost and panic proof are those of a `match`.
+
+use raim_core::satellite::SatelliteId;
+
+use super::leap::Announcement;
+use super::pages::{Page, Pages, Set};
+use super::{Refusal, Transmission};
+use crate::ephemeris::Broadcast;
+use crate::input::bits::Bits;
+use crate::input::calendar::Calendar;
+use crate::input::{Message, Unread};
+
+/// Navigation message.
+pub(super) trait NavigationMessage {
+    /// Number of words of one transmission in normal order.
+    const WORDS: usize;
+
+    /// Bytes that are stored of a page.
+    const PAGE_BYTES: usize;
+
+    /// Number of pages of a complete set, at most 16.
+    const PAGES: usize;
+
+    /// Reads one transmission. The result is `None` if it only adds to what others have said.
+    ///
+    /// # Errors
+    /// [`Unread`] states why the transmission leads to no message.
+    fn read<'a>(reader: &mut Reader<'_>) -> Result<Option<Message<'a>>, Unread>;
+}
+
+/// Transmission that is read, and the state for it.
+pub(super) struct Reader<'r> {
+    pub(super) transmission: &'r Transmission<'r>,
+    pub(super) pages: &'r mut Pages,
+    pub(super) calendar: &'r Calendar,
+    pub(super) now_ms: u64,
+}
+
+impl Reader<'_> {
+    /// Returns the first `N` words, if there are so many.
+    pub(super) fn words<const N: usize>(&self) -> Result<&[u32; N], Refusal> {
+        self.transmission.words.first_chunk().ok_or(Refusal::Malformed)
+    }
+
+    /// Adds a page with this index, from 0, to its set.
+    pub(super) fn add(&mut self, index: u32, bytes: &[u8]) -> Result<Set<'_>, Unread> {
+        let &Transmission { satellite, kind, .. } = self.transmission;
+        let page = Page { satellite, kind, index: index as usize, bytes };
+        self.pages.add(&page, self.now_ms).ok_or(Unread::BitsSurplus)
+    }
+
+    /// Adds a page, and reads the set if it is complete.
+    #[inline(never)]
+    pub(super) fn complete<'a>(
+        &mut self,
+        index: u32,
+        bytes: &[u8],
+        read: fn(SatelliteId, &[Bits<'_>], &Calendar) -> Result<Broadcast, Refusal>,
+    ) -> Result<Option<Message<'a>>, Unread> {
+        let (satellite, calendar) = (self.transmission.satellite, self.calendar);
+        let set = self.add(index, bytes)?;
+        let Some(pages) = set.all() else {
+            return Ok(None);
+        };
+        let ephemeris = read(satellite, &pages, calendar)?;
+        drop(pages);
+        set.close();
+        Ok(Some(Message::Broadcast(ephemeris)))
+    }
+
+    /// Returns GPS time minus UTC after an announcement, s; `None` until the present is known.
+    pub(super) fn leap_s(&self, announcement: &Announcement) -> Option<u8> {
+        announcement.at(self.calendar.present()?)
+    }
+}
+
+/// Sizes of a navigation message.
+#[derive(Clone, Copy)]
+pub(super) struct Sizes {
+    pub(super) words: usize,
+    pub(super) page_bytes: usize,
+    pub(super) pages: usize,
+}
+
+impl Sizes {
+    /// Returns the sizes that an implementation states.
+    pub(super) const fn of<M: NavigationMessage>() -> Self {
+        assert!(M::PAGE_BYTES > 0 && M::PAGES > 0 && M::PAGES <= 16);
+        Self { words: M::WORDS, page_bytes: M::PAGE_BYTES, pages: M::PAGES }
+    }
+
+    /// Returns the largest of each size.
+    pub(super) const fn largest(all: &[Self]) -> (usize, usize, usize) {
+        let (mut words, mut pages, mut set_bytes, mut index) = (0, 0, 0, 0);
+        while index < all.len() {
+            let sizes = all[index];
+            words = larger(words, sizes.words);
+            pages = larger(pages, sizes.pages);
+            set_bytes = larger(set_bytes, sizes.set_bytes());
+            index += 1;
+        }
+        (words, pages, set_bytes)
+    }
+
+    /// Returns the bytes of a complete set.
+    pub(super) const fn set_bytes(self) -> usize {
+        self.page_bytes * self.pages
+    }
+}
+
+const fn larger(a: usize, b: usize) -> usize {
+    if a > b { a } else { b }
+}
+
+/// Makes everything that has a case for each navigation message from rows `module::Implementation`.
+macro_rules! messages {
+    ($($(#[$condition:meta])* $module:ident::$Name:ident,)+) => {
+        /// Navigation message of a transmission.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(super) enum Kind {
+            $($(#[$condition])* $Name,)+
+        }
+
+        impl Kind {
+            const LARGEST: (usize, usize, usize) =
+                Sizes::largest(&[$($(#[$condition])* Sizes::of::<$module::$Name>(),)+]);
+
+            /// Largest number of words of a transmission.
+            pub(super) const WORDS: usize = Self::LARGEST.0;
+
+            /// Largest number of pages of a set.
+            const PAGES: usize = Self::LARGEST.1;
+
+            /// Bytes of the largest set.
+            const SET_BYTES: usize = Self::LARGEST.2;
+
+            /// Returns the sizes of the message.
+            const fn sizes(self) -> Sizes {
+                match self {
+                    $($(#[$condition])* Self::$Name => const { Sizes::of::<$module::$Name>() },)+
+                }
+            }
+
+            /// Reads one transmission.
+            fn read<'a>(self, reader: &mut Reader<'_>) -> Result<Option<Message<'a>>, Unread> {
+                match self {
+                    $($(#[$condition])*
+                    Self::$Name => <$module::$Name as NavigationMessage>::read(reader),)+
+                }
+            }
+        }
+    };
+}
+
+pub(super) use messages;
+
+#[cfg(test)]
+mod tests {
+    /// A message that lacks an item does not compile, because none has a default.
+    #[test]
+    fn no_item_of_a_navigation_message_has_a_default() {
+        let text = include_str!("message.rs");
+        let (_, behind) = text.split_once("pub(super) trait NavigationMessage").expect("the trait");
+        let (body, _) = behind.split_once("\n}\n").expect("its end");
+        let items = body.lines().skip(1).filter(|line| !line.trim_start().starts_with("///"));
+        let defaults: std::vec::Vec<_> =
+            items.filter(|line| line.contains('{') || line.contains("= ")).collect();
+        assert!(defaults.is_empty(), "{defaults:?}");
+    }
+}

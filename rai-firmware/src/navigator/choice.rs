@@ -1,0 +1,55 @@
+//! Choice of the kind of ranges, and of what the monitor has learned that applies to it.
+
+use raim_core::frame::Ecef;
+
+use super::Navigator;
+use crate::correction::{Located, Ranges, Site};
+use crate::settings::{Configuration, Frequencies, Systems};
+use crate::time::GpsTime;
+
+impl Navigator {
+    /// Restarts learning if ranges or systems change, because residuals of others do not apply.
+    pub(super) fn learn_anew_of(&mut self, learned: (Ranges, Systems)) {
+        if self.learned.replace(learned).is_some_and(|before| before != learned) {
+            self.monitor.forget_residuals();
+        }
+    }
+
+    /// Restarts learning if another model of the ionosphere applies to ranges of one frequency.
+    ///
+    /// Its error, of a forged page too, is in all residuals from now on, and those of another model
+    /// would hide it.
+    pub(super) fn learn_anew_with_model(&mut self, ranges: Ranges) {
+        let is_new = self.ionosphere.take_news();
+        if is_new && (ranges == Ranges::Singles || !self.room.sky.iter().any(Located::has_pair)) {
+            self.monitor.forget_residuals();
+        }
+    }
+
+    /// Returns the kind of ranges to use: as commanded, or the kind with the smaller levels.
+    ///
+    /// With clock aiding the kind stays, because another one moves the clock by the delay between
+    /// carriers.
+    #[inline(never)]
+    pub(super) fn ranges(&mut self, point: Ecef, time: GpsTime, configuration: &Configuration) -> Ranges {
+        let sky = &self.room.sky;
+        match configuration.frequencies {
+            Frequencies::Dual => return Ranges::Pairs,
+            Frequencies::Single => return Ranges::Singles,
+            Frequencies::Auto if configuration.clock_aid || !sky.iter().any(Located::has_pair) => {}
+            Frequencies::Auto => {
+                let site = Site::new(
+                    point,
+                    time,
+                    configuration.mask_rad(),
+                    self.ionosphere.model(time, configuration),
+                );
+                let hal_m = configuration.hal_m as f32;
+                let val_m = configuration.val_m.map_or(f32::INFINITY, |val_m| val_m as f32);
+                let cost = |ranges| site.spread(sky, ranges).map(|spread| spread.cost(hal_m, val_m));
+                self.preference.weigh(cost);
+            }
+        }
+        self.preference.ranges()
+    }
+}
