@@ -37,9 +37,9 @@
 //! to 10 m and 192 m of the clock, 8 to 13 m and 229 m of the position. A drift added to the four
 //! at rest is found in 12 s at 1 m/s and within 51 s at 0.2 m/s, in the position and in the clock.
 //!
-//! **Learning.** A drift is looked for once [`super::discrepancy::LEARNED`] marks are known. A value counts as at most
-//! three means, so that a growing error needs minutes to widen its own bound, and none widens that
-//! of a leap. Epochs under an alert teach nothing.
+//! **Learning.** A drift is looked for once [`super::discrepancy::LEARNED`] marks are known. A
+//! value counts as at most three means, so that a growing error needs minutes to widen its own
+//! bound, and none widens that of a leap. Epochs under an alert teach nothing.
 //!
 //! **Refused rates.** Far from the true place, true rates fit no velocity. A position whose rates
 //! contradict each other must therefore be where the last velocity leads, within both levels and
