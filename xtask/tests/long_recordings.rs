@@ -2,7 +2,7 @@
 //! `replay`.
 //!
 //! A simulated sky of three systems is written as RTCM 3, as UBX and as RINEX. Its length is that
-//! of the test, or of `RAI_EPOCHS`; 86,400 epochs are a day.
+//! of the test, or `RAI_EPOCHS`; 86,400 epochs are a day. It is compared with an eighth of it.
 
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -15,9 +15,9 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use raim::signal::encode::{Encoder, Frequency, Selection, ubx};
 use raim::signal::measurement::{Ephemeris, MeasuredEpoch};
-use raim::signal::recording::Recording;
 use raim::signal::sky::Fleet;
 use raim::signal::sky::raw::Simulation;
+use raim_firmware::time::GpsTime;
 
 /// Satellites of every epoch.
 const SATELLITES: usize = 28;
@@ -25,24 +25,29 @@ const SATELLITES: usize = 28;
 /// Largest memory of a replay of any length, KiB.
 const MEMORY_KIB: u64 = 64 * 1024;
 
-/// Epochs of a recording; another has eight times as many.
-const EPOCHS: u32 = 450;
+/// Epochs of the longer recording; the shorter has an eighth of them.
+const EPOCHS: u32 = 3600;
 
 /// Largest growth of the memory with eight times as many epochs, KiB: values that are counted
-/// exactly, and the first picture.
+/// exactly, and the report's 44 bytes of each epoch, of which it has at most 90,000.
 const GROWTH_KIB: u64 = 6 * 1024;
 
-fn sky(epochs: u32, step_s: f64) -> Recording {
+fn sky(epochs: u32, step_s: f64) -> Simulation {
     let fleets = [Fleet::Gps31, Fleet::Galileo24, Fleet::Beidou24];
-    let mut recording = Simulation {
+    Simulation {
         satellites: fleets.into_iter().flat_map(Fleet::satellites).collect(),
         step_s,
         mask_rad: 0.0,
         ..Simulation::above_xian(0.0, epochs, 7)
     }
-    .record();
-    recording.epochs.iter_mut().for_each(|epoch| epoch.satellites.truncate(SATELLITES));
-    recording
+}
+
+/// Returns the epochs of a sky, one by one, because a day of them does not fit into the memory.
+fn epochs_of(sky: &Simulation) -> impl Iterator<Item = MeasuredEpoch> {
+    sky.epochs().map(|mut epoch| {
+        epoch.satellites.truncate(SATELLITES);
+        epoch
+    })
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -61,21 +66,23 @@ fn selection() -> Selection {
     Selection::new("GCE", Frequency::Dual).unwrap()
 }
 
-fn rtcm(recording: &Recording) -> impl Iterator<Item = Vec<u8>> {
-    let mut encoder = Encoder::new(&recording.ephemerides, selection()).as_receiver();
-    recording.epochs.iter().map(move |epoch| encoder.epoch(epoch).unwrap())
+fn rtcm(sky: &Simulation) -> impl Iterator<Item = Vec<u8>> {
+    let mut encoder = Encoder::new(&sky.ephemerides(), selection()).as_receiver();
+    epochs_of(sky).map(move |epoch| encoder.epoch(&epoch).unwrap())
 }
 
-fn of_u_blox(recording: &Recording) -> impl Iterator<Item = Vec<u8>> {
-    let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection(), None).as_receiver();
-    recording.epochs.iter().map(move |epoch| encoder.epoch(epoch).unwrap())
+fn of_u_blox(sky: &Simulation) -> impl Iterator<Item = Vec<u8>> {
+    let mut encoder = ubx::Encoder::new(&sky.ephemerides(), selection(), None).as_receiver();
+    epochs_of(sky).map(move |epoch| encoder.epoch(&epoch).unwrap())
 }
 
-/// Returns date and time of a second of the week that begins on the last day of 2023.
-fn date(tow_ms: u32) -> String {
-    const DAYS: [&str; 3] = ["2023 12 31", "2024 01 01", "2024 01 02"];
-    let (day, second) = (DAYS[tow_ms as usize / 86_400_000], tow_ms / 1000 % 86_400);
-    format!("{day} {:02} {:02} {:02}", second / 3600, second / 60 % 60, second % 60)
+/// Returns date and time of an instant of January 2024. Week 2295 begins on the day before.
+fn date(time: GpsTime) -> String {
+    let day = u32::from(time.week - 2295) * 7 + time.tow_ms / 86_400_000;
+    let (date, second) = (format!("2024 01 {day:02}"), time.tow_ms / 1000 % 86_400);
+    let date = if day == 0 { "2023 12 31" } else { &date };
+    assert!(day <= 31, "the dates of this test end with January");
+    format!("{date} {:02} {:02} {:02}", second / 3600, second / 60 % 60, second % 60)
 }
 
 fn header(kind: &str, rows: &str) -> String {
@@ -91,9 +98,9 @@ fn observation_header() -> String {
     header("OBSERVATION DATA", &kinds.map(row).concat())
 }
 
-fn observations(epoch: &MeasuredEpoch) -> Vec<u8> {
+fn observations(epoch: MeasuredEpoch) -> Vec<u8> {
     let fraction = f64::from(epoch.time.tow_ms % 1000) * 1e-3;
-    let clock = date(epoch.time.tow_ms);
+    let clock = date(epoch.time);
     let second: f64 = clock[17..].parse::<f64>().unwrap() + fraction;
     let mut text = format!("> {}{second:11.7}  0{:3}\n", &clock[..16], epoch.satellites.len());
     for satellite in &epoch.satellites {
@@ -108,7 +115,7 @@ fn observations(epoch: &MeasuredEpoch) -> Vec<u8> {
 
 /// Makes the rows of a record, with the fields that the messages of all systems share.
 macro_rules! record {
-    ($name:expr, $m:ident, [$af0:ident, $af1:ident], $issue:expr) => {{
+    ($known:ident, $m:ident, [$af0:ident, $af1:ident], $issue:expr) => {{
         let radians = |semicircles: f64| semicircles * std::f64::consts::PI;
         let toe_s = f64::from($m.toe_s);
         let clock = [f64::from($m.$af0), f64::from($m.$af1), 0.0];
@@ -122,7 +129,10 @@ macro_rules! record {
             [toe_s - 1800.0, 0.0, 0.0, 0.0],
         ];
         let numbers = |row: &[f64]| row.iter().map(|value| format!("{value:19.12e}")).collect::<String>();
-        let mut text = format!("{} {}{}\n", $name, date((toe_s * 1e3) as u32), numbers(&clock));
+        // In the system's own time, whose week ends up to 14 s after that of GPS.
+        let week = $known.toe.week - u16::from($known.toe.tow_ms < 14_000 && toe_s > 14.0);
+        let toe = GpsTime { week, tow_ms: (toe_s * 1e3) as u32 };
+        let mut text = format!("{} {}{}\n", $known.satellite, date(toe), numbers(&clock));
         for row in &rows {
             text.push_str(&format!("    {}\n", numbers(row)));
         }
@@ -130,12 +140,12 @@ macro_rules! record {
     }};
 }
 
-fn navigation(recording: &Recording) -> impl Iterator<Item = Vec<u8>> {
+fn navigation(sky: &Simulation) -> impl Iterator<Item = Vec<u8>> {
     let head = header("N: GNSS NAV DATA", "").into_bytes();
-    let records = recording.ephemerides.iter().map(|known| match &known.message {
-        Ephemeris::Gps(m) => record!(known.satellite, m, [af0_s, af1_s_s], m.iode),
-        Ephemeris::GalileoInav(m) => record!(known.satellite, m, [af0_s, af1_s_s], m.iodnav),
-        Ephemeris::Beidou(m) => record!(known.satellite, m, [a0_s, a1_s_s], m.aode),
+    let records = sky.ephemerides().into_iter().map(|known| match &known.message {
+        Ephemeris::Gps(m) => record!(known, m, [af0_s, af1_s_s], m.iode),
+        Ephemeris::GalileoInav(m) => record!(known, m, [af0_s, af1_s_s], m.iodnav),
+        Ephemeris::Beidou(m) => record!(known, m, [a0_s, a1_s_s], m.aode),
         _ => Vec::new(),
     });
     std::iter::once(head).chain(records)
@@ -143,13 +153,13 @@ fn navigation(recording: &Recording) -> impl Iterator<Item = Vec<u8>> {
 
 /// Returns the ways to replay one sky, by name, and the arguments of each.
 fn ways(folder: &Path, epochs: u32) -> Vec<(&'static str, Vec<String>)> {
-    let recording = sky(epochs, 1.0);
+    let sky = sky(epochs, 1.0);
     let path = |name: &str| folder.join(format!("{epochs}{name}"));
-    write(&path(".rtcm3"), rtcm(&recording));
-    write(&path(".ubx"), of_u_blox(&recording));
+    write(&path(".rtcm3"), rtcm(&sky));
+    write(&path(".ubx"), of_u_blox(&sky));
     let head = std::iter::once(observation_header().into_bytes());
-    write(&path(".obs"), head.chain(recording.epochs.iter().map(observations)));
-    write(&path(".nav"), navigation(&recording));
+    write(&path(".obs"), head.chain(epochs_of(&sky).map(observations)));
+    write(&path(".nav"), navigation(&sky));
     let name = |name: &str| path(name).display().to_string();
     vec![
         ("RTCM 3", vec![name(".rtcm3")]),
@@ -185,10 +195,10 @@ fn memory_does_not_grow_with_the_recording() {
     if !Path::new("/proc/self/status").exists() {
         return rig::skip::say("memory of a child (/proc)");
     }
-    let few: u32 = std::env::var("RAI_EPOCHS").ok().and_then(|few| few.parse().ok()).unwrap_or(EPOCHS);
+    let many = std::env::var("RAI_EPOCHS").map_or(EPOCHS, |many| many.parse().unwrap());
     let folder = folder("memory");
     let mut of_few = Vec::new();
-    for epochs in [few, 8 * few] {
+    for epochs in [many / 8, many] {
         for (index, (way, mut arguments)) in ways(&folder, epochs).into_iter().enumerate() {
             let csv = folder.join("rows.csv");
             let truth = "34.17,108.57,400".to_owned();
@@ -224,10 +234,10 @@ fn verdicts(output: &Output) -> Vec<String> {
 fn monitor_judges_every_epoch_that_replay_judges() {
     const TEN_HERTZ: u32 = 600;
     let folder = folder("monitor");
-    let recording = sky(TEN_HERTZ, 0.1);
+    let sky = sky(TEN_HERTZ, 0.1);
     for (name, bytes) in [
-        ("tenth.rtcm3", rtcm(&recording).flatten().collect::<Vec<u8>>()),
-        ("tenth.ubx", of_u_blox(&recording).flatten().collect()),
+        ("tenth.rtcm3", rtcm(&sky).flatten().collect::<Vec<u8>>()),
+        ("tenth.ubx", of_u_blox(&sky).flatten().collect()),
     ] {
         let (plain, packed) = (folder.join(name), folder.join(format!("{name}.gz")));
         fs::write(&plain, &bytes).unwrap();

@@ -5,21 +5,23 @@
 //! fix ─► test ─► (search, leave out, test again) ─► is it the only explanation? ─► judgement
 //! ```
 //!
-//! [`judge`] is the only place that distinguishes one [`Method`] from another. A [`Judgement`] is
-//! the method's result; the monitor derives the verdict from it ([`crate::monitor`]).
+//! [`judge`] and its search are the only places that distinguish one [`Method`] from another. A
+//! [`Judgement`] is the method's result; the monitor derives the verdict from it
+//! ([`crate::monitor`]).
 //!
-//! **A clock forecast or a known height beside the satellites** lets four satellites be tested. A
-//! forecast confirms itself, and a height may be wrong for as long as somebody states it. If the
-//! satellites can be tested without these rows, both tests must pass, and the larger protection
-//! levels count.
+//! **A clock forecast or a known height as one more row** adds redundancy, so that four satellites
+//! can be tested. But a forecast comes from earlier epochs and is not independent of the receiver,
+//! and a stated height may be wrong for as long as somebody states it. If the satellites can be
+//! tested without these rows, the tests with and without them must both pass, and the larger
+//! protection levels are reported.
 //!
 //! Such a row is a row like any other. It takes a degree of freedom and is a candidate of every
 //! search, and its slope enters the levels. With `h = (0, 0, 1)`, `w = 1/σ_h²` and the covariance
 //! `P` of the position with the height, it has the redundancy `r = 1 − w P_UU`, the gain `g = P h`
 //! and the slopes `√(w/r) √(P_EU² + P_NU²)` and `√(w/r) P_UU`. The levels therefore bound an error
 //! of the height of any size that the test misses, as they bound that of a satellite, but not
-//! errors of both at once. Before any method searches, the row alone is left out if that explains
-//! everything and no satellite does nearly as well.
+//! errors of both at once. Before any method searches, the row alone is left out if the test then
+//! passes and no exclusion of a satellite fits nearly as well.
 
 pub mod araim;
 mod judgement;
@@ -123,7 +125,7 @@ impl<T: Real> Criteria<'_, T> {
     /// `shared` are the shared errors of the first rows ([`EpochView::shared`]).
     ///
     /// # Errors
-    /// [`NoThreshold`] names the reason why there is none.
+    /// [`NoThreshold`] names the reason why no threshold exists.
     pub fn test(&self, snapshot: &Snapshot<'_, T>, shared: &[SharedError]) -> Result<Test<T>, NoThreshold> {
         let exposure = LevelInputs::of(snapshot, self.levels, self.factors);
         let demand = ThresholdProblem::new(snapshot.dof(), &exposure, self.requirements, self.thresholds);
@@ -139,7 +141,8 @@ impl<T: Real> Criteria<'_, T> {
 ///
 /// `forecast` is the row of a predicted clock, if there is one. A caller that knows orbits passes
 /// `rates`, which distinguish wrong time tags from faulty satellites
-/// ([`raim::hypotheses::time_tag`]). `solution` ends as the solution without the listed rows.
+/// ([`raim::hypotheses::time_tag`]). `solution` ends as the solution without the rows of
+/// [`Judgement::excluded`].
 pub fn judge<T: Real>(
     solution: &mut impl Excludable<T>,
     epoch: &EpochView<'_>,
@@ -172,8 +175,8 @@ fn judge_by_residuals<T: Real>(
     let mut test = criteria.test(solution.snapshot(), epoch.shared());
     let mut exclusion = Exclusion::passed();
     let mut searched = false;
-    // Independent of the policy: where a policy tolerates the effect of a satellite, a wrong time
-    // may have a larger one.
+    // With τ1 under every policy, because a wrong time may move the position more than the fault of
+    // a satellite that the policy tolerates.
     let is_odd = test.is_ok() && is_suspicious(solution.snapshot(), &criteria.thresholds);
     if test.as_ref().is_ok_and(|test| test.detection.fault()) {
         let jump = aiding().find_map(|row| jump(solution, row, &criteria.thresholds));
@@ -197,7 +200,7 @@ fn judge_by_residuals<T: Real>(
             exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::Ambiguous);
         }
     }
-    // As for other sets, exclusions about an inaccurate point are checked about the next one.
+    // After a rough search, a result with exclusions is checked at the next point, which is better.
     let is_asked = search != Search::Rough || exclusion.outcome == ExclusionOutcome::Passed;
     let is_good = test.is_ok() && !matches!(exclusion.outcome, ExclusionOutcome::NotIsolated(_));
     if is_asked && is_good && constellation_shift::shows(solution.snapshot(), &criteria.thresholds) {
@@ -271,7 +274,7 @@ fn without_aids<T: Real>(
         return WithoutAiding::Untested;
     }
     let test = criteria.test(solution.snapshot(), epoch.shared());
-    // These rows determined a position a moment ago.
+    // This cannot fail, because the solution with these rows existed before.
     let _ = solution.take_back(&taking_part);
     test.map_or(WithoutAiding::Untested, WithoutAiding::Tested)
 }

@@ -12,8 +12,8 @@
 //! | `b_c` | receiver clock of constellation `c` times the speed of light | m |
 //!
 //! A receiver clock can be 3e8 m while the residuals are metres. Each constellation's first
-//! residual is therefore kept aside in `f64`, and the rows hold the differences to it, which are
-//! small enough for `f32`.
+//! residual, rounded to [`Real::Absolute`], is therefore subtracted, and the rows contain the
+//! differences, which are small enough for `f32`.
 //!
 //! An aiding row is a row like any other: a predicted clock has `h = 0`, a known height
 //! `h = (0, 0, 1)` and no clock.
@@ -33,8 +33,7 @@ use crate::satellite::Constellation;
 /// Range of the squared length that counts as a unit vector: the length may be off by 1e-3.
 const UNIT_SQUARED: core::ops::RangeInclusive<f64> = 0.999 * 0.999..=1.001 * 1.001;
 
-/// Most equations of one epoch: more satellites than all systems ever show at once, and the
-/// capacity of the searches.
+/// Capacity for the equations of one epoch, and for the rows of the searches.
 ///
 /// Sets of them fit one word. On a microcontroller, and without the feature `satellites-48`, it is
 /// [`crate::single::CAPACITY`], because memory is scarce.
@@ -68,9 +67,9 @@ impl<T: Real> Row<T> {
             return Err(RowError::Residual);
         }
         let weight = (sigma * sigma).recip();
-        // Outside the scalar's range a row would silently have no weight or infinite weight.
-        // The sign is a bit, while the comparison of a sigma with 0 would be one of doubles, from
-        // which it was rounded.
+        // Outside the scalar's range a row would silently have no weight or infinite weight. The
+        // sign is one bit. The compiler would compare with 0 in double precision, from which the
+        // sigma was rounded, and that is a library call on a Cortex-M4F.
         if !(sigma.is_sign_positive() && weight > T::zero() && weight.is_finite()) {
             return Err(RowError::Sigma);
         }
@@ -120,7 +119,7 @@ impl fmt::Display for RowError {
 
 impl core::error::Error for RowError {}
 
-/// References of the residuals, one for each constellation: nearly its first residual.
+/// Offset that is subtracted from the residuals of each constellation: its first residual, rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct References<T: Real>([Option<T::Absolute>; Constellation::COUNT]);
 
@@ -192,7 +191,7 @@ impl<T: Real> References<T> {
         Ok(row)
     }
 
-    /// Returns the row of a range rate, all in the scalar: in m/s what others are in m.
+    /// Returns the row of a range rate: `residual` and `sigma` in m/s, all of type `T`.
     fn rate(
         &mut self,
         constellation: Constellation,
@@ -259,7 +258,7 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         self.add(|references| references.satellite(constellation, line_of_sight, residual_m, sigma_m))
     }
 
-    /// Adds a range rate like [`Self::satellite`] a range, in the scalar.
+    /// Adds a range rate; arguments as for [`Self::satellite`], of type `T`, in m/s.
     ///
     /// # Errors
     /// As [`Self::satellite`].

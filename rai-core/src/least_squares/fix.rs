@@ -36,7 +36,7 @@ const CONVERGED_M: f64 = 10.0;
 /// Change of the position above which an exclusion is solved again from there, m.
 const RELINEARISE_M: f64 = 300.0;
 
-/// Most passes: twice the six that suffice from the centre of the earth.
+/// Maximum number of passes: twice the six that suffice from the centre of the earth.
 const MAX_PASSES: usize = 12;
 
 /// Largest distance from the earth's centre that a correction may lead to, m: beyond any satellite.

@@ -24,11 +24,12 @@
 //! The result equals least squares with 3 + C columns in `x`, `v`, `S` and the gain, to rounding.
 //! Centring also makes `f32` safe, because it removes the clocks and their size.
 //!
-//! A row of weight 0 is left out: it contributes nothing, keeps its index, and its residual is that
-//! of a prediction. No n×n matrix is stored; [`Snapshot::projection`] computes `S_ij` on demand.
+//! A row of weight 0 is left out: it contributes nothing, keeps its index, and its residual is the
+//! range minus what the other rows predict. No n×n matrix is stored; [`Snapshot::projection`]
+//! computes `S_ij` on demand.
 //!
-//! A [`Workspace`] owns the memory of the equations and lends them solved as a [`Snapshot`]. Rows
-//! can be left out of a snapshot and taken back, and it is solved at any time.
+//! A [`Workspace`] owns the memory of the equations and lends them as a [`Snapshot`]. A snapshot is
+//! always solved, also after rows are left out or taken back.
 //!
 //! | module | content |
 //! |---|---|
@@ -171,7 +172,7 @@ impl<T: Real> Solved<T> {
 
 impl<T: Real> Snapshot<'_, T> {
     /// Leaves one more row out, in place: by algebra on the solution, or by solving again if
-    /// algebra would cost digits.
+    /// algebra would lose precision.
     ///
     /// # Errors
     /// As [`Workspace::solve`]; the snapshot is then unchanged.
@@ -336,8 +337,8 @@ impl<T: Real> Snapshot<'_, T> {
         Some(group.variance + dot(&group.design, &gain))
     }
 
-    /// Returns the variance `1/W_c` of the clock that a row touches for a known position, m²; 0 if
-    /// no row determines it.
+    /// Returns the variance `1/W_c`, m², that the clock of a row would have if the position were
+    /// known; 0 if no row determines it.
     pub fn level_variance(&self, row: &Row<T>) -> T {
         self.solved.estimate.level_variance(row)
     }
@@ -369,8 +370,9 @@ impl<T: Real> Snapshot<'_, T> {
     /// Returns HDOP without one row: `√(HDOP² + (A_1i² + A_2i²)/S_ii)` of the unweighted geometry
     /// ([Lin2016] eq. 22).
     ///
-    /// The lone satellite of a constellation takes its clock with it and changes nothing. If the
-    /// geometry is singular without the row, HDOP is infinite. `None` for a row that takes no part.
+    /// Without the only satellite of a constellation its clock is no unknown, and HDOP stays. If
+    /// the geometry is singular without the row, HDOP is infinite. `None` for a row that takes no
+    /// part.
     ///
     /// [Lin2016]: crate#references
     pub fn hdop_without(&self, index: usize) -> Option<T> {

@@ -86,8 +86,8 @@ impl<T: Real> Estimate<T> {
     ///
     /// With `w d·g ≤ 1 − r` and `w/W ≤ 1 − r` no variance grows by more than `1/r`.
     ///
-    /// Returns false without a change if this would cost digits: for a row that is hardly tested or
-    /// takes no part, for a gross fault, and for a geometry that might be hardly determined.
+    /// Returns false without a change if this would lose precision: for a row that is hardly tested
+    /// or takes no part, for a gross fault, and for a geometry that might be hardly determined.
     pub(super) fn leave_out(&mut self, row: &Row<T>, fit: &RowFit<T>) -> bool {
         let keeps_digits =
             fit.test_weight > T::zero() && !fit.is_hardly_tested() && fit.w_squared() < T::narrow(GROSS);
@@ -109,7 +109,7 @@ impl<T: Real> Estimate<T> {
         &self.covariance
     }
 
-    /// Returns rows that take part.
+    /// Returns the number of rows that take part.
     pub(crate) fn used(&self) -> usize {
         self.used
     }
@@ -156,8 +156,8 @@ impl<T: Real> Estimate<T> {
     }
 }
 
-/// Compares a row with the solution. Its redundancy is then the plain subtraction, and its test has
-/// no weight yet.
+/// Compares a row with the solution. The redundancy is then the unguarded difference `1 − w (…)`,
+/// and `test_weight` is 0 until the row is weighed.
 #[inline]
 fn compare<T: Real>(
     row: &Row<T>,
@@ -193,7 +193,7 @@ impl<T: Real> RowFit<T> {
     fn weigh_with_care(&mut self, row: &Row<T>, group: &ClockMeans<T>) {
         // A lone satellite determines its clock, so that exactly nothing is left to test.
         let is_lone = row.clock.is_some() && group.count == 1 && row.weight > T::zero();
-        // NaN leaves here too.
+        // NaN counts as zero redundancy too.
         if is_lone || !(self.redundancy > T::zero()) {
             self.redundancy = T::zero();
         }
@@ -226,7 +226,7 @@ impl<T: Real> Geometry<T> {
         let increase = if redundancy > T::UNTESTABLE {
             moved / redundancy
         } else if dot(&gain, &gain) > T::UNMOVED * T::UNMOVED {
-            // The affected coordinate does not matter: without this row there is no position.
+            // Without this row the position is undetermined, whichever coordinate is affected.
             infinity()
         } else {
             T::zero()
@@ -273,12 +273,12 @@ fn is_determined<'r, T: Real>(rows: impl Iterator<Item = &'r Row<T>> + Clone) ->
     Geometry::of(rows).is_ok_and(|plain| plain.groups.trace(&plain.covariance) < T::SINGULAR)
 }
 
-/// Inverts a symmetric matrix by `L D Lᵀ`, `P = L⁻ᵀ D⁻¹ L⁻¹`, without a root. A pivot that is not
-/// positive is singular.
+/// Inverts a symmetric matrix by `L D Lᵀ`, `P = L⁻ᵀ D⁻¹ L⁻¹`, without a root. The matrix counts as
+/// singular if a pivot is not positive.
 ///
 /// Reads the lower triangle.
 pub(crate) fn invert<T: Real>(normal: &Matrix3<T>) -> Result<Matrix3<T>, SnapshotError> {
-    // A NaN pivot leaves here too.
+    // A NaN pivot also returns `Singular`.
     let pivot = |value: T| if value > T::zero() { Ok(value.recip()) } else { Err(SnapshotError::Singular) };
     let d1 = pivot(normal.m11)?;
     let (l21, l31) = (normal.m21 * d1, normal.m31 * d1);

@@ -1,6 +1,6 @@
-//! The assessment: what follows from a judgement for the verdict, the report and the memory.
+//! The assessment: derives the verdict, the report and the update of the monitor from a judgement.
 //!
-//! `ratio = SSE/dof` of an epoch that passed is kept; the mean of the last ones, about 1 if the
+//! The monitor stores `ratio = SSE/dof` of each epoch that passed. Their mean, about 1 if the
 //! sigmas are right, is the sigma check of the report.
 
 use super::description::{describe, known_height, residuals, suspects};
@@ -39,8 +39,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             other => other,
         };
         let passed = !matches!(judgement.outcome, ExclusionOutcome::NotIsolated(_));
-        // Under a policy above T1 a search can fail although its remaining rows pass: such an epoch
-        // updates nothing.
+        // Under a policy above T1 a search can fail although its remaining rows pass. Such an epoch
+        // adds neither to the sigma check nor to the residuals.
         let test = judgement.test.as_ref().ok().map(|test| test.detection);
         let ratio = test.filter(|test| passed && !test.fault());
         let ratio = ratio.map(|test| (test.sse.widen() / test.dof as f64) as f32);

@@ -1,14 +1,14 @@
 //! The pipeline: one epoch in, one report out, with a small state between epochs.
 //!
 //! ```text
-//! epoch ─► (clock aiding) ─► fix ─► integrity::judge ─► verdict ─► report        judge: no side effects
-//!                                                                 └────► update        learn: a step, after which the
-//!                                                                                      report is final
+//! epoch ─► (clock aiding) ─► fix ─► integrity::judge ─► verdict ─► report        judge: the monitor stays as it is
+//!                                                                 └────► update        learn: changes the monitor, and
+//!                                                                                      makes the report final
 //! ```
 //!
-//! A [`Strategy`] selects the threshold and the isolation method. Every policy's threshold is at or
-//! above `τ1`, so that the search, which compares every step with `τ1`, ends with a set that passes
-//! under any policy; protection levels are those of the threshold in use.
+//! A [`Strategy`] selects the threshold and the isolation method. `τ1` is the threshold for `P_fa`,
+//! and no policy uses a lower one. The search compares every step with `τ1`, so that its result
+//! passes under any policy. Protection levels are those of the threshold in use.
 //!
 //! The state contains the last position, as the start of the next fix; a window of SSE/dof, which
 //! shows whether the sigmas are right; the residuals of the last minute and the satellites excluded
@@ -69,8 +69,9 @@ unstable! { pub use crate::integrity::Search; }
 unstable! { pub use validated::ValidatedRequirements; }
 unstable! { pub use workspace::{EpochOutcome, MonitorWorkspace}; }
 
-/// Number of epochs over which SSE/dof is averaged: with 10 degrees of freedom the mean is then
-/// known to 6 %.
+/// Number of epochs over which SSE/dof is averaged. With 10 degrees of freedom and independent
+/// epochs the mean is then accurate to 6 %; multipath repeats from epoch to epoch and makes it
+/// worse.
 const SIGMA_CHECK_WINDOW: usize = 60;
 
 /// Integrity monitor for the positions of one receiver, at most `N` satellites at a time.
@@ -161,9 +162,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.continuity.interrupt();
     }
 
-    /// Judges one epoch about [`Self::start`] and learns from it.
+    /// Judges one epoch, linearised at [`Self::start`], and learns from it.
     pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
-        // Moved out while the monitor is read, and moved back.
+        // The subsets are exchanged while `self` is borrowed, and exchanged back.
         let mut memory = MonitorWorkspace::new();
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
         self.judge_about(epoch, self.start, Search::Anew, None, &mut memory);
@@ -172,13 +173,13 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         memory.outcome.report
     }
 
-    /// Judges one epoch whose position is near `start`; with clock aiding, beside the forecast of a
-    /// receiver clock.
+    /// Judges one epoch whose position is near `start`. With clock aiding, a forecast of a receiver
+    /// clock is one more row.
     ///
     /// Writes only to `memory`; a caller with a small stack can keep it in a static. The
-    /// [`EpochOutcome`] is in it. A caller that corrects ranges for the position may judge about
-    /// several successive points, and learns once, from the last. A caller that knows orbits passes
-    /// `rates`: without them a wrong time tag counts as faulty satellites
+    /// [`EpochOutcome`] is in it. A caller that corrects ranges for the position may judge
+    /// linearised at several successive points, and learns once, from the last. A caller that knows
+    /// orbits passes `rates`: without them a wrong time tag counts as faulty satellites
     /// ([`crate::integrity::raim::hypotheses::time_tag`]).
     #[cfg(feature = "unstable")]
     pub fn judge<'m>(
@@ -239,7 +240,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         outcome
     }
 
-    /// Updates the state from a judged epoch, likewise.
+    /// Updates the state from a judged epoch, for [`Self::process`] and `learn`.
     #[inline(never)]
     fn learn_from(
         &mut self,
@@ -249,9 +250,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ) {
         self.remember(outcome);
         self.continue_from(outcome, own_clock_s, velocity);
-        // Under an alert and while satellites recover from it, the exclusion may be the wrong one.
+        // Only a protected epoch records its exclusions: those of an alert, or of the agreement
+        // that must follow it, may be wrong.
         if matches!(outcome.report.verdict, Verdict::Protected(_)) {
-            // A system is doubted as a whole, not by its satellites.
+            // The satellites of a system that is left out as a whole are not recorded one by one.
             let lost = outcome.report.excluded_constellations;
             let is_lost = |suspect: &&Suspect| lost >> (suspect.satellite.constellation() as u8) & 1 != 0;
             for excluded in outcome.report.excluded.iter().filter(|suspect| !is_lost(suspect)) {
@@ -280,8 +282,11 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Applies continuity to an epoch. An epoch that loses its protection by it updates no state
-    /// either.
+    /// Applies continuity to an epoch.
+    ///
+    /// A jump, a contradiction of the rates or of a height, and an unexpected place leave the
+    /// start, the sigma check, the clocks and the residuals as they were. The agreement that must
+    /// follow an alert leaves the clocks alone. The evidence against the sigmas has learned before.
     fn continue_from(
         &mut self,
         outcome: &mut EpochOutcome<N>,
@@ -320,7 +325,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Leaves out the satellites of systems that were found broken again and again.
+    /// Leaves out the satellites of systems that were excluded as a whole three times.
     fn keep_out(&self, fix: &mut Fix<'_, T>, epoch: &EpochView<'_>) -> KeptOut {
         match self.kept_out.systems() {
             0 => KeptOut::NONE,
@@ -328,10 +333,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Returns the scale on all sigmas while `sigma_adapt` is on.
+    /// Returns the scale on all sigmas if the strategy adapts them.
     ///
-    /// It is at least 1 on sigmas of an integrity support message, because that message covers
-    /// faults that minutes of small residuals have not seen.
+    /// It is at least 1 on sigmas of an integrity support message, because ten minutes of small
+    /// residuals say nothing about rare faults.
     fn scale(&self, time_s: f64) -> Option<f64> {
         let least = if self.strategy.method.uses_ism() { 1.0 } else { 0.0 };
         self.strategy.scales_sigmas().then(|| self.adaptation.scale(time_s).max(least))

@@ -126,6 +126,43 @@ fn a_position_that_walks_off_is_seen_within_a_minute() {
 }
 
 #[test]
+fn a_leap_within_the_levels_after_a_gap_is_no_drift() {
+    // Reflections move the position and the clock at once. With few marks a leap looks like a line.
+    for gap_s in 5..15 {
+        for leap_m in [10.0, 20.0, 30.0, 40.0] {
+            let is_there = |epoch: &Epoch| !(0.0..f64::from(gap_s)).contains(&(epoch.time_s - 296.0));
+            let leapt = drive(600).filter(is_there).map(|epoch| {
+                let leap_m = if epoch.time_s < 296.0 { 0.0 } else { leap_m };
+                Epoch { clock_m: epoch.clock_m + leap_m, ..epoch }
+            });
+            assert_eq!(contradictions(leapt), [], "{leap_m} m after {gap_s} s");
+        }
+    }
+}
+
+#[test]
+fn a_slow_walk_deep_within_its_level_is_no_alert_and_a_faster_one_is_before_it_ends() {
+    let seen = |speed_m_s: f64| {
+        let mut motion = Motion::new();
+        let walked =
+            drive(700).map(|epoch| Epoch { east_m: epoch.east_m + speed_m_s * since(epoch), ..epoch });
+        walked
+            .filter_map(|epoch| {
+                let levels = ProtectionLevels { hpl_m: 150.0, vpl_m: 250.0 };
+                let report = Report { protection: Some(levels), ..report(epoch) };
+                motion.judge(epoch.time_s, &report, Ok(&velocity(epoch))).map(|alert| (since(epoch), alert))
+            })
+            .next()
+    };
+    // A quarter of 400 m in a minute is 1.7 m/s.
+    assert_eq!(seen(1.0), None);
+    for speed_m_s in [2.0, 5.0, 10.0] {
+        let Some((after_s, Alert::Track)) = seen(speed_m_s) else { panic!("{speed_m_s} m/s is not seen") };
+        assert!(speed_m_s * after_s < 150.0, "{speed_m_s} m/s is seen after {after_s} s");
+    }
+}
+
+#[test]
 fn a_second_receiver_contradicts_the_first_at_once() {
     let other = |epoch: Epoch| Epoch { clock_m: epoch.clock_m + 400.0, ..epoch };
     let mixed = drive(100).map(|epoch| if epoch.time_s < 50.0 { epoch } else { other(epoch) });

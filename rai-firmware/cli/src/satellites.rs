@@ -144,6 +144,12 @@ impl Watcher {
         Self::default()
     }
 
+    /// Takes this week as the present until the bytes state another one, as the module does for the
+    /// command `WEEK`.
+    pub fn assume(&mut self, week: u16) {
+        self.input.assume(week);
+    }
+
     /// Takes the bytes that the module takes.
     pub fn hear(&mut self, bytes: &[u8], now_ms: u64) {
         let Self { input, orbits, last, .. } = self;

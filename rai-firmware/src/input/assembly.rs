@@ -13,16 +13,18 @@
 //! | ranges come again under a new tag, bit for bit | the repeat is dropped, because satellites move by metres in a millisecond, so that its tag is wrong |
 //! | bytes are lost | the epoch under way and the rest of the next one are dropped |
 //! | two receivers of one name share the line | the first ranges are used; a second range with another value is reported ([`Rivalry`]), as is a turn of the ranges ([`super::turns`]) |
+//! | the tag of one system is seconds off | the system is left out and counted ([`super::chain`]) |
 //! | the tags of one system are wrong by tens of milliseconds | one instant comes as two epochs without a common satellite, which is reported before either is judged ([`HALVES_MS`]) |
 
 use super::calendar::{Calendar, TimeError};
+use super::chain::{ASTRAY_MS, Chain, apart_ms, bit};
 use super::epoch_ranges::{Comparison, add, hash_of_ranges};
 use super::leap_seconds::LeapSource;
 use super::turns::Turns;
 use super::{Counters, Event, Ranges, Rivalry, Series};
 use crate::counters::count;
 use crate::raw::RawEpoch;
-use crate::time::{GpsTime, WEEK_MS};
+use crate::time::GpsTime;
 
 /// Difference below which tags are of one instant, ms, because receivers round each system's own
 /// time separately.
@@ -30,7 +32,7 @@ const SAME_INSTANT_MS: u32 = 10;
 
 /// Difference of tags below which epochs of different systems are halves of one instant, ms. A
 /// receiver that measures so often sends its systems together.
-const HALVES_MS: u32 = 500;
+const HALVES_MS: u32 = ASTRAY_MS;
 
 /// Largest change of a range in a millisecond, m: 1,000 m/s of satellite, vehicle and clock.
 const RATE_M_MS: f64 = 1.0;
@@ -72,6 +74,7 @@ pub(super) struct Assembly {
     utc_before: Option<(u32, u64)>,
     /// True if a rival of this epoch was reported.
     has_rival: bool,
+    chain: Chain,
     turns: Turns,
     /// Hash of the ranges of the last complete epoch.
     ranges_before: Option<u32>,
@@ -94,6 +97,7 @@ impl Assembly {
             distrust: [0; 16],
             utc_before: None,
             has_rival: false,
+            chain: Chain::new(),
             turns: Turns::new(),
             ranges_before: None,
         }
@@ -120,14 +124,16 @@ impl Assembly {
             None if ranges.of_utc_ms.is_some() => count(&mut counters.leap_unknown),
             None => count(&mut counters.observations_other),
             Some(tow_ms) if self.is_unsure(ranges, tow_ms, calendar) => count(&mut counters.leap_unknown),
+            Some(tow_ms) if self.chain.take(ranges, tow_ms) => count(&mut counters.observations_astray),
             Some(tow_ms) => {
                 if self.admits(ranges, tow_ms, came_ms, calendar, counters, tell) {
-                    self.heard |= bit(ranges.series);
+                    self.heard |= ranges.series.map_or(0, bit);
                     self.take_all(ranges, tow_ms, false, counters, tell);
                 }
             }
         }
         if !ranges.more_follow {
+            self.chain.end();
             self.end(ranges.series, counters, tell);
         }
     }
@@ -164,6 +170,7 @@ impl Assembly {
     /// Completes an epoch that a series stated as complete, because the line pauses and the
     /// statement was thus right.
     pub(super) fn pause(&mut self, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
+        self.chain.forget();
         if let Phase::Open(Some(series)) = self.phase
             && series != SILENCE
         {
@@ -187,6 +194,7 @@ impl Assembly {
 
     /// Drops the open epoch, because bytes were lost.
     pub(super) fn interrupt(&mut self, counters: &mut Counters) {
+        self.chain.forget();
         if self.is_open() {
             count(&mut counters.epochs_broken);
         }
@@ -386,7 +394,7 @@ impl Assembly {
     }
 
     fn has_heard(&self, series: Option<Series>) -> bool {
-        series.is_none() || self.heard & bit(series) != 0
+        series.is_none_or(|series| self.heard & bit(series) != 0)
     }
 
     fn distrust_of(&self, series: Series) -> u8 {
@@ -406,18 +414,7 @@ impl Assembly {
     }
 }
 
-/// Returns the bit of a series; 0 if the message covers all.
-fn bit(series: Option<Series>) -> u16 {
-    series.map_or(0, |series| 1_u16.checked_shl(u32::from(series)).unwrap_or(0))
-}
-
 /// Returns true if two times of week are of one instant, across the end of the week as well.
 fn is_same(a_ms: u32, b_ms: u32) -> bool {
     apart_ms(a_ms, b_ms) < SAME_INSTANT_MS
-}
-
-/// Returns the time between two times of week, ms.
-fn apart_ms(a_ms: u32, b_ms: u32) -> u32 {
-    let apart_ms = a_ms.abs_diff(b_ms);
-    apart_ms.min(WEEK_MS.saturating_sub(apart_ms))
 }

@@ -66,6 +66,9 @@ counters! {
         observations_after_end,
         /// Observations without satellites whose time is far ahead, or that came before all others.
         observations_ahead,
+        /// Observations of a system whose time contradicts that of the message before, which stated
+        /// that more of its instant follow.
+        observations_astray,
         /// Observations dropped because their time of week is out of range.
         times_out_of_range,
         /// Signals of satellites that came twice in one epoch; the first ones are used.

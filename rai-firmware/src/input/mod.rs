@@ -49,6 +49,7 @@
 mod assembly;
 mod bits;
 mod calendar;
+mod chain;
 mod counters;
 mod crc24q;
 mod elements;

@@ -15,10 +15,10 @@ impl Navigator {
         }
     }
 
-    /// Restarts learning if another model of the ionosphere applies to ranges of one frequency.
+    /// Restarts learning if a new model of the ionosphere applies to ranges of one frequency.
     ///
-    /// Its error, of a forged page too, is in all residuals from now on, and those of another model
-    /// would hide it.
+    /// Residuals of the old model do not apply to the new one. They would hide its error, for
+    /// example that of a forged page.
     pub(super) fn learn_anew_with_model(&mut self, ranges: Ranges) {
         let is_new = self.ionosphere.take_news();
         if is_new && (ranges == Ranges::Singles || !self.room.sky.iter().any(Located::has_pair)) {
@@ -28,8 +28,8 @@ impl Navigator {
 
     /// Returns the kind of ranges to use: as commanded, or the kind with the smaller levels.
     ///
-    /// With clock aiding the kind stays, because another one moves the clock by the delay between
-    /// carriers.
+    /// With clock aiding the kind stays, because a change moves the receiver clock by the delay
+    /// between the carriers.
     #[inline(never)]
     pub(super) fn ranges(&mut self, point: Ecef, time: GpsTime, configuration: &Configuration) -> Ranges {
         let sky = &self.room.sky;

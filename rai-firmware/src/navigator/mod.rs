@@ -43,7 +43,7 @@ pub struct Navigator {
     room: Room,
     tally: Tally,
     preference: Preference,
-    /// Kind of ranges and systems whose residuals the monitor learns from.
+    /// Kind of ranges, and systems, of the residuals that the monitor stores.
     learned: Option<(Ranges, Systems)>,
     rates: Rates,
     velocity: Option<Velocity>,
@@ -95,7 +95,8 @@ impl Navigator {
         self.store.insert(ephemeris, now)
     }
 
-    /// Moves sets that came before the week of the present was named or moved.
+    /// Corrects the week of ephemerides that were stored before the week of the present was known
+    /// or changed.
     pub fn redate(&mut self, present: GpsTime) {
         self.store.redate(present);
     }
@@ -196,7 +197,7 @@ impl Navigator {
         self.rates.tally()
     }
 
-    /// Returns how many ephemerides of satellites in sight gave way to others.
+    /// Returns the number of ephemerides of visible satellites that others have replaced.
     pub(crate) fn displaced(&self) -> u32 {
         self.store.displaced()
     }
@@ -221,7 +222,7 @@ impl Navigator {
         self.ionosphere.date(raw.time);
         let before = self.tally.ephemerides.without_orbit();
         let mask_dbhz = configuration.signal_mask_db_hz as f32;
-        // What the mask leaves out of a crowd is to leave room for what it does not.
+        // If the epoch has more satellites than fit, those below the mask are left out first.
         let is_crowd = raw.satellites.len() > CAPACITY && !is_unknown(start);
         let view = is_crowd.then(|| View::from(start, configuration.mask_rad()));
         let Self { store, tally, room: Room { sky, .. }, .. } = self;

@@ -19,14 +19,15 @@ use crate::raw::RawEpoch;
 use crate::settings::Configuration;
 use crate::time::GpsTime;
 
-/// Largest distance over which corrections hold, m: 1 km changes an elevation by 0.003° and the
-/// zenith delay by at most 0.25 m.
+/// Largest distance over which corrections hold, m: 1 km changes an elevation by at most 0.012°,
+/// mostly by the tilt of the vertical, and a height of 1 km the zenith delay by some 0.35 m.
 const GUESS_HOLDS_M: f32 = 1e3;
 
-/// Most passes of an epoch: a guess, a better guess, and one more if a gross fault bent the first.
+/// Maximum number of passes of an epoch: a guess, a better guess, and one more if a gross fault
+/// distorted the first.
 const MAX_PASSES: usize = 3;
 
-/// Most searches for faulty satellites in one epoch, which are the expensive part.
+/// Maximum number of searches for faulty satellites in one epoch, which are the expensive part.
 const MAX_SEARCHES: usize = 2;
 
 impl Navigator {
@@ -59,7 +60,7 @@ impl Navigator {
         let before = self.tally.ranges;
         let mut known = Vec::<SatelliteId, MAX_EXCLUDED>::new();
         let mut searches = 0;
-        // Range rates are the same at every point within a metre per second.
+        // Range rates at points a few kilometres apart differ by less than a metre per second.
         let rates = [const { Cell::new(f32::NAN) }; CAPACITY];
         let search = if is_rough { Search::Rough } else { Search::Anew };
         self.judge_about(guess, raw.time, ranges, configuration, search, &rates);

@@ -34,14 +34,15 @@ counters! {
         epochs_alert,
         /// Epochs without protection.
         epochs_unavailable,
-        /// Epochs that were complete only after the time to alert, or that took that much longer
-        /// than earlier ones from the antenna to the module.
+        /// Epochs that were complete only after the time to alert, or whose delay grew by the time
+        /// to alert.
         epochs_late,
         /// Epochs that were not judged, because their end had waited too long behind others.
         epochs_skipped,
         /// Alerts because the line was silent for the time to alert.
         line_stale,
-        /// Ephemerides that are out of date, or of F/NAV while I/NAV is in use.
+        /// Ephemerides that were not stored, because they are out of date, or of F/NAV while I/NAV
+        /// is in use.
         ephemerides_kept,
         /// Ephemerides that contradict the one in use.
         ephemerides_disputed,
@@ -85,8 +86,8 @@ pub(super) struct EpochLoop<P> {
     /// True if the last verdict is that of a report, not that of a silence.
     pub(super) has_report: bool,
     last_time: Option<GpsTime>,
-    /// Arrival of the last epoch, ms; if the epoch was late, the time at which it should have come;
-    /// after an alert for silence, the time of that alert.
+    /// Reference time for `STALE`, ms: the arrival of the last epoch less its lateness, or the time
+    /// of the last `STALE`.
     last_epoch_ms: u64,
     lateness: Lateness,
     /// Last epoch whose ranges agreed with orbits that determine the week, and its arrival, ms.
@@ -97,7 +98,7 @@ pub(super) struct EpochLoop<P> {
     /// in force.
     pub(super) is_confirmed: bool,
     pub(super) interference: Suspicions,
-    /// Time of the last sign of the module's own that signals may be counterfeit, ms.
+    /// Time at which the module's own tests last indicated counterfeit signals, ms.
     sign_ms: Option<u64>,
     strengths: Strengths,
     /// Height that the host has stated.
@@ -110,7 +111,7 @@ pub(super) struct EpochLoop<P> {
 impl<P: OutputPin> EpochLoop<P> {
     /// Returns the state before the first event. The pin was set low, with so many failures.
     ///
-    /// It cannot fail, because the value of an outcome would be on the stack first.
+    /// It returns `Self` and no `Result`, because a `Result` would be built on the stack first.
     #[allow(clippy::inline_always, reason = "what is large is written where it is to stay")]
     #[inline(always)]
     pub(super) fn new(
@@ -319,7 +320,7 @@ impl<P: OutputPin> EpochLoop<P> {
 
     #[inline(never)]
     pub(super) fn tick<W: Write>(&mut self, now_ms: u64, hears_others: bool, host: &mut W) -> bool {
-        // The difference is absolute, because a clock of 32 bits goes back after 50 days.
+        // The difference is absolute, so that a caller's clock that wraps round raises the alert.
         if now_ms.abs_diff(self.last_epoch_ms) < self.time_to_alert_ms() {
             return false;
         }

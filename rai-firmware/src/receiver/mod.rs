@@ -6,26 +6,25 @@
 //! ```
 //!
 //! The pin is high while the position of the last epoch may be used, and low in every other case:
-//! from reset on, on every verdict but `Protected`, and when the time to alert has passed since the
-//! last epoch came. A change of a setting that affects protection sets it low until the next epoch,
-//! and a wrong known answer until the next start. An epoch that is complete only after the time to
-//! alert is discarded, because its verdict would describe the past. So is an epoch that was that
-//! much longer on its way than earlier ones, by its tag and the module's own clock ([`lateness`]),
-//! because something delays the data.
+//! from start-up on, on every verdict but `Protected`, and when the time to alert has passed since
+//! the last epoch came. A change of a setting that affects protection sets it low until the next
+//! epoch. A failed self-test sets it low until the next start. An epoch that is complete only after
+//! the time to alert is discarded, because its verdict would describe the past. An epoch is also
+//! discarded if its delay, by its tag and the module's own clock, exceeds that of earlier epochs by
+//! the time to alert ([`lateness`]).
 //!
-//! An epoch is reported at once; the time to alert bounds the silence after it. Unavailable epochs
-//! are therefore never stale, however long they last, because the pin went low with the first of
-//! them.
+//! Each epoch is reported at once. `STALE` is raised only if no epoch arrives within the time to
+//! alert. A series of unavailable epochs does not raise it, because the pin is already low.
 //!
 //! An epoch whose end has waited for more than [`LAG_MS`] is skipped and counted. If epochs come
 //! faster than they can be judged, the newest is therefore judged and not the oldest.
 //!
 //! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte;
 //! the pin is set before a sentence is written. The worst-case epoch of a stream, found by a search
-//! over all settings, takes 1.7 million instructions: 15 to 24 ms at 168 MHz by a model of the
-//! processor's cycles and its flash (`cargo xtask bench`). The pin follows within 26 ms at 168 MHz
-//! and within 300 ms at 16 MHz. [`Receiver::tick`], which must be called at least ten times a
-//! second, detects a silent line.
+//! over all settings, takes 1.6 million instructions: 15 to 24 ms at 168 MHz by a model of the
+//! processor's cycles and its flash (`cargo xtask bench`). The pin follows within 30 ms at 168 MHz
+//! and within 350 ms at 16 MHz, with an allowance for what the search leaves out.
+//! [`Receiver::tick`], which must be called at least ten times a second, detects a silent line.
 
 mod boot;
 mod epochs;
@@ -55,15 +54,14 @@ use crate::known_place::HostHeight;
 use crate::output::nmea::{write_answer, write_counters, write_refusal, write_version};
 use crate::settings::{Action, CommandPort, Configuration, Heard, Order, Refusal, Unsealed};
 
-/// Pause of the line that never occurs inside a frame, and hardly inside an epoch, ms; shorter than
-/// the second between two epochs.
+/// Silence that ends a frame and an epoch, ms. It must be shorter than the time between two epochs.
 const SILENCE_MS: u64 = 500;
 
 /// Pause of the line that never occurs inside a burst, ms.
 const PAUSE_MS: u64 = 100;
 
-/// Longest wait of an epoch's end, ms. Reading costs a tenth of judging, so that a module that is
-/// behind catches up by reading alone.
+/// Longest time that the last byte of an epoch may wait, ms; otherwise the epoch is skipped.
+/// Reading costs a tenth of judging, so that a module that is behind catches up by reading alone.
 pub const LAG_MS: u64 = 40;
 
 /// The module: everything except the hardware.
@@ -74,7 +72,7 @@ pub struct Receiver<P> {
     commands: CommandPort,
     epochs: EpochLoop<P>,
     last_byte_ms: Option<u64>,
-    /// Time of the last call that had one, ms.
+    /// Latest time that a caller has passed, ms.
     now_ms: u64,
     has_paused: bool,
     /// Number of the counter with which a long answer continues.
@@ -140,8 +138,8 @@ impl<P: OutputPin> Receiver<P> {
     }
 
     /// Applies the settings that the previous run has sealed. If they are damaged or missing, no
-    /// position is protected until the host confirms the settings at start. After power-on the
-    /// settings at start are in force without confirmation.
+    /// position is protected until the host sends `CONFIRM`. After power-on the default settings
+    /// apply without confirmation.
     pub fn restore(&mut self, memory: &[u8; SEALED_BYTES], after_power_on: bool) {
         match Configuration::unseal(memory) {
             _ if after_power_on => {}

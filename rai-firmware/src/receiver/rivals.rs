@@ -2,24 +2,24 @@
 
 use crate::input::Rivalry;
 
-/// Number of epochs without protection after an epoch came again with other ranges.
+/// Number of epochs without protection after the same epoch came twice with different ranges.
 const RIVALLED_EPOCHS: u8 = 10;
 
 /// Number of epochs without protection after one that may be a half, or of another receiver.
 const DOUBTED_EPOCHS: u8 = 2;
 
-/// Number of detections of two receivers in a row after which only `FORGET` accepts one of them,
-/// because the one that remains may be the other.
+/// Number of consecutive detections of a second receiver after which the alert stays until
+/// `FORGET`, because the module cannot tell which receiver remains.
 const FIRM_RIVALRIES: u8 = 3;
 
 /// Evidence so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rivals {
-    /// Number of epochs for which an epoch that came again with other ranges still counts.
+    /// Number of epochs during which another detection still counts as consecutive.
     rivalled: u8,
     /// Number of epochs for which nothing is promised.
     doubted: u8,
-    /// Number of times in a row that two receivers were detected.
+    /// Number of consecutive detections of two receivers.
     rivalries: u8,
 }
 
@@ -43,7 +43,7 @@ impl Rivals {
         self.doubted = self.doubted.max(epochs);
     }
 
-    /// Counts a detection of two receivers, in a row with those before it that still count.
+    /// Counts a detection of two receivers. It is consecutive if the one before still counts.
     fn count(&mut self) {
         self.rivalries = if self.rivalled > 0 { self.rivalries.saturating_add(1) } else { 1 };
         self.rivalled = RIVALLED_EPOCHS;

@@ -111,7 +111,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
         module: "rai-firmware/src/receiver/mod.rs",
         command: "cargo test -p tests-host --test all -- pin_in_time",
         standing: Partly(
-            "the pin answers within 26 ms of the last byte of an epoch by a model of cycles; a slow ramp is seen when \
+            "the pin answers within 30 ms of the last byte of an epoch by a model of cycles; a slow ramp is seen when \
              the test sees it",
         ),
     },

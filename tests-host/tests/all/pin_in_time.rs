@@ -13,18 +13,28 @@ const EPOCH: u64 = 2_200_000;
 
 /// Returns the longest time from an epoch's last byte to its pin that is promised, ms.
 fn promised_ms(core_hz: u64) -> f64 {
-    if core_hz == FULL_HZ { 26.0 } else { 300.0 }
+    if core_hz == FULL_HZ { 30.0 } else { 350.0 }
 }
 
-/// Returns the upper bound of the cycles of the worst-case epoch in the midst of a stream.
+/// Instructions of eleven GLONASS satellites that all send a new set. The search for the worst case
+/// has no GLONASS.
+const GLONASS_SETS: u64 = 200_000;
+
+/// Returns the upper bound of the cycles of the worst-case epoch in the midst of a stream, with new
+/// sets of GLONASS at its cycles per instruction.
 fn worst(core_hz: u64) -> u64 {
-    figure(&at_most("worst-case epoch of a stream", core_hz))
+    with_glonass("worst-case epoch of a stream", core_hz)
+}
+
+fn with_glonass(stage: &str, core_hz: u64) -> u64 {
+    let (cycles, instructions) = (figure(&at_most(stage, core_hz)), figure(stage));
+    cycles + cycles * GLONASS_SETS / instructions
 }
 
 /// Returns the upper bound of the cycles of the worst epoch of all, which is the first, at which
 /// the pin is still low.
 fn worst_of_all(core_hz: u64) -> u64 {
-    worst(core_hz).max(figure(&at_most("worst-case first epoch", core_hz)))
+    worst(core_hz).max(with_glonass("worst-case first epoch", core_hz))
 }
 
 /// Returns the upper bound of the cycles of judging an epoch without a fault. Reading its bytes and
@@ -209,7 +219,7 @@ fn highest_epoch_rates() {
     let have = cases.map(|(core_hz, gnss_baud)| highest_hz(core_hz, gnss_baud));
     println!("{longest} bytes an epoch; line, usual, worst-case in Hz: {have:?}");
     // The table of `results/cost.md` has these values.
-    assert_eq!(have, [[21, 21, 21], [175, 175, 40], [21, 21, 4], [175, 33, 4]]);
+    assert_eq!(have, [[21, 21, 21], [175, 175, 35], [21, 21, 4], [175, 33, 4]]);
 }
 
 /// Sentences beyond the capacity of the host's line are lost and counted; the pin is as early as

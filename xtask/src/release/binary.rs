@@ -6,7 +6,7 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
-use super::deb::{Control, package};
+use super::deb::{Control, maintainer, package};
 use super::elf;
 use super::files::{Entry, name, tar_gz};
 use super::{Built, VERSION};
@@ -130,10 +130,12 @@ fn debian(program: &Path, out: &Path) -> Result<PathBuf> {
     let bytes = fs::read(program)?;
     let glibc = newest_glibc(&bytes).context("the program does not name its C library")?;
     let depends = format!("libc6 (>= 2.{glibc}), libgcc-s1");
+    let maintainer = maintainer()?;
     let control = Control {
         package: "raim",
         version: VERSION,
         architecture,
+        maintainer: &maintainer,
         depends: &depends,
         summary: "integrity of a GNSS receiver on a computer",
         description: &[

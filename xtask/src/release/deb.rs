@@ -1,14 +1,19 @@
 //! Debian package, as `deb(5)` defines it: an `ar` archive of a version, a description and files.
 
-use anyhow::{Result, ensure};
+use std::process::Command;
+
+use anyhow::{Context as _, Result, ensure};
 
 use super::files::{Entry, tar_gz};
+use crate::cargo::root;
 
 /// Description of a package.
 pub(super) struct Control<'c> {
     pub(super) package: &'c str,
     pub(super) version: &'c str,
     pub(super) architecture: &'c str,
+    /// Name and address, `NAME <ADDRESS>`.
+    pub(super) maintainer: &'c str,
     pub(super) depends: &'c str,
     pub(super) summary: &'c str,
     /// Lines of at most 80 characters.
@@ -20,17 +25,45 @@ impl Control<'_> {
     fn text(&self, installed_kib: u64) -> String {
         let lines: Vec<_> = self.description.iter().map(|line| format!(" {line}\n")).collect();
         format!(
-            "Package: {}\nVersion: {}\nArchitecture: {}\nMaintainer: the RAI authors <rai@localhost>\n\
+            "Package: {}\nVersion: {}\nArchitecture: {}\nMaintainer: {}\n\
              Installed-Size: {installed_kib}\nDepends: {}\nSection: science\nPriority: optional\n\
              Description: {}\n{}",
             self.package,
             self.version,
             self.architecture,
+            self.maintainer,
             self.depends,
             self.summary,
             lines.concat()
         )
     }
+}
+
+/// Returns who maintains a package that is built here: `DEBFULLNAME` and `DEBEMAIL`, as Debian's
+/// own programs take them, otherwise who made the last commit. The sources name nobody themselves.
+///
+/// # Errors
+/// If neither is known.
+pub(super) fn maintainer() -> Result<String> {
+    if let (Ok(name), Ok(address)) = (std::env::var("DEBFULLNAME"), std::env::var("DEBEMAIL")) {
+        return checked(&format!("{name} <{address}>"));
+    }
+    let git = Command::new("git").args(["log", "-1", "--format=%cn <%ce>"]).current_dir(root()).output();
+    let said = git.ok().filter(|output| output.status.success()).map(|output| output.stdout);
+    let said = said.context(
+        "the package names its maintainer, and git knows no commit here: set DEBFULLNAME and DEBEMAIL",
+    )?;
+    checked(String::from_utf8(said)?.trim())
+}
+
+/// Returns a maintainer that is a name and an address on one line (Debian policy 5.6.2).
+fn checked(maintainer: &str) -> Result<String> {
+    let parts = maintainer.strip_suffix('>').and_then(|rest| rest.split_once(" <"));
+    let is_plain = |text: &str| !text.is_empty() && !text.contains(['<', '>', '\n']);
+    let is_address = |text: &str| is_plain(text) && text.contains('@') && !text.contains(' ');
+    let is_right = parts.is_some_and(|(name, address)| is_plain(name) && is_address(address));
+    ensure!(is_right, "{maintainer:?} is no NAME <ADDRESS>: set DEBFULLNAME and DEBEMAIL");
+    Ok(maintainer.to_owned())
 }
 
 /// Returns a package with these files. The ones below `etc` keep what an administrator has changed.
@@ -70,8 +103,6 @@ fn archive(members: &[(&str, Vec<u8>)]) -> Result<Vec<u8>> {
 
 #[cfg(test)]
 mod tests {
-    use std::process::Command;
-
     use super::*;
 
     fn example() -> Vec<u8> {
@@ -85,6 +116,7 @@ mod tests {
             package: "raim",
             version: "0.2.0",
             architecture: "amd64",
+            maintainer: "A. Builder <builder@example.org>",
             depends: "libc6 (>= 2.34)",
             summary: "integrity",
             description: &["One line."],
@@ -99,6 +131,16 @@ mod tests {
             example()
                 .starts_with(b"!<arch>\ndebian-binary   0           0     0     100644  4         `\n2.0\n")
         );
+    }
+
+    #[test]
+    fn a_maintainer_is_a_name_and_an_address() {
+        assert_eq!(checked("A. Builder <builder@example.org>").unwrap(), "A. Builder <builder@example.org>");
+        for wrong in
+            ["", "A. Builder", " <builder@example.org>", "A. Builder <>", "A\nX: y <b@c>", "A <b c@d>"]
+        {
+            assert!(checked(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]
@@ -117,6 +159,7 @@ mod tests {
         };
         let about = ask("--info");
         assert!(about.contains("Package: raim") && about.contains("Depends: libc6 (>= 2.34)"), "{about}");
+        assert!(about.contains("Maintainer: A. Builder <builder@example.org>"), "{about}");
         let files = ask("--contents");
         assert!(files.contains("-rwxr-xr-x root/root        10 1970-01-01 00:00 usr/bin/rai"), "{files}");
         assert!(files.contains("etc/rai.toml"), "{files}");

@@ -11,6 +11,12 @@
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
+//! | `x`, `x_k` | position of all satellites, and without those of mode `k` | m |
+//! | `σ_ss,k`, `σ_k` | standard deviations of `x_k − x`, and of `x_k` for integrity | m |
+//! | `b_k`, `p_k` | nominal bias of `x_k`, and prior probability of mode `k`; `k = 0` is no fault | m, – |
+//! | `PHMI`, `PHMI_H`, `PHMI_V` | permitted risk, and its shares ([`Allocation`]) | – |
+//! | `p_new` | prior probability of modes that an exclusion leaves unmonitored | – |
+//! | `options` | number of exclusions that may be tried | – |
 //! | `M` | [`Finding::modes`] | – |
 //! | `P_nm` | [`Finding::unmonitored_probability`] | – |
 //! | `K` | [`Finding::factors`] | – |
@@ -20,20 +26,22 @@
 //!
 //! Three steps: [`modes`] chooses the monitored fault modes, [`subsets`] computes the position
 //! without each mode, [`levels`] sums the risk. After an alarm, exclusions are tried one after
-//! another: satellites, then constellations, in ascending residuals; the first set that agrees is
-//! taken. Every outcome, with or without an exclusion, has its share of the risk, so that the risk
-//! includes a wrong exclusion. An epoch must also pass the global test of
+//! another: satellites, then constellations, in ascending order of the SSE that remains. The first
+//! set that agrees is taken, unless another explains the data as well
+//! ([`AraimOutcome::Ambiguous`]). Every outcome, with or without an exclusion, has its share of the
+//! risk, so that the risk includes a wrong exclusion. An epoch must also pass the global test of
 //! [`super::raim::detection`], which alone sees unmonitored faults.
 //!
-//! Unlike the levels of [`super::raim`], these include noise, several faults and the loss of a
-//! constellation, with the risk accounted for. They are as good as the priors and sigmas that they
-//! are given ([`crate::weighting`]).
+//! Unlike the levels of [`super::raim`], these also cover several faults and the loss of a
+//! constellation, with the risk of each accounted for. They are as good as the priors and sigmas
+//! that they are given ([`crate::weighting`]).
 //!
-//! Cost on a Cortex-M4F in `f32`: some 400 instructions for each monitored mode, tests and levels
-//! together. Bounds dismiss most modes in 150, the others are solved. Nothing is stored for each
-//! mode. Limits: [`ROWS`] rows, [`MAX_MODES`] modes; beyond, [`AraimError`].
+//! Cost on a Cortex-M4F in `f32`: 350 to 1,100 instructions for each monitored mode, tests and
+//! levels together, the more the fewer modes there are. Most modes are dismissed by a bound, at 150
+//! instructions each, and the others are solved. Nothing is stored for each mode. Limits: [`ROWS`]
+//! rows, [`MAX_MODES`] modes; beyond, [`AraimError`].
 //!
-//! References: [Blanch2015], [MAAST], whose choices are taken where the paper leaves one.
+//! References: [Blanch2015]. Where the paper leaves a choice, that of [MAAST] is used.
 //!
 //! [Blanch2015]: crate#references
 //! [MAAST]: crate#references
@@ -65,7 +73,7 @@ use crate::least_squares::{RowFit, Snapshot};
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
-/// Most modes that are monitored at once.
+/// Maximum number of modes that are monitored at once.
 pub const MAX_MODES: usize = 1024;
 
 /// A solved epoch as ARAIM reads it.
@@ -93,7 +101,7 @@ impl<'v, T: Real> View<'v, T> {
     }
 }
 
-/// Integrity data of one satellite beside the sigma of its row.
+/// Integrity data of one satellite, in addition to the sigma of its row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prior<T> {
     /// Standard deviation for accuracy and continuity, m.
@@ -116,7 +124,7 @@ pub struct Priors<'p, T> {
 
 /// Reason why ARAIM gives no result.
 ///
-/// A word in memory, so that the alternative is copied by words.
+/// `repr(u32)`, so that a `Result` with it is copied word by word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -125,7 +133,8 @@ pub enum AraimError {
     Rows,
     /// More modes to monitor than [`MAX_MODES`].
     Modes,
-    /// A probability outside [0, 0.5), or a bias or sigma below 1 mm or above 1000 km.
+    /// A probability outside [0, 0.5), a sigma of a row outside 1 mm to 1000 km, or a bias or an
+    /// accuracy outside 0 to 1000 km.
     Prior,
 }
 
@@ -134,7 +143,7 @@ impl fmt::Display for AraimError {
         formatter.write_str(match self {
             Self::Rows => "rows must be at most 60",
             Self::Modes => "monitored modes must be at most 1024",
-            Self::Prior => "probabilities must be within 0 to 0.5, sigmas and biases within 1 mm to 1000 km",
+            Self::Prior => "probabilities must be at least 0 and below 0.5, sigmas within 1 mm to 1000 km, biases and accuracies within 0 to 1000 km",
         })
     }
 }
@@ -146,7 +155,7 @@ impl core::error::Error for AraimError {}
 pub struct Finding<T> {
     /// Number of monitored modes.
     pub modes: usize,
-    /// Probability of unmonitored faults, those after an exclusion included.
+    /// Probability of unmonitored faults, including modes that an exclusion leaves unmonitored.
     pub unmonitored_probability: T,
     /// Thresholds in units of the separation's sigma, east, north, up.
     pub factors: [T; 3],

@@ -98,7 +98,7 @@ impl Page {
 
     /// Adds a picture in SVG.
     pub fn picture(&mut self, svg: &str) {
-        let _ = writeln!(self.body, "<figure>{}</figure>", scalable(svg));
+        self.figure("", svg);
     }
 
     /// Adds a picture that is drawn for a wide page and for a telephone; the page shows the one
@@ -107,8 +107,7 @@ impl Page {
     /// # Errors
     /// The picture cannot be drawn.
     pub fn drawn(&mut self, width_px: u32, draw: impl Fn(u32) -> Result<String>) -> Result<()> {
-        self.body.push_str(&both(width_px, draw)?);
-        Ok(())
+        self.both(width_px, draw)
     }
 
     /// Adds such pictures side by side, if the page is wide enough.
@@ -118,10 +117,25 @@ impl Page {
     pub fn drawn_beside(&mut self, width_px: u32, draw: &[&dyn Fn(u32) -> Result<String>]) -> Result<()> {
         self.body.push_str("<div class=\"row\">\n");
         for draw in draw {
-            self.body.push_str(&both(width_px, draw)?);
+            self.both(width_px, draw)?;
         }
         self.body.push_str("</div>\n");
         Ok(())
+    }
+
+    /// Adds a picture for a wide page, and another for a telephone.
+    fn both(&mut self, width_px: u32, draw: impl Fn(u32) -> Result<String>) -> Result<()> {
+        for (class, width_px) in [("wide-page", width_px), ("narrow-page", TELEPHONE_PX)] {
+            self.figure(&format!(" class=\"{class}\""), &draw(width_px)?);
+        }
+        Ok(())
+    }
+
+    /// Adds a picture. It is copied once, because pictures are most of the page.
+    fn figure(&mut self, class: &str, svg: &str) {
+        let parts = scalable(svg);
+        self.body.reserve(svg.len() + class.len() + 200);
+        let _ = writeln!(self.body, "<figure{class}>{}{}{}</figure>", parts.0, parts.1, parts.2);
     }
 
     /// Adds HTML as it is.
@@ -175,21 +189,27 @@ impl Page {
     /// # Errors
     /// The folder or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        self.write_with(path, |_| Ok(()))
+        replace(path, |file| {
+            [self.head().as_str(), &self.body, TAIL]
+                .iter()
+                .try_for_each(|part| file.write_all(part.as_bytes()))
+        })
     }
 
-    /// Writes the page, with more HTML at its end that need not be in memory.
+    /// Writes the page, with more HTML at its end. The page is gone before that HTML is made, so
+    /// that both are never in memory together.
     ///
     /// # Errors
     /// The folder or the file cannot be written.
     pub(super) fn write_with(
-        &self,
+        self,
         path: &Path,
         more: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
     ) -> Result<()> {
         replace(path, |file| {
             file.write_all(self.head().as_bytes())?;
             file.write_all(self.body.as_bytes())?;
+            drop(self);
             more(file)?;
             file.write_all(TAIL.as_bytes())
         })
@@ -198,14 +218,6 @@ impl Page {
 
 /// Width of a picture on a telephone, pixels: 390 without the margins of page and picture.
 pub const TELEPHONE_PX: u32 = 346;
-
-/// Returns a picture for a wide page, and another for a telephone.
-fn both(width_px: u32, draw: impl Fn(u32) -> Result<String>) -> Result<String> {
-    let figure = |class, width_px| -> Result<String> {
-        Ok(format!("<figure class=\"{class}\">{}</figure>\n", scalable(&draw(width_px)?)))
-    };
-    Ok(figure("wide-page", width_px)? + &figure("narrow-page", TELEPHONE_PX)?)
-}
 
 /// End of every page.
 const TAIL: &str = "</main>\n</body>\n</html>\n";
@@ -245,22 +257,21 @@ pub(super) fn escaped(words: &str) -> String {
 }
 
 /// Lets a picture shrink with the page: its size in pixels becomes its largest size. It shrinks to
-/// four fifths and no further, so that its words stay legible; a narrower page scrolls it.
-fn scalable(svg: &str) -> String {
+/// four fifths and no further, so that its words stay legible; a narrower page scrolls it. Returns
+/// the parts of the picture, of which the middle one replaces the size.
+fn scalable(svg: &str) -> (&str, String, &str) {
     let size = |name: &str| {
         let (_, rest) = svg.split_once(&format!("{name}=\""))?;
         rest.split_once('"').map(|(size, _)| size)
     };
-    match (size("width"), size("height")) {
-        (Some(width), Some(height)) => {
+    let (width, height) = (size("width").unwrap_or(""), size("height").unwrap_or(""));
+    match svg.split_once(&format!("width=\"{width}\" height=\"{height}\"")) {
+        Some((before, after)) => {
             let least = width.parse::<u32>().unwrap_or(0) * 4 / 5;
-            svg.replacen(
-                &format!("width=\"{width}\" height=\"{height}\""),
-                &format!("style=\"width:100%;max-width:{width}px;min-width:{least}px;height:auto\""),
-                1,
-            )
+            let style = format!("style=\"width:100%;max-width:{width}px;min-width:{least}px;height:auto\"");
+            (before, style, after)
         }
-        _ => svg.to_owned(),
+        None => (svg, String::new(), ""),
     }
 }
 
@@ -314,6 +325,6 @@ mod tests {
     fn picture_scales_with_the_page() {
         let have = scalable("<svg width=\"640\" height=\"520\" viewBox=\"0 0 640 520\"></svg>");
         let want = "<svg style=\"width:100%;max-width:640px;min-width:512px;height:auto\" viewBox=\"0 0 640 520\"></svg>";
-        assert_eq!(have, want);
+        assert_eq!([have.0, &have.1, have.2].concat(), want);
     }
 }

@@ -195,6 +195,8 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
 pub struct Module {
     receiver: Receiver<MemoryPin>,
     watcher: Option<Watcher>,
+    /// Week that the setup names, so that a watcher dates the epochs as the module does.
+    week: Option<u16>,
 }
 
 impl Module {
@@ -210,12 +212,16 @@ impl Module {
             receiver.command(command(body).as_bytes(), &mut answers);
         }
         check_answers(setup, &sentence::sentences(&answers)?)?;
-        Ok(Self { receiver, watcher: None })
+        let week = setup.iter().find_map(|body| body.strip_prefix("WEEK,")?.parse().ok());
+        Ok(Self { receiver, watcher: None, week })
     }
 
     /// Lets the module be watched.
     pub fn watch(&mut self) {
-        self.watcher.get_or_insert_default();
+        let watcher = self.watcher.get_or_insert_default();
+        if let Some(week) = self.week {
+            watcher.assume(week);
+        }
     }
 
     /// Returns the settings in force.
@@ -225,7 +231,7 @@ impl Module {
 
     /// Returns the view of the epoch to which `said` belongs, if the module is watched.
     pub fn view(&mut self, said: &str) -> Option<View> {
-        let Self { receiver, watcher } = self;
+        let Self { receiver, watcher, .. } = self;
         let watcher = watcher.as_mut()?;
         last_state(said)?;
         Some(watcher.view(receiver))

@@ -1,10 +1,10 @@
 //! Pages of navigation messages, collected until they are a complete ephemeris.
 //!
 //! Each satellite's message has a slot until its set is complete. Slots are few: all sets but the
-//! ten pages of a geostationary `BeiDou` satellite fit into [`SMALL_BYTES`]. Larger sets share a few
-//! large slots, so that only few satellites may send such a message. A slot is free after its set was read. It is also free if no page came for
-//! [`ABANDONED_MS`]; its pages are then discarded, so that a returning satellite does not mix new
-//! pages with old ones.
+//! ten pages of a geostationary `BeiDou` satellite fit into [`SMALL_BYTES`]. Larger sets share a
+//! few large slots, so that only few satellites may send such a message. A slot is free after its
+//! set was read. It is also free if no page came for [`ABANDONED_MS`]; its pages are then
+//! discarded, so that a returning satellite does not mix new pages with old ones.
 //!
 //! Slots for 48 satellites and 8 geostationary ones take 6.5 KiB. If there is no slot for a page,
 //! it is dropped and counted. The satellite repeats it half a minute later, when other sets are

@@ -1,5 +1,6 @@
 //! Streams of RTCM: valid ones give the sent values, invalid ones only a named counter.
 
+mod astray;
 mod ephemerides;
 mod epochs;
 mod frames;

@@ -154,9 +154,13 @@ fn settle(look: fn() -> Machine) -> anyhow::Result<()> {
 const PYTHON_PACKAGES: [&str; 8] =
     ["pynmea2", "pymavlink", "pyubx2", "labwired==0.25.0", "numpy", "pandas", "nbconvert", "ipykernel"];
 
-/// Installs the programs that tests compare the module with: gpsd, chrony, socat, RTKLIB's
-/// `convbin`, and packages of Python in a folder of their own below `target`. Nothing but these
-/// tests needs them.
+/// Programs of the system's packages for these tests, as they are called.
+const CONSUMER_PROGRAMS: [&str; 7] =
+    ["gpsd", "chronyd", "socat", "convbin", "cmake", "pkg-config", "python3"];
+
+/// Installs the programs that tests compare the module with or build it by: gpsd, chrony, socat,
+/// RTKLIB's `convbin`, CMake, the C compiler for the chip with its C library, and packages of
+/// Python in a folder of their own below `target`. Nothing but these tests needs them.
 ///
 /// # Errors
 /// As [`ensure()`].
@@ -164,7 +168,7 @@ pub fn consumers() -> anyhow::Result<()> {
     let python = python_of_consumers();
     let (folder, python) = (root().join("target/consumers"), python.display().to_string());
     let folder = folder.display().to_string();
-    if !["gpsd", "chronyd", "socat", "convbin", "python3"].into_iter().all(on_path) {
+    if !CONSUMER_PROGRAMS.into_iter().all(on_path) || !can_compile_peers() {
         take_all(&install(&CONSUMERS, Packages::look()))?;
     }
     run(&["python3", "-m", "venv", &folder])?;

@@ -46,11 +46,22 @@ pub(super) const C_COMPILER: Package = Package {
 };
 
 pub(super) const CONSUMERS: Package = Package {
-    debian: &["gpsd", "chrony", "socat", "rtklib", "python3-venv"],
+    debian: &[
+        "gpsd",
+        "chrony",
+        "socat",
+        "rtklib",
+        "cmake",
+        "pkg-config",
+        "gcc-arm-none-eabi",
+        "libnewlib-arm-none-eabi",
+        "python3-venv",
+    ],
     brew: None,
     command: "sudo apt-get update && sudo apt-get install --no-remove --no-install-recommends \
-              gpsd chrony socat rtklib python3-venv",
-    words: "install gpsd, chrony, socat, RTKLIB (for convbin) and Python with venv",
+              gpsd chrony socat rtklib cmake pkg-config gcc-arm-none-eabi libnewlib-arm-none-eabi python3-venv",
+    words: "install gpsd, chrony, socat, RTKLIB (for convbin), CMake, pkg-config, GCC for bare Arm with newlib, and \
+            Python with venv",
 };
 
 pub(super) const PEERS: Package = Package {

@@ -1,5 +1,6 @@
 //! Captures from before the week cycle of 2019, with their own date.
 
+use raim::replay::host::Playback;
 use raim::replay::{self, Pace, Window};
 use raim::signal::capture::{self, Capture};
 use raim::signal::encode::{Encoder, Frequency, Selection, StatedWeek};
@@ -65,4 +66,39 @@ fn real_capture_of_2012_is_dated_2012() {
     let capture = Capture::of(capture::read(path.to_str().unwrap(), f64::INFINITY).unwrap(), None).unwrap();
     // It goes on over midnight.
     assert_eq!(dates(&capture), ["131012", "141012"]);
+}
+
+#[test]
+fn table_of_satellites_has_the_date_of_the_capture() {
+    let capture = Capture::of(bytes("G", 1709, 3600.0, StatedWeek::Transmission), None).unwrap();
+    let prepared = capture.lumps(&[], &Window::ALL).unwrap();
+    let setup = [format!("WEEK,{}", prepared.week.unwrap())];
+    let lumps = prepared.lumps.iter().cloned().map(Ok);
+    let mut playback = Playback::start(lumps, &setup, Pace::Recorded).unwrap();
+    playback.watch();
+    let mut weeks = std::collections::BTreeSet::new();
+    while let Some((_, said)) = playback.advance().unwrap() {
+        weeks.extend(said.view.and_then(|view| view.time).map(|time| time.week));
+    }
+    assert_eq!(weeks.into_iter().collect::<Vec<_>>(), [1709]);
+}
+
+/// Degrees of latitude and longitude of the station GMSD in its site log: 30°33'23" N, 131°0'56" E.
+const GMSD_DEG: [f64; 2] = [30.5564, 131.0156];
+
+#[test]
+fn station_that_tags_beidou_with_gps_time_gets_its_position() {
+    let Some(path) = shared::path_or_skip("data/real/gmsd7_2012.rtcm3.gz") else { return };
+    let capture = Capture::of(capture::read(path.to_str().unwrap(), f64::INFINITY).unwrap(), None).unwrap();
+    let prepared = capture.lumps(&[], &Window::ALL).unwrap();
+    let setup = [format!("WEEK,{}", prepared.week.unwrap())];
+    let run = replay::on_host(&prepared.lumps, &setup, Pace::Recorded, |_| ()).unwrap();
+    // The last minute has ephemerides of four satellites of GPS.
+    let places: Vec<_> = run.said.iter().filter_map(|said| said.output().unwrap()?.position).collect();
+    assert!(places.len() >= 60, "{} positions", places.len());
+    for place in places {
+        let found = [place.latitude_rad, place.longitude_rad].map(f64::to_degrees);
+        let off = [found[0] - GMSD_DEG[0], found[1] - GMSD_DEG[1]].map(f64::abs);
+        assert!(off.iter().all(|&off| off < 0.0005), "{found:?}");
+    }
 }

@@ -45,13 +45,16 @@ pub(super) fn value(code: i16) -> Option<f64> {
 ///
 /// # Errors
 /// The writer's own.
-pub(super) fn base64(bytes: &[u8], out: &mut impl Write) -> io::Result<()> {
+pub(super) fn base64(bytes: impl IntoIterator<Item = u8>, out: &mut impl Write) -> io::Result<()> {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for group in bytes.chunks(3) {
-        let part = |index: usize| u32::from(group.get(index).copied().unwrap_or(0));
-        let bits = part(0) << 16 | part(1) << 8 | part(2);
+    let mut bytes = bytes.into_iter();
+    while let Some(first) = bytes.next() {
+        let (second, third) = (bytes.next(), bytes.next());
+        let rest = [second, third].map(|byte| u32::from(byte.unwrap_or(0)));
+        let bits = u32::from(first) << 16 | rest[0] << 8 | rest[1];
+        let known = 1 + second.iter().chain(&third).count();
         let letter = |index: usize| {
-            if index <= group.len() { LETTERS[(bits >> (18 - 6 * index) & 63) as usize] } else { b'=' }
+            if index <= known { LETTERS[(bits >> (18 - 6 * index) & 63) as usize] } else { b'=' }
         };
         out.write_all(&[0, 1, 2, 3].map(letter))?;
     }
@@ -69,7 +72,7 @@ mod tests {
             [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")]
         {
             let mut have = Vec::new();
-            base64(bytes.as_bytes(), &mut have).unwrap();
+            base64(bytes.bytes(), &mut have).unwrap();
             assert_eq!(have, want.as_bytes());
         }
     }

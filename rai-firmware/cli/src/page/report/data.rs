@@ -78,68 +78,67 @@ pub(super) fn scale(journal: &Journal) -> &'static str {
     }
 }
 
-/// Appends a column with a comma behind it: one value if all are equal, else all of them.
+/// Appends a column with a comma behind it: one value if all are equal, else all of them. The
+/// values are read twice and never copied, because a day has many.
 fn column<T: PartialEq + Copy, const N: usize>(
     out: &mut impl Write,
     name: &str,
-    values: &[T],
+    values: impl Iterator<Item = T> + Clone,
     bytes: impl Fn(T) -> [u8; N],
 ) -> io::Result<()> {
+    let mut others = values.clone();
+    let is_one = others.next().is_some_and(|first| others.all(|value| value == first));
+    let count = if is_one { 1 } else { usize::MAX };
     write!(out, "\"{name}\":\"")?;
-    let is_one = values.first().is_some_and(|first| values.iter().all(|value| value == first));
-    let values = if is_one { &values[..1] } else { values };
-    let all: Vec<u8> = values.iter().flat_map(|value| bytes(*value)).collect();
-    base64(&all, out)?;
+    base64(values.take(count).flat_map(bytes), out)?;
     write!(out, "\",")
 }
 
 fn columns(journal: &Journal, out: &mut impl Write) -> io::Result<()> {
     let (buckets, is_thinned) = (&journal.epochs.buckets, journal.epochs.stretch > 1);
-    let codes = |pick: &dyn Fn(&Bucket) -> i16| -> Vec<i16> { buckets.iter().map(pick).collect() };
-    let small = |pick: fn(&Bucket) -> u8| -> Vec<u8> { buckets.iter().map(pick).collect() };
     for (index, name) in CURVES.iter().enumerate() {
-        column(out, name, &codes(&|bucket| bucket.low[index]), i16::to_le_bytes)?;
+        column(out, name, buckets.iter().map(|bucket| bucket.low[index]), i16::to_le_bytes)?;
         if is_thinned {
-            let high: Vec<i16> = journal.epochs.high.iter().map(|codes| codes[index]).collect();
-            column(out, &format!("{name}+"), &high, i16::to_le_bytes)?;
+            let high = journal.epochs.high.iter().map(|codes| codes[index]);
+            column(out, &format!("{name}+"), high, i16::to_le_bytes)?;
         }
     }
     for (index, name) in VALUES.iter().enumerate() {
         // Bits, because NaN is not equal to itself.
-        let bits: Vec<u32> = buckets.iter().map(|bucket| bucket.values[index].to_bits()).collect();
-        column(out, name, &bits, u32::to_le_bytes)?;
+        let bits = buckets.iter().map(|bucket| bucket.values[index].to_bits());
+        column(out, name, bits, u32::to_le_bytes)?;
     }
-    column(out, "reason", &small(|bucket| bucket.reason), |byte| [byte])?;
-    column(out, "severity", &small(|bucket| bucket.severity), |byte| [byte])?;
-    column(out, "pin", &small(|bucket| bucket.pin), |byte| [byte])?;
-    column(out, "used", &small(|bucket| bucket.used), |byte| [byte])?;
-    column(out, "excluded", &small(|bucket| bucket.excluded), |byte| [byte])?;
+    let small: [(&str, fn(&Bucket) -> u8); 5] = [
+        ("reason", |bucket| bucket.reason),
+        ("severity", |bucket| bucket.severity),
+        ("pin", |bucket| bucket.pin),
+        ("used", |bucket| bucket.used),
+        ("excluded", |bucket| bucket.excluded),
+    ];
+    for (name, pick) in small {
+        column(out, name, buckets.iter().map(pick), |byte| [byte])?;
+    }
     // Times are never all equal, and end the object without a comma.
     write!(out, "\"t\":\"")?;
-    base64(&bytes_of(buckets.iter().map(|bucket| bucket.first_ms)), out)?;
+    base64(buckets.iter().flat_map(|bucket| bucket.first_ms.to_le_bytes()), out)?;
     write!(out, "\"")
-}
-
-fn bytes_of(numbers: impl Iterator<Item = u32>) -> Vec<u8> {
-    numbers.flat_map(u32::to_le_bytes).collect()
 }
 
 /// Appends the times of the satellites' buckets, and the satellites.
 fn satellites(journal: &Journal, out: &mut impl Write) -> io::Result<()> {
-    base64(&bytes_of(journal.satellites.times_ms.iter().copied()), out)?;
+    base64(journal.satellites.times_ms.iter().flat_map(|time_ms| time_ms.to_le_bytes()), out)?;
     write!(out, "\",\"sats\":[")?;
     for (index, (satellite, known)) in journal.satellites.all.iter().enumerate() {
         write!(out, "{}{{\"n\":\"{satellite}\",\"b\":\"", if index > 0 { "," } else { "" })?;
-        base64(&packed(known), out)?;
+        base64(packed(known), out)?;
         write!(out, "\"}}")?;
     }
     Ok(())
 }
 
 /// Returns the columns of a track one after the other, those of 16 bits first.
-fn packed(satellite: &Satellite) -> Vec<u8> {
-    let track = &satellite.track;
-    let wide: [fn(&Spot) -> i16; 7] = [
+fn packed(satellite: &Satellite) -> impl Iterator<Item = u8> {
+    const WIDE: [fn(&Spot) -> i16; 7] = [
         |spot| spot.bucket as i16,
         |spot| spot.residual[0],
         |spot| spot.residual[1],
@@ -148,8 +147,8 @@ fn packed(satellite: &Satellite) -> Vec<u8> {
         |spot| spot.direction[0],
         |spot| spot.direction[1],
     ];
-    let small: [fn(&Spot) -> u8; 3] = [|spot| spot.cn0[0], |spot| spot.cn0[1], |spot| spot.fate];
-    let of_wide = wide.iter().flat_map(|pick| track.iter().flat_map(move |spot| pick(spot).to_le_bytes()));
-    let of_small = small.iter().flat_map(|pick| track.iter().map(pick));
-    of_wide.chain(of_small).collect()
+    const SMALL: [fn(&Spot) -> u8; 3] = [|spot| spot.cn0[0], |spot| spot.cn0[1], |spot| spot.fate];
+    let track = &satellite.track;
+    let of_wide = WIDE.iter().flat_map(|pick| track.iter().flat_map(move |spot| pick(spot).to_le_bytes()));
+    of_wide.chain(SMALL.iter().flat_map(|pick| track.iter().map(pick)))
 }

@@ -16,8 +16,9 @@ use crate::satellites::Fate;
 /// Height of a chart, pixels.
 pub(super) const HEIGHT_PX: u32 = 280;
 
-/// Largest number of points of a satellite's line.
-const POINTS: usize = 200;
+/// Largest number of points of a chart's lines together. A day has more satellites than an hour,
+/// each in sight for a shorter part, and its charts are no larger.
+const POINTS: usize = 6000;
 
 /// Draws the satellites in the sky, each at its last place.
 pub(super) fn sky(journal: &Journal, facts: &Facts, width_px: u32) -> Result<String> {
@@ -114,11 +115,12 @@ fn chart(
         let time_ms = journal.satellites.times_ms.get(spot.bucket as usize);
         time_ms.map_or(f64::NAN, |time_ms| f64::from(*time_ms) * 1e-3)
     };
+    let spots: usize = journal.satellites.all.values().map(|known| known.track.len()).sum();
+    let every = spots / POINTS + 1;
     let mut series = Vec::new();
     for system in Constellation::ALL {
         let of_system = journal.satellites.all.iter().filter(|(one, _)| one.constellation() == system);
         for (index, (_, known)) in of_system.enumerate() {
-            let every = known.track.len() / POINTS + 1;
             let mut points: Vec<(f64, f64)> = Vec::new();
             let mut before = None;
             for spot in known.track.iter().step_by(every) {

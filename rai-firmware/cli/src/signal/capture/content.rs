@@ -137,7 +137,7 @@ impl Content {
             used.iter().filter(|system| without(system)).map(|system| name(*system)).collect();
         (!systems.is_empty()).then(|| {
             format!(
-                "{} without ephemerides take no part: switch RXM-SFRBX or the ephemerides of RTCM on, or give --nav",
+                "satellites of {} have no ephemerides and are not used: enable RXM-SFRBX or the ephemerides of RTCM, or give --nav",
                 systems.join(" and ")
             )
         })

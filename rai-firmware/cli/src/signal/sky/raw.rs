@@ -121,7 +121,7 @@ impl Simulation {
     /// Records the sky.
     pub fn record(&self) -> Recording {
         Recording {
-            epochs: self.raw_epochs(),
+            epochs: self.epochs().collect(),
             ephemerides: self.ephemerides(),
             klobuchar: None,
             skipped: Skipped::default(),
@@ -135,7 +135,8 @@ impl Simulation {
         sights(&self.satellites, &self.site, t_s, self.mask_rad)
     }
 
-    fn ephemerides(&self) -> Vec<TimedEphemeris> {
+    /// Returns the ephemerides that the satellites broadcast meanwhile.
+    pub fn ephemerides(&self) -> Vec<TimedEphemeris> {
         let first = (self.start_s / RENEWAL_S).floor() as u32;
         let end_s = self.start_s + f64::from(self.epochs) * self.step_s;
         let last = (end_s / RENEWAL_S).floor() as u32 + 1;
@@ -149,12 +150,13 @@ impl Simulation {
         (first..=last).flat_map(of_hour).collect()
     }
 
-    fn raw_epochs(&self) -> Vec<MeasuredEpoch> {
+    /// Returns the epochs one by one, for recordings of any length.
+    pub fn epochs(&self) -> impl Iterator<Item = MeasuredEpoch> + '_ {
         const CLOCK_AT_START_S: f64 = 5e-5;
         let noise = Noise::new(self.seed);
         let mut clock =
             ReceiverClock::new(self.oscillator, self.step_s, CLOCK_AT_START_S, self.seed ^ u64::MAX);
-        let mut raw_epoch = |epoch: u32| {
+        (0..self.epochs).map(move |epoch| {
             let tag_s = self.start_s + f64::from(epoch) * self.step_s;
             let clock_s = clock.advance();
             let seen = sights(&self.satellites, &self.site, tag_s - clock_s, self.mask_rad);
@@ -162,8 +164,7 @@ impl Simulation {
             let raw =
                 |sight: &Sight| self.raw_satellite(sight, (clock_s, drift_m_s), &noise, u64::from(epoch));
             MeasuredEpoch { time: self.time_at(tag_s), satellites: seen.iter().filter_map(raw).collect() }
-        };
-        (0..self.epochs).map(&mut raw_epoch).collect()
+        })
     }
 
     fn time_at(&self, t_s: f64) -> GpsTime {
