@@ -60,7 +60,7 @@ fn misleads(report: &Report<CAPACITY>) -> bool {
 
 /// Results of a campaign.
 #[derive(Debug, Default)]
-struct Tally {
+struct Misled {
     /// Beyond the level although two satellites or more were left out.
     wrong_sets: usize,
     /// Beyond the level, one satellite or none being taken for faulty.
@@ -69,8 +69,8 @@ struct Tally {
     solved: usize,
 }
 
-fn campaign(method: Method, count: usize, systems: usize) -> Tally {
-    let mut tally = Tally::default();
+fn campaign(method: Method, count: usize, systems: usize) -> Misled {
+    let mut tally = Misled::default();
     for seed in 0..SKIES {
         let report = judged(method, &sky(count, systems, seed));
         let (misleads, excluded) = (misleads(&report), report.excluded.len());

@@ -55,6 +55,7 @@
 //! | `RTCM-10403.3` | RTCM SC104, *Differential GNSS Services, Version 3*, with amendments, 2016 |
 //! | `UBX-F9` | see the crate [`raim_firmware`] |
 
+pub mod outcomes;
 pub mod satellites;
 pub mod sentence;
 pub mod signal;

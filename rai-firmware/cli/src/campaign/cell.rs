@@ -13,7 +13,7 @@ use super::errors::{CAPACITY, ErrorModel, Seen, epoch, seen};
 use super::place::Place;
 use super::sky::Heaven;
 use super::spec::FaultSpec;
-use super::tally::Tally;
+use super::statistics::CellStatistics;
 use crate::signal::sky::{Noise, Site};
 
 /// A method under its policy and its levels.
@@ -60,8 +60,8 @@ pub struct Bench<'b> {
 }
 
 impl Bench<'_> {
-    /// Returns a tally for each fault and judge, in this order.
-    pub fn judge(&self, faults: &[FaultSpec], judges: &[Judge]) -> Vec<Tally> {
+    /// Returns the statistics of each fault and judge, in this order.
+    pub fn judge(&self, faults: &[FaultSpec], judges: &[Judge]) -> Vec<CellStatistics> {
         let site = self.place.site();
         let noise = Noise::new(self.seed);
         let mut monitors: Vec<_> = judges
@@ -72,28 +72,29 @@ impl Bench<'_> {
                 monitor
             })
             .collect();
-        let mut tallies = vec![Tally::default(); faults.len() * judges.len()];
+        let mut statistics = vec![CellStatistics::default(); faults.len() * judges.len()];
         for (index, (time_s, heaven)) in (0_u64..).zip(self.instants) {
             if self.place.time_s.is_some_and(|only_s| only_s.to_bits() != time_s.to_bits()) {
                 continue;
             }
             let seen = seen(heaven, &site, self.mask_deg, self.model, (&noise, self.noise, index));
-            let rows = tallies.chunks_exact_mut(judges.len());
-            for (number, (fault, tallies)) in (0_u64..).zip(faults.iter().zip(rows)) {
+            let rows = statistics.chunks_exact_mut(judges.len());
+            for (number, (fault, statistics)) in (0_u64..).zip(faults.iter().zip(rows)) {
                 for befallen in befallen(fault, &seen, self.seed, index << 8 | number) {
-                    for ((judge, monitor), tally) in judges.iter().zip(&mut monitors).zip(&mut *tallies) {
+                    for ((judge, monitor), of_judge) in judges.iter().zip(&mut monitors).zip(&mut *statistics)
+                    {
                         let epoch = epoch(&seen, self.model, &judge.configuration, *time_s, |one| {
                             befallen.adds_m(one)
                         });
                         monitor.start_from(site.position);
                         let report = monitor.process(&epoch);
                         let error = error(&site, &report);
-                        tally.add(&report, error, &judge.configuration.requirements());
+                        of_judge.add(&report, error, &judge.configuration.requirements());
                     }
                 }
             }
         }
-        tallies
+        statistics
     }
 }
 

@@ -13,7 +13,7 @@
 //! | [`place`] | points, a track, a grid over the globe |
 //! | [`errors`] | sigmas, and the ranges of an epoch |
 //! | [`cell`] | one place under one sky, judged by every method |
-//! | [`tally`] | outcomes of its epochs |
+//! | [`statistics`] | outcomes, levels and errors of its epochs |
 //! | [`table`] | rows as text: written in order, read again, merged |
 //! | [`run`] | all cells or a share of them, from the beginning or from an interrupted run |
 //! | [`picture`], [`map`], [`curve`], [`page`] | pictures of a table |
@@ -38,8 +38,8 @@ pub mod place;
 pub mod run;
 pub mod sky;
 pub mod spec;
+pub mod statistics;
 pub mod table;
-pub mod tally;
 mod world;
 
 pub use page::write_report;

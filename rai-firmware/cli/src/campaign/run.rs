@@ -197,10 +197,10 @@ impl Campaign {
             // The noise is the same under every sky, mask and error model.
             seed: self.spec.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ place as u64,
         };
-        let tallies = bench.judge(&self.spec.faults, &self.judges);
+        let statistics = bench.judge(&self.spec.faults, &self.judges);
         let cases =
             self.spec.faults.iter().flat_map(|fault| self.judges.iter().map(move |judge| (fault, judge)));
-        let row = |((fault, judge), tally): (_, super::tally::Tally)| {
+        let row = |((fault, judge), of_judge): (_, super::statistics::CellStatistics)| {
             let (fault, judge): (&FaultSpec, &Judge) = (fault, judge);
             let Place { name, latitude_deg, longitude_deg, height_m, .. } = site;
             format!(
@@ -209,10 +209,10 @@ impl Campaign {
                 self.spec.errors[errors].name,
                 fault.name(),
                 judge.words.join(","),
-                tally.cells()
+                of_judge.cells()
             )
         };
-        cases.zip(tallies).map(row).collect()
+        cases.zip(statistics).map(row).collect()
     }
 }
 

@@ -14,9 +14,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail, ensure};
 
-use super::tally;
+use super::statistics;
 
-/// Columns before those of a tally.
+/// Columns before those of the statistics.
 const KEYS: [&str; 12] = [
     "cell", "sky", "mask_deg", "errors", "fault", "method", "policy", "levels", "place", "lat_deg",
     "lon_deg", "height_m",
@@ -75,7 +75,7 @@ impl Identity {
 }
 
 fn columns() -> Vec<&'static str> {
-    KEYS.into_iter().chain(tally::COLUMNS).collect()
+    KEYS.into_iter().chain(statistics::COLUMNS).collect()
 }
 
 /// A row that was read.

@@ -6,7 +6,7 @@ use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 use super::page::About;
-use super::{Moment, Report, Rows, Said, Summary, Tally, Truth};
+use super::{Moment, Report, Rows, RunningSummary, Said, Summary, Truth};
 use crate::satellites;
 use crate::signal::fault::Fault;
 use crate::signal::lump::Lump;
@@ -16,7 +16,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 /// Outputs of the epochs.
 pub(super) struct Sink<'a> {
     truth: Option<&'a Truth>,
-    tally: Tally,
+    summary: RunningSummary,
     bar: ProgressBar,
     rows: Option<(&'a Path, Rows<BufWriter<File>>)>,
     sentences: Option<Copy<'a>>,
@@ -64,7 +64,7 @@ impl<'a> Sink<'a> {
         let bar = ProgressBar::new_spinner().with_message(place);
         Ok(Self {
             truth,
-            tally: Tally::new(faults, truth.is_some()),
+            summary: RunningSummary::new(faults, truth.is_some()),
             bar: style.map(|style| bar.clone().with_style(style)).unwrap_or(bar),
             rows: rows.transpose()?,
             sentences: wanted.sentences.map(Copy::open).transpose()?,
@@ -78,7 +78,7 @@ impl<'a> Sink<'a> {
     pub(super) fn take(&mut self, played: Result<Option<(Lump, Said)>>) -> Result<Option<Lump>> {
         let Some((lump, said)) = played? else { return Ok(None) };
         let moment = Moment::of(&lump, &said, self.truth)?;
-        self.tally.count(&moment);
+        self.summary.count(&moment);
         if let Some((path, rows)) = &mut self.rows {
             rows.write(&moment).with_context(|| cannot_write(path))?;
         }
@@ -103,7 +103,7 @@ impl<'a> Sink<'a> {
 
     /// Returns the summary of the epochs so far.
     pub(super) fn summary(&self) -> Summary {
-        self.tally.summary()
+        self.summary.summary()
     }
 
     /// Completes the files.

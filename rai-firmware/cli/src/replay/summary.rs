@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::quantiles::Quantiles;
 use super::track::{Moment, Track};
+use crate::outcomes::{Outcome, Outcomes};
 use crate::signal::fault::{Fault, Kind};
 use crate::signal::recording::Skipped;
 
@@ -96,19 +97,21 @@ pub struct Injected {
 impl Summary {
     /// Summarises a run; `has_truth` is true if the position of the antenna is known.
     pub fn of(track: &Track, faults: &[Fault], has_truth: bool) -> Self {
-        let mut tally = Tally::new(faults, has_truth);
+        let mut running = RunningSummary::new(faults, has_truth);
         for moment in track {
-            tally.count(moment);
+            running.count(moment);
         }
-        tally.summary()
+        running.summary()
     }
 }
 
 /// Summary that grows epoch by epoch. Its memory does not grow with the run, except for the
 /// quantiles up to their bound.
 #[derive(Clone, Debug)]
-pub struct Tally {
+pub struct RunningSummary {
     summary: Summary,
+    outcomes: Outcomes,
+    has_truth: bool,
     horizontal: Quantiles,
     vertical: Quantiles,
     hpl: Quantiles,
@@ -118,13 +121,14 @@ pub struct Tally {
     faults: Vec<Fault>,
 }
 
-impl Tally {
-    /// Returns the tally of no epoch; `has_truth` is true if the position of the antenna is known.
+impl RunningSummary {
+    /// Returns the summary of no epoch; `has_truth` is true if the position of the antenna is known.
     pub fn new(faults: &[Fault], has_truth: bool) -> Self {
-        let judged = has_truth.then_some(0);
         let injected = faults.iter().map(Injected::of).collect();
         Self {
-            summary: Summary { misleading: judged, hazardous: judged, injected, ..Summary::default() },
+            summary: Summary { injected, ..Summary::default() },
+            outcomes: Outcomes::default(),
+            has_truth,
             horizontal: Quantiles::default(),
             vertical: Quantiles::default(),
             hpl: Quantiles::default(),
@@ -137,6 +141,9 @@ impl Tally {
     /// Counts an epoch.
     pub fn count(&mut self, moment: &Moment) {
         self.summary.count(moment);
+        if let Some(outcome) = outcome(moment) {
+            self.outcomes.add(outcome);
+        }
         for (injected, fault) in self.summary.injected.iter_mut().zip(&self.faults) {
             if fault.is_active(moment.elapsed_s) {
                 injected.count(fault, &self.faults, moment);
@@ -162,7 +169,13 @@ impl Tally {
     /// Returns the summary of the epochs.
     pub fn summary(&self) -> Summary {
         let Self { horizontal, vertical, hpl, vpl, .. } = self;
+        let Outcomes { promised, alerts, unavailable, misleading, hazardous } = self.outcomes;
         Summary {
+            protected: promised,
+            alerts,
+            unavailable,
+            misleading: self.has_truth.then_some(misleading),
+            hazardous: self.has_truth.then_some(hazardous),
             horizontal_rms_m: horizontal.rms(),
             vertical_rms_m: vertical.rms(),
             horizontal_p95_m: horizontal.quantile(0.95),
@@ -188,23 +201,27 @@ impl Summary {
         let Some(output) = &moment.output else { return };
         let state = &output.state;
         self.fixes += usize::from(output.position.is_some());
-        match state.state {
-            'P' => self.protected += 1,
-            'A' => self.alerts += 1,
-            _ => self.unavailable += 1,
-        }
         *self.by_reason.entry(state.reason.clone()).or_default() += 1;
         for excluded in &output.excluded {
             *self.excluded.entry(excluded.satellite.to_string()).or_default() += 1;
         }
-        if let Some(error) = protected_error(moment) {
-            let add =
-                |count: &mut Option<usize>, is: bool| *count = count.map(|count| count + usize::from(is));
-            let error_m = [error.horizontal(), error.up.abs()];
-            add(&mut self.misleading, state.is_misleading(error_m));
-            add(&mut self.hazardous, state.is_hazardous(error_m));
-        }
     }
+}
+
+/// Returns the outcome of an epoch; `None` without a report. Without an error no promise is broken.
+fn outcome(moment: &Moment) -> Option<Outcome> {
+    let state = &moment.output.as_ref()?.state;
+    Some(match state.state {
+        'P' => {
+            let error_m = moment.error.map(|error| [error.horizontal(), error.up.abs()]);
+            Outcome::Promised {
+                is_misleading: error_m.is_some_and(|error_m| state.is_misleading(error_m)),
+                is_hazardous: error_m.is_some_and(|error_m| state.is_hazardous(error_m)),
+            }
+        }
+        'A' => Outcome::Alert,
+        _ => Outcome::Unavailable,
+    })
 }
 
 /// Returns the error of a protected position.

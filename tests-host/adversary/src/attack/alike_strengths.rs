@@ -63,11 +63,11 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
             }
             during.add_all(&seen);
         }
-        figures.push(Figure::at_least("promised before", before.promised as f64, BEFORE as f64));
+        figures.push(Figure::at_least("promised before", before.outcomes.promised as f64, BEFORE as f64));
         if is_suspected {
             figures.push(Figure::at_most("s to `SPOOFED` beside a suspicion", alert_s, 11.0));
         } else {
-            let promised = during.promised as f64;
+            let promised = during.outcomes.promised as f64;
             figures.push(Figure::at_least("promised without a suspicion", promised, DURING as f64));
         }
     }

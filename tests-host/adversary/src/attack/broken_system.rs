@@ -58,13 +58,16 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
             Ok(tallies.iter().fold(Tally::default(), Tally::with))
         };
         let without = all(Fault::Absent)?;
-        figures.push(Figure::plain(format!("{method}: promised without BeiDou"), without.promised as f64));
+        figures.push(Figure::plain(
+            format!("{method}: promised without BeiDou"),
+            without.outcomes.promised as f64,
+        ));
         for fault in [Fault::Orbits, Fault::Jumps] {
             let tally = all(fault)?;
-            let share = tally.promised as f64 / without.promised.max(1) as f64;
+            let share = tally.outcomes.promised as f64 / without.outcomes.promised.max(1) as f64;
             figures.push(Figure::at_least(format!("{fault:?}: share of it"), share, KEPT));
-            figures.push(Figure::at_most("beyond their level", tally.misleading as f64, 0.0));
-            figures.push(Figure::plain("alerts", tally.alerts as f64));
+            figures.push(Figure::at_most("beyond their level", tally.outcomes.misleading as f64, 0.0));
+            figures.push(Figure::plain("alerts", tally.outcomes.alerts as f64));
         }
     }
     Ok(figures)

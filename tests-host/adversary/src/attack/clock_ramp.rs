@@ -41,8 +41,12 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
                 .collect::<Result<_>>()?;
             let tally = tallies.iter().fold(Tally::default(), Tally::with);
             let what = format!("{count} of {} systems", systems.len());
-            figures.push(Figure::plain(format!("protected with {what}"), tally.promised as f64));
-            figures.push(Figure::at_most(format!("beyond with {what}"), tally.misleading as f64, 0.0));
+            figures.push(Figure::plain(format!("protected with {what}"), tally.outcomes.promised as f64));
+            figures.push(Figure::at_most(
+                format!("beyond with {what}"),
+                tally.outcomes.misleading as f64,
+                0.0,
+            ));
         }
     }
     Ok(figures)

@@ -130,7 +130,7 @@ fn figures_of(
         tally.add_all(&seen);
     }
     let mut figures = tally.figures(0.0);
-    figures.push(Figure::at_most("alerts", tally.alerts as f64, 0.0));
+    figures.push(Figure::at_most("alerts", tally.outcomes.alerts as f64, 0.0));
     figures.push(Figure::at_most("satellites left out", tally.left_out as f64, 0.0));
     let wanted = wanted as f64 * share;
     figures.push(Figure::at_least("satellites used, all epochs added", used as f64, wanted.round()));

@@ -44,7 +44,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         tally = tally.with(&attempt(seed)?);
     }
     let mut figures = tally.figures(0.0);
-    figures.push(Figure::plain("alerts", tally.alerts as f64));
+    figures.push(Figure::plain("alerts", tally.outcomes.alerts as f64));
     Ok(figures)
 }
 
@@ -79,9 +79,14 @@ fn afterwards(effort: Effort) -> Result<Vec<Figure>> {
             tally.add_all(&victim.hear(&falsely(HEALTHY + gap_s)?, sky.truth)?);
         }
     }
-    let figure =
-        |what: &str, tally: &Tally| Figure::at_most(format!("promised {what}"), tally.promised as f64, 0.0);
-    let epochs = Figure::at_least("epochs", (silent.epochs + forgotten.epochs) as f64, f64::from(4 * draws));
+    let figure = |what: &str, tally: &Tally| {
+        Figure::at_most(format!("promised {what}"), tally.outcomes.promised as f64, 0.0)
+    };
+    let epochs = Figure::at_least(
+        "epochs",
+        (silent.outcomes.epochs() + forgotten.outcomes.epochs()) as f64,
+        f64::from(4 * draws),
+    );
     Ok(vec![figure("after a silence", &silent), figure("after FORGET", &forgotten), epochs])
 }
 

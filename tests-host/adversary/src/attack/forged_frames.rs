@@ -87,8 +87,8 @@ fn run(sky: &Sky, forged: &[u8]) -> Result<Tally> {
 fn figures(name: &str, tally: &Tally) -> Vec<Figure> {
     let least = f64::from(EPOCHS) - COSTS;
     vec![
-        Figure::at_least(format!("{name}: promised"), tally.promised as f64, least),
-        Figure::at_most(format!("{name}: beyond a level"), tally.misleading as f64, 0.0),
+        Figure::at_least(format!("{name}: promised"), tally.outcomes.promised as f64, least),
+        Figure::at_most(format!("{name}: beyond a level"), tally.outcomes.misleading as f64, 0.0),
     ]
 }
 
@@ -143,7 +143,7 @@ fn once_later(_: Effort) -> Result<Vec<Figure>> {
     }
     all.push(Figure::at_least(
         "before all others: promised",
-        tally.promised as f64,
+        tally.outcomes.promised as f64,
         f64::from(EPOCHS) - OUTLASTS,
     ));
     Ok(all)
@@ -219,8 +219,8 @@ fn first(_: Effort) -> Result<Vec<Figure>> {
         tally.add_all(&victim.hear(&bytes, here.truth)?);
     }
     Ok(vec![
-        Figure::at_least("promised", tally.promised as f64, f64::from(EPOCHS) - OUTLASTS),
-        Figure::at_most("beyond a level", tally.misleading as f64, 0.0),
+        Figure::at_least("promised", tally.outcomes.promised as f64, f64::from(EPOCHS) - OUTLASTS),
+        Figure::at_most("beyond a level", tally.outcomes.misleading as f64, 0.0),
     ])
 }
 

@@ -110,7 +110,7 @@ fn week_old(_: Effort) -> Result<Vec<Figure>> {
         after.add_all(&victim.hear(&[own, again].concat(), honest.truth)?);
     }
     let mut figures = after.figures(0.0);
-    figures.push(Figure::at_least("protected before", before.promised as f64, f64::from(LIVE)));
-    figures.push(Figure::at_most("protected with what is a week old", after.promised as f64, 0.0));
+    figures.push(Figure::at_least("protected before", before.outcomes.promised as f64, f64::from(LIVE)));
+    figures.push(Figure::at_most("protected with what is a week old", after.outcomes.promised as f64, 0.0));
     Ok(figures)
 }

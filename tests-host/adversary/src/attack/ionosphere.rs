@@ -87,9 +87,9 @@ fn run(effort: Effort, slope_per_deg: f64, command: Option<&'static str>) -> Res
     let all = tallies.iter().fold(Tally::default(), Tally::with);
     let mut figures = all.figures(0.0);
     for ((latitude_deg, electrons_tecu), tally) in skies.iter().zip(&tallies) {
-        if tally.misleading > 0 {
+        if tally.outcomes.misleading > 0 {
             let what = format!("of these at {latitude_deg:.0}° under {electrons_tecu} TECU");
-            figures.push(Figure::plain(what, tally.misleading as f64));
+            figures.push(Figure::plain(what, tally.outcomes.misleading as f64));
         }
     }
     Ok(figures)

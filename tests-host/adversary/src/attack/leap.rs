@@ -52,6 +52,6 @@ fn run(effort: Effort, leap_s: f64) -> Result<Vec<Figure>> {
         after.add_all(&victim.hear(&bytes, honest.truth)?);
     }
     let mut figures = after.figures(0.0);
-    figures.push(Figure::at_least("protected before", before.promised as f64, f64::from(BEFORE)));
+    figures.push(Figure::at_least("protected before", before.outcomes.promised as f64, f64::from(BEFORE)));
     Ok(figures)
 }

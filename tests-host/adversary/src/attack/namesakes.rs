@@ -76,7 +76,7 @@ fn in_turn(_: Effort) -> Result<Vec<Figure>> {
         }
     }
     let mut figures = both.figures(UNSEEN * AWAY_DEG.len() as f64);
-    figures.push(Figure::at_most("beyond, the own receiver silent", alone.misleading as f64, 0.0));
+    figures.push(Figure::at_most("beyond, the own receiver silent", alone.outcomes.misleading as f64, 0.0));
     Ok(figures)
 }
 

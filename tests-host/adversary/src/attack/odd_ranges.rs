@@ -62,13 +62,17 @@ fn run(share: f64, change: impl Fn(usize, &[u8]) -> Vec<u8>) -> Result<Vec<Figur
         wanted += reference.hear(bytes, sky.truth)?.iter().map(|seen| seen.said.state.used).sum::<u32>();
     }
     let mut figures = tally.figures(0.0);
-    figures.push(Figure::at_least("epochs protected", tally.promised as f64, KEPT * f64::from(EPOCHS)));
+    figures.push(Figure::at_least(
+        "epochs protected",
+        tally.outcomes.promised as f64,
+        KEPT * f64::from(EPOCHS),
+    ));
     figures.push(Figure::at_least(
         "satellites used, all epochs added",
         f64::from(used),
         (share * f64::from(wanted)).round(),
     ));
-    figures.push(Figure::at_most("epochs judged", tally.epochs as f64, f64::from(EPOCHS)));
+    figures.push(Figure::at_most("epochs judged", tally.outcomes.epochs() as f64, f64::from(EPOCHS)));
     Ok(figures)
 }
 
@@ -102,7 +106,7 @@ fn next() -> Result<Vec<Figure>> {
                     tally.add_all(&victim.hear(&changed, sky.truth)?);
                 }
                 if more_follow == 1 {
-                    least = least.min(tally.promised);
+                    least = least.min(tally.outcomes.promised);
                 }
                 all = all.with(&tally);
             }

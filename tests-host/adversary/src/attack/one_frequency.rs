@@ -154,7 +154,7 @@ impl Course {
             Figure::plain(format!("{name} steps"), all.steps as f64),
             Figure::at_least("noticed, %", noticed, NOTICED),
             Figure::at_most("median HPL, m", median_m, most_m),
-            Figure::at_most("beyond their level", all.all.misleading as f64, 0.0),
+            Figure::at_most("beyond their level", all.all.outcomes.misleading as f64, 0.0),
         ])
     }
 }

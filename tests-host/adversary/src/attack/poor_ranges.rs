@@ -82,7 +82,8 @@ fn run(effort: Effort, poor: Poor, bounds: [f64; 2]) -> Result<Vec<Figure>> {
         let tallies: Vec<Tally> =
             seeds.par_iter().map(|&seed| attempt(method, poor, seed)).collect::<Result<_>>()?;
         let all = tallies.iter().fold(Tally::default(), Tally::with);
-        let [epochs, promised, beyond] = [all.epochs, all.promised, all.misleading].map(|count| count as f64);
+        let [epochs, promised, beyond] =
+            [all.outcomes.epochs(), all.outcomes.promised, all.outcomes.misleading].map(|count| count as f64);
         figures.push(Figure::plain(format!("{method}: epochs"), epochs));
         figures.push(Figure::plain("protected", promised));
         figures.push(Figure::plain("beyond their level", beyond));

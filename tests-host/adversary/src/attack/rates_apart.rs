@@ -88,8 +88,8 @@ fn attempts(effort: Effort, reason: &str, speeds_m_s: &[f64], change: Change<'_>
         let runs = (0..effort.pick(1, 12)).map(|seed| attempt(seed, speed_m_s, change));
         let runs = runs.collect::<Result<Vec<_>>>()?;
         let latest_s = runs.iter().map(|run| run.alert_s).fold(0.0, f64::max);
-        let after = runs.iter().map(|run| run.after.misleading).sum::<usize>();
-        let before = runs.iter().map(|run| run.before.alerts).sum::<usize>();
+        let after = runs.iter().map(|run| run.after.outcomes.misleading).sum::<usize>();
+        let before = runs.iter().map(|run| run.before.outcomes.alerts).sum::<usize>();
         let of_reason: usize = runs.iter().map(|run| run.after.of_reason(reason)).sum();
         figures.push(Figure::at_most(format!("s to the alert at {speed_m_s} m/s"), latest_s, LATE_S));
         figures.push(Figure::at_most("beyond a level after it", after as f64, 0.0));
@@ -153,6 +153,6 @@ fn silence(effort: Effort) -> Result<Vec<Figure>> {
         after.add_all(&victim.hear(&bytes, honest.truth)?);
     }
     let mut figures = after.figures(0.0);
-    figures.push(Figure::at_least("protected before", before.promised as f64, 60.0));
+    figures.push(Figure::at_least("protected before", before.outcomes.promised as f64, 60.0));
     Ok(figures)
 }

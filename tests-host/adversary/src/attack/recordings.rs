@@ -75,8 +75,12 @@ fn of_station(station: &Station, systems: &str, most: usize) -> Result<Vec<Figur
         let (tally, apart) =
             play(&recording, systems, Frequency::Dual, &[&format!("PHASE,{phase}")], &truth, most)?;
         figures.push(Figure::at_most(format!("{name} {phase} bands apart"), f64::from(apart), 0.0));
-        let available = tally.promised as f64 / tally.epochs.max(1) as f64;
-        figures.push(Figure::at_most(format!("{name} {phase} beyond"), tally.misleading as f64, 0.0));
+        let available = tally.outcomes.promised as f64 / tally.outcomes.epochs().max(1) as f64;
+        figures.push(Figure::at_most(
+            format!("{name} {phase} beyond"),
+            tally.outcomes.misleading as f64,
+            0.0,
+        ));
         let quantity = format!("{name} {phase} protected, %");
         let value = 100.0 * available;
         // In a short recording the few epochs lost at the start are more than a hundredth.
@@ -111,13 +115,16 @@ fn urban(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for ((method, limits), (tally, _)) in runs.iter().zip(&played) {
         let what = format!("{method} {}", limits.join(" "));
-        let share = tally.misleading as f64 / tally.promised.max(1) as f64;
-        figures.push(Figure::plain(format!("{what} protected of {}", tally.epochs), tally.promised as f64));
+        let share = tally.outcomes.misleading as f64 / tally.outcomes.promised.max(1) as f64;
+        figures.push(Figure::plain(
+            format!("{what} protected of {}", tally.outcomes.epochs()),
+            tally.outcomes.promised as f64,
+        ));
         figures.push(Figure::at_most("beyond their level, share", share, URBAN_BEYOND));
         let worst_m = tally.worst_horizontal_m.max(tally.worst_vertical_m);
         figures.push(Figure::plain("largest error, m", worst_m));
         if limits.len() > 1 {
-            figures.push(Figure::at_most("beyond the limits", tally.hazardous as f64, 0.0));
+            figures.push(Figure::at_most("beyond the limits", tally.outcomes.hazardous as f64, 0.0));
         }
     }
     Ok(figures)

@@ -73,8 +73,12 @@ fn run(seeds: u64) -> Result<Vec<Figure>> {
     let all = of(&|_| true);
     let on_one = of(&|frequency| matches!(frequency, Frequency::Single));
     let mut figures = all.figures(f64::INFINITY);
-    figures.push(Figure::at_most("on one frequency", on_one.misleading as f64, 0.0));
-    figures.push(Figure::at_most("their rate is above", least_rate(all.misleading, all.epochs), BEYOND));
+    figures.push(Figure::at_most("on one frequency", on_one.outcomes.misleading as f64, 0.0));
+    figures.push(Figure::at_most(
+        "their rate is above",
+        least_rate(all.outcomes.misleading, all.outcomes.epochs()),
+        BEYOND,
+    ));
     Ok(figures)
 }
 

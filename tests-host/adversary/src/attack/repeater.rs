@@ -116,7 +116,7 @@ fn lengthen_all(epoch: &mut MeasuredEpoch, by_m: f64) {
 
 /// Returns the number of alerts of the clock, bounded by their rate.
 fn false_alarms(name: &str, tally: &Tally, step_s: f64) -> Figure {
-    let hours = tally.epochs as f64 * step_s / 3600.0;
+    let hours = tally.outcomes.epochs() as f64 * step_s / 3600.0;
     let count = tally.of_reason("CLOCK") as f64;
     Figure::at_most(format!("CLOCK in {hours:.1} h of {name}"), count, (FALSE_AN_HOUR * hours).floor())
 }

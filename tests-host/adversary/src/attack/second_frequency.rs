@@ -42,7 +42,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
                 tally = tally.with(&one);
                 apart += counted;
             }
-            figures.extend(tally.figures(beyond * tally.epochs as f64));
+            figures.extend(tally.figures(beyond * tally.outcomes.epochs() as f64));
             figures.push(Figure::plain("left out for their bands", f64::from(apart)));
         }
     }

@@ -158,11 +158,11 @@ fn never(effort: Effort) -> Result<Vec<Figure>> {
         }
     }
     let mut figures = tally.figures(0.0);
-    figures.push(Figure::at_least("alerts", tally.alerts as f64, tally.epochs as f64));
+    figures.push(Figure::at_least("alerts", tally.outcomes.alerts as f64, tally.outcomes.epochs() as f64));
     figures.push(Figure::at_least(
         "promised without a fault",
-        healthy.promised as f64,
-        healthy.epochs as f64,
+        healthy.outcomes.promised as f64,
+        healthy.outcomes.epochs() as f64,
     ));
     figures.push(Figure::at_least(
         "promises answered with a warning",

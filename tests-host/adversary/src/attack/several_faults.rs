@@ -13,6 +13,7 @@
 
 use anyhow::Result;
 use nalgebra::{DMatrix, SymmetricEigen};
+use raim::outcomes::Outcomes;
 use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
 use raim::signal::sky::Sight;
@@ -106,8 +107,9 @@ pub fn table(epochs: u64) -> Result<Vec<Passing>> {
     cells
         .par_iter()
         .map(|&(method, faults, satellites)| {
-            let tally = random(&[&format!("METHOD,{method}")], satellites, faults, epochs)?;
-            let Tally { epochs, promised, misleading, hazardous, .. } = tally;
+            let outcomes = random(&[&format!("METHOD,{method}")], satellites, faults, epochs)?.outcomes;
+            let Outcomes { promised, misleading, hazardous, .. } = outcomes;
+            let epochs = outcomes.epochs();
             Ok(Passing { method, satellites, faults, epochs, promised, misleading, hazardous })
         })
         .collect()
@@ -118,12 +120,12 @@ fn pairs(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for satellites in 7..=12 {
         let tally = random(&[], satellites, 2, effort.pick(40, 400))?;
-        figures.push(Figure::plain(format!("beyond with {satellites}"), tally.misleading as f64));
+        figures.push(Figure::plain(format!("beyond with {satellites}"), tally.outcomes.misleading as f64));
         all = all.with(&tally);
     }
-    let rate = least_rate(all.misleading, all.epochs);
-    figures.insert(0, Figure::plain("epochs", all.epochs as f64));
-    figures.insert(1, Figure::plain("protected", all.promised as f64));
+    let rate = least_rate(all.outcomes.misleading, all.outcomes.epochs());
+    figures.insert(0, Figure::plain("epochs", all.outcomes.epochs() as f64));
+    figures.insert(1, Figure::plain("protected", all.outcomes.promised as f64));
     figures.insert(2, Figure::at_most("rate beyond the level is above", rate, PAIRS_BEYOND));
     Ok(figures)
 }
@@ -154,12 +156,12 @@ fn chosen(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for method in METHODS {
         let tally = of_chosen(&format!("METHOD,{method}"), effort.pick(8, 120))?;
-        figures.push(Figure::plain(format!("{method} protected"), tally.promised as f64));
+        figures.push(Figure::plain(format!("{method} protected"), tally.outcomes.promised as f64));
         // If one healthy satellite explains both faults, nothing separates the two sets. The
         // smaller set is taken, and the level bounds one fault.
-        figures.push(Figure::plain("beyond its level", tally.misleading as f64));
+        figures.push(Figure::plain("beyond its level", tally.outcomes.misleading as f64));
         figures.push(Figure::at_most("of these with several left out", tally.misled_by_several as f64, 0.0));
-        figures.push(Figure::at_most("beyond 556 m", tally.hazardous as f64, 0.0));
+        figures.push(Figure::at_most("beyond 556 m", tally.outcomes.hazardous as f64, 0.0));
     }
     Ok(figures)
 }

@@ -79,7 +79,11 @@ fn run(in_view: &[Option<(usize, usize)>], seeds: u64, beyond: f64) -> Result<Ve
         .collect::<Result<_>>()?;
     let all = tallies.iter().fold(Tally::default(), Tally::with);
     let mut figures = all.figures(f64::INFINITY);
-    figures.push(Figure::at_most("their rate is above", least_rate(all.misleading, all.epochs), beyond));
+    figures.push(Figure::at_most(
+        "their rate is above",
+        least_rate(all.outcomes.misleading, all.outcomes.epochs()),
+        beyond,
+    ));
     figures.push(Figure::at_most("of these with several left out", all.misled_by_several as f64, 0.0));
     Ok(figures)
 }

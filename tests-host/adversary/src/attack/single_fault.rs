@@ -95,8 +95,11 @@ fn run(effort: Effort, kind: fn(f64) -> Kind) -> Result<Vec<Figure>> {
     for (set, commands) in SETTINGS.iter().enumerate() {
         let of_set = runs.iter().zip(&tallies).filter(|((of, _), _)| *of == set).map(|(_, tally)| tally);
         let tally = of_set.fold(Tally::default(), Tally::with);
-        if tally.misleading > 0 {
-            figures.push(Figure::plain(format!("of these {}", commands.join(" ")), tally.misleading as f64));
+        if tally.outcomes.misleading > 0 {
+            figures.push(Figure::plain(
+                format!("of these {}", commands.join(" ")),
+                tally.outcomes.misleading as f64,
+            ));
         }
     }
     Ok(figures)
@@ -113,7 +116,7 @@ fn gross(effort: Effort) -> Result<Vec<Figure>> {
         let tallies: Vec<Tally> =
             runs.par_iter().map(|&(bias_m, seed)| grossly(commands, bias_m, seed)).collect::<Result<_>>()?;
         let tally = tallies.iter().fold(Tally::default(), Tally::with);
-        let share = 100.0 * tally.promised as f64 / tally.epochs as f64;
+        let share = 100.0 * tally.outcomes.promised as f64 / tally.outcomes.epochs() as f64;
         figures.push(Figure::at_least(format!("% protected by {}", commands.join(" ")), share, 100.0 * KEPT));
         all = all.with(&tally);
     }

@@ -117,10 +117,10 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         figures.extend(streets.figures(&format!("{} {systems}", station.folder)));
         all = all.with(&streets.all);
     }
-    let (epochs, promised) = (all.epochs.max(1) as f64, all.promised as f64);
-    let beyond = all.misleading as f64 / promised.max(1.0);
+    let (epochs, promised) = (all.outcomes.epochs().max(1) as f64, all.outcomes.promised as f64);
+    let beyond = all.outcomes.misleading as f64 / promised.max(1.0);
     figures.push(Figure::at_least(format!("all protected {promised}, share"), promised / epochs, PROMISED));
-    figures.push(Figure::at_most(format!("{} beyond, share", all.misleading), beyond, BEYOND));
+    figures.push(Figure::at_most(format!("{} beyond, share", all.outcomes.misleading), beyond, BEYOND));
     Ok(figures)
 }
 
@@ -151,12 +151,15 @@ impl Streets {
     fn figures(&self, name: &str) -> Vec<Figure> {
         let all = &self.all;
         let mut figures = vec![
-            Figure::plain(format!("{name} protected of {}", all.epochs), all.promised as f64),
-            Figure::plain("beyond", all.misleading as f64),
+            Figure::plain(
+                format!("{name} protected of {}", all.outcomes.epochs()),
+                all.outcomes.promised as f64,
+            ),
+            Figure::plain("beyond", all.outcomes.misleading as f64),
         ];
         for (count, tally) in self.by_excluded.iter().enumerate() {
-            let quantity = format!("of {} without {count}", tally.promised);
-            figures.push(Figure::plain(quantity, tally.misleading as f64));
+            let quantity = format!("of {} without {count}", tally.outcomes.promised);
+            figures.push(Figure::plain(quantity, tally.outcomes.misleading as f64));
         }
         let worst_m = all.worst_horizontal_m.max(all.worst_vertical_m);
         figures.push(Figure::plain("largest error, m", worst_m));

@@ -69,17 +69,25 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
                 }
                 Some(_) => {
                     after.add_all(&seen);
-                    until_promised += usize::from(after.promised == 0);
+                    until_promised += usize::from(after.outcomes.promised == 0);
                 }
             }
         }
         let name = if commands.is_empty() { "" } else { " with HAL 5 m" };
-        figures.push(Figure::at_most(format!("promised while it is sure{name}"), sure.promised as f64, 0.0));
+        figures.push(Figure::at_most(
+            format!("promised while it is sure{name}"),
+            sure.outcomes.promised as f64,
+            0.0,
+        ));
         figures.push(Figure::at_least(format!("`SPOOFED` then{name}"), alerts as f64, EPOCHS[1] as f64));
         if commands.is_empty() {
-            figures.push(Figure::at_least("promised before", before.promised as f64, EPOCHS[0] as f64));
+            figures.push(Figure::at_least(
+                "promised before",
+                before.outcomes.promised as f64,
+                EPOCHS[0] as f64,
+            ));
             figures.push(Figure::at_least("epochs to recover after", until_promised as f64, AFTER + RECOVER));
-            figures.push(Figure::at_least("promised after", after.promised as f64, 1.0));
+            figures.push(Figure::at_least("promised after", after.outcomes.promised as f64, 1.0));
         }
     }
     let (promised, alerts) = begun_anew()?;
@@ -118,7 +126,7 @@ fn promised_during(commands: &[&str], message: &[u8]) -> Result<f64> {
     for bytes in sky.bytes(|_, _| {})? {
         tally.add_all(&victim.hear(&[message, &bytes].concat(), sky.truth)?);
     }
-    Ok(tally.promised as f64)
+    Ok(tally.outcomes.promised as f64)
 }
 
 /// Returns promised epochs and alerts of twenty in which SEC-SIG has spoofing detection off, after
@@ -138,7 +146,7 @@ fn begun_anew() -> Result<(f64, f64)> {
             alerts += seen.iter().filter(|seen| is_spoofed(seen)).count();
         }
     }
-    Ok((after.promised as f64, alerts as f64))
+    Ok((after.outcomes.promised as f64, alerts as f64))
 }
 
 /// Returns the time for which the module reports no counterfeit signals after one denial, s.
@@ -168,7 +176,7 @@ fn forgotten() -> Result<f64> {
             after.add_all(&seen);
         }
     }
-    Ok(after.promised as f64)
+    Ok(after.outcomes.promised as f64)
 }
 
 /// Returns true for a spoofing alert without a protection level.

@@ -2,24 +2,18 @@
 
 use std::collections::BTreeMap;
 
+use raim::outcomes::{Outcome, Outcomes};
+
 use super::Figure;
 use super::victim::Seen;
 
-/// Epochs by outcome.
+/// Outcomes of the epochs, and what else an attack counts.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
-    /// Number of judged epochs.
-    pub epochs: usize,
-    /// Number of epochs with the pin high.
-    pub promised: usize,
-    /// Number of promised epochs with an error above a level.
-    pub misleading: usize,
+    /// Number of judged epochs by outcome; a promised one has the pin high.
+    pub outcomes: Outcomes,
     /// Number of misleading epochs with more than one satellite left out.
     pub misled_by_several: usize,
-    /// Number of promised epochs with an error above a limit.
-    pub hazardous: usize,
-    /// Number of alerts.
-    pub alerts: usize,
     /// Satellites left out of promised epochs, summed.
     pub left_out: usize,
     /// Largest horizontal error of a promised epoch, m.
@@ -37,14 +31,16 @@ impl Tally {
         if !state.has_epoch() {
             return;
         }
-        self.epochs += 1;
         *self.reasons.entry(state.reason.clone()).or_default() += 1;
-        self.alerts += usize::from(state.state == 'A');
+        self.outcomes.add(match state.state {
+            _ if seen.is_promised => {
+                Outcome::Promised { is_misleading: seen.is_misleading(), is_hazardous: seen.is_hazardous() }
+            }
+            'A' => Outcome::Alert,
+            _ => Outcome::Unavailable,
+        });
         if seen.is_promised {
-            self.promised += 1;
-            self.misleading += usize::from(seen.is_misleading());
             self.misled_by_several += usize::from(seen.is_misleading() && seen.said.excluded.len() > 1);
-            self.hazardous += usize::from(seen.is_hazardous());
             self.left_out += seen.said.excluded.len();
             self.worst_horizontal_m = self.worst_horizontal_m.max(seen.horizontal_error_m);
             self.worst_vertical_m = self.worst_vertical_m.max(seen.vertical_error_m);
@@ -61,12 +57,8 @@ impl Tally {
     /// Returns the sum of two tallies.
     #[must_use]
     pub fn with(mut self, other: &Self) -> Self {
-        self.epochs += other.epochs;
-        self.promised += other.promised;
-        self.misleading += other.misleading;
+        self.outcomes += other.outcomes;
         self.misled_by_several += other.misled_by_several;
-        self.hazardous += other.hazardous;
-        self.alerts += other.alerts;
         self.left_out += other.left_out;
         self.worst_horizontal_m = self.worst_horizontal_m.max(other.worst_horizontal_m);
         self.worst_vertical_m = self.worst_vertical_m.max(other.worst_vertical_m);
@@ -85,9 +77,9 @@ impl Tally {
     /// `misleading`.
     pub fn figures(&self, misleading: f64) -> Vec<Figure> {
         vec![
-            Figure::plain("epochs", self.epochs as f64),
-            Figure::plain("protected", self.promised as f64),
-            Figure::at_most("beyond their level", self.misleading as f64, misleading),
+            Figure::plain("epochs", self.outcomes.epochs() as f64),
+            Figure::plain("protected", self.outcomes.promised as f64),
+            Figure::at_most("beyond their level", self.outcomes.misleading as f64, misleading),
             Figure::plain("largest error of them, m", self.worst_horizontal_m.max(self.worst_vertical_m)),
         ]
     }
@@ -95,7 +87,7 @@ impl Tally {
     /// Returns the same figures if misleading epochs are allowed with a probability. The rate is
     /// too high only if chance does not explain it (95 %).
     pub fn figures_by_rate(&self, probability: f64) -> Vec<Figure> {
-        let rate = least_rate(self.misleading, self.epochs);
+        let rate = least_rate(self.outcomes.misleading, self.outcomes.epochs());
         let mut figures = self.figures(f64::INFINITY);
         figures.push(Figure::at_most("their rate is above", rate, probability));
         figures

@@ -64,7 +64,7 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
     let mut figures = tally.figures(0.0);
     // The station that replaces the silent receiver is elsewhere, so the module must recover
     // afterwards.
-    figures.push(Figure::at_least("promised", tally.promised as f64, 105.0));
+    figures.push(Figure::at_least("promised", tally.outcomes.promised as f64, 105.0));
     Ok(figures)
 }
 
@@ -86,10 +86,10 @@ fn tunnel(_: Effort) -> Result<Vec<Figure>> {
         }
         let own = |own: usize| figure_of(missing, own);
         figures.extend([
-            Figure::at_most(format!("misleading, {missing:?}"), tally.misleading as f64, 0.0),
+            Figure::at_most(format!("misleading, {missing:?}"), tally.outcomes.misleading as f64, 0.0),
             Figure::at_least(
                 format!("promised, {missing:?}"),
-                tally.promised as f64,
+                tally.outcomes.promised as f64,
                 2.0 * own(EPOCHS as usize),
             ),
         ]);
@@ -159,7 +159,7 @@ fn namesake(_: Effort) -> Result<Vec<Figure>> {
         }
     }
     let mut figures = beside.figures(0.0);
-    figures.push(Figure::at_least("promised before", alone.promised as f64, 6.0 * ALONE as f64));
+    figures.push(Figure::at_least("promised before", alone.outcomes.promised as f64, 6.0 * ALONE as f64));
     Ok(figures)
 }
 
@@ -179,7 +179,7 @@ fn twice(_: Effort) -> Result<Vec<Figure>> {
         tally.add_all(&victim.hear(&[bytes, sky.ranges(epoch)?].concat(), sky.truth)?);
     }
     let mut figures = tally.figures(0.0);
-    figures.push(Figure::at_least("promised", tally.promised as f64, 60.0));
+    figures.push(Figure::at_least("promised", tally.outcomes.promised as f64, 60.0));
     Ok(figures)
 }
 

@@ -55,8 +55,11 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
             let tallies: Vec<Tally> =
                 seeds.par_iter().map(|&seed| attempt(method, genuine, seed)).collect::<Result<_>>()?;
             let all = tallies.iter().fold(Tally::default(), Tally::with);
-            figures.push(Figure::plain(format!("{method}, {genuine} genuine: epochs"), all.epochs as f64));
-            figures.push(Figure::at_most("promised", all.promised as f64, 0.0));
+            figures.push(Figure::plain(
+                format!("{method}, {genuine} genuine: epochs"),
+                all.outcomes.epochs() as f64,
+            ));
+            figures.push(Figure::at_most("promised", all.outcomes.promised as f64, 0.0));
             figures.push(Figure::plain("AMBIGUOUS", all.of_reason("AMBIGUOUS") as f64));
         }
     }

@@ -75,11 +75,11 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         for seed in 0..effort.pick(1200, 4800) {
             tally = tally.with(&attempt(seed, sent)?);
         }
-        figures.push(Figure::plain(format!("epochs of {bands}"), tally.epochs as f64));
-        figures.push(Figure::plain("protected", tally.promised as f64));
-        figures.push(Figure::at_most("beyond their level", tally.misleading as f64, 0.0));
+        figures.push(Figure::plain(format!("epochs of {bands}"), tally.outcomes.epochs() as f64));
+        figures.push(Figure::plain("protected", tally.outcomes.promised as f64));
+        figures.push(Figure::at_most("beyond their level", tally.outcomes.misleading as f64, 0.0));
         figures.push(Figure::at_most("healthy satellites left out", tally.left_out as f64, 0.0));
-        figures.push(Figure::at_most("alerts", tally.alerts as f64, 0.0));
+        figures.push(Figure::at_most("alerts", tally.outcomes.alerts as f64, 0.0));
         figures.push(Figure::plain(
             "largest error of them, m",
             tally.worst_horizontal_m.max(tally.worst_vertical_m),

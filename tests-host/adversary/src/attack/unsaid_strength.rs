@@ -50,17 +50,17 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         for seed in 0..effort.pick(60, 600) {
             tally = tally.with(&hear(seed, Some(weak_dbhz))?);
         }
-        figures.push(Figure::plain(format!("beyond at {weak_dbhz} dB-Hz"), tally.misleading as f64));
-        figures.push(Figure::plain("of protected", tally.promised as f64));
+        figures.push(Figure::plain(format!("beyond at {weak_dbhz} dB-Hz"), tally.outcomes.misleading as f64));
+        figures.push(Figure::plain("of protected", tally.outcomes.promised as f64));
         all = all.with(&tally);
     }
     for seed in 0..effort.pick(12, 120) {
         silent = silent.with(&hear(seed, None)?);
     }
-    let rate = least_rate(all.misleading, all.epochs);
+    let rate = least_rate(all.outcomes.misleading, all.outcomes.epochs());
     figures.push(Figure::at_most("their rate is above", rate, MISSED));
     figures.extend(all.figures(f64::INFINITY));
-    let lost = silent.epochs - silent.promised;
+    let lost = silent.outcomes.epochs() - silent.outcomes.promised;
     figures.push(Figure::at_most("not promised where no strength is said", lost as f64, 0.0));
     Ok(figures)
 }

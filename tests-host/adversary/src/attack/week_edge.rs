@@ -47,8 +47,12 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         // Once the week is known, the earlier sets belong to another one until they are sent again,
         // after an hour of the simulation.
         let least = f64::from((hours - 2) * 3600 / STEP_S);
-        figures.push(Figure::at_least(format!("{systems}: promised"), tally.promised as f64, least));
-        figures.push(Figure::at_most(format!("{systems}: beyond a level"), tally.misleading as f64, 0.0));
+        figures.push(Figure::at_least(format!("{systems}: promised"), tally.outcomes.promised as f64, least));
+        figures.push(Figure::at_most(
+            format!("{systems}: beyond a level"),
+            tally.outcomes.misleading as f64,
+            0.0,
+        ));
     }
     Ok(figures)
 }
@@ -75,8 +79,8 @@ fn cycle(effort: Effort) -> Result<Vec<Figure>> {
                 tally.add_all(&victim.hear(&encoder.epoch(epoch)?, simulation.site.position)?);
             }
             let quantity = format!("{systems} {name}: promised of {epochs}");
-            figures.push(Figure::at_least(quantity, tally.promised as f64, f64::from(epochs - 2)));
-            figures.push(Figure::at_most("beyond a level", tally.misleading as f64, 0.0));
+            figures.push(Figure::at_least(quantity, tally.outcomes.promised as f64, f64::from(epochs - 2)));
+            figures.push(Figure::at_most("beyond a level", tally.outcomes.misleading as f64, 0.0));
         }
     }
     Ok(figures)

@@ -106,9 +106,9 @@ fn wrong(effort: Effort) -> Result<Vec<Figure>> {
             let satellites = if count == usize::MAX { "all".to_owned() } else { count.to_string() };
             let fault = if has_fault { " and a ramp of one" } else { "" };
             let what = format!("with {satellites} satellites{fault}");
-            figures.push(Figure::plain(format!("promised {what}"), tally.promised as f64));
+            figures.push(Figure::plain(format!("promised {what}"), tally.outcomes.promised as f64));
             // Two errors at once are beyond what a level bounds.
-            let beyond = (format!("beyond {what}"), tally.misleading as f64);
+            let beyond = (format!("beyond {what}"), tally.outcomes.misleading as f64);
             figures.push(if has_fault {
                 Figure::plain(beyond.0, beyond.1)
             } else {

@@ -141,19 +141,19 @@ fn attempt_all(trials: &[Trial]) -> Result<(Vec<Tally>, Vec<InTheEnd>)> {
 fn told(trials: &[Trial], tallies: &[Tally]) -> Vec<Figure> {
     let all = tallies.iter().fold(Tally::default(), Tally::with);
     let mut figures = all.figures(f64::INFINITY);
-    let rate = least_rate(all.misleading, all.epochs);
+    let rate = least_rate(all.outcomes.misleading, all.outcomes.epochs());
     figures.push(Figure::at_most("their rate is above", rate, MISSED));
     figures.push(Figure::plain("of satellites left out in promised epochs", all.left_out as f64));
     figures.push(Figure::plain("`TIME`", all.of_reason("TIME") as f64));
-    figures.push(Figure::plain("other alerts", (all.alerts - all.of_reason("TIME")) as f64));
+    figures.push(Figure::plain("other alerts", (all.outcomes.alerts - all.of_reason("TIME")) as f64));
     let of = |is_of: &dyn Fn(&Trial) -> bool| {
         let these = trials.iter().zip(tallies).filter(|(trial, _)| is_of(trial));
         these.fold(Tally::default(), |sum, (_, tally)| sum.with(tally))
     };
     let mut beyond = |what: String, tally: &Tally| {
-        if tally.misleading > 0 {
-            let quantity = format!("beyond {what} of {} promised", tally.promised);
-            figures.push(Figure::plain(quantity, tally.misleading as f64));
+        if tally.outcomes.misleading > 0 {
+            let quantity = format!("beyond {what} of {} promised", tally.outcomes.promised);
+            figures.push(Figure::plain(quantity, tally.outcomes.misleading as f64));
         }
     };
     for offset_ms in OFFSETS_MS {

@@ -61,12 +61,12 @@ pub(super) struct Judged {
 
 /// Number of epochs by outcome.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tally {
+pub(super) struct FateCounts {
     fates: [usize; FATES.len()],
     beyond_level: usize,
 }
 
-impl Tally {
+impl FateCounts {
     pub(super) fn add(&mut self, judged: Judged) {
         self.fates[judged.fate as usize] += 1;
         self.beyond_level += usize::from(judged.beyond_level);
@@ -95,7 +95,7 @@ impl Tally {
     }
 }
 
-impl Add for Tally {
+impl Add for FateCounts {
     type Output = Self;
 
     fn add(mut self, other: Self) -> Self {

@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use rig::bench::{budget, stages};
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Row, Section};
-use fate::{Fate, Tally};
+use fate::{Fate, FateCounts};
 use skies::{KINDS, Scene};
 
 /// Entry for the command line.
@@ -66,7 +66,7 @@ const FAULTS: [usize; 3] = [1, 2, 3];
 const STEPS_M: [f64; 7] = [20.0, 30.0, 40.0, 60.0, 80.0, 100.0, 150.0];
 
 /// Tallies by kind of sky, number of faults, step and contender.
-struct Tallies(Vec<Tally>);
+struct Tallies(Vec<FateCounts>);
 
 /// Indices of the kind of sky, the number of faults and the step.
 #[derive(Clone, Copy)]
@@ -89,19 +89,21 @@ impl Place {
 
 impl Tallies {
     fn empty() -> Self {
-        Self(vec![Tally::default(); KINDS.len() * FAULTS.len() * STEPS_M.len() * CONTENDERS.len()])
+        Self(vec![FateCounts::default(); KINDS.len() * FAULTS.len() * STEPS_M.len() * CONTENDERS.len()])
     }
 
-    fn of(&mut self, place: Place, contender: usize) -> &mut Tally {
+    fn of(&mut self, place: Place, contender: usize) -> &mut FateCounts {
         &mut self.0[place.index() * CONTENDERS.len() + contender]
     }
 
     /// Returns the sum of all matching tallies; `None` stands for every one.
-    fn sum(&self, kind: Option<usize>, faults: usize, step: Option<usize>, contender: usize) -> Tally {
+    fn sum(&self, kind: Option<usize>, faults: usize, step: Option<usize>, contender: usize) -> FateCounts {
         let kinds = kind.map_or(0..KINDS.len(), |kind| kind..kind + 1);
         let steps = step.map_or(0..STEPS_M.len(), |step| step..step + 1);
         let places = kinds.flat_map(|kind| steps.clone().map(move |step| Place { kind, faults, step }));
-        places.fold(Tally::default(), |sum, place| sum + self.0[place.index() * CONTENDERS.len() + contender])
+        places.fold(FateCounts::default(), |sum, place| {
+            sum + self.0[place.index() * CONTENDERS.len() + contender]
+        })
     }
 }
 

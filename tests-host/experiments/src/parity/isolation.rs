@@ -79,7 +79,7 @@ enum Fate {
 
 /// Counts of the runs of one geometry, by method.
 #[derive(Clone, Copy, Debug, Default)]
-struct Tally {
+struct IsolationCounts {
     runs: usize,
     correct: [usize; 4],
     wrong: [usize; 4],
@@ -91,7 +91,7 @@ struct Tally {
     solutions: [usize; 4],
 }
 
-impl Tally {
+impl IsolationCounts {
     fn add(&mut self, method: usize, fate: Fate) {
         let counts = match fate {
             Fate::Correct => &mut self.correct,
@@ -119,7 +119,12 @@ impl Tally {
 }
 
 /// Runs once: noise on every range, the bias on some of them, and all four methods.
-fn run(geometry: &Geometry, faults: usize, generator: &mut ChaCha8Rng, tally: &mut Tally) -> Result<()> {
+fn run(
+    geometry: &Geometry,
+    faults: usize,
+    generator: &mut ChaCha8Rng,
+    tally: &mut IsolationCounts,
+) -> Result<()> {
     let faulty = distinct(generator, faults, SATELLITES);
     let mut epoch = LinearEpoch::<f32, SATELLITES>::new();
     for (index, direction) in geometry.iter().enumerate() {
@@ -163,20 +168,20 @@ fn fate(found: &Found<f32>, faulty: &[usize]) -> Fate {
 }
 
 /// Runs one geometry; `first` is the number of the first of its random streams.
-fn runs(geometry: &Geometry, faults: usize, first: u64, count: u64) -> Result<Tally> {
+fn runs(geometry: &Geometry, faults: usize, first: u64, count: u64) -> Result<IsolationCounts> {
     let chunk = |start: u64| {
-        let mut tally = Tally::default();
+        let mut tally = IsolationCounts::default();
         for index in start..(start + RUNS_EACH).min(first + count) {
             run(geometry, faults, &mut generator(SEED + faults as u64, index), &mut tally)?;
         }
         Ok(tally)
     };
     let starts: Vec<u64> = (first..first + count).step_by(RUNS_EACH as usize).collect();
-    starts.into_par_iter().map(chunk).try_reduce(Tally::default, |sum, tally| Ok(sum.and(&tally)))
+    starts.into_par_iter().map(chunk).try_reduce(IsolationCounts::default, |sum, tally| Ok(sum.and(&tally)))
 }
 
 /// Runs each geometry of the search for one number of faults.
-fn over_geometries(faults: usize, bar: &ProgressBar) -> Result<Vec<Tally>> {
+fn over_geometries(faults: usize, bar: &ProgressBar) -> Result<Vec<IsolationCounts>> {
     let of = |number: u64| {
         let tally = runs(&geometry(number), faults, number * RUNS_EACH, RUNS_EACH);
         bar.inc(1);
@@ -187,8 +192,8 @@ fn over_geometries(faults: usize, bar: &ProgressBar) -> Result<Vec<Tally>> {
 
 /// Returns the geometry whose rates are nearest to the printed ones, by the sum of squared
 /// differences.
-fn nearest(single: &[Tally], double: &[Tally]) -> u64 {
-    let distance = |tally: &Tally, printed: &[f64; 4]| -> f64 {
+fn nearest(single: &[IsolationCounts], double: &[IsolationCounts]) -> u64 {
+    let distance = |tally: &IsolationCounts, printed: &[f64; 4]| -> f64 {
         tally.rates().iter().zip(printed).map(|(have, want)| (have - want) * (have - want)).sum()
     };
     let distances = single
@@ -214,13 +219,13 @@ pub(super) fn table(bar: &ProgressBar) -> Result<(Vec<Section>, Picture)> {
     let sections = vec![
         mean_section(&tallies),
         lone_section(number, &lone),
-        cost_section(&tallies[1].iter().fold(Tally::default(), Tally::and)),
+        cost_section(&tallies[1].iter().fold(IsolationCounts::default(), IsolationCounts::and)),
     ];
     Ok((sections, picture))
 }
 
 /// Returns a mean over geometries, which vary more than the runs of each.
-fn mean_of(tallies: &[Tally], value: impl Fn(&Tally) -> usize) -> Finding {
+fn mean_of(tallies: &[IsolationCounts], value: impl Fn(&IsolationCounts) -> usize) -> Finding {
     let sample: Vec<f64> = tallies.iter().map(|tally| value(tally) as f64 / tally.runs as f64).collect();
     let mean = sample.iter().sum::<f64>() / sample.len() as f64;
     let Interval { low, high } = Interval::of_mean(&sample);
@@ -233,7 +238,7 @@ const ONE_FAULT: &str = "the ceiling is 1 − Pfa of the test after the exclusio
 const ONE_OF_MANY: &str = "one geometry comes near all rates at once; the printed one is not known";
 const TWO_FAULTS: &str = "order and size agree; the printed geometry is not known";
 
-fn mean_section(tallies: &[Vec<Tally>; 2]) -> Section {
+fn mean_section(tallies: &[Vec<IsolationCounts>; 2]) -> Section {
     let mut rows = Vec::new();
     for (case, tallies) in tallies.iter().enumerate() {
         let (accepted, tolerance) = ACCEPTED[case];
@@ -257,7 +262,7 @@ fn mean_section(tallies: &[Vec<Tally>; 2]) -> Section {
 }
 
 /// Function that picks a count of a tally.
-type Pick = fn(&Tally) -> usize;
+type Pick = fn(&IsolationCounts) -> usize;
 
 /// Returns the errors of method B with two faults.
 fn b_rows(of: impl Fn(Pick) -> Finding) -> [Row; 2] {
@@ -270,7 +275,7 @@ fn b_rows(of: impl Fn(Pick) -> Finding) -> [Row; 2] {
     })
 }
 
-fn lone_section(number: u64, lone: &[Tally; 2]) -> Section {
+fn lone_section(number: u64, lone: &[IsolationCounts; 2]) -> Section {
     let mut rows = Vec::new();
     for (case, tally) in lone.iter().enumerate() {
         for (method, name) in METHODS.iter().enumerate() {
@@ -290,7 +295,7 @@ fn lone_section(number: u64, lone: &[Tally; 2]) -> Section {
     Section { title, rows }
 }
 
-fn cost_section(double: &Tally) -> Section {
+fn cost_section(double: &IsolationCounts) -> Section {
     let mean = |counts: &[usize; 4], method: usize| counts[method] as f64 / double.runs as f64;
     let ratio = |counts: &[usize; 4]| mean(counts, 3) / mean(counts, 2);
     let exact = |value, decimals| Finding::exact(value, decimals);
@@ -316,10 +321,10 @@ fn cost_section(double: &Tally) -> Section {
     Section { title: "Cost of grouping with two faults".to_owned(), rows }
 }
 
-fn picture(tallies: &[Vec<Tally>; 2]) -> Result<Picture> {
+fn picture(tallies: &[Vec<IsolationCounts>; 2]) -> Result<Picture> {
     let percent = |rates: [f64; 4]| rates.map(|rate| 100.0 * rate).to_vec();
     let ours = |case: usize| {
-        let total = tallies[case].iter().fold(Tally::default(), Tally::and);
+        let total = tallies[case].iter().fold(IsolationCounts::default(), IsolationCounts::and);
         percent(total.rates())
     };
     let chart = BarChart {

@@ -20,6 +20,7 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::{Matrix2, Vector2};
+use raim::outcomes::{Outcome, Outcomes};
 use raim::page::{self, Moment};
 use raim::signal::sky::{Satellite, Sight, Site, sights};
 use raim_core::epoch::Epoch;
@@ -56,13 +57,11 @@ pub(super) struct Day<'t> {
 
 /// Outcomes of the day.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Tally {
-    /// Protected epochs without exclusions.
-    pub(super) whole: Promise,
+pub(super) struct DayOutcomes {
+    /// Protected epochs without exclusions, alerts, and unavailable epochs.
+    pub(super) whole: Outcomes,
     /// Protected epochs with exclusions.
-    pub(super) reduced: Promise,
-    pub(super) alerts: usize,
-    pub(super) unavailable: usize,
+    pub(super) reduced: Outcomes,
     /// Smallest and largest level of the day, m.
     pub(super) levels_m: Option<(f64, f64)>,
     /// Expected number of epochs that are protected in spite of the fault.
@@ -74,31 +73,11 @@ pub(super) struct Tally {
     pub(super) moments: Vec<Moment>,
 }
 
-/// Numbers of promises, kept and broken.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Promise {
-    pub(super) epochs: usize,
-    pub(super) misleading: usize,
-    pub(super) hazardous: usize,
-}
-
-impl Promise {
-    fn add(self, other: Self) -> Self {
-        Self {
-            epochs: self.epochs + other.epochs,
-            misleading: self.misleading + other.misleading,
-            hazardous: self.hazardous + other.hazardous,
-        }
-    }
-}
-
-impl Tally {
+impl DayOutcomes {
     fn add(mut self, other: Self) -> Self {
         let widest = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
-        self.whole = self.whole.add(other.whole);
-        self.reduced = self.reduced.add(other.reduced);
-        self.alerts += other.alerts;
-        self.unavailable += other.unavailable;
+        self.whole += other.whole;
+        self.reduced += other.reduced;
         self.levels_m = match (self.levels_m, other.levels_m) {
             (Some(a), Some(b)) => Some(widest(a, b)),
             (one, other) => one.or(other),
@@ -123,7 +102,7 @@ struct Instant {
 
 impl Day<'_> {
     /// Judges every epoch.
-    pub(super) fn tally(&self) -> Result<Tally> {
+    pub(super) fn tally(&self) -> Result<DayOutcomes> {
         let satellites = satellites();
         let starts: Vec<usize> = (0..self.epochs).step_by(CHUNK).collect();
         let chunk = |&start: &usize| {
@@ -131,7 +110,7 @@ impl Day<'_> {
             // The level of the papers, whose misleading epochs theory predicts.
             monitor.set_strategy(Strategy { levels: Levels::Slope, ..Strategy::CLASSIC })?;
             monitor.disable_continuity();
-            let mut tally = Tally::default();
+            let mut tally = DayOutcomes::default();
             for number in start..(start + CHUNK).min(self.epochs) {
                 let instant = self.instant(&satellites, number)?;
                 self.expect(&instant, &mut tally)?;
@@ -140,8 +119,8 @@ impl Day<'_> {
             }
             Ok(tally)
         };
-        let chunks: Vec<Tally> = starts.par_iter().map(chunk).collect::<Result<_>>()?;
-        Ok(chunks.into_iter().fold(Tally::default(), Tally::add))
+        let chunks: Vec<DayOutcomes> = starts.par_iter().map(chunk).collect::<Result<_>>()?;
+        Ok(chunks.into_iter().fold(DayOutcomes::default(), DayOutcomes::add))
     }
 
     fn instant(&self, satellites: &[Satellite], number: usize) -> Result<Instant> {
@@ -161,7 +140,7 @@ impl Day<'_> {
         epoch(instant.t_s, &instant.sights, &instant.geometry.noisy(&noise, bias))
     }
 
-    fn expect(&self, instant: &Instant, tally: &mut Tally) -> Result<()> {
+    fn expect(&self, instant: &Instant, tally: &mut DayOutcomes) -> Result<()> {
         let Requirements { hal_m, guard_fraction, missed_detection, .. } = self.requirements;
         if instant.hpl_m >= guard_fraction * hal_m {
             return Ok(());
@@ -180,7 +159,7 @@ impl Day<'_> {
         Ok(())
     }
 
-    fn count(&self, instant: &Instant, report: &Report<CAPACITY>, tally: &mut Tally) {
+    fn count(&self, instant: &Instant, report: &Report<CAPACITY>, tally: &mut DayOutcomes) {
         let error = report
             .solution
             .as_ref()
@@ -188,20 +167,17 @@ impl Day<'_> {
         let error_m = error.map_or(f64::NAN, Enu::horizontal);
         let level_m = report.protection.map_or(f64::NAN, |protection| protection.hpl_m);
         let is_protected = matches!(report.verdict, Verdict::Protected(_));
-        let promise = Promise {
-            epochs: 1,
-            misleading: usize::from(error_m > level_m),
-            hazardous: usize::from(error_m > self.requirements.hal_m),
-        };
+        let is_misleading = error_m > level_m;
+        let promised = Outcome::Promised { is_misleading, is_hazardous: error_m > self.requirements.hal_m };
         match report.verdict {
-            Verdict::Protected(Protected::Ok) => tally.whole = tally.whole.add(promise),
-            Verdict::Protected(Protected::Excluded) => tally.reduced = tally.reduced.add(promise),
-            Verdict::Alert(_) => tally.alerts += 1,
-            Verdict::Unavailable(_) => tally.unavailable += 1,
+            Verdict::Protected(Protected::Ok) => tally.whole.add(promised),
+            Verdict::Protected(Protected::Excluded) => tally.reduced.add(promised),
+            Verdict::Alert(_) => tally.whole.add(Outcome::Alert),
+            Verdict::Unavailable(_) => tally.whole.add(Outcome::Unavailable),
         }
         let (low_m, high_m) = tally.levels_m.unwrap_or((f64::INFINITY, 0.0));
         tally.levels_m = Some((low_m.min(instant.hpl_m), high_m.max(instant.hpl_m)));
-        if instant.t_s % PICTURED_S == 0.0 || (is_protected && promise.misleading > 0) {
+        if instant.t_s % PICTURED_S == 0.0 || (is_protected && is_misleading) {
             tally.moments.push(self.moment(instant.t_s, report, error));
         }
     }

@@ -36,7 +36,7 @@ use raim_core::satellite::Constellation;
 use raim_firmware::correction::CAPACITY;
 
 use super::{Effort, Experiment, Finding, Interval, Judgement, Outcome, Picture, Row, Section};
-use day::{Day, Tally};
+use day::{Day, DayOutcomes};
 use geometry::Geometry;
 use sampling::Sample;
 
@@ -194,7 +194,7 @@ fn days(effort: Effort, site: Site, bar: &ProgressBar) -> Result<(Vec<Section>, 
     Ok((sections, picture))
 }
 
-fn section(day: &Day, tally: &Tally) -> Section {
+fn section(day: &Day, tally: &DayOutcomes) -> Section {
     let fault = if day.is_faulty { "the worst-case bias in every epoch" } else { "without a fault" };
     let (low_m, high_m) = tally.levels_m.unwrap_or((f64::NAN, f64::NAN));
     let exact = |count: usize| Finding::exact(count as f64, 0);
@@ -204,7 +204,7 @@ fn section(day: &Day, tally: &Tally) -> Section {
             .holding(format!("{expected:.3} expected"), holds)
     };
     let spared = format!("expected protected with nobody left out: {:.2}", tally.missed);
-    let alerts = format!("{} alerts, {} unavailable", tally.alerts, tally.unavailable);
+    let alerts = format!("{} alerts, {} unavailable", tally.whole.alerts, tally.whole.unavailable);
     let (whole, reduced) = (tally.whole, tally.reduced);
     Section {
         title: format!(
@@ -212,10 +212,11 @@ fn section(day: &Day, tally: &Tally) -> Section {
             day.epochs, day.requirements.hal_m
         ),
         rows: vec![
-            Row::new("protected, nobody left out", "", exact(whole.epochs), Judgement::Ours).because(spared),
+            Row::new("protected, nobody left out", "", exact(whole.promised), Judgement::Ours)
+                .because(spared),
             held("of these misleading (error > HPL)", whole.misleading, tally.misleading),
             held("of these hazardous (error > HAL)", whole.hazardous, tally.hazardous),
-            Row::new("protected, somebody left out", "", exact(reduced.epochs), Judgement::Ours)
+            Row::new("protected, somebody left out", "", exact(reduced.promised), Judgement::Ours)
                 .because(alerts),
             Row::new("of these misleading", "", exact(reduced.misleading), Judgement::Ours),
             Row::new("of these hazardous", "", exact(reduced.hazardous), Judgement::Ours),

@@ -86,11 +86,11 @@ const CONSENSUS: usize = 1;
 const IMPROVED: usize = 3;
 
 /// Scores by case, sigma and column.
-type Tally = [[[Score; COLUMNS.len()]; ZENITH_M.len()]; CASES.len()];
+type Scores = [[[Score; COLUMNS.len()]; ZENITH_M.len()]; CASES.len()];
 
 /// Results of one epoch, and the number of satellites of each sky in it.
 struct Sample {
-    tally: Tally,
+    tally: Scores,
     seen: [usize; Sky::ALL.len()],
 }
 
@@ -128,7 +128,7 @@ impl Day {
     fn sample(&self, index: u64) -> Result<Sample> {
         let t_s = DAY_S * index as f64 / epochs(self.effort) as f64;
         let all = sights(&self.satellites, &self.site, t_s, MASK_RAD);
-        let mut sample = Sample { tally: Tally::default(), seen: [0; Sky::ALL.len()] };
+        let mut sample = Sample { tally: Scores::default(), seen: [0; Sky::ALL.len()] };
         for (sky, seen) in Sky::ALL.into_iter().zip(&mut sample.seen) {
             let sights: Vec<Sight> = all.iter().copied().filter(|sight| sky.has(sight.satellite)).collect();
             *seen = sights.len();
@@ -223,7 +223,7 @@ pub(super) fn day(effort: Effort, bar: &ProgressBar) -> Result<(Vec<Section>, Ve
         sample
     };
     let samples: Vec<Sample> = (0..epochs(effort)).into_par_iter().map(of).collect::<Result<_>>()?;
-    let mut tally = Tally::default();
+    let mut tally = Scores::default();
     for sample in &samples {
         let (sums, others) = (tally.as_flattened_mut(), sample.tally.as_flattened());
         for (sum, other) in sums.as_flattened_mut().iter_mut().zip(others.as_flattened()) {
@@ -249,7 +249,7 @@ fn visible(samples: &[Sample]) -> Section {
     Section { title: "Figure 2".to_owned(), rows }
 }
 
-fn table(number: &str, tally: &Tally, level: usize, cases: std::ops::Range<usize>) -> Section {
+fn table(number: &str, tally: &Scores, level: usize, cases: std::ops::Range<usize>) -> Section {
     let mut rows = Vec::new();
     for index in cases {
         let (case, scores) = (&CASES[index], &tally[index][level]);
@@ -315,7 +315,7 @@ fn figure_2(samples: &[Sample]) -> Result<Picture> {
 }
 
 /// Draws table 3 by its errors, because the rates themselves are all near 100 %.
-fn bars(tally: &Tally) -> Result<Picture> {
+fn bars(tally: &Scores) -> Result<Picture> {
     let mut bars = Vec::new();
     for (name, column) in [("parity", PARITY), ("improved", IMPROVED)] {
         let printed = |case: &Case| 100.0 - case.printed[COLUMNS[column].1].accuracy;

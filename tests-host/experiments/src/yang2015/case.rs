@@ -102,9 +102,9 @@ impl Errors {
 
 /// Errors by case, threshold and row of cells.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tally([[[Errors; LATITUDES]; POLICIES.len()]; CASES]);
+pub(super) struct ErrorsByCase([[[Errors; LATITUDES]; POLICIES.len()]; CASES]);
 
-impl Tally {
+impl ErrorsByCase {
     /// Adds errors of one cell.
     pub(super) fn add(&mut self, case: usize, policy: usize, row: usize, errors: Errors) {
         let entry = &mut self.0[case][policy][row];

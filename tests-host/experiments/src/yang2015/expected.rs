@@ -20,7 +20,7 @@ use raim_core::least_squares::Snapshot;
 use rayon::prelude::*;
 
 use super::SIGMA_M;
-use super::case::{CASES, Case, Errors, FAULT_M, FAULT_S, POLICIES, Tally};
+use super::case::{CASES, Case, Errors, ErrorsByCase, FAULT_M, FAULT_S, POLICIES};
 use super::grid::{CELLS, Cell, Sky, pose};
 
 /// Time that one geometry represents, s.
@@ -32,7 +32,7 @@ const STEPS: usize = 288;
 #[derive(Clone, Copy, Default)]
 pub(super) struct Expectation {
     /// Expected counts.
-    pub(super) tally: Tally,
+    pub(super) tally: ErrorsByCase,
     /// Number of geometries in which no threshold meets both probabilities, by case.
     pub(super) unavailable: [usize; CASES],
 }

@@ -14,7 +14,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
 
 use super::SIGMA_M;
-use super::case::{Case, Errors, FAULT_M, FAULT_S, Tally};
+use super::case::{Case, Errors, ErrorsByCase, FAULT_M, FAULT_S};
 use super::grid::{CELLS, Cell, Sky, pose};
 use crate::draw::generator;
 
@@ -41,20 +41,23 @@ pub(super) fn tally(
     cells: &[Cell],
     stride_s: usize,
     bar: &ProgressBar,
-) -> anyhow::Result<Tally> {
+) -> anyhow::Result<ErrorsByCase> {
     let second = |number: usize| {
         let tally = of_second(cases, sky, cells, number * stride_s);
         bar.inc(1);
         tally
     };
-    (0..seconds(stride_s)).into_par_iter().map(second).try_reduce(Tally::default, |a, b| Ok(a.plus(&b)))
+    (0..seconds(stride_s))
+        .into_par_iter()
+        .map(second)
+        .try_reduce(ErrorsByCase::default, |a, b| Ok(a.plus(&b)))
 }
 
-fn of_second(cases: &[Case], sky: &Sky, cells: &[Cell], second: usize) -> anyhow::Result<Tally> {
+fn of_second(cases: &[Case], sky: &Sky, cells: &[Cell], second: usize) -> anyhow::Result<ErrorsByCase> {
     let positions = sky.positions(second as f64);
     let faulty = FAULT_S.contains(&(second as f64));
     let mut random = generator(SEED, second as u64);
-    let mut tally = Tally::default();
+    let mut tally = ErrorsByCase::default();
     for cell in cells {
         let directions = cell.directions(sky, &positions);
         let chosen = faulty.then(|| random.random_range(0..directions.len()));

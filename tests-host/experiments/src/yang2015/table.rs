@@ -6,7 +6,7 @@ use indicatif::ProgressBar;
 use raim::page::canvas::{BLUE, Mark, ORANGE};
 use raim::page::chart::{Axis, LineChart, Series};
 
-use super::case::{CASES, Case, Errors, Tally};
+use super::case::{CASES, Case, Errors, ErrorsByCase};
 use super::expected::{self, Expectation};
 use super::grid::{CELLS, Cell, LATITUDES, Sky, latitude_deg};
 use super::simulated::{self, DAY_S};
@@ -69,7 +69,7 @@ const COMPARISONS: [[[Comparison; 2]; 2]; CASES] = [
 /// Both tallies, and the number of seconds that each simulated one represents.
 struct Tallies {
     expected: Expectation,
-    counted: Tally,
+    counted: ErrorsByCase,
     stride_s: usize,
 }
 

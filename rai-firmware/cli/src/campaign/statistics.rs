@@ -1,18 +1,16 @@
-//! Outcomes of a cell's epochs, under one fault and one judge.
+//! Outcomes, levels and errors of a cell's epochs, under one fault and one judge.
 
 use raim_core::frame::Enu;
 use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
 
+use crate::outcomes::{Outcome, Outcomes};
+
 /// Counts, levels and errors of many epochs.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tally {
-    epochs: u64,
-    protected: u64,
-    alerts: u64,
+pub struct CellStatistics {
+    outcomes: Outcomes,
     excluded: u64,
-    misleading: u64,
-    hazardous: u64,
     hpl_m: Vec<f32>,
     vpl_m: Vec<f32>,
     horizontal_m2: f64,
@@ -20,7 +18,7 @@ pub struct Tally {
     fixes: u64,
 }
 
-/// Columns that a tally fills.
+/// Columns that the statistics fill.
 pub const COLUMNS: [&str; 14] = [
     "epochs",
     "protected",
@@ -38,49 +36,47 @@ pub const COLUMNS: [&str; 14] = [
     "vertical_rms_m",
 ];
 
-impl Tally {
+impl CellStatistics {
     /// Adds an epoch; `error` is the error of the position.
     pub fn add<const N: usize>(&mut self, report: &Report<N>, error: Option<Enu>, limits: &Requirements) {
-        let is_protected = matches!(report.verdict, Verdict::Protected(_));
-        self.epochs += 1;
-        self.protected += u64::from(is_protected);
-        self.alerts += u64::from(matches!(report.verdict, Verdict::Alert(_)));
         self.excluded += u64::from(!report.excluded.is_empty());
         let levels = report.protection.map(|levels| (levels.hpl_m, levels.vpl_m));
         let (hpl_m, vpl_m) = levels.unwrap_or((f64::INFINITY, f64::INFINITY));
         self.hpl_m.push(hpl_m as f32);
         self.vpl_m.push(vpl_m as f32);
-        let Some(error) = error else { return };
-        let (horizontal_m, vertical_m) = (error.horizontal(), error.up.abs());
-        self.fixes += 1;
-        self.horizontal_m2 += horizontal_m * horizontal_m;
-        self.vertical_m2 += vertical_m * vertical_m;
-        if is_protected {
-            let is_vertical = limits.val_m.is_some();
-            let misleads = horizontal_m > hpl_m || (is_vertical && vertical_m > vpl_m);
-            let is_hazard =
-                horizontal_m > limits.hal_m || limits.val_m.is_some_and(|val_m| vertical_m > val_m);
-            self.misleading += u64::from(misleads);
-            self.hazardous += u64::from(is_hazard);
+        if let Some(error) = error {
+            self.fixes += 1;
+            self.horizontal_m2 += error.horizontal() * error.horizontal();
+            self.vertical_m2 += error.up * error.up;
         }
+        let exceeds = |horizontal_m: f64, vertical_m: Option<f64>| {
+            error.is_some_and(|error| {
+                error.horizontal() > horizontal_m
+                    || vertical_m.is_some_and(|vertical_m| error.up.abs() > vertical_m)
+            })
+        };
+        self.outcomes.add(match report.verdict {
+            Verdict::Protected(_) => Outcome::Promised {
+                is_misleading: exceeds(hpl_m, limits.val_m.map(|_| vpl_m)),
+                is_hazardous: exceeds(limits.hal_m, limits.val_m),
+            },
+            Verdict::Alert(_) => Outcome::Alert,
+            Verdict::Unavailable(_) => Outcome::Unavailable,
+        });
     }
 
     /// Formats the cells of a row, in the order of [`COLUMNS`].
     pub fn cells(mut self) -> String {
-        let unavailable = self.epochs - self.protected - self.alerts;
-        let share = self.protected as f64 / self.epochs.max(1) as f64;
+        let Outcomes { promised, alerts, unavailable, misleading, hazardous } = self.outcomes;
+        let epochs = self.outcomes.epochs();
+        let share = promised as f64 / epochs.max(1) as f64;
         let rms = |sum_m2: f64| if self.fixes == 0 { f64::NAN } else { (sum_m2 / self.fixes as f64).sqrt() };
         let (horizontal_m, vertical_m) = (rms(self.horizontal_m2), rms(self.vertical_m2));
         let hpl = [0.5, 0.99].map(|share| quantile(&mut self.hpl_m, share)).map(metres);
         let vpl = [0.5, 0.99].map(|share| quantile(&mut self.vpl_m, share)).map(metres);
         format!(
-            "{},{},{},{unavailable},{},{},{},{share:.6},{},{},{},{},{},{}",
-            self.epochs,
-            self.protected,
-            self.alerts,
+            "{epochs},{promised},{alerts},{unavailable},{},{misleading},{hazardous},{share:.6},{},{},{},{},{},{}",
             self.excluded,
-            self.misleading,
-            self.hazardous,
             hpl[0],
             hpl[1],
             vpl[0],
