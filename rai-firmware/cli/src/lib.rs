@@ -77,3 +77,5 @@ pub mod replay;
 pub mod run;
 #[cfg(feature = "commands")]
 pub mod second_opinion;
+#[cfg(feature = "commands")]
+mod serial;
