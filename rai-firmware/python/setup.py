@@ -1,5 +1,6 @@
 """Builds the shared library of RAI with cargo, into the package."""
 
+import os
 import pathlib
 import shutil
 import subprocess
@@ -24,9 +25,12 @@ class WithLibrary(build_py):
         super().run()
         command = ["cargo", "rustc", "--locked", "--release", "--package", "rai-capi", "--lib", "--crate-type", "cdylib"]
         command += ["--features", "gsv,watcher"]
+        if shutil.which("cargo") is None:
+            sys.exit("raim is compiled from Rust: install Rust from https://rustup.rs first")
         subprocess.run(command, cwd=HERE, check=True)
         target = pathlib.Path(self.build_lib, "raim")
-        shutil.copy(HERE.parent.parent / "target" / "release" / NAME, target / NAME.replace("rai.dll", "librai.dll"))
+        built = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", HERE.parent.parent / "target"), "release", NAME)
+        shutil.copy(built, target / NAME.replace("rai.dll", "librai.dll"))
 
 
 class ForAnyPython(bdist_wheel):

@@ -78,3 +78,5 @@ pub mod replay;
 pub mod run;
 #[cfg(feature = "commands")]
 pub mod second_opinion;
+#[cfg(feature = "commands")]
+mod serial;

@@ -63,11 +63,10 @@ fn install(out: &Path, definitions: &[String]) -> PathBuf {
     let _lock = lock();
     let mut all = vec![format!("RAI_BUILD_FOLDER={}", cargo_folder().display())];
     all.extend_from_slice(definitions);
-    all.push(format!("CMAKE_INSTALL_PREFIX={}", prefix.display()));
     all.push("CMAKE_INSTALL_LIBDIR=lib".into());
     run(&mut configure(&folder(), &at, &all)).expect("it configures");
     build(&at);
-    run(Command::new("cmake").arg("--install").arg(&at)).expect("it installs");
+    run(Command::new("cmake").arg("--install").arg(&at).arg("--prefix").arg(&prefix)).expect("it installs");
     prefix
 }
 
@@ -105,6 +104,10 @@ fn another_project_finds_and_links_the_installed_library() {
     let mut asked = Command::new("pkg-config");
     asked.args(["--cflags", "--libs", "rai"]).env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig"));
     let flags = String::from_utf8(run(&mut asked).expect("rai.pc is found")).expect("text");
+    let folder_of_flag = |flag: &str| Path::new(&flag[2..]).canonicalize().expect("a folder");
+    let folders: Vec<PathBuf> = flags.split_whitespace().take(2).map(folder_of_flag).collect();
+    let prefix = prefix.canonicalize().expect("the prefix");
+    assert_eq!(folders, [prefix.join("include"), prefix.join("lib")], "{flags}");
     let program = out.path().join("by_pkg_config");
     let mut gcc = Command::new("gcc");
     gcc.args(STRICT).arg(folder().join("examples/c/monitor.c")).args(flags.split_whitespace());

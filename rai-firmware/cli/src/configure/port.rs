@@ -6,6 +6,8 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 
+use crate::serial;
+
 /// Rate of a serial port if none is named: that of u-blox generation 9 and later at start.
 const BAUD: u32 = 38_400;
 
@@ -37,5 +39,5 @@ pub(super) fn open(name: &str) -> Result<Box<dyn Port>> {
         Some((path, baud)) => (path, baud.parse().context("the rate behind @ must be a number")?),
         None => (name, BAUD),
     };
-    Ok(Box::new(serialport::new(path, baud).timeout(READ_TIMEOUT).open()?))
+    Ok(Box::new(serial::open(path, baud, READ_TIMEOUT)?))
 }

@@ -111,18 +111,30 @@ fn print(
     if let Some(board) = board.filter(|_| !arguments.json) {
         print_board(board);
     }
-    if let (0, Some(missing)) = (summary.fixes, missing) {
-        bail!("no epoch gave a position: {missing}");
-    }
-    if summary.fixes == 0 && arguments.capture.is_some() {
-        bail!(
-            "no epoch gave a position: is the capture long enough for ephemerides to come (30 s to a minute), or is --nav of its day there?"
-        );
-    }
     if summary.fixes == 0 {
-        bail!("no epoch gave a position: are --systems and the navigation file those of the recording?");
+        bail!("no epoch gave a position: {}", why_none(arguments, summary, missing));
     }
     Ok(())
+}
+
+/// Returns the most likely reason for which no epoch gave a position.
+fn why_none(arguments: &Arguments, summary: &Summary, missing: Option<&str>) -> String {
+    let backwards = summary.counters.get("epochs_backwards").map_or(0, |count| *count as usize);
+    if 2 * backwards > summary.epochs {
+        return format!(
+            "{backwards} times the ranges are older than those before them, and the module does not go back in time. Are \
+             these two recordings in one, or does the receiver date one system differently from the others?"
+        );
+    }
+    match (missing, &arguments.capture) {
+        (Some(missing), _) => missing.to_owned(),
+        (None, Some(_)) => {
+            "is the capture long enough for ephemerides to come (30 s to a minute), or is --nav of its \
+                            day there?"
+                .to_owned()
+        }
+        (None, None) => "are --systems and the navigation file those of the recording?".to_owned(),
+    }
 }
 
 fn print_board(board: &BoardRun) {

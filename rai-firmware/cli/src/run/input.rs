@@ -4,7 +4,7 @@
 //! to eight. Meanwhile nothing arrives, so the module reports `STALE` and drops the pin by itself.
 
 use std::fmt;
-use std::io::{self, Read};
+use std::io::{self, IsTerminal as _, Read};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::str::FromStr;
 use std::sync::Arc;
@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result, bail};
 
 use super::inbox::Inbox;
+use crate::serial;
 
 /// Rate of a serial port if none is named: the module's own first guess.
 const BAUD: u32 = 115_200;
@@ -75,6 +76,13 @@ pub(super) fn start(source: &Source, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>)
     let (source, inbox, stop) = (source.clone(), Arc::clone(inbox), Arc::clone(stop));
     let first = match &source {
         Source::Serial(..) => Some(open(&source).with_context(|| source.to_string())?),
+        Source::Standard if io::stdin().is_terminal() => {
+            // Otherwise it would seem to hang.
+            eprintln!(
+                "waiting for a receiver's bytes on standard input; --input names a port (rai run --help)"
+            );
+            None
+        }
         Source::Tcp(_) | Source::Standard => None,
     };
     thread::spawn(move || keep_reading(&source, first, &inbox, &stop));
@@ -87,7 +95,7 @@ type Port = Box<dyn Read + Send>;
 fn open(source: &Source) -> Result<Port> {
     Ok(match source {
         Source::Standard => Box::new(io::stdin()),
-        Source::Serial(port, baud) => Box::new(serialport::new(port, *baud).timeout(READ_TIMEOUT).open()?),
+        Source::Serial(port, baud) => Box::new(serial::open(port, *baud, READ_TIMEOUT)?),
         Source::Tcp(address) => Box::new(connect(address)?),
     })
 }

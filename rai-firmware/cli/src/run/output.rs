@@ -17,6 +17,7 @@ use anyhow::{Context as _, Result, bail};
 
 use super::inbox::Inbox;
 use super::outbox::{Consumers, Kind, Outbox, QUEUE};
+use crate::serial;
 
 /// Longest time that a client may take to read.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -95,7 +96,7 @@ pub(super) fn open(sink: &Sink, outbox: &mut Outbox, inbox: &Arc<Inbox>) -> Resu
         Sink::Udp(address) => spawn(&consumers, Kind::Nmea, Datagrams::to(address)?),
         Sink::MavlinkUdp(address) => spawn(&consumers, Kind::Mavlink, Datagrams::to(address)?),
         Sink::MavlinkSerial(port, baud) => {
-            let port = serialport::new(port, *baud).timeout(PATIENCE).open()?;
+            let port = serial::open(port, *baud, PATIENCE)?;
             spawn(&consumers, Kind::Mavlink, port);
         }
         Sink::Tcp(address) => listen(TcpListener::bind(address)?, consumers),
@@ -190,7 +191,8 @@ fn terminal(path: &std::path::Path, consumers: &Consumers, inbox: &Arc<Inbox>) -
         Ok(_) => bail!("{} exists and is no link: remove it, or name another path", path.display()),
         Err(_) => {}
     }
-    std::os::unix::fs::symlink(&name, path)?;
+    std::os::unix::fs::symlink(&name, path)
+        .with_context(|| format!("cannot make the link {}", path.display()))?;
     fcntl(pair.master.as_fd(), FcntlArg::F_SETFL(OFlag::O_NONBLOCK))?;
     let master = File::from(pair.master);
     spawn(consumers, Kind::Nmea, Terminal(master.try_clone()?));

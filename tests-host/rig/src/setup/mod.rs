@@ -244,7 +244,8 @@ fn run(command: &[&str]) -> anyhow::Result<()> {
 
 /// Returns the project's root.
 pub(crate) fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+    // Without `..`, because users read paths below it.
+    Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap_or(Path::new(".")).to_owned()
 }
 
 /// Returns the folder of the toolchain that this project pins.
