@@ -119,7 +119,8 @@ impl fmt::Display for RowError {
 
 impl core::error::Error for RowError {}
 
-/// Offset that is subtracted from the residuals of each constellation: its first residual, rounded.
+/// Offset that is subtracted from the residuals of each constellation: its first residual, rounded,
+/// or its clock about a point nearby.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct References<T: Real>([Option<T::Absolute>; Constellation::COUNT]);
 
@@ -212,7 +213,8 @@ impl<T: Real> References<T> {
         Ok(row)
     }
 
-    fn keep(&mut self, constellation: Constellation, reference: T::Absolute) {
+    /// Sets a constellation's reference.
+    pub(crate) fn keep(&mut self, constellation: Constellation, reference: T::Absolute) {
         if let Some(slot) = self.0.get_mut(constellation as usize) {
             *slot = Some(reference);
         }

@@ -36,6 +36,11 @@ const CONVERGED_M: f64 = 10.0;
 /// Change of the position above which an exclusion is solved again from there, m.
 const RELINEARISE_M: f64 = 300.0;
 
+/// Distance of a clock from its reference above which the residuals of `f32` lose a centimetre, m.
+///
+/// It is that large if the first satellite of a constellation was left out because of its error.
+const REFERENCE_M: f64 = 1e5;
+
 /// Maximum number of passes: twice the six that suffice from the centre of the earth.
 const MAX_PASSES: usize = 12;
 
@@ -128,14 +133,17 @@ impl<'r, T: Real> Fix<'r, T> {
     }
 
     /// Solves again from the new position if a change of the rows moved it far from the
-    /// linearisation point.
+    /// linearisation point, or if the rows are far from the references of their residuals.
     fn follow(&mut self) -> Result<(), SnapshotError> {
-        if is_within(&self.snapshot.correction(), RELINEARISE_M) {
+        let is_near = is_within(&self.snapshot.correction(), RELINEARISE_M);
+        if is_near && !self.snapshot.is_far_from_references(REFERENCE_M) {
             return Ok(());
         }
         let (position, left_out) = (self.position(), self.left_out());
         let solve_about = |linearisation: &LinearisationPoint<T>| {
-            rewrite(&mut self.snapshot, &self.aided, linearisation, left_out).map_err(FixError::Snapshot)?;
+            let references = self.snapshot.clocks_as_references();
+            rewrite(&mut self.snapshot, references, &self.aided, linearisation, left_out)
+                .map_err(FixError::Snapshot)?;
             Ok(self.snapshot.correction())
         };
         self.linearisation = converge(position, solve_about).map_err(|error| match error {
@@ -148,7 +156,8 @@ impl<'r, T: Real> Fix<'r, T> {
     /// Restores rows that were solved before, about the same point.
     fn restore(&mut self, left_out: u64) {
         // These rows were formed and solved before, so that it succeeds.
-        let _ = rewrite(&mut self.snapshot, &self.aided, &self.linearisation, left_out);
+        let references = References::none();
+        let _ = rewrite(&mut self.snapshot, references, &self.aided, &self.linearisation, left_out);
     }
 }
 
@@ -223,14 +232,15 @@ fn converge<T: Real>(
     Err(FixError::NotConverged)
 }
 
-/// Writes the equations about another point, without the rows of a set.
+/// Writes the equations about another point, relative to references, without the rows of a set.
 fn rewrite<T: Real>(
     snapshot: &mut Snapshot<'_, T>,
+    references: References<T>,
     aided: &Aided<'_>,
     linearisation: &LinearisationPoint<T>,
     left_out: u64,
 ) -> Result<(), SnapshotError> {
-    snapshot.rewrite(|references, put| {
+    snapshot.rewrite(references, |references, put| {
         let mut set = left_out;
         write(references, aided, linearisation, &mut |mut row| {
             if set & 1 != 0 {

@@ -241,16 +241,17 @@ impl<T: Real> Snapshot<'_, T> {
         self.solved.solve(self.rows, self.fits)
     }
 
-    /// Overwrites the equations, as many as there are, and solves them.
+    /// Overwrites the equations, as many as there are, relative to references, and solves them.
     ///
     /// # Errors
     /// As [`Workspace::solve`], and [`SnapshotError::Singular`] if `write` stops early. The rows
     /// are then the new ones and their fits are unspecified, so that the caller must write again.
     pub(crate) fn rewrite(
         &mut self,
+        references: References<T>,
         write: impl FnOnce(&mut References<T>, &mut dyn FnMut(Row<T>) -> Option<()>) -> Option<()>,
     ) -> Result<(), SnapshotError> {
-        *self.references = References::none();
+        *self.references = references;
         let mut slots = self.rows.iter_mut();
         let written = write(self.references, &mut |row| {
             *slots.next()? = row;
@@ -320,9 +321,40 @@ impl<T: Real> Snapshot<'_, T> {
     // Not inlined, so that its many callers share one copy.
     #[inline(never)]
     pub fn clock_m(&self, constellation: Constellation) -> Option<f64> {
+        Some(self.reference_m(constellation)? + self.relative_clock(constellation)?.widen())
+    }
+
+    /// Returns a clock less its reference, m.
+    fn relative_clock(&self, constellation: Constellation) -> Option<T> {
         let group = self.solved.estimate.groups.of_clock(constellation)?;
-        let relative = group.residual - dot(&group.design, &self.solved.estimate.correction);
-        Some(self.reference_m(constellation)? + relative.widen())
+        Some(group.residual - dot(&group.design, &self.solved.estimate.correction))
+    }
+
+    /// Returns true if a clock is farther from its reference than this, m, so that residuals lose
+    /// digits.
+    pub(crate) fn is_far_from_references(&self, limit_m: f64) -> bool {
+        let limit = T::narrow(limit_m);
+        let clocks = Constellation::ALL.into_iter().filter_map(|clock| self.relative_clock(clock));
+        // NaN is far as well.
+        clocks.into_iter().any(|relative| !(relative.abs() <= limit))
+    }
+
+    /// Returns the clocks of the rows that take part, as references of equations about a point
+    /// nearby.
+    ///
+    /// The first residual of a constellation is no such reference if its satellite is left out
+    /// because it is wrong by 100,000 km: less that, all others would lose their metres in `f32`.
+    // Not inlined, so that it adds nothing to the stack of the solve that follows.
+    #[inline(never)]
+    pub(crate) fn clocks_as_references(&self) -> References<T> {
+        let mut clocks = References::none();
+        for constellation in Constellation::ALL {
+            let relative = self.relative_clock(constellation).filter(|relative| relative.is_finite());
+            if let (Some(reference), Some(relative)) = (self.references.of(constellation), relative) {
+                clocks.keep(constellation, reference.less(T::Absolute::of(-relative.widen())));
+            }
+        }
+        clocks
     }
 
     /// Returns true if a row of a constellation takes part, which determines its clock.

@@ -138,6 +138,16 @@ pub(crate) fn any_sky(faults: usize) -> impl Strategy<Value = Sky> {
         .prop_map(|(place, clocks_m, draws, biases)| sky(place, clocks_m, &draws, &biases))
 }
 
+/// Returns a sky in which the first satellite is wrong by 10 km to the largest range.
+pub(crate) fn grossly_wrong_sky() -> impl Strategy<Value = Sky> {
+    (any_sky(0), 4.0..8.95_f64, any::<bool>()).prop_map(|(mut sky, decades, late)| {
+        if let Some(first) = sky.observations.first_mut() {
+            first.range_m += 10_f64.powf(decades) * if late { 1.0 } else { -1.0 };
+        }
+        sky
+    })
+}
+
 fn any_draw() -> impl Strategy<Value = Draw> {
     let direction = (0.0..std::f64::consts::TAU, 0.08..1.57_f64, 2.0e7..4.0e7_f64);
     // GPS more often than the others, so that some skies have one constellation only.
