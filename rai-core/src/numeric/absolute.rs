@@ -118,22 +118,7 @@ const _: () = assert!(Grid::LONGEST_M * ((1 << Grid::COARSE_DIGITS) as f64) < i3
 impl Absolute<f32> for Grid {
     /// Rounds to the nearest multiple, halves away from 0.
     fn of(metres: f64) -> Self {
-        const MANTISSA_BITS: i32 = 52;
-        const BIAS: i32 = 1023;
-        // The upper word decides, so that only one shift needs both words.
-        let upper = (metres.to_bits() >> 32) as i32;
-        let exponent = upper >> (MANTISSA_BITS - 32) & 0x7FF;
-        let mantissa = metres.to_bits() & ((1 << MANTISSA_BITS) - 1) | 1 << MANTISSA_BITS;
-        // Digits behind the grid's, except for one, which rounds.
-        let shift = BIAS + MANTISSA_BITS - Self::DIGITS - 1 - exponent;
-        let magnitude = match shift {
-            // Infinity and NaN have the largest exponent.
-            ..=0 => Self::LARGEST,
-            1..=52 => (((mantissa >> shift) + 1) >> 1).cast_signed(),
-            _ => 0,
-        };
-        let sign = i64::from(upper >> 31);
-        Self((magnitude ^ sign) - sign)
+        Self(if cfg!(target_os = "none") { by_bits(metres) } else { by_doubles(metres) })
     }
 
     fn less(self, other: Self) -> Self {
@@ -189,7 +174,86 @@ impl Absolute<f32> for Grid {
     }
 }
 
+/// Returns the nearest multiple of 2⁻¹⁴ m as [`Grid`] defines it, from the bits of the double.
+fn by_bits(metres: f64) -> i64 {
+    const MANTISSA_BITS: i32 = 52;
+    const BIAS: i32 = 1023;
+    // The upper word decides, so that only one shift needs both words.
+    let upper = (metres.to_bits() >> 32) as i32;
+    let exponent = upper >> (MANTISSA_BITS - 32) & 0x7FF;
+    let mantissa = metres.to_bits() & ((1 << MANTISSA_BITS) - 1) | 1 << MANTISSA_BITS;
+    // Digits behind the grid's, except for one, which rounds.
+    let shift = BIAS + MANTISSA_BITS - Grid::DIGITS - 1 - exponent;
+    let magnitude = match shift {
+        // Infinity and NaN have the largest exponent.
+        ..=0 => Grid::LARGEST,
+        1..=52 => (((mantissa >> shift) + 1) >> 1).cast_signed(),
+        _ => 0,
+    };
+    let sign = i64::from(upper >> 31);
+    (magnitude ^ sign) - sign
+}
+
+/// Returns the same as [`by_bits`] with the doubles of a host, in half as many instructions.
+fn by_doubles(metres: f64) -> i64 {
+    /// The double below ½: a half itself would raise the number below ½ to 1.
+    const BELOW_HALF: f64 = 0.5 - f64::EPSILON / 4.0;
+    let units = metres * (1 << Grid::DIGITS) as f64;
+    // NaN leaves here, too.
+    if !(units.abs() < Grid::LARGEST as f64) {
+        return if metres.is_sign_negative() { -Grid::LARGEST } else { Grid::LARGEST };
+    }
+    (units + BELOW_HALF.copysign(units)) as i64
+}
+
 /// Returns a coordinate with as many digits as 32 bits hold, in units of 2⁻³ m.
 fn coarse(Grid(value): Grid) -> f32 {
     (value >> Grid::COARSER) as i32 as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{by_bits, by_doubles};
+
+    /// Patterns of bits that repeat only after 2⁶⁴ (`SplitMix64`).
+    fn patterns() -> impl Iterator<Item = u64> {
+        let mut state = 2026_u64;
+        core::iter::from_fn(move || {
+            state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+            let mixed = (state ^ state >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+            Some(mixed ^ mixed >> 31)
+        })
+    }
+
+    fn agree(metres: f64) {
+        for metres in [metres, -metres] {
+            assert_eq!(by_doubles(metres), by_bits(metres), "{metres:e}");
+        }
+    }
+
+    #[test]
+    fn both_ways_to_the_grid_agree_on_any_double() {
+        patterns().take(1_000_000).for_each(|bits| agree(f64::from_bits(bits)));
+        // Lengths of the exponents that decide: from below a unit to beyond the largest.
+        for bits in patterns().take(2_000_000) {
+            let exponent = 1023 - 16 + bits % 56;
+            agree(f64::from_bits(exponent << 52 | bits >> 12));
+        }
+    }
+
+    #[test]
+    fn both_ways_to_the_grid_agree_on_halves_and_their_neighbours() {
+        for bits in patterns().take(500_000) {
+            let half = (bits >> (11 + bits % 53)) as f64 / 32_768.0;
+            [half.next_down(), half, half.next_up()].into_iter().for_each(agree);
+        }
+        let edges = [0.0, 0.5 / 16_384.0, 137_438_953_472.0, f64::MIN_POSITIVE, f64::MAX, f64::INFINITY];
+        for edge in edges {
+            [edge.next_down(), edge, edge.next_up()].into_iter().for_each(agree);
+        }
+        [f64::NAN, f64::from_bits(u64::MAX), f64::from_bits(0x7FF0_0000_0000_0001)]
+            .into_iter()
+            .for_each(agree);
+    }
 }

@@ -10,31 +10,37 @@
 //! [RTCM-10403.3]: crate#references
 //! [UBX-F9]: crate#references
 
-/// CRC-24Q of each byte, bit by bit.
-const PARITIES: [u32; 256] = {
-    const POLYNOMIAL: u32 = 0x0186_4CFB;
-    let mut parities = [0; 256];
-    let mut byte = 0;
-    while byte < 256 {
-        let (mut crc, mut bit) = ((byte as u32) << 16, 0);
-        while bit < 8 {
-            crc <<= 1;
-            crc = if crc & 0x0100_0000 == 0 { crc } else { crc ^ POLYNOMIAL };
+/// CRC-24Q of each byte, bit by bit, followed by no, one, two and three bytes of zeros; in the upper
+/// bits of a word.
+static PARITIES: [[u32; 256]; 4] = {
+    const POLYNOMIAL: u32 = 0x0186_4CFB << 8;
+    let mut parities = [[0; 256]; 4];
+    let mut index = 0;
+    while index < 1024 {
+        let (behind, byte) = (index / 256, index % 256);
+        let (mut crc, mut bit) = ((byte as u32) << 24, 0);
+        while bit < 8 * (behind + 1) {
+            crc = (crc << 1) ^ if crc >> 31 == 0 { 0 } else { POLYNOMIAL };
             bit += 1;
         }
-        parities[byte] = crc;
-        byte += 1;
+        parities[behind][byte] = crc;
+        index += 1;
     }
     parities
 };
 
 /// Returns the parity that ends an RTCM frame.
 pub fn crc24q(bytes: &[u8]) -> [u8; 3] {
-    let crc = bytes.iter().fold(0_u32, |crc, byte| {
-        let high = (crc >> 16) as u8 ^ byte;
-        (crc << 8 & 0x00FF_FFFF) ^ PARITIES[usize::from(high)]
+    let (words, rest) = bytes.as_chunks::<4>();
+    let crc = words.iter().fold(0_u32, |crc, word| {
+        let [first, second, third, last] = (crc ^ u32::from_be_bytes(*word)).to_be_bytes().map(usize::from);
+        PARITIES[3][first] ^ PARITIES[2][second] ^ PARITIES[1][third] ^ PARITIES[0][last]
     });
-    let [_, parity @ ..] = crc.to_be_bytes();
+    let crc = rest.iter().fold(crc, |crc, byte| {
+        let first = (crc >> 24) as u8 ^ byte;
+        crc << 8 ^ PARITIES[0][usize::from(first)]
+    });
+    let [parity @ .., _] = crc.to_be_bytes();
     parity
 }
 

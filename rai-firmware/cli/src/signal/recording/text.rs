@@ -243,12 +243,39 @@ pub(super) fn is_labelled(line: &str) -> bool {
     label.contains(" / ") || may_be_known && is_known()
 }
 
+/// Reads the usual form of a field of 14 columns as [`any_decimal`] does, in a fifth of the time:
+/// blanks, at least two digits, a point and three digits. The first eight columns are one word.
+fn usual(columns: &[u8]) -> Option<f64> {
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    let &[a, b, c, d, e, f, g, h, i, j, b'.', k, l, m] = columns.first_chunk::<14>()? else { return None };
+    let word = u64::from_le_bytes([a, b, c, d, e, f, g, h]);
+    // A blank lacks the bit that makes it a zero. Blanks come first, and have no other bits.
+    let blanks = !word >> 4 & ONES;
+    let (filled, lower) = (word | 0x10 * ONES, 0x0F * ONES);
+    let are_first = blanks & !(blanks << 8 | 1) == 0 && word & (blanks * 0x0F) == 0;
+    let are_digits = filled & !lower == 0x30 * ONES && (filled & lower) + 0x06 * ONES & !lower == 0;
+    let last = [i, j, k, l, m].map(|digit| u64::from(digit.wrapping_sub(b'0')));
+    if columns.len() != 14 || !are_first || !are_digits || last.iter().any(|digit| *digit > 9) {
+        return None;
+    }
+    // Neighbours are joined: digits to pairs, pairs to fours, fours to eight.
+    let pairs = (filled & lower).wrapping_mul(10 << 8 | 1) >> 8 & 0x00FF_00FF_00FF_00FF;
+    let fours = pairs.wrapping_mul(100 << 16 | 1) >> 16 & 0x0000_FFFF_0000_FFFF;
+    let eight = fours.wrapping_mul(10_000 << 32 | 1) >> 32;
+    Some(last.iter().fold(eight, |integer, digit| 10 * integer + digit) as f64 / 1e3)
+}
+
 /// Reads a number in plain decimals as [`number`] does, in a fraction of the time; `None` for blank
 /// columns and every other form.
 ///
 /// An integer below 2⁵³ and a power of ten up to 10²² are exact in double precision. Their quotient
 /// is therefore the double nearest to the number.
 pub(super) fn decimal(columns: &[u8]) -> Option<f64> {
+    usual(columns).or_else(|| any_decimal(columns))
+}
+
+/// Reads all forms of [`decimal`], digit by digit.
+fn any_decimal(columns: &[u8]) -> Option<f64> {
     const POWERS: [f64; 15] =
         [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14];
     let text = columns.trim_ascii();
@@ -287,7 +314,7 @@ mod tests {
     use rand::{Rng as _, SeedableRng as _};
     use rand_chacha::ChaCha8Rng;
 
-    use super::{decimal, number};
+    use super::{any_decimal, decimal, number, usual};
 
     #[test]
     fn plain_decimals_are_the_numbers_of_the_standard_library() {
@@ -305,6 +332,29 @@ mod tests {
         for (text, want) in [(" 20000000.123", 20_000_000.123), ("-.5", -0.5), ("5.", 5.0), (" 0.000 ", 0.0)]
         {
             assert_eq!(decimal(text.as_bytes()), Some(want), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_usual_form_is_read_as_any_other() {
+        let mut random = ChaCha8Rng::seed_from_u64(6);
+        let mut read = 0;
+        for _ in 0..200_000 {
+            let size = 10_f64.powi(random.random_range(0..10)) * random.random_range(0.0..1.0);
+            let mut text = format!("{size:14.3}").into_bytes();
+            assert_eq!(usual(&text).is_some(), size >= 9.9995, "{size}");
+            read += u32::from(usual(&text).is_some());
+            // Any byte in any column, which is either refused or read as the general reader does.
+            if random.random_bool(0.8) {
+                text[random.random_range(0..14)] = random.random();
+            }
+            if let Some(value) = usual(&text) {
+                assert_eq!(Some(value), any_decimal(&text), "{text:?}");
+            }
+        }
+        assert!(read > 100_000);
+        for text in ["     10.000 ", "1      10.000", "-     10.000", "      10.0000", "#     10.000"] {
+            assert_eq!(usual(text.as_bytes()), None, "{text}");
         }
     }
 

@@ -119,7 +119,7 @@ fn steps(value: f64, resolution: f64) -> i64 {
 /// Bits, the first in the highest place of the first byte.
 struct Bits {
     bytes: Vec<u8>,
-    /// The last bits; the lowest `count` do not fill a byte yet.
+    /// The last bits; the lowest `count`, fewer than 32, are not among the bytes yet.
     held: u64,
     count: u32,
 }
@@ -134,9 +134,9 @@ impl Bits {
         let kept = value & ((1 << width) - 1);
         self.held = self.held << width | kept;
         self.count += width;
-        while self.count >= 8 {
-            self.count -= 8;
-            self.bytes.push((self.held >> self.count) as u8);
+        if self.count >= 32 {
+            self.count -= 32;
+            self.bytes.extend_from_slice(&((self.held >> self.count) as u32).to_be_bytes());
         }
     }
 
@@ -160,7 +160,9 @@ impl Bits {
 
     /// Returns the bytes, the last filled with zeros.
     fn finish(mut self) -> Vec<u8> {
-        self.put(0, (8 - self.count) % 8);
+        let used = self.count.div_ceil(8) as usize;
+        self.put(0, 32 - self.count);
+        self.bytes.truncate(self.bytes.len() - (4 - used));
         self.bytes
     }
 }

@@ -20,6 +20,12 @@
 //! other terms of the series are small, and 32 bits of them reach below 2⁻⁵⁰, which is 25 nm at a
 //! satellite.
 
+mod host;
+
+/// True on a processor with doubles and products of 128 bits in hardware. The functions in [`host`]
+/// then replace those of this file, and give the same bits.
+const ON_HOST: bool = cfg!(not(target_os = "none"));
+
 /// The number 1 in 2⁻⁶².
 pub(super) const ONE_Q62: i64 = 1 << 62;
 
@@ -32,6 +38,10 @@ const TURN_RAD_Q60: i64 = 7_244_019_458_077_122_842;
 /// The lower halves have signs, because this processor multiplies and adds those in one
 /// instruction. Their product, a quarter of a unit at most, is left out.
 pub(crate) const fn mul_high(a: i64, b: i64) -> i64 {
+    if ON_HOST { host::mul_high(a, b) } else { mul_high_of_halves(a, b) }
+}
+
+const fn mul_high_of_halves(a: i64, b: i64) -> i64 {
     let ((a_high, a_low), (b_high, b_low)) = (halves(a), halves(b));
     a_high * b_high + ((a_high * b_low + a_low * b_high) >> 32)
 }
@@ -54,8 +64,12 @@ pub(super) const fn times_q62(quantity: i64, ratio_q62: i64) -> i64 {
 /// normal number.
 ///
 /// The double is composed of its words, because the conversion is a call of twice the cost.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(crate) const fn scaled(units: i64, exponent: i32) -> f64 {
+    if ON_HOST { host::scaled(units, exponent) } else { scaled_by_words(units, exponent) }
+}
+
+const fn scaled_by_words(units: i64, exponent: i32) -> f64 {
     const DROPPED_BITS: u32 = 11;
     const HALF: u32 = 1 << (DROPPED_BITS - 1);
     let size = units.unsigned_abs();
@@ -99,10 +113,16 @@ pub(crate) const fn times_power_of_two(value: f64, exponent: i32) -> f64 {
 ///
 /// It is the inverse of [`scaled`]. The significand is shifted, because a multiplication, a
 /// rounding and a conversion are calls.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(crate) const fn nearest(value: f64, exponent: i32) -> i64 {
+    if ON_HOST { host::nearest(value, exponent) } else { nearest_by_shift(value, exponent) }
+}
+
+/// Limit of [`nearest`].
+const LARGEST: i64 = 1 << 62;
+
+const fn nearest_by_shift(value: f64, exponent: i32) -> i64 {
     const SIGNIFICAND_BITS: i32 = 52;
-    const LARGEST: i64 = 1 << 62;
     let bits = value.to_bits();
     let significand = (bits & ((1 << SIGNIFICAND_BITS) - 1) | 1 << SIGNIFICAND_BITS).cast_signed();
     let power = (bits >> SIGNIFICAND_BITS & 0x7FF) as i32 - (1023 + SIGNIFICAND_BITS) + exponent;
