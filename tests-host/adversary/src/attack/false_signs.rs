@@ -1,8 +1,8 @@
 //! The module's own signs where nothing is wrong: alarms that no fault explains.
 //!
-//! Every recording of the reference folder, on two frequencies and on one, and simulated clocks that
-//! drift, are steered, or jump by a millisecond. An alarm is a change of the reason to a sign; a
-//! count of satellites left out by a sign is one alarm each.
+//! Every recording of the reference folder, on two frequencies and on one, and simulated clocks
+//! that drift, are steered, or jump by a millisecond. An alarm is a change of the reason to a sign.
+//! A count of satellites left out by a sign is one alarm each.
 //!
 //! A car between tall buildings is counted apart, because its ranges are wrong by up to 118 m: an
 //! alarm is justified there if the position is farther off than [`JUSTIFIED_M`].
@@ -56,7 +56,7 @@ struct Signs {
     alarms: [usize; REASONS.len()],
     lasting: [usize; REASONS.len()],
     counts: [usize; COUNTERS.len()],
-    /// Epochs of each reason with a truth, and those of them with a position error beyond the bound.
+    /// Epochs of each reason with a truth, and those of them with an error beyond the bound.
     known: [usize; REASONS.len()],
     justified: [usize; REASONS.len()],
     /// The same of promised epochs.
