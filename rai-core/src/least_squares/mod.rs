@@ -349,8 +349,10 @@ impl<T: Real> Snapshot<'_, T> {
     pub(crate) fn clocks_as_references(&self) -> References<T> {
         let mut clocks = References::none();
         for constellation in Constellation::ALL {
-            let relative = self.relative_clock(constellation).filter(|relative| relative.is_finite());
-            if let (Some(reference), Some(relative)) = (self.references.of(constellation), relative) {
+            let relative = self.relative_clock(constellation);
+            if let (Some(reference), Some(relative)) = (self.references.of(constellation), relative)
+                && relative.is_finite()
+            {
                 clocks.keep(constellation, reference.less(T::Absolute::of(-relative.widen())));
             }
         }

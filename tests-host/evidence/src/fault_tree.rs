@@ -56,6 +56,7 @@ const SEVERAL: Cause = AnyOf(
     &[
         Attack("two-faults"),
         Attack("chosen-pairs"),
+        Attack("gross-pairs"),
         Attack("reflections"),
         Attack("streets"),
         Attack("urban"),
@@ -89,6 +90,7 @@ const SIGMAS: Cause = AnyOf(
         Attack("unsaid-strength"),
         Attack("false-tracking"),
         Attack("false-tracking-afterwards"),
+        Attack("false-signs"),
     ],
 );
 

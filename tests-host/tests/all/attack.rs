@@ -36,6 +36,7 @@ attacks! {
     step_of_any_size_stays_within_the_levels = "step",
     ramp_of_any_size_stays_within_the_levels = "ramp",
     gross_fault_of_one_satellite_costs_no_epoch = "gross-fault",
+    several_gross_faults_pass_no_test = "gross-pairs",
     satellite_beside_its_orbit_stays_within_the_levels = "orbit",
     clock_forecast_does_not_follow_a_fault = "clock-ramp",
     two_faults_seldom_pass = "two-faults",
@@ -105,5 +106,6 @@ attacks! {
     no_muddle_makes_a_promise_wrong_or_ends_all_promises = "upheaval",
     nominal_recordings_are_protected_and_within_their_levels = "nominal-recordings",
     reflections_between_buildings_seldom_pass = "urban",
+    healthy_receivers_give_no_own_signs = "false-signs",
     streets_seldom_pass = "streets",
 }

@@ -40,8 +40,9 @@ fn slopes_are_not_understated(sky: &Sky) -> Result<(), TestCaseError> {
 /// system.
 type Draw = ([f64; 3], f64, f64, usize);
 
-/// Returns satellites within a cone, so that the geometry is arbitrarily bad, some at one place. The
-/// second one is wrong.
+/// Returns satellites within a cone, so that the geometry is arbitrarily bad, some at one place.
+///
+/// The second one is wrong.
 fn in_a_cone<T: Real>(draws: &[Draw], width: f64, bias_m: f64, systems: usize) -> LinearEpoch<T, MAX_ROWS> {
     let mut epoch = LinearEpoch::new();
     for (index, ([x, y, z], ln_sigma, noise, system)) in draws.iter().enumerate() {

@@ -123,8 +123,8 @@ type Listed = (Vec<SatelliteId>, Vec<SatelliteId>);
 /// Returns true if two reports name different satellites of the last two of one system.
 ///
 /// Two ranges with a clock of their own are one equation, their difference. Without either of them
-/// it is gone, so that the position, the statistic and the degrees of freedom are the same, and both
-/// w-tests are equal. Rounding decides which of them is named.
+/// it is gone, so that the position, the statistic and the degrees of freedom are the same, and
+/// both w-tests are equal. Rounding decides which of them is named.
 fn is_tie_of_a_pair(used: &Listed, excluded: &Listed) -> bool {
     let ([of_have], [of_want]) = (&used.0[..], &used.1[..]) else { return false };
     let swapped = excluded.1.iter().map(|satellite| if satellite == of_have { *of_want } else { *satellite });

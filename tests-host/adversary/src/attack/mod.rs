@@ -61,10 +61,12 @@ mod clock_ramp;
 mod doubled_satellite;
 mod early_ephemeris;
 mod false_rates;
+mod false_signs;
 mod false_tracking;
 mod faulty_orbit;
 mod forged_frames;
 mod forgery;
+mod gross_pairs;
 mod half_epochs;
 mod health;
 mod held_back;
@@ -137,6 +139,7 @@ pub const ATTACKS: &[&Attack] = &[
     &single_fault::STEPS,
     &single_fault::RAMPS,
     &single_fault::GROSS,
+    &gross_pairs::ATTACK,
     &faulty_orbit::ATTACK,
     &clock_ramp::ATTACK,
     &several_faults::PAIRS,
@@ -206,6 +209,7 @@ pub const ATTACKS: &[&Attack] = &[
     &upheaval::ATTACK,
     &recordings::NOMINAL,
     &recordings::URBAN,
+    &false_signs::ATTACK,
     &streets::ATTACK,
 ];
 

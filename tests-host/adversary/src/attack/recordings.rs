@@ -163,7 +163,7 @@ fn play(
 
 /// Returns the place of the antenna at a time. A receiver's time tag may differ from the full
 /// second of the truth by some milliseconds.
-fn at(truth: &Truth, time: GpsTime) -> Option<Ecef> {
+pub(super) fn at(truth: &Truth, time: GpsTime) -> Option<Ecef> {
     const BESIDE_MS: u64 = 50;
     match truth {
         Truth::Fixed(point) => Some(*point),
