@@ -68,16 +68,16 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
                 .map(|&(seed, healthy)| attempt(method, faults, seed, healthy))
                 .collect::<Result<_>>()?;
             let tally = tallies.iter().fold(Tally::default(), Tally::with);
-            let share = 100.0 * tally.promised as f64 / tally.epochs.max(1) as f64;
+            let share = 100.0 * tally.outcomes.promised as f64 / tally.outcomes.epochs().max(1) as f64;
             figures.push(Figure::plain(format!("{method} {faults:?}: % promised"), share));
             let beyond = if faults == Faults::BesideSmall {
-                let rate = least_rate(tally.misleading, tally.epochs);
+                let rate = least_rate(tally.outcomes.misleading, tally.outcomes.epochs());
                 figures.push(Figure::at_most("rate beyond is above", rate, MISSED));
                 f64::INFINITY
             } else {
                 0.0
             };
-            figures.push(Figure::at_most("beyond their level", tally.misleading as f64, beyond));
+            figures.push(Figure::at_most("beyond their level", tally.outcomes.misleading as f64, beyond));
         }
     }
     Ok(figures)
