@@ -1,4 +1,5 @@
-//! Prints the instructions of an epoch on this machine in both precisions: `cargo xtask bench --host`.
+//! Prints the instructions of an epoch on this machine in both precisions, for `cargo xtask bench
+//! --host`.
 
 use rig::bench::host;
 

@@ -10,8 +10,8 @@
 //! [RTCM-10403.3]: crate#references
 //! [UBX-F9]: crate#references
 
-/// CRC-24Q of each byte, bit by bit, followed by no, one, two and three bytes of zeros; in the upper
-/// bits of a word.
+/// CRC-24Q of each byte, bit by bit, followed by no, one, two and three bytes of zeros, in the
+/// upper bits of a word.
 static PARITIES: [[u32; 256]; 4] = {
     const POLYNOMIAL: u32 = 0x0186_4CFB << 8;
     let mut parities = [[0; 256]; 4];
