@@ -17,7 +17,8 @@ pub(crate) struct Arguments {
     /// Accept the current figures as budgets
     #[arg(long)]
     save: bool,
-    /// Measure epochs per second on this machine instead; not compared with a budget
+    /// Measure epochs per second and instructions on this machine instead; not compared with a
+    /// budget
     #[arg(long, conflicts_with_all = ["check", "save"])]
     host: bool,
     /// Measure libswiftnav and RTKLIB on the same epochs; fetches their sources, and installs the C
@@ -51,7 +52,8 @@ fn profile(stage: &str) -> anyhow::Result<()> {
 }
 
 fn host() -> anyhow::Result<()> {
-    crate::cargo::step(&["bench", "--package", "tests-host", "--bench", "throughput"])()
+    crate::cargo::step(&["bench", "--package", "tests-host", "--bench", "throughput"])()?;
+    crate::cargo::step(&["run", "--release", "--package", "rig", "--example", "judged"])()
 }
 
 fn peers() -> anyhow::Result<()> {

@@ -194,7 +194,7 @@ fn by_bits(metres: f64) -> i64 {
     (magnitude ^ sign) - sign
 }
 
-/// Returns the same as [`by_bits`] with the doubles of a host, in half as many instructions.
+/// Returns the same as [`by_bits`] with the doubles of a host, in fewer instructions.
 fn by_doubles(metres: f64) -> i64 {
     /// The double below ½: a half itself would raise the number below ½ to 1.
     const BELOW_HALF: f64 = 0.5 - f64::EPSILON / 4.0;

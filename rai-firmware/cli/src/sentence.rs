@@ -152,7 +152,12 @@ pub fn parse(line: &str) -> anyhow::Result<Sentence> {
         .with_context(|| format!("not a sentence: {line:?}"))?;
     let have = body.bytes().fold(0u8, |sum, byte| sum ^ byte);
     ensure!(u8::from_str_radix(checksum, 16) == Ok(have), "wrong checksum: {line:?}");
-    let fields = || body.split(',').collect::<Vec<&str>>();
+    let fields = || {
+        // As many as the longest sentence that is read, so that the list does not grow.
+        let mut fields: Vec<&str> = Vec::with_capacity(16);
+        fields.extend(body.split(','));
+        fields
+    };
     let read = match body.split(',').next() {
         Some("GNGNS") => position(&fields()).map(Sentence::Position),
         Some("PRAIS") => state(&fields()).map(Sentence::State),

@@ -54,13 +54,16 @@ const LIGHT_M_S: f32 = SPEED_OF_LIGHT_M_S as f32;
 struct Pair {
     first: Band,
     second: Band,
+    /// Bits of both.
+    bands: u16,
     /// Factor `k_a`; `k_b` is `1 − k_a`.
     share: f32,
 }
 
 impl Pair {
     const fn of(first: Band, second: Band) -> Self {
-        Self { first, second, share: ionosphere_free(first, second).0 as f32 }
+        let bands = bit(first) | bit(second);
+        Self { first, second, bands, share: ionosphere_free(first, second).0 as f32 }
     }
 }
 
@@ -122,10 +125,20 @@ pub fn choose(signals: &[RawSignal], ephemeris: &Ephemeris, mask_dbhz: f32, unsa
         let band = signal.carrier.band;
         ephemeris.serves(band) && signal.cn0_dbhz().is_none_or(|strength_dbhz| strength_dbhz >= mask_dbhz)
     };
+    // Most pairs and bands are of other systems.
+    let bands = signals.iter().fold(0_u16, |bands, signal| bands | bit(signal.carrier.band));
     let find = |band| signals.iter().find(|signal| signal.carrier.band == band).filter(is_usable);
     let pair = |pair: &Pair| combine(find(pair.first)?, find(pair.second)?, pair, ephemeris, unsaid_dbhz);
     let single = |&band: &Band| alone(find(band)?, ephemeris, unsaid_dbhz);
-    Choices { pair: PAIRS.iter().find_map(pair), single: SINGLES.iter().find_map(single) }
+    Choices {
+        pair: PAIRS.iter().filter(|pair| pair.bands & !bands == 0).find_map(pair),
+        single: SINGLES.iter().filter(|band| bit(**band) & bands != 0).find_map(single),
+    }
+}
+
+/// Returns the bit of a band.
+const fn bit(band: Band) -> u16 {
+    1 << band as u16
 }
 
 /// Returns the ionosphere-free combination of two signals.

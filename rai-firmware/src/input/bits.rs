@@ -107,12 +107,17 @@ impl<const BYTES: usize> Packed<BYTES> {
 /// Writes the low `width` bits of `field` behind the first `bits`; returns the new number of bits.
 #[inline(never)]
 fn append(bytes: &mut [u8], mut bits: usize, field: u32, width: usize) -> usize {
-    for position in (0..width).rev() {
-        let bit = (field >> position & 1) as u8;
+    let mut left = width;
+    while left > 0 {
+        let room = 8 - bits % 8;
+        let taken = room.min(left);
+        left -= taken;
+        // The upper bits of the rest of the field, at the upper end of the room.
+        let part = (field >> left) as u8 & (0xFF >> (8 - taken));
         if let Some(byte) = bytes.get_mut(bits / 8) {
-            *byte |= bit << (7 - bits % 8);
+            *byte |= part << (room - taken);
         }
-        bits += 1;
+        bits += taken;
     }
     bits
 }
@@ -159,5 +164,21 @@ mod tests {
         packed.push(0b11, 2);
         let bits = Bits(&packed.bytes);
         assert_eq!((bits.unsigned(0, 3), bits.unsigned(3, 32), bits.unsigned(35, 2)), (5, 0xFFFF_0001, 3));
+    }
+
+    #[test]
+    fn packed_fields_are_those_of_single_bits() {
+        for (start, width) in (0..48).flat_map(|start| (0..=32).map(move |width| (start, width))) {
+            let field = 0xB5C3_96E7_u32.rotate_left(start as u32);
+            let (mut have, mut want) = ([0x80_u8, 0, 0, 0, 0, 0, 0], [0x80_u8, 0, 0, 0, 0, 0, 0]);
+            assert_eq!(append(&mut have, start + 1, field, width), start + 1 + width);
+            for (place, position) in (0..width).rev().zip(start + 1..) {
+                // What lies beyond the page is dropped.
+                if let Some(byte) = want.get_mut(position / 8) {
+                    *byte |= ((field >> place & 1) as u8) << (7 - position % 8);
+                }
+            }
+            assert_eq!(have, want, "{width} bits behind {start}");
+        }
     }
 }

@@ -10,8 +10,8 @@
 //! [RTCM-10403.3]: crate#references
 //! [UBX-F9]: crate#references
 
-/// CRC-24Q of each byte, bit by bit, followed by no, one, two and three bytes of zeros; in the upper
-/// bits of a word.
+/// CRC-24Q of each byte, bit by bit, followed by no, one, two and three bytes of zeros, in the
+/// upper bits of a word.
 static PARITIES: [[u32; 256]; 4] = {
     const POLYNOMIAL: u32 = 0x0186_4CFB << 8;
     let mut parities = [[0; 256]; 4];
@@ -56,7 +56,8 @@ pub fn fletcher(bytes: &[u8]) -> [u8; 2] {
 
 /// Frames a payload of at most 1023 bytes, of any content, with preamble, length and parity.
 pub fn rtcm_frame(payload: &[u8]) -> Vec<u8> {
-    let mut bytes = vec![0xD3, (payload.len() >> 8) as u8, payload.len() as u8];
+    let mut bytes = Vec::with_capacity(payload.len() + 6);
+    bytes.extend_from_slice(&[0xD3, (payload.len() >> 8) as u8, payload.len() as u8]);
     bytes.extend_from_slice(payload);
     let parity = crc24q(&bytes);
     bytes.extend_from_slice(&parity);

@@ -90,7 +90,9 @@ mod tests {
             let power = (1023 - 3 + i64::from(bits as u32 % 68) - i64::from(exponent)).cast_unsigned();
             agree(f64::from_bits(power << 52 | bits >> 12), exponent);
             let half = scaled(((more >> (12 + bits % 51)) | 1).cast_signed(), -1 - exponent);
-            [half.next_down(), half, half.next_up()].into_iter().for_each(|value| agree(value, exponent));
+            for value in [half.next_down(), half, half.next_up()] {
+                agree(value, exponent);
+            }
         }
         for value in [0.0, f64::INFINITY, f64::NAN, f64::from_bits(u64::MAX)] {
             agree(value, 32);

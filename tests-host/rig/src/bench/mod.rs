@@ -11,6 +11,7 @@
 
 pub mod budget;
 mod figure;
+pub mod host;
 pub mod library;
 pub mod memory;
 pub mod peers;

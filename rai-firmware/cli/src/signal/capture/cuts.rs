@@ -34,6 +34,8 @@ pub(super) struct Cutter {
     input: Input,
     /// Satellites with ranges.
     pub(super) ranged: BTreeSet<SatelliteId>,
+    /// Those of the last epoch, in its order.
+    ranged_last: Vec<SatelliteId>,
     /// Satellites with an ephemeris.
     pub(super) known: BTreeSet<SatelliteId>,
     ephemerides: Vec<Ephemeris>,
@@ -119,7 +121,7 @@ impl Cutter {
 
     /// Collects what the input tells; returns the time of the last epoch that it completes.
     fn hear(&mut self, act: impl FnOnce(&mut Input, &mut dyn FnMut(Event<'_>))) -> Option<GpsTime> {
-        let Self { input, ranged, known, ephemerides, ionosphere, .. } = self;
+        let Self { input, ranged, ranged_last, known, ephemerides, ionosphere, .. } = self;
         let mut ended = None;
         act(input, &mut |event| match event {
             Event::Ephemeris(ephemeris) => {
@@ -133,7 +135,13 @@ impl Cutter {
             | Event::Redated(_)
             | Event::Rivalry(_) => {}
             Event::Epoch(epoch, _) => {
-                ranged.extend(epoch.satellites.iter().map(|satellite| satellite.satellite));
+                let now = epoch.satellites.iter().map(|satellite| satellite.satellite);
+                // Few epochs bring another satellite.
+                if !now.clone().eq(ranged_last.iter().copied()) {
+                    ranged.extend(now.clone());
+                    ranged_last.clear();
+                    ranged_last.extend(now);
+                }
                 ended = Some(epoch.time);
             }
         });

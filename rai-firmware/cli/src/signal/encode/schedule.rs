@@ -70,11 +70,14 @@ impl Schedule {
         let is_as_received = self.is_as_received;
         let mut seen: Vec<SatelliteId> = epoch.satellites.iter().map(|seen| seen.satellite).collect();
         seen.sort_unstable();
+        // Both lists are in order, so that each is read once.
+        let mut seen = seen.into_iter().peekable();
         self.satellites.iter_mut().filter_map(move |(id, satellite)| {
-            let is_seen = || seen.binary_search(id).is_ok();
+            while seen.next_if(|one| one < id).is_some() {}
+            let is_seen = seen.peek() == Some(id);
             match is_as_received {
-                true if !is_seen() => None,
-                true => satellite.news(epoch.time, Some(RECEIVER_REPEATS_MS), || true),
+                true if !is_seen => None,
+                true => satellite.news(epoch.time, Some(RECEIVER_REPEATS_MS), true),
                 false => satellite.news(epoch.time, None, is_seen),
             }
         })
@@ -92,12 +95,7 @@ impl Satellite {
 
     /// Returns the set that is sent now. Only with `repeats_ms` are sets other than those of
     /// GLONASS repeated.
-    fn news(
-        &mut self,
-        now: GpsTime,
-        repeats_ms: Option<i64>,
-        is_seen: impl FnOnce() -> bool,
-    ) -> Option<&TimedEphemeris> {
+    fn news(&mut self, now: GpsTime, repeats_ms: Option<i64>, is_seen: bool) -> Option<&TimedEphemeris> {
         let sent = self.broadcasts.partition_point(|ephemeris| ephemeris.sent <= now);
         let newest = match (sent.checked_sub(1), self.known) {
             (Some(newest), _) => newest,
@@ -112,7 +110,7 @@ impl Satellite {
         let is_glonass = matches!(newest.message, Ephemeris::Glonass(_));
         let repeats_ms = if is_glonass { Some(REPEATED_MS) } else { repeats_ms };
         let is_due = |repeats_ms| self.said.is_none_or(|said| now.since_ms(said) >= repeats_ms);
-        let is_repeated = repeats_ms.is_some_and(is_due) && is_seen();
+        let is_repeated = repeats_ms.is_some_and(is_due) && is_seen;
         if !(is_news || is_repeated) {
             return None;
         }

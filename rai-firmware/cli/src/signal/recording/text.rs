@@ -251,9 +251,9 @@ fn usual(columns: &[u8]) -> Option<f64> {
     let word = u64::from_le_bytes([a, b, c, d, e, f, g, h]);
     // A blank lacks the bit that makes it a zero. Blanks come first, and have no other bits.
     let blanks = !word >> 4 & ONES;
-    let (filled, lower) = (word | 0x10 * ONES, 0x0F * ONES);
+    let (filled, lower) = (word | (0x10 * ONES), 0x0F * ONES);
     let are_first = blanks & !(blanks << 8 | 1) == 0 && word & (blanks * 0x0F) == 0;
-    let are_digits = filled & !lower == 0x30 * ONES && (filled & lower) + 0x06 * ONES & !lower == 0;
+    let are_digits = filled & !lower == 0x30 * ONES && ((filled & lower) + 0x06 * ONES) & !lower == 0;
     let last = [i, j, k, l, m].map(|digit| u64::from(digit.wrapping_sub(b'0')));
     if columns.len() != 14 || !are_first || !are_digits || last.iter().any(|digit| *digit > 9) {
         return None;

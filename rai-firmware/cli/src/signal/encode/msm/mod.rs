@@ -96,8 +96,8 @@ fn find(satellite: &MeasuredSatellite, (band, attributes): Choice) -> Option<&Me
     attributes.chars().find_map(signal)
 }
 
-/// Returns the signals of a satellite that are sent.
-pub(super) fn chosen(satellite: &MeasuredSatellite, frequency: Frequency) -> Vec<&MeasuredSignal> {
+/// Returns the signals of a satellite that are sent, at the front.
+pub(super) fn chosen(satellite: &MeasuredSatellite, frequency: Frequency) -> [Option<&MeasuredSignal>; 3] {
     let system = satellite.satellite.constellation();
     let has = |choices: &&[Choice]| choices.iter().all(|choice| find(satellite, *choice).is_some());
     let triple = || (system == Constellation::Gps).then_some(GPS_TRIPLE.as_slice()).filter(has);
@@ -107,7 +107,11 @@ pub(super) fn chosen(satellite: &MeasuredSatellite, frequency: Frequency) -> Vec
         Frequency::Dual => triple().or_else(pair).or_else(single),
         Frequency::Single => single(),
     };
-    choices.unwrap_or_default().iter().filter_map(|choice| find(satellite, *choice)).collect()
+    let mut chosen = [None; 3];
+    for (signal, choice) in chosen.iter_mut().zip(choices.unwrap_or_default()) {
+        *signal = find(satellite, *choice);
+    }
+    chosen
 }
 
 /// One satellite in the form of the message.
@@ -138,25 +142,26 @@ impl Row {
     /// fit.
     fn new(
         satellite: SatelliteId,
-        signals: &[&MeasuredSignal],
+        signals: [Option<&MeasuredSignal>; 3],
         channels: &Channels,
         unsendable: &mut u64,
     ) -> Option<Self> {
         let system = satellite.constellation();
+        let signals = || signals.iter().flatten().copied();
         let Some(slot) = channels.slot(satellite) else {
-            *unsendable += signals.len() as u64;
+            *unsendable += signals().count() as u64;
             return None;
         };
         let sendable = |range_ms: f64| (0.0..=WHOLE_LIMIT_MS).contains(&range_ms);
-        let first_ms = signals.iter().map(|signal| signal.pseudorange_m / M_PER_MS).find(|ms| sendable(*ms));
+        let first_ms = signals().map(|signal| signal.pseudorange_m / M_PER_MS).find(|ms| sendable(*ms));
         // The rough range is rounded from the first signal, so that at least half of the fine range
         // is left for the others.
         let rough = (first_ms.unwrap_or(0.0) * ROUGH_STEPS).round();
         let rough_ms = rough / ROUGH_STEPS;
-        let rates = signals.iter().filter_map(|signal| rate_m_s(system, slot, signal));
+        let rates = signals().filter_map(|signal| rate_m_s(system, slot, signal));
         let rate_m_s = rates.map(f64::round).find(|rate| rate.abs() <= ROUGH_RATE_LIMIT_M_S);
         let (letter, number) = satellite.name();
-        let cell = |signal: &&MeasuredSignal| {
+        let cell = |signal: &MeasuredSignal| {
             let fine_ms = signal.pseudorange_m / M_PER_MS - rough_ms;
             let place = first_ms.is_some() && fine_ms.abs() < FINE_LIMIT_MS;
             let number = signal_number(letter, signal).filter(|_| place);
@@ -167,9 +172,10 @@ impl Row {
                 fine_rate_m_s: fine_rate_m_s(self::rate_m_s(system, slot, signal), rate_m_s),
             })
         };
-        let mut cells: Vec<Cell> = signals.iter().filter_map(cell).collect();
-        cells.sort_by_key(|cell| cell.signal);
-        *unsendable += (signals.len() - cells.len()) as u64;
+        let mut cells = Vec::with_capacity(3);
+        cells.extend(signals().filter_map(cell));
+        cells.sort_by_key(|cell: &Cell| cell.signal);
+        *unsendable += (signals().count() - cells.len()) as u64;
         let (whole_ms, mod1_ms) = (rough_ms.floor() as u8, rough_ms.fract());
         (!cells.is_empty()).then_some(Self { number, slot, whole_ms, mod1_ms, rate_m_s, cells })
     }
@@ -181,9 +187,10 @@ impl Row {
 ///
 /// [RTCM-10403.3]: crate#references
 fn signal_number(letter: char, signal: &MeasuredSignal) -> Option<u8> {
+    let is_cpw = matches!(signal.attribute, 'C' | 'P' | 'W');
     let (first, attributes) = match (letter, signal.band) {
-        ('G' | 'R', 1) if "CPW".contains(signal.attribute) => (2, "CPW"),
-        ('G' | 'R', 2) if "CPW".contains(signal.attribute) => (8, "CPW"),
+        ('G' | 'R', 1) if is_cpw => (2, "CPW"),
+        ('G' | 'R', 2) if is_cpw => (8, "CPW"),
         ('J', 1) if signal.attribute == 'C' => (2, "C"),
         ('G' | 'J', 1) => (30, "SLX"),
         ('G' | 'J', 2) => (15, "SLX"),
@@ -196,7 +203,9 @@ fn signal_number(letter: char, signal: &MeasuredSignal) -> Option<u8> {
         ('C', 1) => (30, "DPX"),
         _ => return None,
     };
-    attributes.find(signal.attribute).map(|place| first + place as u8)
+    // A search for text would cost as much as the rest of the signal.
+    let place = attributes.bytes().position(|attribute| char::from(attribute) == signal.attribute);
+    place.map(|place| first + place as u8)
 }
 
 /// Returns the phase range rate of a signal, m/s.
@@ -271,7 +280,7 @@ fn rows(
 ) -> Vec<Row> {
     let of_system = epoch.satellites.iter().filter(|satellite| satellite.satellite.name().0 == letter);
     let row = |satellite: &MeasuredSatellite| {
-        Row::new(satellite.satellite, &chosen(satellite, frequency), channels, unsendable)
+        Row::new(satellite.satellite, chosen(satellite, frequency), channels, unsendable)
     };
     let mut rows = Vec::with_capacity(epoch.satellites.len());
     rows.extend(of_system.filter_map(row).filter(|row| row.number <= 64));

@@ -239,7 +239,7 @@ fn rawx(epoch: &MeasuredEpoch, selection: &Selection, channels: &Channels) -> Ve
         else {
             continue;
         };
-        for measured in chosen(satellite, selection.frequency) {
+        for measured in chosen(satellite, selection.frequency).into_iter().flatten() {
             let Some(number) = signal(constellation, measured) else { continue };
             let phase = measured.carrier_cycles;
             measurements.extend_from_slice(&measured.pseudorange_m.to_le_bytes());
