@@ -14,7 +14,7 @@ use heapless::Vec;
 use raim_core::satellite::SatelliteId;
 
 use super::Kind;
-use super::message::Sizes;
+use super::sizes::Sizes;
 use crate::counters::count;
 use crate::input::bits::Bits;
 
