@@ -74,7 +74,16 @@ const GIVEN: &[(&str, &str)] = &[
 /// Passages with the figures that they must have: document, passage.
 fn compared() -> Vec<(&'static str, String)> {
     let budgets = Budgets(budget::committed().expect("the committed figures"));
-    [limits(), board(), cost(&budgets), memory(&budgets), arithmetic()].concat()
+    [
+        limits(),
+        board(),
+        cost(&budgets),
+        stages(&budgets),
+        second_board(&budgets),
+        memory(&budgets),
+        arithmetic(),
+    ]
+    .concat()
 }
 
 fn limits() -> Vec<(&'static str, String)> {
@@ -129,6 +138,102 @@ fn cost(budgets: &Budgets) -> Vec<(&'static str, String)> {
     ]
 }
 
+/// Returns the rows of the table of stages, without the goals.
+fn stages(budgets: &Budgets) -> Vec<(&'static str, String)> {
+    let of = |name: &str| budgets.rounded(name);
+    let test = |count: u8| of(&format!("snapshot and tests, {count} satellites, two constellations, f32"));
+    let of_twenty = |what: &str| of(&format!("{what}, 20 satellites, two constellations, f32"));
+    let of_forty = |what: &str| of(&format!("{what}, 40 satellites, two constellations, f32"));
+    let (kept, new) = ("RANSAC, selection kept", "RANSAC, new selection");
+    let araim = |sky: &str| {
+        let [without, with] =
+            ["no biases", "biases"].map(|biases| of(&format!("ARAIM, {sky}, {biases}, f32")));
+        format!("{without} / {with}")
+    };
+    let fix = |what: &str| of(&format!("fix and integrity, from {what}20 satellites, f32"));
+    let rows = [
+        format!("w-tests, slopes, HPL, VPL | {} (40 satellites: {}) |", test(20), test(40)),
+        format!("one excluded and tested again | {} |", of_twenty("the same, one left out and tested again")),
+        format!(
+            "all pairs / all triples | {} / {} |",
+            of_twenty("grouping, all pairs"),
+            of_twenty("grouping, all triples")
+        ),
+        format!(
+            "selection kept / new | {} / {} (40 satellites: {} / {}) |",
+            of_twenty(kept),
+            of_twenty(new),
+            of_forty(kept),
+            of_forty(new)
+        ),
+        format!("without / with nominal biases | {} |", araim("20 satellites of 2 constellations")),
+        format!("30 of 3 (375 modes) | {} |", araim("30 satellites of 3 constellations")),
+        format!("40 of 4 (770 modes) | {} |", araim("40 satellites of 4 constellations")),
+        format!("update and forecast | {} |", of("clock aiding, update and forecast")),
+        format!(
+            "| T_OP / T2 for a new geometry | {} / {} |",
+            of("T_OP for a new geometry"),
+            of("T2 for a new geometry")
+        ),
+        format!("ranges compared with those before | {} |", of("RTCM of one epoch, two MSM7, 20 satellites")),
+        format!("places and bands compared | {} |", of("orbits and clocks, 20 satellites")),
+        format!("| atmosphere, sigmas | {} |", of("atmosphere and sigmas, 20 satellites")),
+        format!(
+            "no fault / one / two excluded | {} / {} / {} |",
+            fix("1 km, "),
+            fix("1 km, one fault, "),
+            fix("1 km, two faults, ")
+        ),
+        format!("the same from the last position | {} |", fix("the last position, ")),
+        format!("including `RMC`, `GGA` and `VTG` | {} |", of("sentences, 20 satellites")),
+        format!("RXM-RAWX of 40 signals | {} |", of("UBX of one epoch, RAWX of 40 signals, 20 satellites")),
+        format!(
+            "**whole epoch by UBX**, the same 20 satellites | **{} M** |",
+            budgets.millions("whole epoch by UBX, bytes in to bytes out, 20 satellites")
+        ),
+        format!(
+            "the same as the first of a stream | {} M / {} M |",
+            budgets.millions("worst-case epoch of a stream"),
+            budgets.millions("worst-case first epoch")
+        ),
+        format!(
+            "deepest stack, KiB | {:.0} / {:.1} / {:.1} |",
+            budgets.kib("image `fast`: flash, bytes"),
+            budgets.kib("image `fast`: static RAM, bytes"),
+            budgets.kib("image `fast`: stack high water, bytes")
+        ),
+    ];
+    rows.map(|row| ("results/cost.md", row)).into()
+}
+
+/// Returns the rows of the table that compares the boards.
+fn second_board(budgets: &Budgets) -> Vec<(&'static str, String)> {
+    let both = |row: &str, names: &[&str]| {
+        let of_board = |board: &str| {
+            names
+                .iter()
+                .map(|name| budgets.rounded(&format!("{name}{board}")))
+                .collect::<Vec<_>>()
+                .join(" / ")
+        };
+        ("results/cost.md", format!("{row} | {} | {} |", of_board(""), of_board(", Cortex-M7")))
+    };
+    let fix = [
+        "fix and integrity, from 1 km, 20 satellites, f32",
+        "fix and integrity, from 1 km, one fault, 20 satellites, f32",
+        "fix and integrity, from 1 km, two faults, 20 satellites, f32",
+    ];
+    vec![
+        both("| RTCM of one epoch", &["RTCM of one epoch, two MSM7, 20 satellites"]),
+        both("| orbits and clocks", &["orbits and clocks, 20 satellites"]),
+        both("| atmosphere, sigmas", &["atmosphere and sigmas, 20 satellites"]),
+        both("`f32`: no fault / one / two excluded", &fix),
+        both("| the same in `f64`, no fault", &["fix and integrity, from 1 km, 20 satellites, f64"]),
+        both("| sentences", &["sentences, 20 satellites"]),
+        both("| whole epoch", &["whole epoch, bytes in to bytes out, 20 satellites"]),
+    ]
+}
+
 fn memory(budgets: &Budgets) -> Vec<(&'static str, String)> {
     let of = |image: &str, quantity: &str| budgets.bytes(&format!("image `{image}`: {quantity}, bytes"));
     let whole = Named::of("whole").expect("an image");
@@ -170,9 +275,21 @@ impl Budgets {
         *self.0.get(name).unwrap_or_else(|| panic!("{name} is not committed"))
     }
 
+    fn kib(&self, name: &str) -> f64 {
+        self.bytes(name) as f64 / 1024.0
+    }
+
     /// Returns instructions in millions, with two decimals.
     fn millions(&self, name: &str) -> String {
         format!("{:.2}", self.bytes(name) as f64 / 1e6)
+    }
+
+    /// Returns instructions, rounded to hundreds, and from 100,000 on to thousands.
+    fn rounded(&self, name: &str) -> String {
+        let count = self.bytes(name);
+        let step = if count < 100_000 { 100 } else { 1000 };
+        let rounded = (count + step / 2) / step * step;
+        format!("{},{:03}", rounded / 1000, rounded % 1000)
     }
 
     /// Returns the bounds of a time at full speed, ms.

@@ -122,7 +122,8 @@ pub struct RunningSummary {
 }
 
 impl RunningSummary {
-    /// Returns the summary of no epoch; `has_truth` is true if the position of the antenna is known.
+    /// Returns the summary of no epoch; `has_truth` is true if the position of the antenna is
+    /// known.
     pub fn new(faults: &[Fault], has_truth: bool) -> Self {
         let injected = faults.iter().map(Injected::of).collect();
         Self {

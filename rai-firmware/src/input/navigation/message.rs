@@ -16,6 +16,7 @@ use raim_core::satellite::SatelliteId;
 
 use super::leap::Announcement;
 use super::pages::{Page, Pages, Set};
+use super::sizes::Sizes;
 use super::{Refusal, Transmission};
 use crate::ephemeris::Broadcast;
 use crate::input::bits::Bits;
@@ -86,42 +87,10 @@ impl Reader<'_> {
     }
 }
 
-/// Sizes of a navigation message.
-#[derive(Clone, Copy)]
-pub(super) struct Sizes {
-    pub(super) words: usize,
-    pub(super) page_bytes: usize,
-    pub(super) pages: usize,
-}
-
-impl Sizes {
-    /// Returns the sizes that an implementation states.
-    pub(super) const fn of<M: NavigationMessage>() -> Self {
-        assert!(M::PAGE_BYTES > 0 && M::PAGES > 0 && M::PAGES <= 16);
-        Self { words: M::WORDS, page_bytes: M::PAGE_BYTES, pages: M::PAGES }
-    }
-
-    /// Returns the largest of each size.
-    pub(super) const fn largest(all: &[Self]) -> (usize, usize, usize) {
-        let (mut words, mut pages, mut set_bytes, mut index) = (0, 0, 0, 0);
-        while index < all.len() {
-            let sizes = all[index];
-            words = larger(words, sizes.words);
-            pages = larger(pages, sizes.pages);
-            set_bytes = larger(set_bytes, sizes.set_bytes());
-            index += 1;
-        }
-        (words, pages, set_bytes)
-    }
-
-    /// Returns the bytes of a complete set.
-    pub(super) const fn set_bytes(self) -> usize {
-        self.page_bytes * self.pages
-    }
-}
-
-const fn larger(a: usize, b: usize) -> usize {
-    if a > b { a } else { b }
+/// Returns the sizes that an implementation states.
+pub(super) const fn sizes_of<M: NavigationMessage>() -> Sizes {
+    assert!(M::PAGE_BYTES > 0 && M::PAGES > 0 && M::PAGES <= 16);
+    Sizes { words: M::WORDS, page_bytes: M::PAGE_BYTES, pages: M::PAGES }
 }
 
 /// Makes everything that has a case for each navigation message from rows `module::Implementation`.
@@ -135,7 +104,7 @@ macro_rules! messages {
 
         impl Kind {
             const LARGEST: (usize, usize, usize) =
-                Sizes::largest(&[$($(#[$condition])* Sizes::of::<$module::$Name>(),)+]);
+                Sizes::largest(&[$($(#[$condition])* sizes_of::<$module::$Name>(),)+]);
 
             /// Largest number of words of a transmission.
             pub(super) const WORDS: usize = Self::LARGEST.0;
@@ -149,7 +118,7 @@ macro_rules! messages {
             /// Returns the sizes of the message.
             const fn sizes(self) -> Sizes {
                 match self {
-                    $($(#[$condition])* Self::$Name => const { Sizes::of::<$module::$Name>() },)+
+                    $($(#[$condition])* Self::$Name => const { sizes_of::<$module::$Name>() },)+
                 }
             }
 

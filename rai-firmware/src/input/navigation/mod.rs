@@ -34,6 +34,7 @@ mod lnav;
 mod message;
 mod pages;
 mod parity;
+mod sizes;
 #[cfg(test)]
 mod toy;
 
@@ -43,8 +44,9 @@ use super::calendar::Calendar;
 use super::{Message, Unread};
 
 pub(super) use beidou::kind_of as beidou_kind;
-use message::{NavigationMessage, Reader, Sizes, messages};
+use message::{NavigationMessage, Reader, messages, sizes_of};
 use pages::Pages;
+use sizes::Sizes;
 
 // One row for each navigation message.
 messages! {

@@ -14,7 +14,7 @@ use heapless::Vec;
 use raim_core::satellite::SatelliteId;
 
 use super::Kind;
-use super::message::Sizes;
+use super::sizes::Sizes;
 use crate::counters::count;
 use crate::input::bits::Bits;
 
@@ -144,7 +144,7 @@ fn add<'a, const BYTES: usize, const SLOTS: usize>(
     let now = (now_ms >> 10) as u32;
     let slot = slot_of(slots, page, now, abandoned)?;
     let Sizes { page_bytes, pages, .. } = page.kind.sizes();
-    if let Some(place) = slot.bytes.chunks_exact_mut(page_bytes).nth(page.index) {
+    if let Some(place) = slot.bytes.chunks_exact_mut(page_bytes.max(1)).nth(page.index) {
         place.iter_mut().zip(page.bytes).for_each(|(place, byte)| *place = *byte);
         slot.present |= 1 << page.index;
     }
