@@ -39,8 +39,8 @@ impl Control<'_> {
     }
 }
 
-/// Returns who maintains a package that is built here: `DEBFULLNAME` and `DEBEMAIL`, as Debian's own
-/// programs take them, otherwise who made the last commit. The sources name nobody themselves.
+/// Returns who maintains a package that is built here: `DEBFULLNAME` and `DEBEMAIL`, as Debian's
+/// own programs take them, otherwise who made the last commit. The sources name nobody themselves.
 ///
 /// # Errors
 /// If neither is known.
