@@ -98,7 +98,7 @@ fn observation_header() -> String {
     header("OBSERVATION DATA", &kinds.map(row).concat())
 }
 
-fn observations(epoch: MeasuredEpoch) -> Vec<u8> {
+fn observations(epoch: &MeasuredEpoch) -> Vec<u8> {
     let fraction = f64::from(epoch.time.tow_ms % 1000) * 1e-3;
     let clock = date(epoch.time);
     let second: f64 = clock[17..].parse::<f64>().unwrap() + fraction;
@@ -158,7 +158,7 @@ fn ways(folder: &Path, epochs: u32) -> Vec<(&'static str, Vec<String>)> {
     write(&path(".rtcm3"), rtcm(&sky));
     write(&path(".ubx"), of_u_blox(&sky));
     let head = std::iter::once(observation_header().into_bytes());
-    write(&path(".obs"), head.chain(epochs_of(&sky).map(observations)));
+    write(&path(".obs"), head.chain(epochs_of(&sky).map(|epoch| observations(&epoch))));
     write(&path(".nav"), navigation(&sky));
     let name = |name: &str| path(name).display().to_string();
     vec![

@@ -159,7 +159,7 @@ const CONSUMER_PROGRAMS: [&str; 7] =
     ["gpsd", "chronyd", "socat", "convbin", "cmake", "pkg-config", "python3"];
 
 /// Installs the programs that tests compare the module with or build it by: gpsd, chrony, socat,
-/// RTKLIB's `convbin`, CMake, the C compiler for the chip with its C library, and packages of
+/// RTKLIB's `convbin`, `CMake`, the C compiler for the chip with its C library, and packages of
 /// Python in a folder of their own below `target`. Nothing but these tests needs them.
 ///
 /// # Errors

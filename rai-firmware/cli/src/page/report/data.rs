@@ -94,6 +94,9 @@ fn column<T: PartialEq + Copy, const N: usize>(
     write!(out, "\",")
 }
 
+/// Name and value of a column of bytes.
+type Small = (&'static str, fn(&Bucket) -> u8);
+
 fn columns(journal: &Journal, out: &mut impl Write) -> io::Result<()> {
     let (buckets, is_thinned) = (&journal.epochs.buckets, journal.epochs.stretch > 1);
     for (index, name) in CURVES.iter().enumerate() {
@@ -108,7 +111,7 @@ fn columns(journal: &Journal, out: &mut impl Write) -> io::Result<()> {
         let bits = buckets.iter().map(|bucket| bucket.values[index].to_bits());
         column(out, name, bits, u32::to_le_bytes)?;
     }
-    let small: [(&str, fn(&Bucket) -> u8); 5] = [
+    let small: [Small; 5] = [
         ("reason", |bucket| bucket.reason),
         ("severity", |bucket| bucket.severity),
         ("pin", |bucket| bucket.pin),
