@@ -144,15 +144,13 @@ fn a_leap_within_the_levels_after_a_gap_is_no_drift() {
 fn a_slow_walk_deep_within_its_level_is_no_alert_and_a_faster_one_is_before_it_ends() {
     let seen = |speed_m_s: f64| {
         let mut motion = Motion::new();
-        let walked =
-            drive(700).map(|epoch| Epoch { east_m: epoch.east_m + speed_m_s * since(epoch), ..epoch });
-        walked
-            .filter_map(|epoch| {
+        drive(700).map(|epoch| Epoch { east_m: epoch.east_m + speed_m_s * since(epoch), ..epoch }).find_map(
+            |epoch| {
                 let levels = ProtectionLevels { hpl_m: 150.0, vpl_m: 250.0 };
                 let report = Report { protection: Some(levels), ..report(epoch) };
                 motion.judge(epoch.time_s, &report, Ok(&velocity(epoch))).map(|alert| (since(epoch), alert))
-            })
-            .next()
+            },
+        )
     };
     // A quarter of 400 m in a minute is 1.7 m/s.
     assert_eq!(seen(1.0), None);
