@@ -261,6 +261,23 @@ fn memory(budgets: &Budgets) -> Vec<(&'static str, String)> {
     ]
 }
 
+/// Rows of the table of the libraries for C.
+fn libraries(budgets: &Budgets) -> Vec<(&'static str, String)> {
+    let kib = |build: &str| {
+        let bytes = budgets.bytes(&format!("C library, {build}: flash, bytes"));
+        format!("{:.0}", bytes as f64 / 1024.0)
+    };
+    let rows = [
+        ("thresholds of the phases of flight", "monitor, classic, 48 satellites"),
+        ("which has no floating-point hardware", "monitor, classic, 48 satellites, Cortex-M0+"),
+        ("with all tables and the papers' searches", "monitor, all tables and searches, 48 satellites"),
+        ("with ARAIM as well", "monitor, all and ARAIM, 48 satellites"),
+        ("RTCM and classic RAIM", "receiver, RTCM and classic, 48 satellites"),
+        ("`rai_receiver_*`, everything", "receiver, 48 satellites"),
+    ];
+    rows.map(|(row, build)| ("results/cost.md", format!("{row} | {} KiB |", kib(build)))).to_vec()
+}
+
 fn arithmetic() -> Vec<(&'static str, String)> {
     let triples_of_twenty = 20 * 19 * 18 / 6;
     let thousands = format!("{},{:03}", triples_of_twenty / 1000, triples_of_twenty % 1000);
