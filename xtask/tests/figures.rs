@@ -81,6 +81,7 @@ fn compared() -> Vec<(&'static str, String)> {
         stages(&budgets),
         second_board(&budgets),
         memory(&budgets),
+        libraries(&budgets),
         arithmetic(),
     ]
     .concat()
