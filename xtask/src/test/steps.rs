@@ -138,11 +138,21 @@ fn features_of_the_core() -> Result<Done> {
 /// run here.
 fn tests(bless: bool, all: bool) -> Result<Done> {
     let nextest = command(&["nextest", "--version"]).output().is_ok_and(|output| output.status.success());
-    let arguments: &[&str] = if nextest {
-        &["nextest", "run", "--workspace", "--no-fail-fast"]
-    } else {
-        &["test", "--workspace", "--all-targets", "--no-fail-fast"]
-    };
+    // One more than there are processors, because the tests of a group mostly wait.
+    let threads = std::thread::available_parallelism().map_or(2, |count| count.get() + 1).to_string();
+    let config = root().join("xtask/nextest.toml");
+    let of_nextest = [
+        "nextest",
+        "run",
+        "--workspace",
+        "--no-fail-fast",
+        "--config-file",
+        &config.to_string_lossy(),
+        "--test-threads",
+        &threads,
+    ];
+    let of_cargo = ["test", "--workspace", "--all-targets", "--no-fail-fast"];
+    let arguments: &[&str] = if nextest { &of_nextest } else { &of_cargo };
     let skips = root().join("target/skipped-tests");
     match std::fs::remove_file(&skips) {
         Err(error) if error.kind() != ErrorKind::NotFound => {
