@@ -103,19 +103,19 @@
 //!
 //! # Numeric rule
 //!
-//! Absolute values are `f64`; linearised values are generic over [`Real`](numeric::real::Real). The
-//! Cortex-M4F computes the latter in `f32`; tests compare both with the same reference. All
-//! transcendental functions are libm's, so that the same epochs give the same reports on every
-//! machine, bit for bit.
+//! Absolute values are `f64` or 64-bit integers; linearised values are generic over
+//! [`Real`](numeric::real::Real). The Cortex-M4F computes the latter in `f32`; tests compare the
+//! results in `f32` and in `f64` with the same reference. All transcendental functions are libm's,
+//! so that the same epochs give the same reports on every machine, bit for bit.
 //!
 //! # Limits
 //!
-//! This crate does not decode messages, compute orbits or know the time of day: `rai-firmware`
-//! does. It does not smooth or filter positions and uses no carrier phase. The protection levels of
-//! [`integrity::raim`] bound the effect of a single undetected fault. Those of [`integrity::araim`]
-//! also cover several faults and the loss of a constellation, as far as the integrity support
-//! message describes them. Both cover an error that all ranges share only if the epoch declares it
-//! ([`Epoch::push_sharing`]).
+//! This crate does not decode messages, compute orbits or know the time of day: the crate
+//! `raim-firmware` does. It does not smooth or filter positions and uses no carrier phase. The
+//! protection levels of [`integrity::raim`] bound the effect of a single undetected fault. Those of
+//! [`integrity::araim`] also cover several faults and the fault of a whole constellation, as far as
+//! the integrity support message describes them. Both cover an error that all ranges share only if
+//! the epoch declares it ([`Epoch::push_sharing`]).
 //!
 //! # References
 //!

@@ -22,16 +22,16 @@ const COMPLETE: [&str; 2] = ["README.md", "RESULTS.md"];
 const MEASURED: &[(&str, &str, &str)] = &[
     ("README.md", "drifts off by 200 m. A receiver that accepts every satellite goes 75 m astray", "demo"),
     ("README.md", "its position stays within 6 m", "demo"),
-    ("README.md", "drifts off by 200 m. After 3 s the module excludes it", "demo"),
+    ("README.md", "drifts off by 200 m. After 3 s the module excludes G15", "demo"),
     (
         "README.md",
-        "stays within 6 m (blue), and *protected*: the module says that it may be used. A receiver that accepts \
-         every satellite is 75 m off",
+        "stays within 6 m of the true one (blue) and *protected*: it may be used. A receiver that accepts every \
+         satellite is 75 m off",
         "demo",
     ),
     ("README.md", "nor reliably a time error below 20 ms", "attack wrong-tags"),
     ("README.md", "differs from the measured velocity by less than 1 m/s may stay", "attack walk-off"),
-    ("README.md", "`lpv200.toml` runs for 3 s", "campaign tests-host/campaigns/lpv200.toml"),
+    ("README.md", "that of `lpv200.toml` takes 3 s", "campaign tests-host/campaigns/lpv200.toml"),
     ("README.md", "errors of 0.52 m horizontally and 0.86 m vertically", "test accuracy"),
     ("RESULTS.md", "0.52 / 0.86 m, 2880 of 2880 epochs protected", "test accuracy"),
     (
@@ -55,7 +55,7 @@ const MEASURED: &[(&str, &str, &str)] = &[
     ),
     (
         "RESULTS.md",
-        "59 cuts, 12 kills and 360 dead clients | no epoch lost, 10.2 MB, 0.24 % of",
+        "59 cuts of its line, 12 kills and 360 dead clients | no epoch lost, 10.2 MB of memory, 0.24 % of",
         "cargo xtask endure",
     ),
     ("RESULTS.md", "the pin is set within 30 ms by the same model", "test pin_in_time"),
@@ -64,7 +64,7 @@ const MEASURED: &[(&str, &str, &str)] = &[
 /// Passages whose figures are inputs or facts of the hardware: document, passage.
 const GIVEN: &[(&str, &str)] = &[
     ("README.md", "30 epochs of a ZED-F9R"),
-    ("README.md", "here G06 is 80 m long from 20 s to 40 s"),
+    ("README.md", "here the range to G06 is 80 m too long from 20 s to 40 s"),
     ("README.md", "A pull-down of 10 kΩ or less is required"),
     ("README.md", "8 MHz crystal on PH0, PH1"),
     ("README.md", "is wrong by 80 m (this block is a test)"),

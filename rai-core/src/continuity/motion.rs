@@ -7,7 +7,7 @@
 //! δ_k = [p_k − Σ ½ (v_j + v_{j−1}) Δt_j,   b_k − Σ ½ (ḋ_j + ḋ_{j−1}) Δt_j]        j ≤ k
 //!
 //! leap    |δ_k − δ_m| > L_k + L_m                               for a mark m of the last minute
-//! drift   |δ_k − δ_1| > max(floor, 6 s)  and  |δ_k − δ_1| > 6 e    for the first mark of 20, 30 or 60 s, 1;
+//! drift   |δ_k − δ_1| > max(floor, 6·s)  and  |δ_k − δ_1| > 6·e    for mark 1, the first of a window of 20, 30 or 60 s;
 //!         of the position also  |δ_k − δ_1| > L_k/4
 //! e²      = mean of |δ_m − δ_1 − (δ_k − δ_1) (t_m − t_1)/(t_k − t_1)|²  over the marks after the first
 //! ```
@@ -27,30 +27,33 @@
 //! is blind.
 //!
 //! Reflections move `δ` too, in streets by 200 m within levels of 300 m. They rarely move it along
-//! a straight line, so that only a drift is compared with what the receiver has shown before. A
-//! drift of the position counts from a quarter of `L` on, about three quarters of the HPL: below,
-//! the level still bounds it. If it goes on, it is an alert before it exceeds the level.
+//! a straight line. A leap is therefore compared with the levels alone, and a drift also with the
+//! usual spread `s`. A drift of the position counts from a quarter of `L` on, about three quarters
+//! of the HPL: below, the level still bounds it. If it goes on, it is an alert before it exceeds
+//! the level.
 //!
 //! **Figures.** Twelve replays of eight recordings with Doppler frequencies have no contradiction.
 //! Median and largest `|δ_k − δ_1|`: at rest at 1 Hz 0.4 to 0.8 m and 2.7 m of the clock, 0.6 to
 //! 1.0 m and 3.7 m of the position; an oscillator sampled every 30 s 2.3 m and 12.5 m; in streets 5
 //! to 10 m and 192 m of the clock, 8 to 13 m and 229 m of the position. A drift added to the four
-//! at rest is found in 12 s at 1 m/s and within 51 s at 0.2 m/s, in the position and in the clock.
+//! recordings of receivers at rest is found in 12 s at 1 m/s and within 51 s at 0.2 m/s, in the
+//! position and in the clock.
 //!
 //! **Learning.** A drift is looked for once [`super::discrepancy::LEARNED`] marks are known. A
-//! value counts as at most three means, so that a growing error needs minutes to widen its own
-//! bound, and none widens that of a leap. Epochs under an alert teach nothing.
+//! value above three times the mean counts as three times the mean, so that a growing error needs
+//! minutes to widen its own bound. No value widens the bound of a leap. Epochs under an alert teach
+//! nothing.
 //!
 //! **Refused rates.** Far from the true place, true rates fit no velocity. A position whose rates
 //! contradict each other must therefore be where the last velocity leads, within both levels and
 //! 40 m/s, for as long as [`LONGEST_GAP_S`].
 //!
-//! **Ends.** A leap begins anew at the new place and clock, so that it is one alert, and an
-//! agreement must follow it. A drift is an alert until it has ended for a minute.
+//! **Ends.** After a leap the comparison begins anew at the new place and clock, so that one leap
+//! is one alert. An agreement must follow it. A drift is an alert until it has ended for a minute.
 //!
-//! **Gaps.** A step longer than [`LONGEST_STEP_S`] begins anew. Across a gap of up to
-//! [`LONGEST_GAP_S`] the clock must still be within [`WANDER_M_S`] of its drift. An unknown
-//! acceleration widens the position's bound by `a Δt²/8` for each step longer than
+//! **Gaps.** After a step longer than [`LONGEST_STEP_S`] the comparison begins anew. Across a gap
+//! of up to [`LONGEST_GAP_S`] the clock must still be within [`WANDER_M_S`] of its drift. An
+//! unknown acceleration widens the position's bound by `a Δt²/8` for each step longer than
 //! [`SMOOTH_STEP_S`]. Whole milliseconds of the clock are steps that receivers make on purpose.
 //!
 //! **No rates.** Without Doppler frequencies the clock is compared with its own past
@@ -325,7 +328,8 @@ impl Motion {
         let marks = || self.marks.iter().filter(|mark| now_s - mark.time_s <= window_s);
         let oldest = marks().next()?;
         let (age_s, count) = (now_s - oldest.time_s, marks().count());
-        // No mark is missing, because a leap between two marks is a straight line.
+        // No mark may be missing, because a leap in a gap between marks would look like a straight
+        // line.
         let is_full = count as f32 * SPACING_S as f32 >= window_s;
         if !is_full || age_s <= window_s - 1.2 * SPACING_S as f32 {
             return None;
@@ -352,7 +356,7 @@ impl Motion {
         Some((time_s - self.path.as_ref()?.origin_s) as f32)
     }
 
-    /// Returns the oldest mark and its age, s, if it shows a minute.
+    /// Returns the oldest mark and its age, s, if that is at least [`TEACHING_AGE_S`].
     fn oldest(&self, now_s: f32) -> Option<(&Mark, f32)> {
         let oldest = self.marks.front()?;
         let age_s = now_s - oldest.time_s;

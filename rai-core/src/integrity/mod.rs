@@ -5,9 +5,9 @@
 //! fix ─► test ─► (search, leave out, test again) ─► is it the only explanation? ─► judgement
 //! ```
 //!
-//! [`judge`] and its search are the only places that distinguish one [`Method`] from another. A
-//! [`Judgement`] is the method's result; the monitor derives the verdict from it
-//! ([`crate::monitor`]).
+//! Within this module, [`judge`] and its search are the only places that distinguish one [`Method`]
+//! from another. Outside, the method also decides on aiding rows and sigmas. A [`Judgement`] is the
+//! method's result; the monitor derives the verdict from it ([`crate::monitor`]).
 //!
 //! **A clock forecast or a known height as one more row** adds redundancy, so that four satellites
 //! can be tested. But a forecast comes from earlier epochs and is not independent of the receiver,

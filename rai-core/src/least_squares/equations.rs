@@ -35,7 +35,7 @@ const UNIT_SQUARED: core::ops::RangeInclusive<f64> = 0.999 * 0.999..=1.001 * 1.0
 
 /// Capacity for the equations of one epoch, and for the rows of the searches.
 ///
-/// Sets of them fit one word. On a microcontroller, and without the feature `satellites-48`, it is
+/// Sets of them fit one word. On a microcontroller, or if the feature `satellites-48` is off, it is
 /// [`crate::single::CAPACITY`], because memory is scarce.
 pub const MAX_ROWS: usize =
     if cfg!(feature = "satellites-48") && cfg!(not(target_os = "none")) { 64 } else { CAPACITY };
@@ -67,9 +67,9 @@ impl<T: Real> Row<T> {
             return Err(RowError::Residual);
         }
         let weight = (sigma * sigma).recip();
-        // Outside the scalar's range a row would silently have no weight or infinite weight. The
-        // sign is one bit. The compiler would compare with 0 in double precision, from which the
-        // sigma was rounded, and that is a library call on a Cortex-M4F.
+        // If the weight overflowed or underflowed, the row would silently have infinite or no
+        // weight. The sign bit is tested and not `sigma > 0`, because the compiler would compare
+        // the double before it was rounded, by a library call on a Cortex-M4F.
         if !(sigma.is_sign_positive() && weight > T::zero() && weight.is_finite()) {
             return Err(RowError::Sigma);
         }
@@ -100,7 +100,8 @@ pub enum RowError {
     Residual,
     /// The line of sight is not a unit vector.
     LineOfSight,
-    /// The standard deviation is not finite or not positive.
+    /// The standard deviation is not finite, not positive, or so small or large that its weight is
+    /// infinite or zero.
     Sigma,
     /// All `N` rows are taken.
     Full,

@@ -343,7 +343,8 @@ impl<T: Real> Snapshot<'_, T> {
     /// nearby.
     ///
     /// The first residual of a constellation is no such reference if its satellite is left out
-    /// because it is wrong by 100,000 km: less that, all others would lose their metres in `f32`.
+    /// because it is wrong by 100,000 km. After its subtraction the other residuals would be so
+    /// large that `f32` could not resolve metres.
     // Not inlined, so that it adds nothing to the stack of the solve that follows.
     #[inline(never)]
     pub(crate) fn clocks_as_references(&self) -> References<T> {

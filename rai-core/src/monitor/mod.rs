@@ -156,8 +156,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.height = HeightMemory::new();
     }
 
-    /// Restarts the continuity after a gap longer than the time to alert: the next epoch is judged
-    /// as if it were the first.
+    /// Restarts the continuity after a gap longer than the time to alert. The next epoch must be
+    /// where the receiver can be expected, or agree for longer.
     pub fn interrupt(&mut self) {
         self.continuity.interrupt();
     }
@@ -193,8 +193,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.judge_about(epoch, start, search, rates, memory)
     }
 
-    /// Updates the state from a judged epoch: the start of the next fix, the sigma check, and the
-    /// clocks. Then makes the report's verdict final in the light of the epochs before.
+    /// Makes the report's verdict final in the light of the epochs before. Then updates the state
+    /// as far as that verdict permits: the start of the next fix, the sigma check, and the clocks.
     ///
     /// `own_clock_s` is the arrival of the epoch by a clock that no signal can set, if the caller
     /// has one. `velocity` is that of the epoch, or the reason why its range rates gave none.

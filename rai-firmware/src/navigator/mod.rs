@@ -123,7 +123,7 @@ impl Navigator {
         self.distrusted = reason;
     }
 
-    /// Sets the height of the next epoch that is known from outside, or that there is none.
+    /// Sets the height that is known from outside for the next epoch; `None` if none is known.
     pub fn know_height(&mut self, height: Option<Aiding>) {
         self.known_height = height;
     }
@@ -197,7 +197,8 @@ impl Navigator {
         self.rates.tally()
     }
 
-    /// Returns the number of ephemerides of visible satellites that others have replaced.
+    /// Returns the number of times that the ephemeris of a visible satellite gave its place to that
+    /// of another one.
     pub(crate) fn displaced(&self) -> u32 {
         self.store.displaced()
     }
@@ -230,7 +231,8 @@ impl Navigator {
         self.tally.ephemerides.without_orbit().saturating_sub(before)
     }
 
-    /// Learns from the last verdict, and completes the report beyond the ranges.
+    /// Learns from the last verdict, and adds to the report what does not follow from the corrected
+    /// ranges.
     #[inline(never)]
     fn conclude(
         &mut self,

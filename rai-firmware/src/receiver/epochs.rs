@@ -39,7 +39,7 @@ counters! {
         epochs_late,
         /// Epochs that were not judged, because their end had waited too long behind others.
         epochs_skipped,
-        /// Alerts because the line was silent for the time to alert.
+        /// Alerts because no epoch was judged for the time to alert.
         line_stale,
         /// Ephemerides that were not stored, because they are out of date, or of F/NAV while I/NAV
         /// is in use.
@@ -109,7 +109,8 @@ pub(super) struct EpochLoop<P> {
 }
 
 impl<P: OutputPin> EpochLoop<P> {
-    /// Returns the state before the first event. The pin was set low, with so many failures.
+    /// Returns the state before the first event. The pin was set low; `pin_failures` attempts
+    /// failed.
     ///
     /// It returns `Self` and no `Result`, because a `Result` would be built on the stack first.
     #[allow(clippy::inline_always, reason = "what is large is written where it is to stay")]
@@ -182,7 +183,8 @@ impl<P: OutputPin> EpochLoop<P> {
         of_host.or_else(|| self.configuration.place.as_ref().map(aiding_of))
     }
 
-    /// Returns true if the receiver reports counterfeit signals and its word counts.
+    /// Returns true if the receiver reports counterfeit signals and the report withdraws
+    /// protection.
     fn is_spoofed(&self, now_ms: u64) -> bool {
         if !cfg!(feature = "ubx") {
             return false;
@@ -417,7 +419,7 @@ const fn is_sign(verdict: Verdict) -> bool {
 }
 
 /// Returns true if ranges agree with orbits that determine the week, even if not well enough for
-/// protection. The epoch is then of the instant of its tag. GLONASS alone fits every week.
+/// protection. The epoch was then measured at the time of its tag. GLONASS alone fits every week.
 fn agree<const N: usize>(report: &Report<N>) -> bool {
     use Unavailable::{Accuracy, Emt, Hpl, Risk, Vpl};
     let is_contradicted = !matches!(

@@ -6,12 +6,13 @@
 //! ```
 //!
 //! The pin is high while the position of the last epoch may be used, and low in every other case:
-//! from start-up on, on every verdict but `Protected`, and when the time to alert has passed since
-//! the last epoch came. A change of a setting that affects protection sets it low until the next
-//! epoch. A failed self-test sets it low until the next start. An epoch that is complete only after
-//! the time to alert is discarded, because its verdict would describe the past. An epoch is also
-//! discarded if its delay, by its tag and the module's own clock, exceeds that of earlier epochs by
-//! the time to alert ([`lateness`]).
+//! from start-up until the first protected epoch, on every verdict but `Protected`, on a report of
+//! a second receiver or of spoofing, on an ordered restart, and when the time to alert has passed
+//! since the arrival of the last judged epoch less its lateness. A change of a setting that affects
+//! protection sets it low until the next epoch. A failed self-test sets it low until the next
+//! start. An epoch that is complete only after the time to alert is discarded, because its verdict
+//! would describe the past. An epoch is also discarded if its delay, by its tag and the module's
+//! own clock, exceeds that of earlier epochs by the time to alert ([`lateness`]).
 //!
 //! Each epoch is reported at once. `STALE` is raised only if no epoch arrives within the time to
 //! alert. A series of unavailable epochs does not raise it, because the pin is already low.
@@ -54,7 +55,8 @@ use crate::known_place::HostHeight;
 use crate::output::nmea::{write_answer, write_counters, write_refusal, write_version};
 use crate::settings::{Action, CommandPort, Configuration, Heard, Order, Refusal, Unsealed};
 
-/// Silence that ends a frame and an epoch, ms. It must be shorter than the time between two epochs.
+/// Silence that ends a frame and an epoch, ms. If epochs are closer together, the next one
+/// completes the last.
 const SILENCE_MS: u64 = 500;
 
 /// Pause of the line that never occurs inside a burst, ms.
@@ -103,7 +105,7 @@ impl<P: OutputPin> Receiver<P> {
         Ok(place.write(Self::of(pin, pin_failures, requirements, boot)))
     }
 
-    /// Returns a module whose pin was set low, with so many failures.
+    /// Returns a module whose pin was set low; `pin_failures` attempts to set it failed.
     #[allow(clippy::inline_always, reason = "what is large is written where it is to stay")]
     #[inline(always)]
     fn of(pin: P, pin_failures: u32, requirements: ValidatedRequirements, boot: Boot) -> Self {
@@ -206,9 +208,9 @@ impl<P: OutputPin> Receiver<P> {
         &self.losses
     }
 
-    /// Checks the clock: after a pause a cut frame delays nothing any more and an open epoch is
-    /// complete, and a line that is silent for the time to alert raises an alert. Returns true if
-    /// an epoch was judged or an alert raised.
+    /// Checks the clock: a silence ends an incomplete frame and completes an open epoch, a pause
+    /// completes an epoch whose stated end is doubtful, and the state is an alert if no epoch was
+    /// judged for the time to alert. Returns true if an epoch was judged or an alert raised.
     #[inline(never)]
     pub fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
         self.now_ms = now_ms;
@@ -234,8 +236,7 @@ impl<P: OutputPin> Receiver<P> {
         judged
     }
 
-    /// Takes bytes of the host port and writes complete answers, for a host that has nothing else
-    /// to wait for.
+    /// Takes bytes of the host port and writes each answer whole, for a caller that can wait for it.
     #[inline(never)]
     pub fn command<W: Write>(&mut self, bytes: &[u8], host: &mut W) {
         for &byte in bytes {
@@ -254,8 +255,8 @@ impl<P: OutputPin> Receiver<P> {
         heard.action.is_some()
     }
 
-    /// Obeys a command that did not come over a wire, and writes complete answers: a key, and its
-    /// values with commas between them. `None` asks for the value in force.
+    /// Obeys a command that did not come over a wire, and writes the complete answer. The command
+    /// is a key, and its values separated by commas. `None` asks for the value in force.
     ///
     /// Key and values must be text that a sentence may contain: printable ASCII without `$` and
     /// `*`, at most [`MAX_LINE`](crate::settings::MAX_LINE) characters.
@@ -339,7 +340,7 @@ impl<P: OutputPin> Receiver<P> {
         self.reset_requested
     }
 
-    /// Returns the last verdict, either of an epoch or of a silence.
+    /// Returns the last verdict: of an epoch, of the absence of epochs, or of a change of settings.
     pub fn last_verdict(&self) -> Option<Verdict> {
         self.epochs.last_verdict
     }

@@ -16,8 +16,11 @@
 //! | `q_s`, `q_o` | offset from the common position to that of the constellation, and to that of all others | m |
 //!
 //! An exclusion may leave satellites that agree on a wrong position. If a shift explains the data
-//! as well, the exclusion therefore does not prove which satellites are wrong. The residuals that
-//! pass the global test are compared with the threshold of the shift's own three unknowns.
+//! as well, the exclusion therefore does not prove which satellites are wrong. Residuals that pass
+//! the global test show a shift if it explains more than `τ1(3) + 2 ln 100`. Noise alone does that
+//! with about a hundredth of `P_fa` for each split, because the tail of `χ²` with three degrees of
+//! freedom falls by `e^(−Δ/2)` or little less over `Δ`. The probability of a false alarm is thus
+//! that of the global test. At `τ1(3)` itself the splits would add up to one `P_fa` each.
 //!
 //! **Limits.** With two constellations the shifted one cannot be identified; with three that is not
 //! attempted. Four satellites or fewer of one constellation always agree on some position and
@@ -36,13 +39,16 @@ use crate::satellite::Constellation;
 /// Unknowns of a second position.
 const UNKNOWNS: usize = 3;
 
+/// Increase of the threshold that divides the probability of a false alarm by a hundred: 2 ln 100.
+const RARER: f64 = 9.210_340_371_976_184;
+
 /// Returns true if a shifted constellation explains more of the residuals than noise and any row
 /// do.
 pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
     if !cfg!(feature = "hypotheses") {
         return false;
     }
-    let noise = thresholds.tau1::<T>(UNKNOWNS);
+    let noise = thresholds.tau1::<T>(UNKNOWNS).map(|tau1| tau1 + T::narrow(RARER));
     let least = noise.map(|tau1| tau1.max(snapshot.statistics().worst.largest));
     let most = least.map(|least| snapshot.sse() - least).filter(|&most| most > T::zero());
     most.is_some_and(|most| {
