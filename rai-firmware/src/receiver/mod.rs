@@ -236,7 +236,7 @@ impl<P: OutputPin> Receiver<P> {
         judged
     }
 
-    /// Takes bytes of the host port and writes each answer whole, for a caller that can wait for it.
+    /// Takes bytes of the host port and writes each answer whole, for a caller that can wait.
     #[inline(never)]
     pub fn command<W: Write>(&mut self, bytes: &[u8], host: &mut W) {
         for &byte in bytes {
