@@ -151,7 +151,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     };
     let (quartz, oven) = (Oscillator::temperature_compensated(), Oscillator::oven_controlled());
     let steered = |index: usize| 15.0 * (2.4 * index as f64).sin();
-    let jumping = |index: usize| MILLISECOND_M * (index / 400) as f64;
+    // A receiver jumps so that its clock stays within a millisecond.
+    let jumping = |index: usize| MILLISECOND_M * (index / 400 % 2) as f64;
     let clocks: [(&str, Oscillator, f64, Offset<'_>); 5] = [
         ("quartz at 1 Hz", quartz, 1.0, &|_| 0.0),
         ("quartz at 30 s", quartz, 30.0, &|_| 0.0),
