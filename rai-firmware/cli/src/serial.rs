@@ -6,6 +6,10 @@ use std::time::Duration;
 use anyhow::{Result, anyhow};
 use serialport::{Error, ErrorKind, SerialPort};
 
+/// Timeout of a port that is read for as long as nothing comes: a day.
+#[cfg(not(unix))]
+pub(crate) const PATIENCE: Duration = Duration::from_secs(86_400);
+
 /// Opens a port, of which a read returns after the timeout even if nothing comes.
 ///
 /// # Errors

@@ -59,6 +59,9 @@ const fn step(name: &'static str, lane: Lane, when: When, run: fn(bool, bool) ->
     Step { name, lane, when, run }
 }
 
+/// Targets of the operating systems on which `rai` must compile besides Linux.
+const SYSTEMS: [&str; 2] = ["x86_64-pc-windows-gnu", "aarch64-apple-darwin"];
+
 /// All of them.
 pub(super) const STEPS: &[Step] = &[
     step("format", Lane::Host, When::Both, |_, _| cargo(&["fmt", "--all", "--check"])),
@@ -77,6 +80,7 @@ pub(super) const STEPS: &[Step] = &[
     step("licences and sources of dependencies", Lane::Host, When::Whole, |_, _| dependencies()),
     step("lints of the image", Lane::Target, When::Whole, |_, _| lints_of_the_image()),
     step("libraries on other processors", Lane::Target, When::Whole, |_, _| libraries()),
+    step("other operating systems", Lane::Target, When::Whole, |_, _| other_systems()),
     step("features of the core", Lane::Target, When::Whole, |_, _| features_of_the_core()),
     step("image", Lane::Target, When::Both, |_, _| done(image::build())),
     step("memory of the image", Lane::Target, When::Both, |_, _| sizes(&NAMED[..1])),
@@ -108,6 +112,23 @@ fn libraries() -> Result<Done> {
         vec!["check", "--profile=firmware", "--package=raim-core", "--package=raim-firmware", "--lib"];
     arguments.extend(setup::TARGETS.iter().flat_map(|target| ["--target", target]));
     cargo(&arguments)
+}
+
+/// Checks that the command `rai` compiles for Windows and macOS, as far as their targets are
+/// installed.
+fn other_systems() -> Result<Done> {
+    let output = std::process::Command::new("rustup").args(["target", "list", "--installed"]).output();
+    let installed = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
+    let installed = installed.unwrap_or_default();
+    let (here, missing): (Vec<&str>, Vec<&str>) =
+        SYSTEMS.iter().partition(|target| installed.lines().any(|line| line == **target));
+    for target in here {
+        cargo(&["check", "--package=raim", "--target", target])?;
+    }
+    if missing.is_empty() {
+        return Ok(Done::Passed);
+    }
+    Ok(Done::Skipped(format!("targets of other systems (rustup target add {})", missing.join(" "))))
 }
 
 /// Checks the core without features, with each alone and with all. `cargo test -p xtask --test

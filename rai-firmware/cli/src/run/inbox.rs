@@ -13,7 +13,8 @@ use raim_firmware::timed_ring::Taken;
 const MOST_BYTES: usize = 1 << 18;
 /// Frames with orbits that may wait.
 const MOST_ORBITS: usize = 256;
-/// Bytes of commands that may wait.
+/// Bytes of commands that may wait. Only pseudo-terminals bring commands.
+#[cfg(unix)]
 const MOST_COMMANDS: usize = 4096;
 /// Pause of the receiver's line after which an orbit goes in, ms. No frame has such a pause inside.
 const PAUSE_MS: u64 = 30;
@@ -87,6 +88,7 @@ impl Inbox {
     }
 
     /// Takes bytes of a host's commands.
+    #[cfg(unix)]
     pub(super) fn push_commands(&self, bytes: &[u8]) {
         let mut state = self.state();
         let room = MOST_COMMANDS - state.commands.len().min(MOST_COMMANDS);

@@ -7,7 +7,6 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Error, ErrorKind, Read};
 use std::net::TcpStream;
 use std::path::Path;
-use std::process::Command;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -122,15 +121,39 @@ fn check_limit(limit: Option<Duration>) -> Result<()> {
     Ok(())
 }
 
+/// Returns true for the name of a serial port, such as `COM3`.
+#[cfg(not(unix))]
+fn is_terminal(path: &Path) -> bool {
+    path.to_string_lossy().strip_prefix("COM").is_some_and(|number| number.parse::<u8>().is_ok())
+}
+
+/// Returns the error of a build without serial ports.
+#[cfg(all(not(unix), not(feature = "commands")))]
+fn serial(_: &Path, _: &str) -> Result<File> {
+    bail!("is a serial port, which needs the feature `commands`")
+}
+
+/// Opens a serial port, set to a bit rate.
+#[cfg(all(not(unix), feature = "commands"))]
+fn serial(path: &Path, rate: &str) -> Result<impl Read + Send + use<>> {
+    let rate = rate.parse().with_context(|| format!("{rate} is no bit rate"))?;
+    crate::serial::open(&path.to_string_lossy(), rate, crate::serial::PATIENCE)
+}
+
 /// Returns true for the path of a character device.
+#[cfg(unix)]
 fn is_terminal(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt as _;
+
     let is_null = path == Path::new("/dev/null");
     !is_null && path.metadata().is_ok_and(|metadata| metadata.file_type().is_char_device())
 }
 
 /// Opens a serial port, set to a bit rate.
+#[cfg(unix)]
 fn serial(path: &Path, rate: &str) -> Result<File> {
+    use std::process::Command;
+
     let port = File::open(path).context("cannot be opened")?;
     if is_terminal(path) {
         let status = Command::new("stty")
