@@ -25,13 +25,13 @@ const MEASURED: &[(&str, &str, &str)] = &[
     ("README.md", "drifts off by 200 m. After 3 s the module excludes G15", "demo"),
     (
         "README.md",
-        "stays within 6 m of the true one (blue) and *protected*: it may be used. A receiver that accepts every \
-         satellite is 75 m off",
+        "(blue) stays within 6 m of the true one. It also stays *protected*, which means that it may be used. A \
+         receiver that accepts every satellite is 75 m off",
         "demo",
     ),
-    ("README.md", "nor reliably a time error below 20 ms", "attack wrong-tags"),
-    ("README.md", "differs from the measured velocity by less than 1 m/s may stay", "attack walk-off"),
-    ("README.md", "that of `lpv200.toml` takes 3 s", "campaign tests-host/campaigns/lpv200.toml"),
+    ("README.md", "A time tag up to 20 ms off may stay undetected", "attack wrong-tags"),
+    ("README.md", "A drift within 1 m/s of the measured velocity may stay", "attack walk-off"),
+    ("README.md", "`tests-host/campaigns/lpv200.toml` describes takes 3 s", "campaign tests-host/campaigns/lpv200.toml"),
     ("README.md", "errors of 0.52 m horizontally and 0.86 m vertically", "test accuracy"),
     ("RESULTS.md", "0.52 / 0.86 m, 2880 of 2880 epochs protected", "test accuracy"),
     (
@@ -93,7 +93,10 @@ fn limits() -> Vec<(&'static str, String)> {
     vec![
         ("README.md", format!("(HAL {} m), or `LPV200` (HAL {} m, VAL {val_m} m)", npa.hal_m, lpv.hal_m)),
         ("README.md", format!("for the time to alert ({} s in `NPA`)", npa.time_to_alert_s)),
-        ("README.md", format!("darker than the class of {val_m} m, LPV-200 is unavailable at least 1 % of")),
+        (
+            "README.md",
+            format!("darker than the colour of {val_m} m, LPV-200 is unavailable there at least 1 % of"),
+        ),
         ("LIMITS.md", format!("UTC is GPS time less {} s", raim_firmware::output::nmea::GPS_MINUS_UTC_S)),
         ("LIMITS.md", format!("{} m beside Hawaii", raim_firmware::output::geoid::LARGEST_ERROR_M)),
     ]
