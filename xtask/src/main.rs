@@ -16,6 +16,8 @@ mod flash;
 mod fuzz;
 mod header;
 mod image;
+#[cfg(target_os = "linux")]
+mod journeys;
 mod miri;
 mod mutants;
 mod nightly;
@@ -79,6 +81,9 @@ enum Command {
     /// Runs `rai run` for an hour between cuts, kills and dead clients.
     #[cfg(target_os = "linux")]
     Endure(endure::Arguments),
+    /// Types what README says to five people, each in a fresh clone and an empty home.
+    #[cfg(target_os = "linux")]
+    Journeys(journeys::Arguments),
     /// Measures the cost of the module on the chip: instructions by stage, flash, RAM, stack.
     Bench(bench::Arguments),
     /// Regenerates the threshold tables.
@@ -125,6 +130,8 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
         Command::Soak(arguments) => soak::run(&arguments),
         #[cfg(target_os = "linux")]
         Command::Endure(arguments) => endure::run(&arguments),
+        #[cfg(target_os = "linux")]
+        Command::Journeys(arguments) => journeys::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Tables(arguments) => tables::run(&arguments),
         Command::Header(arguments) => header::run(&arguments),

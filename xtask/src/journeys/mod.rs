@@ -1,0 +1,80 @@
+//! `cargo xtask journeys`: types what README tells five people to type, and writes down what they
+//! see.
+//!
+//! Each person starts with a clone of the last commit, an empty home, and no folder beside the
+//! clone. The compiler's toolchain is the one of this machine, because rustup brings it. A journey
+//! ends at the first line that fails or does not print what it must.
+
+mod people;
+mod terminal;
+mod transcript;
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result, ensure};
+
+use crate::cargo::root;
+use people::{PEOPLE, Person};
+use terminal::{Terminal, Typed};
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// People to follow (default: all)
+    people: Vec<String>,
+    /// Write the outcome into results/journeys.md, which needs all people
+    #[arg(long, conflicts_with = "people")]
+    record: bool,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let names = PEOPLE.map(|person| person.name);
+    let unknown = arguments.people.iter().find(|name| !names.contains(&name.as_str()));
+    ensure!(
+        unknown.is_none(),
+        "unknown person: {}; known are {}",
+        unknown.map_or("", |n| n),
+        names.join(", ")
+    );
+    let is_asked = |person: &&Person| {
+        arguments.people.is_empty() || arguments.people.iter().any(|name| name == person.name)
+    };
+    let folder = root().join("target/journeys");
+    fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    let (mut outcomes, mut failures) = (Vec::new(), Vec::new());
+    for person in PEOPLE.iter().filter(is_asked) {
+        let typed = follow(person)?;
+        let path = folder.join(format!("{}.txt", person.name));
+        fs::write(&path, transcript::whole(&typed)).with_context(|| path.display().to_string())?;
+        eprintln!("{}: the transcript is {}", person.name, path.display());
+        failures.extend(typed.iter().filter_map(|line| line.failure.clone()));
+        outcomes.push((person, typed));
+    }
+    if arguments.record {
+        let path = root().join("results/journeys.md");
+        fs::write(&path, transcript::page(&outcomes)).with_context(|| path.display().to_string())?;
+    }
+    ensure!(failures.is_empty(), "{}", failures.join("; "));
+    Ok(())
+}
+
+/// Types the lines of a person up to the first that fails.
+fn follow(person: &Person) -> Result<Vec<Typed>> {
+    let home: PathBuf = std::env::temp_dir().join(format!("rai-journey-{}", std::process::id()));
+    let terminal = Terminal::open(&home)?;
+    let mut typed = Vec::new();
+    for line in person.lines {
+        eprintln!("{}: {}", person.name, line.typed);
+        let outcome = terminal.enter(line)?;
+        eprintln!("{}: {}", person.name, outcome.summary());
+        let is_end = outcome.failure.is_some();
+        typed.push(outcome);
+        if is_end {
+            break;
+        }
+    }
+    terminal.close()?;
+    Ok(typed)
+}
