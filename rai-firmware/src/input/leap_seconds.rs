@@ -47,14 +47,14 @@ pub enum LeapSource {
     Tags,
 }
 
-/// Lead of GPS time over UTC.
+/// GPS time minus UTC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LeapSecond {
     /// GPS time minus UTC, s.
     pub seconds: u8,
     /// Source of the last statement.
     pub source: LeapSource,
-    /// Time of that statement, as the time of the last epoch.
+    /// Time of the last epoch before that statement.
     pub said: Option<GpsTime>,
 }
 
@@ -68,7 +68,7 @@ pub(super) struct LeapSeconds {
     compared: Option<GpsTime>,
 }
 
-/// A number, and how often it came in a row.
+/// A number, and how often in a row it came.
 #[derive(Debug)]
 struct Repeated {
     seconds: u8,
@@ -78,7 +78,7 @@ struct Repeated {
 impl Repeated {
     const NONE: Self = Self { seconds: 0, run: 0 };
 
-    /// Counts a number; returns how often it came in a row.
+    /// Counts a number; returns how often in a row it has come.
     fn count(&mut self, seconds: u8) -> u8 {
         let run = if seconds == self.seconds { self.run.saturating_add(1) } else { 1 };
         *self = Self { seconds, run };
@@ -110,9 +110,9 @@ impl LeapSeconds {
         }
     }
 
-    /// Takes the tags of two messages of one instant. After lost bytes a message may be of a
-    /// neighbouring epoch, and its tag wrong by whole seconds. One comparison is therefore not
-    /// enough.
+    /// Takes the tags of two messages of one instant. One comparison is not enough: after lost
+    /// bytes, one of the messages may be of a neighbouring epoch, with a tag that differs by whole
+    /// seconds.
     pub(super) fn infer(&mut self, gps_ms: u32, utc_ms: u32, now: Option<GpsTime>) {
         let difference_ms = (gps_ms + WEEK_MS - utc_ms) % WEEK_MS;
         let seconds = (difference_ms + 500) / 1000;
@@ -131,7 +131,7 @@ impl LeapSeconds {
 }
 
 impl LeapSeconds {
-    /// Returns true while a leap second may come; `now` is the last epoch.
+    /// Returns true while a leap second may be inserted; `now` is the last epoch.
     pub(super) fn is_step_due(&self, now: Option<GpsTime>) -> bool {
         let Some((day, of_day_ms)) = self.utc(now) else { return false };
         match of_day_ms {
@@ -140,8 +140,9 @@ impl LeapSeconds {
         }
     }
 
-    /// Returns true if a tag of UTC that is the first of its instant may be wrong by a second: tags
-    /// were not compared since the step can appear, or did not fit the known number.
+    /// Returns true if a UTC tag that is the first of its instant may be wrong by a second. Either
+    /// no tags were compared since the leap second became possible, or they did not fit the known
+    /// number.
     pub(super) fn is_unsure(&self, utc_ms: u32, now: Option<GpsTime>) -> bool {
         if self.inferred.run == 0 || !self.is_step_due(now) {
             return false;
