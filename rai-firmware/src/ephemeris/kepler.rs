@@ -21,9 +21,9 @@
 //!
 //! **Why integers.** The elements are fixed-point numbers by nature. A core without double
 //! precision multiplies integers twenty times faster than soft doubles, and integers are the same
-//! on every machine. Every element is kept in the finest unit in which any system broadcasts it, so
-//! that the broadcast value is kept exactly. The first guesses of the anomaly and of a reciprocal,
-//! with 24 bits, are in single precision; exact remainders correct both.
+//! on every machine. Every element is stored in the finest unit in which any system broadcasts it,
+//! so that it stays exact. The first guesses of the anomaly and of a reciprocal, with 24 bits, are
+//! in single precision; exact remainders correct both.
 //!
 //! **Accuracy.** Within 0.05 mm and 1e-17 s of the equations in double precision, over all accepted
 //! elements and a day on either side of `toe`. Tests bound it by 0.5 mm and 1e-13 s. The third
