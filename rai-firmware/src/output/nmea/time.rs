@@ -17,7 +17,7 @@ const GPS_EPOCH_DAY: u32 = 723_125;
 /// Days in 400 years of the calendar.
 const DAYS_OF_400_YEARS: u32 = 146_097;
 
-/// UTC, rounded to a hundredth of a second, as the field `hhmmss.ss` needs it.
+/// UTC, rounded to a hundredth of a second for the field `hhmmss.ss`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimeOfDay {
     centiseconds: u32,
