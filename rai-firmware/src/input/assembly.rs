@@ -155,8 +155,8 @@ impl Assembly {
         }
     }
 
-    /// Returns true if the UTC tag of a message may be wrong by a leap second: it does not fit the
-    /// open epoch, or no epoch is open to compare it with.
+    /// Returns true if the UTC tag of a message may be wrong by a leap second. Either it does not
+    /// fit the open epoch, or no epoch is open to compare it with.
     fn is_unsure(&self, ranges: &Ranges<'_>, tow_ms: u32, calendar: &Calendar) -> bool {
         ranges.of_utc_ms.is_some_and(|utc_ms| match self.phase {
             Phase::Open(_) => !is_same(tow_ms, self.epoch.time.tow_ms) && calendar.is_step_due(),

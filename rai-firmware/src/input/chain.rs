@@ -1,8 +1,8 @@
 //! Chains of messages: each message of one instant, except the last, states that more follow.
 //!
-//! A receiver may tag one of its systems with a time that is seconds off: a station of 2012 tags
-//! `BeiDou` with GPS time, 14 s ahead. Taken alone, such a message would open an epoch in the
-//! future, and every later message of the other systems would be in the past. But the message
+//! A receiver may tag one of its systems with a time that is seconds off. For example, a station of
+//! 2012 tags `BeiDou` with GPS time, 14 s ahead. Taken alone, such a message would open an epoch in
+//! the future, and every later message of the other systems would be in the past. But the message
 //! before it stated that more of **the same** instant follow, which the tag contradicts. The
 //! message is left out, and the other systems stay in use.
 //!

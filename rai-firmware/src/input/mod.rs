@@ -25,8 +25,8 @@
 //! | [`Counters`] | counters of received and unused input |
 //!
 //! Code behind [`Message`] is independent of the wire format. A new format is a folder next to
-//! `rtcm` with a type that implements `protocol::Protocol`, and a row in the table of formats in
-//! this file.
+//! `rtcm`, with a type that implements `protocol::Protocol`. It also needs a row in the table of
+//! formats in this file.
 //!
 //! ```
 //! # use raim_firmware::input::{Event, Input};

@@ -6,8 +6,8 @@
 //!
 //! If every set so far fits two weeks, the likelier one is used, and the other is stored as a
 //! doubt. The first set of any system that fits only one of the two decides. As long as there is a
-//! doubt, no epoch confirms the week, because ranges agree as well with orbits that are all dated a
-//! week early. Sets that fit both weeks are no evidence. Sets that fit neither vote
+//! doubt, no epoch confirms the week: ranges agree as well with orbits that are all dated a week
+//! early. Sets that fit both weeks are no evidence. Sets that fit neither vote
 //! ([`super::week_votes`]).
 
 use heapless::Vec;

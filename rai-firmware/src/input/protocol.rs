@@ -44,11 +44,11 @@ pub(super) trait Protocol {
     /// and may end before the frame does. A length beyond [`Self::LONGEST`] is refused here.
     fn length(bytes: &[u8]) -> Extent;
 
-    /// Returns true if the check of a complete frame holds.
+    /// Returns true if a complete frame passes its check.
     fn check(frame: &[u8]) -> bool;
 
-    /// Reads a frame whose check holds. The result is `None` if the frame is one part of a message
-    /// whose other parts have not all come.
+    /// Reads a frame that passed its check. The result is `None` if the frame is one part of a
+    /// message whose other parts have not all come.
     ///
     /// # Errors
     /// [`Unread`] states why the frame leads to no message.
@@ -65,7 +65,8 @@ pub(super) trait Measurements: Debug {
     /// Returns true if the message has no satellite.
     fn is_empty(&self) -> bool;
 
-    /// Passes each range to `add`, with true if the broadcast clock refers to its code.
+    /// Passes each range to `add`. The flag is true if the broadcast clock refers to the code
+    /// that measured the range.
     fn each(
         &self,
         counters: &mut Counters,
@@ -84,7 +85,7 @@ pub(super) enum Extent {
     NoFrame,
 }
 
-/// Frame whose check holds.
+/// Frame that passed its check.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame<'a> {
     /// The whole frame.
@@ -102,7 +103,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Returns the frame if the bytes are exactly one of this format and its check holds.
+/// Returns the frame if the bytes are exactly one frame of this format that passes its check.
 pub(super) fn whole<P: Protocol>(bytes: &[u8]) -> Option<Frame<'_>> {
     let is_one = bytes.starts_with(P::SYNC) && P::length(bytes) == Extent::Bytes(bytes.len());
     (is_one && P::check(bytes)).then_some(Frame { bytes, came_ms: 0 })
@@ -174,14 +175,14 @@ macro_rules! formats {
                 None
             }
 
-            /// Returns true if the check of a complete frame holds.
+            /// Returns true if a complete frame passes its check.
             fn check(self, frame: &[u8]) -> bool {
                 match self {
                     $($(#[$condition])* Self::$Name => <$module::$Name as Protocol>::check(frame),)+
                 }
             }
 
-            /// Reads a frame whose check holds.
+            /// Reads a frame that passed its check.
             fn read<'a>(
                 self,
                 frame: &Frame<'a>,
@@ -228,7 +229,8 @@ macro_rules! formats {
                 }
             }
 
-            /// Passes each range to `add`, with true if the broadcast clock refers to its code.
+            /// Passes each range to `add`. The flag is true if the broadcast clock refers to the
+            /// code that measured the range.
             fn each(
                 &self,
                 counters: &mut Counters,

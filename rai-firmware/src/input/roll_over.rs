@@ -1,4 +1,4 @@
-//! Weeks that the present can be in, derived from one ephemeris (set): it states a week and a
+//! Weeks that the present can be in, derived from one ephemeris (set). It states a week and a
 //! reference time, which are ambiguous near the end of a week.
 //!
 //! The stated week is that of transmission ([IS-GPS-200] 20.3.3.3.1.1) or that of `toe`; both are
@@ -16,7 +16,7 @@
 //!
 //! Galileo sends a past `toe` and renews its sets every ten minutes; the other systems renew theirs
 //! at full hours. If the reference time is two hours or more after the end, the set was not
-//! transmitted before the end, because the fit interval of GPS is four hours.
+//! transmitted before it. The reason is the fit interval of GPS, four hours.
 //!
 //! The result depends only on the message and on the second of the week, never on an earlier week
 //! of the calendar.
@@ -34,8 +34,8 @@ const HALF_WEEK_MS: i64 = WEEK_MS as i64 / 2;
 /// Longest time after the end of a week for which a receiver still sends a set from before it, ms.
 const PASSED_ON_MS: u32 = 4 * 3_600_000;
 
-/// First reference time of sets that are transmitted only after the end of the week, ms: two hours
-/// minus the 16 s by which an upload moves it.
+/// First reference time of sets that are transmitted only after the end of the week, ms. It is two
+/// hours, minus the 16 s by which an upload moves it.
 const FIRST_OF_WEEK_MS: u32 = 7_184_000;
 
 /// Largest distance from the present at which the reference time of a set is moved to the

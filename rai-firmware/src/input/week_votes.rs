@@ -3,8 +3,8 @@
 //! One system does not outvote two that agree, however many votes it has. The week is wrong if at
 //! least [`DISSENT`] ephemerides contradict it, and more systems contradict than confirm it. If as
 //! many systems contradict as confirm, the contradicting ephemerides must be [`DISSENT`] more. A
-//! system that has confirmed the week needs as many contrary votes to contradict it, so that a few
-//! forged ephemerides do not turn its vote.
+//! system that has confirmed the week contradicts it only after more contrary votes than it
+//! confirmed, so that a few forged ephemerides do not turn its vote.
 //!
 //! Two kinds of confirmation do not count. GLONASS counts days, and the known time dates it, so
 //! that it has no vote. GPS counts weeks in cycles of 1,024, of which the nearest is taken. If
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
     use Constellation::{Beidou, Galileo, Gps};
 
-    /// Returns the votes after these, in turn: for the week if positive, against it if negative.
+    /// Returns the votes after these: for the week if positive, against it if negative.
     fn after(votes: &[(Constellation, i32)]) -> WeekVotes {
         let mut week = WeekVotes::none();
         for (system, votes) in votes {

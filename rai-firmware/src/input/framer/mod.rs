@@ -2,9 +2,9 @@
 //! each once.
 //!
 //! Bytes may look like the header of a frame by chance. The length that they announce then covers
-//! good frames. No byte is therefore dropped before it has been searched: if a candidate fails,
+//! good frames. No byte is therefore dropped before it has been searched. If a candidate fails,
 //! only its first byte is dropped, and the search restarts behind it. An incomplete candidate ends
-//! as soon as a frame inside it is complete and its check holds ([`nested`]).
+//! as soon as a frame inside it is complete and passes its check ([`nested`]).
 //!
 //! In a stream that consists only of headers, every byte would be checked a thousand times. Each
 //! received byte therefore adds credit for [`CREDIT_PER_BYTE`] bytes of checking. The credit is at

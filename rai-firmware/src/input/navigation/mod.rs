@@ -21,8 +21,8 @@
 //!
 //! [`pages`] collects the pages of a message until they are a set, and [`leap`] reads announcements
 //! of leap seconds. A new message is a file with a type that implements
-//! [`message::NavigationMessage`], a row in the table below, and an arm in each wire format that
-//! brings it. `toy.rs` is the smallest.
+//! [`message::NavigationMessage`]. It also needs a row in the table below, and an arm in each wire
+//! format that brings it. `toy.rs` is the smallest.
 
 mod beidou;
 mod galileo;

@@ -3,8 +3,8 @@
 //! Each message of a satellite occupies a slot until its set is complete. Most sets fit into
 //! [`SMALL_BYTES`]. Only the ten pages of a geostationary `BeiDou` satellite need one of the large
 //! slots, of which there are few. A slot is free after its set was read. If no page comes for
-//! [`ABANDONED_MS`], the slot is also free and its pages are discarded, so that a returning
-//! satellite does not mix new pages with old ones.
+//! [`ABANDONED_MS`], the slot is also free, and its pages are discarded. A returning satellite thus
+//! does not mix new pages with old ones.
 //!
 //! Slots for 48 satellites and 8 geostationary ones take 6.5 KiB. If there is no slot for a page,
 //! it is dropped and counted. The satellite repeats it half a minute later, when other sets are

@@ -1,7 +1,7 @@
 //! Parities and checksums of the navigation messages.
 //!
-//! The receiver sends only pages with a valid code. But the line to the module may flip a bit, and
-//! the checksum of a frame misses 1 error in 65,536, which is too many for an orbit.
+//! The receiver sends only pages with a valid code. But the line to the module may flip a bit. The
+//! checksum of a frame misses 1 error in 65,536, which is too many for an orbit.
 //!
 //! | message | code | over |
 //! |---|---|---|

@@ -29,7 +29,7 @@ use super::{Message, Unread};
 pub(super) use msm::Msm;
 pub(super) use transport::Rtcm;
 
-/// Reads the payload of a frame whose check holds.
+/// Reads the payload of a frame that passed its check.
 fn read<'a>(payload: &'a [u8], calendar: &Calendar) -> Result<Message<'a>, Unread> {
     match message_number(payload).ok_or(Unread::Malformed)? {
         1005 => read_position(payload, 19).map(Message::Position),

@@ -119,8 +119,8 @@ fn gps_tow_ms(system: System, time_ms: u32) -> Option<u32> {
     (time_ms < WEEK_MS).then_some((time_ms + offset_ms) % WEEK_MS)
 }
 
-/// Returns the milliseconds into the week of UTC, from the day and the time of day in GLONASS time,
-/// which is three hours ahead of UTC.
+/// Returns the milliseconds into the week of UTC, from day and time of day in GLONASS time. GLONASS
+/// time is three hours ahead of UTC.
 ///
 /// Day 7 means that the day is unknown (DF416). The day that brings the time nearest to the present
 /// is then taken.

@@ -6,9 +6,10 @@ use crate::raw::Band;
 /// Returns the band of a signal by its position in the signal mask of an MSM, from 1; `None` for
 /// unused signals.
 ///
-/// Two kinds are unused: restricted services (Galileo E1A, E1Z), and bands without a broadcast
-/// group delay in systems that broadcast it for others (Galileo E6 and E5 alt-BOC, `BeiDou` B2b,
-/// QZSS L6). Reference: [RTCM-10403.3] tables 3.5-91, 3.5-96, 3.5-99, 3.5-105, 3.5-108.
+/// Unused are restricted services (Galileo E1A, E1Z). Unused are also bands for which the
+/// satellites do not broadcast a group delay, although they do for others: Galileo E6 and E5
+/// alt-BOC, `BeiDou` B2b, QZSS L6. Reference: [RTCM-10403.3] tables 3.5-91, 3.5-96, 3.5-99,
+/// 3.5-105, 3.5-108.
 ///
 /// [RTCM-10403.3]: crate#references
 pub(super) const fn band(system: System, signal: u8) -> Option<Band> {

@@ -38,8 +38,8 @@ use crate::counters::count;
 use rawx::Rawx;
 pub(super) use transport::Ubx;
 
-/// Reads one frame whose check holds. The result is `None` if the frame is one part of a message
-/// whose other parts have not all come.
+/// Reads one frame that passed its check. The result is `None` if the frame is one part of a
+/// message whose other parts have not all come.
 fn read<'a>(
     frame: &Frame<'a>,
     navigation: &mut Navigation,
