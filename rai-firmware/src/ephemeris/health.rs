@@ -79,8 +79,8 @@ impl Health {
         self.stating(bit(band), is_good)
     }
 
-    /// Returns the same with two flags of Galileo for this carrier: the signal's health status, of
-    /// which 0 alone is good, and the data validity status, 1 for data without guarantee.
+    /// Returns the same with two flags of Galileo for this carrier. In the signal's health status
+    /// only 0 is good. In the data validity status 1 means data without guarantee.
     #[must_use]
     pub const fn with_galileo(self, band: Band, signal_status: u32, is_without_guarantee: bool) -> Self {
         self.with(band, signal_status == 0).stating(data_bit(band), !is_without_guarantee)

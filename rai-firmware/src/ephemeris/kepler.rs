@@ -364,9 +364,9 @@ fn check_orbit(broadcast: &Broadcast, reading: Reading, node: Turns) -> Result<(
     if shape.is_of(broadcast.source, is_geostationary) { Ok(()) } else { Err(BroadcastError::OrbitType) }
 }
 
-/// Returns the cosine of the angle between the equator and an orbit written in the tilted plane,
-/// 2⁻⁶²: the last coordinate of the orbit's normal, `(sin i sin Ω, −sin i cos Ω, cos i)`, turned
-/// back by 5° about x.
+/// Returns the cosine of the angle between the equator and an orbit whose elements refer to the
+/// tilted plane, 2⁻⁶². It is the last coordinate of the orbit's normal, `(sin i sin Ω, −sin i cos
+/// Ω, cos i)`, turned back by 5° about x.
 fn cos_to_equator_q62(inclination_sc: f64, node: Turns) -> i64 {
     let inclination = Turns::of_broadcast(angle(inclination_sc)).direction();
     let level_q62 = -times_q62(inclination.sin_q62, node.direction().cos_q62);

@@ -215,8 +215,8 @@ impl Store {
         self.displaced
     }
 
-    /// Integrates the state vectors of the satellites in the last epoch up to an instant, so that
-    /// positions at and soon after it take one step. No position changes.
+    /// Integrates the state vectors of the satellites in the last epoch up to an instant. Positions
+    /// at and soon after it then take one step. No position changes.
     pub fn advance(&mut self, time: GpsTime) {
         let observed = self.entries.iter_mut().filter(|entry| entry.observed == self.epochs);
         observed.for_each(|entry| entry.ephemeris.advance(time));
