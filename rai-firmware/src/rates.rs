@@ -22,11 +22,11 @@
 //!
 //! The velocity has its own test ([`raim_core::velocity`]) with the probabilities of the position.
 //! A velocity that fails the test, or exceeds the largest speed of a receiver, is not reported.
-//! After contradictory rates, a velocity is reported again only if rates have agreed for the
-//! recovery time of positions ([`raim_core::continuity`]), because some of many false rates agree
-//! by chance. If the negatives of all rates pass the test, the receiver sends them with the wrong
-//! sign, as early firmware of a common receiver does. Such epochs have a counter of their own, and
-//! their rates are not used.
+//! Some of many false rates agree by chance. After contradictory rates, a velocity is therefore
+//! reported again only if rates have agreed for the recovery time of positions
+//! ([`raim_core::continuity`]). If the negatives of all rates pass the test, the receiver sends
+//! them with the wrong sign, as early firmware of a common receiver does. Such epochs have a
+//! counter of their own, and their rates are not used.
 //!
 //! The sigma of a rate is 0.05 m/s at 45 dB-Hz and above. Below 45 dB-Hz it grows with the root of
 //! the noise density, like the noise of a frequency lock.
@@ -351,23 +351,23 @@ impl Seen {
         })
     }
 
-    /// Returns the same satellite with the same ephemeris in another epoch, where it is mostly at
-    /// `index`.
+    /// Returns the same satellite with the same ephemeris from another epoch, where it mostly has a
+    /// similar index.
     fn among<'s>(&self, others: &'s [Self], index: usize) -> Option<&'s Self> {
         let here = others.get(index).filter(|seen| self.is(seen));
         here.or_else(|| others.iter().find(|seen| self.is(seen)))
     }
 
-    /// Returns true for the same satellite with the same ephemeris.
+    /// Returns true if satellite and ephemeris are the same.
     fn is(&self, other: &Self) -> bool {
         other.satellite == self.satellite && other.edition == self.edition
     }
 
-    /// Returns the velocity in the earth-fixed frame, m/s, and the time between the two departures
-    /// of the signal, s.
+    /// Returns the velocity in the earth-fixed frame, m/s, and the time between the transmissions
+    /// of the two signals, s.
     fn velocity_since(&self, before: &Self, elapsed_s: f32, place_m: [f32; 3]) -> Option<([f32; 3], f32)> {
-        // The time between the departures is shorter than that between the arrivals by the growth
-        // of the range.
+        // The time between the transmissions is shorter than that between the arrivals by the
+        // growth of the range.
         let apart_s = elapsed_s - (self.range_m - before.range_m) / LIGHT_M_S;
         let moved_m = difference_m(self.position, before.position);
         Some((velocity_at_the_end(place_m, moved_m, apart_s), apart_s)).filter(|_| apart_s > 0.0)

@@ -99,9 +99,9 @@ impl Band {
 
     /// Returns true if a signal on this band is left out first when a satellite has more than fit.
     ///
-    /// D1 and D2 do not broadcast the group delays of B1C and B2a, so that these bands are worth
-    /// less than the other three of `BeiDou`. The pair that would be chosen from all five is among
-    /// those three.
+    /// These two bands are worth less than the other three of `BeiDou`, because D1 and D2 do not
+    /// broadcast their group delays. The pair that would be chosen from all five is among the other
+    /// three.
     pub const fn is_spare(self) -> bool {
         matches!(self, Self::B1C | Self::B2a)
     }

@@ -22,10 +22,10 @@
 //! satellites.
 //!
 //! **No oscillation.** The set in use stays until the other has been better by a fifth for ten
-//! consecutive epochs. As long as it is not better, the sets are compared only every tenth epoch,
-//! because geometry changes slowly and a comparison costs as much as a correction. Each change
-//! moves the receiver clock by the delay between carriers. With clock aiding the set never changes,
-//! because such a change looks like a clock jump.
+//! consecutive epochs. As long as it is not better, the sets are compared only every tenth epoch:
+//! geometry changes slowly, and a comparison costs as much as a correction. Each change moves the
+//! receiver clock by the delay between carriers. With clock aiding the set never changes, because
+//! such a change looks like a clock jump.
 
 use raim_core::numeric::sqrt;
 use raim_core::satellite::Constellation;

@@ -6,9 +6,9 @@
 //!
 //! It is unknown which number is right, and a range that counts twice outvotes others. Two
 //! broadcasts of one orbit differ by metres. Real satellites of one system are farther apart. In
-//! one plane they are degrees apart. The geostationary satellites C01 and C59 of `BeiDou`, which
-//! share a slot at 140° E, stay more than 5 km apart, which operators of shared slots count as a
-//! close approach.
+//! one plane they are degrees apart. The geostationary satellites C01 and C59 of `BeiDou` share a
+//! slot at 140° E and stay more than 5 km apart. Operators of shared slots count less as a close
+//! approach.
 
 use super::{CAPACITY, Located, Sky};
 use crate::counters::count;

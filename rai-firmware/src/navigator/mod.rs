@@ -233,7 +233,7 @@ impl Navigator {
     }
 
     /// Learns from the last verdict, and completes the report with results that do not come from
-    /// the corrected ranges: velocity, tracked satellites, and reasons of the navigator.
+    /// the corrected ranges.
     #[inline(never)]
     fn conclude(
         &mut self,

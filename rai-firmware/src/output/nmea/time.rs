@@ -1,8 +1,8 @@
 //! UTC in sentences: time of day and date.
 //!
-//! Days are counted from 1980-01-06. The date is that of the Gregorian calendar, computed with
-//! years that begin in March, so that a leap day is the last day of its year:
-//! `day of year = (153 month + 2) / 5 + day`.
+//! Days are counted from 1980-01-06. The date is that of the Gregorian calendar. It is computed
+//! with years that begin in March, so that a leap day is the last day of its year: `day of year =
+//! (153 month + 2) / 5 + day`.
 
 use crate::division::divided;
 use crate::time::{DAY_MS, GpsTime};
