@@ -12,9 +12,9 @@
 //! never the sentences of an epoch. The loop never waits for the host. Only a running loop feeds
 //! the watchdog.
 //!
-//! For each epoch the log gets two figures: ticks that the receiver was busy since the epoch
-//! before, and ticks from the last byte of this epoch to the pin. The second is an upper bound. It
-//! counts from the instant at which the loop last found the port empty, or at which an interrupt
+//! The log gets two figures for each epoch. One is the ticks that the receiver was busy since the
+//! epoch before. The other is the ticks from the last byte of this epoch to the pin, as an upper
+//! bound. It counts from the instant at which the loop last found the port empty, or an interrupt
 //! woke it.
 
 use crate::bit_rate::BitRate;

@@ -17,10 +17,17 @@
 //! | [`output`] | report | sentences |
 //! | [`receiver`] | bytes and the time | all this in a loop, the pin, and the alert of a silent line |
 //!
-//! The other modules are [`bit_rate`] (bit rate of the GNSS port), [`settings`] (commands of the
-//! host), [`selftest`] (known answers), [`board::reset`] (cause of the last reset), [`ring`] (bytes
-//! between an interrupt and the loop), [`outlet`] (sentences through a ring) and [`counters`]
-//! (unused input, counted by name).
+//! The other modules:
+//!
+//! | module | content |
+//! |---|---|
+//! | [`settings`] | commands of the host |
+//! | [`bit_rate`] | bit rate of the GNSS port |
+//! | [`selftest`] | known-answer tests |
+//! | [`board::reset`] | cause of the last reset |
+//! | [`ring`], [`timed_ring`] | bytes between an interrupt and the loop |
+//! | [`outlet`] | sentences through a ring |
+//! | [`counters`] | counters of unused input |
 //!
 //! # Wiring
 //!
@@ -41,7 +48,7 @@
 //! # Features
 //!
 //! The default features `whole` and `gsv` build everything except a board. A small build reads RTCM
-//! 3, writes `RMC`, `GGA` and the module's sentences, and judges by classic RAIM with the
+//! 3, and writes `RMC`, `GGA` and the module's sentences. It judges by classic RAIM with the
 //! thresholds of the phases of flight. Features add the rest:
 //!
 //! | feature | adds |

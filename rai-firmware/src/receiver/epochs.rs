@@ -41,7 +41,7 @@ counters! {
         epochs_skipped,
         /// Alerts because no epoch was judged for the time to alert.
         line_stale,
-        /// Ephemerides that were not stored, because the store kept the one in use: the new one is
+        /// Ephemerides that were not stored, because the store kept the one in use. The new one is
         /// out of date, or of F/NAV while I/NAV is in use.
         ephemerides_kept,
         /// Ephemerides that contradict the one in use.

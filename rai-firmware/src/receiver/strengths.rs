@@ -1,4 +1,4 @@
-//! Strengths of the signals: those that one antenna sends have the same strength.
+//! Strengths of the signals: signals that one counterfeiting antenna sends arrive equally strong.
 //!
 //! ```text
 //! s² = Σ_c Σ_i (C_i − C̄_c)² / (n − m)          s < 1 dB for 10 s, after s > 2 dB once: a sign

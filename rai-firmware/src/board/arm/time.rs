@@ -58,8 +58,8 @@ pub fn now_us() -> u64 {
 /// Sleeps until a millisecond begins or there is `work`; returns the tick at which an interrupt
 /// first ended the sleep.
 ///
-/// If an interrupt does not bring enough work, the sleep continues after it, because a pass of the
-/// loop for each byte would cost several times an epoch.
+/// If an interrupt does not bring enough work, the sleep continues after it. A pass of the loop for
+/// each byte would cost several times an epoch.
 pub fn sleep_unless(work: impl Fn() -> bool) -> Option<u64> {
     let (slept_ms, mut woken_ticks) = (now_ms_low(), None);
     while now_ms_low() == slept_ms
