@@ -2,10 +2,11 @@
 //! may share its line.
 //!
 //! A source is a format and, in RTCM, the number of a station. The source whose ranges come first
-//! is used, because ranges of two antennas in one epoch would give the position of neither. Another
-//! source replaces it if it has been missing for [`PATIENCE_MS`] and for more than [`PATIENCE`]
-//! epochs of others. Otherwise a receiver that changes its format at start would silence the
-//! module. When the first source returns, it is used again from its next epoch on.
+//! is used, because ranges of two antennas in one epoch would give the position of neither. If the
+//! source in use has been missing for [`PATIENCE_MS`] and for more than [`PATIENCE`] epochs of
+//! other sources, another one replaces it. Otherwise a receiver that changes its format at start
+//! would silence the module. When the first source returns, it is used again from its next epoch
+//! on.
 //!
 //! If ranges of a source have agreed with orbits, it is settled as the receiver
 //! ([`Preference::settle`]), and no other source replaces it until `FORGET`. A receiver in a tunnel

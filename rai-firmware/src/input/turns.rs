@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! b = P₁ − (P₀ t₂ + P₂ t₁) / (t₁ + t₂)        e = b − median of b
-//! s = median of |e|        e to at most 4 s
+//! s = median of |e|        e is then limited to ±4 s
 //! in turn if  s > 4 m,  s' > 4 m,  (Σ e e')² > 0.95 Σ e² Σ e'²,  Σ e e' < 0
 //! ```
 //!
@@ -13,7 +13,8 @@
 //! |---|---|---|
 //! | `P₀, P₁, P₂` | ranges of one satellite on one band in three epochs in a row | m |
 //! | `t₁, t₂` | time from the first epoch to the second, and from the second to the third | ms |
-//! | `b`, `e`, `e'` | bend, without the receiver clock, and that of the epoch before | m |
+//! | `b`, `e` | bend of the range, with and without that of the receiver clock | m |
+//! | `e'`, `s'` | the same for the epoch before | m |
 //!
 //! Whole milliseconds are first removed from each step, because receiver clocks jump by them. The
 //! acceleration of a satellite bends a range by 0.1 m in a second. A step of the antenna bends it
