@@ -15,6 +15,7 @@
 //! |---|---|---|
 //! | `h`, `w` | line of sight, `1/σ²`, as in the integrity test | –, 1/m² |
 //! | `m` | residual of the ionospheric model on each range, one sigma, all of one sign | m |
+//! | `K_h`, `K_v`, `K_c` | [`HORIZONTAL`], [`VERTICAL`], [`COMMON_SIGMAS`] | – |
 //! | `H`, `V` | [`Spread`]: the fault-free part of the levels | m |
 //!
 //! Residuals are not used, because a choice by residuals would prefer the set in which a fault does

@@ -7,9 +7,9 @@
 //! else                                       neither is used until a third agrees with one of them
 //! ```
 //!
-//! **Choice.** The set received last is used, whatever its reference time: a set for a later period
-//! is worse now, although newer. A set that is out of date (past or future) never replaces a
-//! current one, and any current one replaces it.
+//! **Choice.** The set received last is used, and not the set with the latest reference time,
+//! because a set for a later period is worse now. A set that is out of date (past or future) never
+//! replaces a current one, and any current one replaces it.
 //!
 //! **Contradiction.** Two current sets of one satellite describe one orbit and differ by a few
 //! metres. If they differ by more, one of them is wrong, and it is unknown which. The third set

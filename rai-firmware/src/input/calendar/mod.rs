@@ -32,7 +32,7 @@ const LEAP_MS: u64 = 60_000;
 /// Number of consecutive older epochs that become the time.
 const RESTART_RUN: u8 = 5;
 
-/// Largest variation of an epoch's delay by the module's own clock, ms.
+/// Largest variation of the delay of epochs, measured by the module's own clock, ms.
 const DELAY_MS: u64 = 3000;
 
 /// Reciprocal of the largest relative error of the module's own clock.
