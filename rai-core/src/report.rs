@@ -63,8 +63,8 @@ pub enum Alert {
     Ambiguous,
     /// A wrong time tag of all ranges explains the data, and no exclusion does better.
     Time,
-    /// No epoch came within the time to alert. The receiver around the core reports it, because it
-    /// has a clock.
+    /// No epoch was judged within the time to alert. The receiver around the core reports it,
+    /// because it has a clock.
     Stale,
     /// The position moved farther than it can since it was last protected: the satellites that
     /// agree on it agree by chance, or are counterfeit.

@@ -1,19 +1,19 @@
 //! Bit rate of the GNSS port: fixed by command, or found by trial.
 //!
-//! A wrong rate shows as bytes without a valid frame. After [`PATIENCE_MS`] of such bytes, the port
+//! At a wrong rate, bytes come without a valid frame. After [`PATIENCE_MS`] of such bytes, the port
 //! tries the next of [`RATES`], in a cycle. An unplugged cable looks the same, because noise also
 //! gives bytes without a frame. The last working rate is therefore tried again between any two
-//! others, so that a reconnected receiver is found as fast.
+//! others, so that a reconnected receiver is found soon.
 //!
-//! A silent line gives no information about its rate, so the rate stays, and a receiver that
-//! returns is read at once. A silence of the same length restarts the time, because bytes between
-//! two rare epochs must not count against the rate. A receiver that sends less often than that is
-//! not found, and needs `BAUD`.
+//! A silent line gives no information about its rate. The rate therefore stays, and a receiver that
+//! returns is read at once. A silence of [`PATIENCE_MS`] also restarts the time, so that single
+//! bytes between rare epochs do not count against the rate. The rate of a receiver that sends less
+//! often than that is not found, and must be set by `BAUD`.
 
 /// Bit rates to try, in this order, beginning with the rate at start, bit/s.
 pub const RATES: [u32; 6] = [115_200, 38_400, 230_400, 460_800, 921_600, 9_600];
 
-/// Time that bytes may come without a valid frame, ms.
+/// Time for which bytes may come without a valid frame, ms.
 pub const PATIENCE_MS: u64 = 5_000;
 
 /// The rate in force, with the evidence for and against it.
@@ -79,7 +79,8 @@ impl BitRate {
         Some(wanted)
     }
 
-    /// Returns the next rate to try: the proven one, or from there the one after the last trial.
+    /// Returns the next rate to try: the last working rate, or, if that is in force, the one after
+    /// the last trial.
     fn following(&mut self) -> u32 {
         if let Some(proven) = self.proven.filter(|proven| *proven != self.in_force) {
             return proven;

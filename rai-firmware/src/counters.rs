@@ -46,8 +46,7 @@ pub(crate) fn at(names: &[&'static str], values: &[u32], number: &mut usize) -> 
     found
 }
 
-/// Adds one, up to the largest value, because a counter that wraps would suggest that nothing
-/// happened.
+/// Adds one, up to the largest value. A counter that wraps would suggest that nothing happened.
 // Not inlined, because it has many callers and flash is scarcer than time.
 #[inline(never)]
 pub(crate) fn count(counter: &mut u32) {

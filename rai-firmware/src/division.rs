@@ -1,4 +1,4 @@
-//! Division of 64 bits by 32, shared by everything that divides times and digits.
+//! Division of 64 bits by 32, for times and digits.
 //!
 //! The processor divides 32 bits by 32. The compiler's own division of 64 by 64 bits is fast and
 //! takes a kilobyte. Most dividends here have 32 bits. For the others, a few per epoch, three
@@ -16,7 +16,7 @@ pub const fn divided(number: u64, by: u32) -> (u64, u32) {
     if high == 0 {
         return ((low / by) as u64, low % by);
     }
-    // In digits of 16 bits, with a divisor whose first bit is set, as [Knuth1997] 4.3.1 D.
+    // In digits of 16 bits, with a divisor whose first bit is set, by algorithm D.
     let shift = by.leading_zeros();
     let divisor = by << shift;
     let above = high / by;
@@ -29,9 +29,10 @@ pub const fn divided(number: u64, by: u32) -> (u64, u32) {
 /// Returns the digit of a quotient and the remainder: `(rest 2¹⁶ + next) / divisor`, for a rest
 /// below the divisor, whose first bit is set.
 const fn digit(rest: u32, next: u32, divisor: u32) -> (u32, u32) {
-    // The first bit is set; saying so tells the compiler that there is no division by zero.
+    // Sets the first bit, which is already set, so that the compiler knows that the divisor is not
+    // zero.
     let (upper, lower) = (divisor >> 16 | 1 << 15, divisor & 0xFFFF);
-    // Too large by two at most; the loop ends where the next test would not.
+    // The estimate is too large by two at most, so that the loop is short.
     let (mut digit, mut left) = (rest / upper, rest % upper);
     while left <= 0xFFFF && (digit > 0xFFFF || digit * lower > (left << 16 | next)) {
         digit -= 1;

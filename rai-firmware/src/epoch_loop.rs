@@ -1,33 +1,36 @@
 //! The loop around the receiver: GNSS bytes first, everything else without delaying them.
 //!
 //! ```text
-//! GNSS bytes ─► receiver ─► pin, sentences      one chunk of bytes that came together
+//! GNSS bytes ─► receiver ─► pin, sentences      one chunk of bytes with the same arrival time
 //! host bytes ─► one command                     or one sentence of a long answer, if there is room for it
 //! time ─► watchdog ─► sleep
 //! ```
 //!
 //! A pass is short whatever the host does: it takes one command, or sends one sentence of a long
-//! answer. It does so only while the outgoing ring also has room for the sentences of an epoch. A
-//! host that sends commands faster than its line carries answers therefore loses commands, and no
-//! epoch loses its sentences. Nothing waits for the host. Only a running loop feeds the watchdog.
+//! answer. It does either only while the outgoing ring also has room for the sentences of an epoch.
+//! If a host sends commands faster than its line carries answers, commands are therefore lost and
+//! never the sentences of an epoch. The loop never waits for the host. Only a running loop feeds
+//! the watchdog.
 //!
-//! The cost of an epoch is noted with it: ticks that the receiver was busy since the last epoch,
-//! and ticks from its last byte to the pin. That byte came no earlier than the loop last found no
-//! bytes or was first woken.
+//! The log gets two figures for each epoch. One is the ticks that the receiver was busy since the
+//! epoch before. The other is the ticks from the last byte of this epoch to the pin, as an upper
+//! bound. It counts from the instant at which the loop last found the port empty, or an interrupt
+//! woke it.
 
 use crate::bit_rate::BitRate;
 use crate::board::{Board, Note, PortLosses};
 use crate::receiver::Receiver;
 use crate::timed_ring::Taken;
 
-/// Number of GNSS bytes for which the loop runs a pass before a millisecond is over. With a pass
-/// for each byte, the passes of an epoch would cost more than its computation.
+/// Number of waiting GNSS bytes for which the loop runs a pass at once, instead of at the next
+/// millisecond. With a pass for each byte, the passes of an epoch would cost more than its
+/// computation.
 pub const WORTH_A_PASS_BYTES: usize = 64;
 
 /// GNSS bytes handed to the receiver at once.
 const CHUNK_BYTES: usize = 256;
 
-/// Largest number of host bytes in a pass, if they complete no command.
+/// Largest number of host bytes that a pass takes without completing a command.
 const COMMAND_BYTES: usize = 128;
 
 /// Room that an answer leaves for the sentences of an epoch, bytes.
@@ -44,7 +47,7 @@ pub struct EpochLoop {
     chunk: [u8; CHUNK_BYTES],
     busy_ticks: u64,
     epochs: u32,
-    /// Waiting bytes came after this instant.
+    /// Bytes that wait now came at this instant or later.
     silent_until_ticks: u64,
     losses: PortLosses,
     rate: BitRate,
@@ -126,7 +129,7 @@ impl EpochLoop {
     }
 
     /// Sets another rate of the GNSS port, if a command requires it or no frame is valid at this
-    /// one.
+    /// rate.
     fn set_rate<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
         if let Some(baud) = self.rate.next(receiver.frames(), receiver.configuration().bit_rate.rate()) {
             board.set_gnss_rate(baud);
@@ -145,8 +148,8 @@ impl EpochLoop {
     }
 }
 
-/// Advances the receiver's time. The receiver may then report without a new byte: that the line is
-/// silent, or an epoch that a damaged frame had delayed.
+/// Advances the receiver's time. The receiver may then report without a new byte: a silent line, or
+/// an epoch that a damaged frame had delayed.
 fn look_at_clock<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
     let now_ms = board.now_ms();
     if receiver.tick(now_ms, board.host()) {
@@ -155,9 +158,9 @@ fn look_at_clock<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
 }
 
 /// Takes bytes of the host port up to the end of one command, or sends one sentence of a long
-/// answer. No further command is taken while an answer is incomplete, or while the sentences of an
-/// epoch would find no room.
-// Not inlined, so that its stack is not needed beside that of an epoch.
+/// answer. It takes no command while an answer is incomplete, or while the ring lacks room for the
+/// sentences of an epoch.
+// Not inlined, so that its stack frame is gone while an epoch is judged.
 #[inline(never)]
 fn take_command<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
     if receiver.has_more_to_say() {

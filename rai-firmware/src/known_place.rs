@@ -1,8 +1,8 @@
-//! Heights and places that the module knows from outside: those that a host states at present, and
-//! the place of a fixed antenna.
+//! Heights and places from other sources than the satellites: heights that the host sends, and the
+//! place of a fixed antenna.
 //!
 //! ```text
-//! σ_h² = max(σ, σ₀)² + ((c + |v_U|) Δt)²           Δt ≤ Δt₀, else the height has expired
+//! σ_h² = max(σ, σ₀)² + ((c + |v_U|) Δt)²           Δt ≤ Δt₀, otherwise the height has expired
 //! contradiction of a place:  d > HPL + k max(σ, σ₀)
 //! ```
 //!
@@ -16,13 +16,13 @@
 //! | `d` | horizontal distance of the position from the place | m |
 //! | `k` | [`SIGMAS`] | – |
 //!
-//! A height takes a row beside the satellites ([`raim_core::integrity`]), and that row can be the
-//! faulty one. Its sigma is bounded from below so that no statement outweighs the satellites: a
-//! code range at the zenith has about [`LEAST_SIGMA_M`] with its geometry.
+//! A height gives one more row of the equations ([`raim_core::integrity`]), which can itself be the
+//! faulty one. Its sigma has a lower bound, so that no height outweighs the satellites: a code
+//! range at the zenith determines the height to about [`LEAST_SIGMA_M`].
 //!
-//! The place of a fixed antenna gives the same row if the host states no height. Horizontally it
-//! only takes promises back. A promise bounds the error by its level, so that the antenna's own
-//! place is within that level and the uncertainty of the place, or one of both is wrong.
+//! The place of a fixed antenna gives the same row if the host sends no height. Its horizontal
+//! coordinates only take promises back. If a position is farther from the place than its level plus
+//! the uncertainty of the place, one of the two must be wrong.
 
 use core::f64::consts::PI;
 
@@ -51,14 +51,14 @@ const LARGEST_RADIUS_M: f32 = 6.4005e6;
 /// Factor from degrees to radians.
 const RAD: f64 = PI / 180.0;
 
-/// A height that the host has stated.
+/// A height that the host has sent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct HostHeight {
     /// Height above the ellipsoid, m.
     pub(crate) height_m: f64,
-    /// Standard deviation as stated, m.
+    /// Standard deviation as sent, m.
     pub(crate) sigma_m: f64,
-    /// Time of the statement, ms.
+    /// Arrival of the height, ms.
     pub(crate) came_ms: u64,
 }
 
@@ -73,17 +73,17 @@ impl HostHeight {
     }
 }
 
-/// Returns the row of a fixed antenna's height.
+/// Returns the row for the height of a fixed antenna.
 pub(crate) fn aiding_of(place: &Place) -> Aiding {
     Aiding::Height { value_m: place.height_m, sigma_m: place.sigma_m.max(LEAST_SIGMA_M) }
 }
 
-/// Returns true if the position of a report is not where the antenna is.
+/// Returns true if the position of a report contradicts the place of the antenna.
 #[inline(never)]
 pub(crate) fn is_elsewhere<const N: usize>(place: &Place, report: &Report<N>) -> bool {
     let (Some(solution), Some(levels)) = (&report.solution, &report.protection) else { return false };
     let distance_m = f64::from(distance_m(place, solution.position, &solution.geodetic));
-    // A NaN distance is elsewhere.
+    // A NaN distance counts as a contradiction.
     !(distance_m <= levels.hpl_m + SIGMAS * place.sigma_m.max(LEAST_SIGMA_M))
 }
 

@@ -3,7 +3,7 @@
 //! A GNSS receiver measures ranges and forwards the navigation messages of the satellites. From
 //! these bytes the module computes its own position and asks [`raim_core`] whether it may be used.
 //! It reports the answer to the host in NMEA 0183, and by the level of one pin. Data pass through
-//! the modules in this order:
+//! these modules in order:
 //!
 //! | module | from | to |
 //! |---|---|---|
@@ -11,16 +11,23 @@
 //! | [`raw`] | | measurements common to all receivers |
 //! | [`time`] | weeks and seconds of three systems | GPS time |
 //! | [`ephemeris`] | broadcast elements | positions and clocks of satellites |
-//! | [`correction`] | all of that | the core's epoch: one range of each satellite, without delays, with its sigma |
+//! | [`correction`] | raw epoch and orbits | the core's epoch: one range of each satellite, without delays, with its sigma |
 //! | [`navigator`] | raw epoch | the core's report |
 //! | [`rates`] | Doppler frequencies | velocity, with its own consistency test |
 //! | [`output`] | report | sentences |
-//! | [`receiver`] | bytes and the time | the loop around all this, the pin, the alarm of a silent line |
+//! | [`receiver`] | bytes and the time | all this in a loop, the pin, and the alert of a silent line |
 //!
-//! The other modules are [`bit_rate`] (bit rate of the GNSS port), [`settings`] (commands of the
-//! host), [`selftest`] (known answers), [`board::reset`] (cause of the last reset), [`ring`] (bytes
-//! between an interrupt and the loop), [`outlet`] (sentences through a ring) and [`counters`]
-//! (unused input, counted by name).
+//! The other modules:
+//!
+//! | module | content |
+//! |---|---|
+//! | [`settings`] | commands of the host |
+//! | [`bit_rate`] | bit rate of the GNSS port |
+//! | [`selftest`] | known-answer tests |
+//! | [`board::reset`] | cause of the last reset |
+//! | [`ring`], [`timed_ring`] | bytes between an interrupt and the loop |
+//! | [`outlet`] | sentences through a ring |
+//! | [`counters`] | counters of unused input |
 //!
 //! # Wiring
 //!
@@ -30,7 +37,7 @@
 //!
 //! | port | pins | direction | bytes |
 //! |---|---|---|---|
-//! | GNSS | PA3 (USART2 RX), PA2 (TX) | in | RTCM 3, UBX |
+//! | GNSS | PA3 (USART2 RX); PA2 (TX) is connected, but nothing is sent | in | RTCM 3, UBX |
 //! | host | PA9 (USART1 TX), PA10 (RX) | out and in | sentences; commands |
 //! | log | PB10 (USART3 TX), RTT | out | defmt |
 //! | integrity pin, its LED | PC6, PC7 | out | high while the position may be used |
@@ -40,9 +47,9 @@
 //!
 //! # Features
 //!
-//! The default features `whole` and `gsv` build everything except a board. A small build has RTCM 3
-//! in, `RMC`, `GGA` and the sentences of the module out, and classic RAIM with the thresholds of
-//! the phases of flight. It adds features by name:
+//! The default features `whole` and `gsv` build everything except a board. A small build reads RTCM
+//! 3, and writes `RMC`, `GGA` and the module's sentences. It judges by classic RAIM with the
+//! thresholds of the phases of flight. Features add the rest:
 //!
 //! | feature | adds |
 //! |---|---|
@@ -51,7 +58,7 @@
 //! | `past` | alerts `CLOCK`, `TRACK` and the verdict `SIGMAS`; the velocity |
 //! | `hypotheses` | alert `TIME`; detection and exclusion of a system that is shifted or broken as a whole |
 //! | `aiding` | `CLOCKAID`, `SIGMA,ADAPT`, `PLACE`, `HEIGHTAID` |
-//! | `signs` | two receivers that take turns, copied ranges, bands that disagree, strengths that are alike |
+//! | `signs` | detection of two receivers that take turns, copied ranges, bands that disagree, strengths that are alike |
 //! | `sentences` | `GNS`, `VTG`, `ZDA`, `GSA`, `GST`, `GBS` |
 //! | `gsv` | `GSV` |
 //! | `log` | the log of a board |

@@ -1,6 +1,6 @@
 //! Median of a few numbers, without sorting.
 
-/// Returns the middle value, of two the lower; 0 without values. NaN is no value.
+/// Returns the middle value; the lower one of two; 0 without values. NaN values are ignored.
 #[inline(never)]
 pub(crate) fn median(values: &[f32]) -> f32 {
     let half = values.len().saturating_sub(1) / 2;
@@ -11,8 +11,8 @@ pub(crate) fn median(values: &[f32]) -> f32 {
     values.iter().copied().find(is_middle).unwrap_or(0.0)
 }
 
-/// Returns the difference of the largest and the smallest value; NaN is no value. Negative infinity
-/// without values.
+/// Returns the difference of the largest and the smallest value; negative infinity without values.
+/// NaN values are ignored.
 pub(crate) fn apart_m(values_m: &[f32]) -> f32 {
     let bounds = (f32::INFINITY, f32::NEG_INFINITY);
     let (least_m, most_m) = values_m

@@ -1,8 +1,8 @@
-//! Writer of sentences into a ring, whole or not at all, for a host that may read too slowly.
+//! Writer of whole sentences into a ring, for a host that may read too slowly.
 //!
-//! The bytes of one call of `write`, a sentence or a binary message, go into the ring whole.
-//! Without room they are dropped and counted: the host misses sentences, and never receives half of
-//! one. Nothing waits for the host.
+//! The bytes of one call of `write` are a sentence or a binary message. All of them go into the
+//! ring, or, without room, all are dropped and counted. The host may thus miss sentences, but never
+//! receives half of one. Nothing waits for the host.
 
 use core::convert::Infallible;
 

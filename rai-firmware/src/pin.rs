@@ -1,4 +1,4 @@
-//! A pin of a machine without pins: a level in memory, for hosts, libraries and tests.
+//! The integrity pin as a level in memory, for hosts, libraries and tests.
 
 use core::convert::Infallible;
 

@@ -1,9 +1,10 @@
-//! The publisher: sends each sentence and message when it is due, and remembers the last state.
+//! The publisher: sends each sentence and message when it is due.
 //!
 //! | sent | when |
 //! |---|---|
 //! | the items of the [`Schedule`] | at their rates; all with a nonzero rate if the state is worse than that of the epoch before |
-//! | `PRAIS`, `PRAIX`, `PRAIN` | with every epoch |
+//! | `PRAIS`, `PRAIN` | with every epoch |
+//! | `PRAIX`, `PRAIM`, `PRAIH`, `PRAIE` | with every epoch to which they apply ([`crate::output::nmea`]) |
 //! | `PRAIQ` | at start, after every change, every 60 s |
 //! | `PRAIL` | every 60 s |
 
@@ -91,8 +92,8 @@ impl Publisher {
         out: &mut W,
     ) -> Result<(), W::Error> {
         let distance = Distance::of(statement.report.verdict);
-        // A worse state is sent at once, because at a low rate the host would take the last state
-        // for the present one.
+        // A worse state is sent at once. Otherwise, at a low rate, the host would take the last
+        // state for the present one.
         let is_worse = distance > core::mem::replace(&mut self.told, distance);
         let mut due = schedule.due(if is_worse { 0 } else { self.epochs });
         self.epochs = self.epochs.wrapping_add(1);
@@ -108,8 +109,8 @@ impl Publisher {
         Ok(())
     }
 
-    /// Sends a verdict without an epoch: no epoch came within the time to alert, or settings have
-    /// changed.
+    /// Sends a verdict without an epoch: no epoch was judged within the time to alert, or settings
+    /// have changed.
     ///
     /// # Errors
     /// The writer's own.

@@ -1,5 +1,5 @@
-//! Velocity: from Doppler frequencies to range rates, and from these to a velocity that may be
-//! reported.
+//! Velocity: from Doppler frequencies to range rates, and from range rates to a velocity that may
+//! be reported.
 //!
 //! ```text
 //! y = −λ D − e · v_s (1 − e · v_s / c) + c Δt'_sat
@@ -9,27 +9,27 @@
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | `D`, `λ` | Doppler frequency, positive when approaching, and wavelength | Hz, m |
-//! | `r_k`, `Δt` | place of the satellite as its signal of this epoch left, and of the last; the time between | m, s |
+//! | `r_k`, `r_{k−1}`, `Δt` | place of the satellite when its signal of this epoch and of the last one left; time between the epochs | m, s |
 //! | `a` | its acceleration in the earth-fixed frame: gravity, centrifugal, Coriolis | m/s² |
 //! | `e` | unit vector receiver → satellite | – |
 //! | `Δt'_sat` | drift of its clock | s/s |
 //!
-//! The orbits give the places of the satellites once per epoch anyway, which is the expensive part.
-//! Two epochs then give the velocities at little cost. The formula is exact while the acceleration
+//! The places of the satellites are the expensive part, and every epoch computes them anyway. Two
+//! epochs then give the velocities at little cost. The formula is exact while the acceleration
 //! changes linearly; the remaining error is below 1 mm/s up to [`LONGEST_MS`]. If the ephemeris of
-//! a satellite has changed between the epochs, its velocity is not computed, because sets differ by
-//! metres.
+//! a satellite has changed between the epochs, its velocity is not computed, because ephemerides
+//! differ by metres.
 //!
 //! The velocity has its own test ([`raim_core::velocity`]) with the probabilities of the position.
 //! A velocity that fails the test, or exceeds the largest speed of a receiver, is not reported.
-//! After contradictory rates, a velocity is reported again only when rates have agreed for the
-//! recovery time of positions ([`raim_core::continuity`]), because some of many false rates agree
-//! by chance. If the negative of all rates would pass, the receiver sends them with the wrong sign,
-//! as early firmware of a common receiver does. Such rates are counted by their own name and not
-//! used.
+//! Some of many false rates agree by chance. After contradictory rates, a velocity is therefore
+//! reported again only if rates have agreed for the recovery time of positions
+//! ([`raim_core::continuity`]). If the negatives of all rates pass the test, the receiver sends
+//! them with the wrong sign, as early firmware of a common receiver does. Such epochs have a
+//! counter of their own, and their rates are not used.
 //!
-//! Sigma is 0.05 m/s at 45 dB-Hz and above. Below, it grows with the root of the noise density, as
-//! the noise of a frequency lock does.
+//! The sigma of a rate is 0.05 m/s at 45 dB-Hz and above. Below 45 dB-Hz it grows with the root of
+//! the noise density, like the noise of a frequency lock.
 
 use heapless::Vec;
 use nalgebra::Vector3;
@@ -57,8 +57,10 @@ const LONGEST_MS: i64 = 60_000;
 /// The earth's gravitational constant, m³/s² (WGS 84).
 const GRAVITY_M3_S2: f32 = 3.986_004_4e14;
 
-/// Sigma of a strong signal's rate, m/s, and the least strength of such a signal, dB-Hz.
+/// Sigma of a strong signal's rate, m/s.
 const SIGMA_M_S: f32 = 0.05;
+
+/// Least strength of a strong signal, dB-Hz.
 const STRONG_DBHZ: f32 = 45.0;
 
 /// Strength that is assumed if the receiver reports none, dB-Hz.
@@ -67,7 +69,7 @@ const UNSAID_DBHZ: f32 = 35.0;
 /// Doublings of the noise of a rate per dB: it doubles with every 6 dB.
 const DOUBLINGS_PER_DB: f32 = 1.0 / 6.02;
 
-/// Sine of the elevation below which the troposphere's gradient bends rates.
+/// Sine of the elevation below which rates are not used, because the troposphere disturbs them.
 const SIN_MASK: f32 = 0.087;
 
 /// Speed of light, m/s, and the earth's rotation, rad/s, in single precision.
@@ -121,7 +123,7 @@ struct Seen {
     position: [Grid; 3],
     /// Satellite clock times the speed of light.
     clock: Grid,
-    /// Range, m, which gives the time at which the signal left, to 7 ns.
+    /// Range, m. It gives the time at which the signal left, to 7 ns.
     range_m: f32,
     /// Edition of the ephemeris.
     edition: u32,
@@ -131,10 +133,11 @@ struct Seen {
 #[derive(Clone, Debug)]
 struct Trust {
     standing: Standing,
-    /// First epoch of the rates that agree since, their number, and whether one had one degree of
-    /// freedom or exclusions.
+    /// First of the consecutive epochs whose rates agreed.
     since: GpsTime,
+    /// Number of these epochs.
     epochs: u16,
+    /// True if one of them had one degree of freedom or exclusions.
     is_weak: bool,
 }
 
@@ -177,8 +180,8 @@ impl Trust {
 #[derive(Clone, Debug)]
 pub struct Rates {
     last: Vec<Seen, SEEN>,
-    /// Time of the last epoch, long ago before the first. It is not an `Option`, which would put
-    /// the whole struct on the stack first.
+    /// Time of the last epoch; 1980 before the first. An `Option` would put the whole struct on the
+    /// stack first.
     time: GpsTime,
     trust: Trust,
     tally: RateTally,
@@ -206,8 +209,8 @@ impl Rates {
     /// Returns the velocity of a receiver at a place.
     ///
     /// # Errors
-    /// [`VelocityError`] if the rates of this epoch give none. Rates that agree again, not yet for
-    /// long enough, are a [`VelocityError::Fault`] too.
+    /// [`VelocityError`] if the rates of this epoch give no velocity. Rates that agree again, but
+    /// not yet for long enough, are also a [`VelocityError::Fault`].
     #[inline(never)]
     pub fn velocity(
         &mut self,
@@ -229,7 +232,7 @@ impl Rates {
             self.trust.interrupt();
         }
         self.last.clear();
-        // Both have the same capacity.
+        // Both lists have the same capacity.
         self.last.extend(sky.iter().filter_map(Seen::of).take(SEEN));
         velocity
     }
@@ -237,7 +240,7 @@ impl Rates {
     /// Returns the velocity of a satellite of the present epoch in the earth-fixed frame, m/s.
     /// `None` if the last epoch did not have it with the same ephemeris.
     ///
-    /// `index` is its place in the sky, near which it was in the last epoch.
+    /// `index` is its index in the sky; in the last epoch it had a similar one.
     #[inline(never)]
     pub fn of_satellite(&self, located: &Located, index: usize, time: GpsTime) -> Option<Vector3<f32>> {
         let elapsed_ms = time.since_ms(self.time);
@@ -260,8 +263,8 @@ impl Rates {
         let horizon = Horizon::at(place, &LocalAxes::at(place));
         let since = Since { last, raw, horizon, elapsed_s: elapsed_ms as f32 * 1e-3 };
         let (required, settings) = (monitor.validated(), monitor.continuity_settings());
-        // Rates are computed on demand and not stored. A second time is needed only if the first
-        // sign fails.
+        // Rates are computed on demand and not stored. They are needed a second time only if the
+        // first sign fails.
         let mut agree_on = |sign| {
             let rates = sky.iter().enumerate().filter_map(|(index, located)| since.measure(located, index));
             let equations = &mut rates.map(|rate| rate.equation(sign));
@@ -294,7 +297,7 @@ impl Rates {
     }
 }
 
-/// The last epoch, with the present place of the receiver.
+/// The last epoch, with the present epoch and the place of the receiver.
 struct Since<'r> {
     last: &'r [Seen],
     raw: &'r RawEpoch,
@@ -305,12 +308,13 @@ struct Since<'r> {
 impl Since<'_> {
     /// Returns the measured rate of a satellite, with the part of it that the satellite causes.
     ///
-    /// `index` is its place in the sky, near which it is in the last epoch and in the raw one.
+    /// `index` is its index in the sky; in the last epoch and in the raw epoch it has a similar
+    /// one.
     fn measure(&self, located: &Located, index: usize) -> Option<Measured> {
         let now = Seen::of(located)?;
         let before = now.among(self.last, index)?;
         let is_it = |one: &&RawSatellite| one.satellite == now.satellite;
-        // The sky has the order of the raw epoch, of which it lacks some.
+        // The sky has the order of the raw epoch, but may lack some of its satellites.
         let later = self.raw.satellites.get(index..).unwrap_or_default().iter().find(is_it);
         let satellite = later.or_else(|| self.raw.satellites.iter().find(is_it))?;
         let (rate_m_s, sigma_m_s) = rate(satellite)?;
@@ -332,7 +336,7 @@ fn rate(satellite: &RawSatellite) -> Option<(f32, f32)> {
 fn power_of_two(x: f32) -> f32 {
     let whole = x.min(60.0) as u32;
     let rest = x.min(60.0) - whole as f32;
-    // Exact at both ends, so that it is continuous.
+    // The polynomial is exact at 0 and 1, so that the function is continuous.
     f32::from_bits((127 + whole) << 23) * (1.0 + rest * (0.6565 + 0.3435 * rest))
 }
 
@@ -347,23 +351,23 @@ impl Seen {
         })
     }
 
-    /// Returns the same satellite with the same ephemeris in another epoch, where it is mostly at
-    /// `index`.
+    /// Returns the same satellite with the same ephemeris from another epoch, where it mostly has a
+    /// similar index.
     fn among<'s>(&self, others: &'s [Self], index: usize) -> Option<&'s Self> {
         let here = others.get(index).filter(|seen| self.is(seen));
         here.or_else(|| others.iter().find(|seen| self.is(seen)))
     }
 
-    /// Returns true for the same satellite with the same ephemeris.
+    /// Returns true if satellite and ephemeris are the same.
     fn is(&self, other: &Self) -> bool {
         other.satellite == self.satellite && other.edition == self.edition
     }
 
-    /// Returns the velocity in the earth-fixed frame, m/s, and the time between the two departures
-    /// of the signal, s.
+    /// Returns the velocity in the earth-fixed frame, m/s, and the time between the transmissions
+    /// of the two signals, s.
     fn velocity_since(&self, before: &Self, elapsed_s: f32, place_m: [f32; 3]) -> Option<([f32; 3], f32)> {
-        // The time between the departures is shorter than that between the arrivals by the growth
-        // of the range.
+        // The time between the transmissions is shorter than that between the arrivals by the
+        // growth of the range.
         let apart_s = elapsed_s - (self.range_m - before.range_m) / LIGHT_M_S;
         let moved_m = difference_m(self.position, before.position);
         Some((velocity_at_the_end(place_m, moved_m, apart_s), apart_s)).filter(|_| apart_s > 0.0)

@@ -10,9 +10,9 @@
 //! | `k` | [`Carrier::channel`] | – |
 //!
 //! A signal takes 16 bytes, and an epoch of 64 satellites 3.5 KiB. Carrier to noise density has
-//! steps of 1/16 dB-Hz and Doppler of 1/1024 Hz, which hold every value of the formats exactly.
-//! Values without a user here, such as a receiver's own sigma and its lock time, are not stored.
-//! References: [IS-GPS-200] 3.3.1.1, [BDS-SIS-B1I] 4.1, [GLO-ICD] 3.3.1.1.
+//! steps of 1/16 dB-Hz and Doppler steps of 1/1024 Hz, which represent every value of the formats
+//! exactly. Values that no module uses, such as the receiver's sigma and its lock time, are not
+//! stored. References: [IS-GPS-200] 3.3.1.1, [BDS-SIS-B1I] 4.1, [GLO-ICD] 3.3.1.1.
 //!
 //! [IS-GPS-200]: crate#references
 //! [BDS-SIS-B1I]: crate#references
@@ -24,8 +24,8 @@ use raim_core::satellite::SatelliteId;
 
 use crate::time::GpsTime;
 
-/// Most satellites of an epoch, 64 beside room for 48 in the core: those that are used, and those
-/// of systems that are not in use or below the mask, which come in the same messages.
+/// Most satellites of a raw epoch: 16 more than the core takes. The surplus is for satellites below
+/// the mask or of systems not in use, which come in the same messages.
 pub const EPOCH_CAPACITY: usize = raim_core::single::CAPACITY + 16;
 
 /// Most signals of one satellite. Only `BeiDou` satellites have more bands; see [`Band::is_spare`].
@@ -97,12 +97,11 @@ impl Band {
         Self::G2,
     ];
 
-    /// Returns true if a signal on this band gives way to others when a satellite sends more than
-    /// are kept.
+    /// Returns true if a signal on this band is left out first when a satellite has more than fit.
     ///
-    /// The five bands of `BeiDou` make three pairs. D1 and D2 carry no delays of B1C and B2a, so
-    /// that these are worth less than the others. The pair that would be chosen from all five is
-    /// among the three that are kept.
+    /// These two bands are worth less than the other three of `BeiDou`, because D1 and D2 do not
+    /// broadcast their group delays. The pair that would be chosen from all five is among the other
+    /// three.
     pub const fn is_spare(self) -> bool {
         matches!(self, Self::B1C | Self::B2a)
     }
@@ -140,7 +139,7 @@ impl Carrier {
 
     /// Returns the Doppler shift of 1 m/s, Hz.
     pub(crate) fn doppler_of_a_metre_hz(self) -> f32 {
-        /// Shifts of channel 0, so that no range needs a division of doubles.
+        /// Shifts of channel 0, so that only other channels of GLONASS need a division of doubles.
         const OF_BANDS: [f32; Band::ALL.len()] = {
             let (mut shifts, mut index) = ([0.0; Band::ALL.len()], 0);
             while index < shifts.len() {
@@ -156,9 +155,9 @@ impl Carrier {
     }
 }
 
-/// One code range of one satellite, with the receiver's statements about it.
+/// One code range of one satellite, with its Doppler frequency and strength.
 ///
-/// It is packed, because otherwise padding would leave a seventh of an epoch empty.
+/// It is packed, because padding would otherwise waste a seventh of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(Rust, packed(4))]
 pub struct RawSignal {
@@ -175,14 +174,14 @@ pub struct RawSignal {
 
 const _: () = assert!(size_of::<RawSignal>() == 16 && size_of::<RawSatellite>() == 56);
 
-/// Strength of a signal that is tracked without its code.
+/// Stored strength of a signal that is tracked without its code.
 const CODELESS: u16 = u16::MAX;
 
-/// Doppler frequency that is unknown.
+/// Stored Doppler frequency that is unknown.
 const NO_DOPPLER: i32 = i32::MIN;
 
 impl RawSignal {
-    /// Returns a range without further statements.
+    /// Returns a range without Doppler frequency and strength.
     pub const fn new(carrier: Carrier, range_m: f64) -> Self {
         Self { range_m, doppler: NO_DOPPLER, cn0: 0, carrier }
     }
@@ -194,8 +193,8 @@ impl RawSignal {
         Self { cn0: (cn0_dbhz * 16.0 + 0.5) as u16, ..self }
     }
 
-    /// Marks a signal that is tracked without its code, by the strength of another, so that its own
-    /// has no meaning.
+    /// Marks a signal that the receiver tracks without its code, with the help of another signal.
+    /// Its own carrier to noise density then has no meaning.
     #[must_use]
     pub const fn codeless(self) -> Self {
         Self { cn0: CODELESS, ..self }
@@ -214,7 +213,7 @@ impl RawSignal {
         if matches!(self.cn0, 0 | CODELESS) { None } else { Some(self.cn0 as f32 / 16.0) }
     }
 
-    /// Returns true if its own carrier to noise density has no meaning.
+    /// Returns true if the signal's own carrier to noise density has no meaning.
     pub const fn is_codeless(&self) -> bool {
         self.cn0 == CODELESS
     }

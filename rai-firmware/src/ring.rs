@@ -11,8 +11,8 @@
 //! | `peak` | highest fill level seen by a read | bytes |
 //! | `dropped` | bytes lost because the ring was full | bytes |
 //!
-//! Assumes one writer and one reader. The bytes themselves are atomics: a second writer by mistake
-//! would garble the stream but could not break memory. The module therefore needs no `unsafe`.
+//! Assumes one writer and one reader. The bytes are atomics: a second writer by mistake would
+//! garble the stream, but could not corrupt memory. The module therefore needs no `unsafe`.
 
 use core::sync::atomic::{AtomicU8, AtomicU32, AtomicUsize, Ordering};
 
@@ -53,8 +53,8 @@ impl<const N: usize> Ring<N> {
         self.dropped.load(Ordering::Relaxed)
     }
 
-    /// Returns the most bytes that ever waited. Only a read lowers the level, so that a look before
-    /// each read misses no peak.
+    /// Returns the largest number of bytes that have waited at once. Only a read lowers the level,
+    /// so that measuring before each read misses no peak.
     pub fn high_water(&self) -> usize {
         self.peak.load(Ordering::Relaxed).max(self.len())
     }
@@ -74,8 +74,8 @@ impl<const N: usize> Ring<N> {
 
     /// Appends all of `bytes` or none (writer's side), so that a reader never sees half a sentence.
     ///
-    /// Counts nothing, because the caller may try again; [`Ring::drop_whole`] counts when it gives
-    /// up.
+    /// Counts nothing, because the caller may try again. A caller that gives up calls
+    /// [`Ring::drop_whole`], which counts.
     pub fn offer(&self, bytes: &[u8]) -> bool {
         let written = self.written.load(Ordering::Relaxed);
         let fill = written.wrapping_sub(self.read.load(Ordering::Acquire));

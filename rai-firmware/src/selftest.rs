@@ -1,6 +1,6 @@
-//! Known answers, which show that the arithmetic of this processor and this image are as tested.
+//! Known-answer tests: they show that this processor and this image compute as tested.
 //!
-//! | test | known answer from |
+//! | test | source of the known answer |
 //! |---|---|
 //! | `TABLE` | [Yang2015]: τ1 of 4 degrees of freedom at 3.33e-7, and T1 = 17.9257 m for a sigma of 6 m |
 //! | `SOLVE` | a geometry whose least squares can be done by hand |
@@ -9,12 +9,12 @@
 //!
 //! `SOLVE`: four satellites to the east, west, north and south at the elevation with sine 0.6, and
 //! one at the zenith. Residuals `(1, 1, −1, −1, 0)` are orthogonal to every column of the design
-//! matrix. The position therefore does not move and the residuals stay. SSE is 4 with one degree of
-//! freedom, and each of the four has the redundancy number 1/4. The solve is that of the epochs, in
-//! single precision.
+//! matrix. The position therefore does not move, and the residuals do not change. SSE is 4 with one
+//! degree of freedom, and each of the four has the redundancy number 1/4. The test solves by the
+//! function that solves epochs, in single precision.
 //!
-//! `FRAME` tests double precision through a computation of every epoch. With the semi-axes `a` and
-//! `b` the point is `(a, 0, b)/√2`; its normal is `(b, 0, a)/√(a² + b²)`, and its height 0.
+//! `FRAME` tests double precision by a conversion that every epoch needs. With the semi-axes `a`
+//! and `b` the point is `(a, 0, b)/√2`; its normal is `(b, 0, a)/√(a² + b²)`, and its height 0.
 //!
 //! [RTCM-10403.3]: crate#references
 //! [Yang2015]: crate#references
@@ -29,7 +29,7 @@ use raim_core::single::{self, Workspace};
 
 use crate::input;
 
-/// Known answer that was missed.
+/// Test whose result is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
     /// The threshold tables.
@@ -54,7 +54,7 @@ impl Failure {
     }
 }
 
-/// Runs all tests, in scratch memory of the caller, because the equations are too large for some
+/// Runs all tests. The scratch memory is the caller's, because the equations are too large for some
 /// stacks.
 ///
 /// # Errors

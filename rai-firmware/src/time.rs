@@ -1,8 +1,8 @@
 //! GPS time: week and milliseconds, one continuous scale for all systems.
 //!
 //! `BeiDou` time is GPS time minus 14 s and begins in week 1356. Galileo system time begins in week
-//! 1024. It is GPS time to some tens of nanoseconds, which the receiver clock of that constellation
-//! absorbs.
+//! 1024. It differs from GPS time by some tens of nanoseconds, which the receiver clock of that
+//!       constellation absorbs.
 
 use crate::division::divided;
 
@@ -20,7 +20,8 @@ pub const BEIDOU_WEEK_OFFSET: u16 = 1356;
 /// Week of GPS time at which Galileo system time week 0 began, 1999-08-22.
 pub const GALILEO_WEEK_OFFSET: u16 = 1024;
 
-/// An instant of GPS time with millisecond resolution, because receivers observe on milliseconds.
+/// An instant of GPS time with millisecond resolution, because receivers measure at whole
+/// milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct GpsTime {
     /// Weeks since 1980-01-06, not rolled over.
@@ -58,7 +59,7 @@ impl GpsTime {
         }
     }
 
-    /// Returns the instant that many milliseconds earlier, a week at most.
+    /// Returns the instant this many milliseconds earlier, at most a week.
     pub(crate) const fn earlier_by_ms(self, ms: u32) -> Self {
         if self.tow_ms >= ms {
             Self { tow_ms: self.tow_ms - ms, ..self }
@@ -67,7 +68,7 @@ impl GpsTime {
         }
     }
 
-    /// Returns the same second of a week that many weeks later, or earlier if negative.
+    /// Returns the same second of the week, this many weeks later, or earlier if negative.
     #[must_use]
     pub const fn later_by_weeks(self, weeks: i32) -> Self {
         let week = (self.week as i32).saturating_add(weeks);
@@ -90,7 +91,7 @@ impl GpsTime {
 
     /// Returns the instant at `tow_ms` of the week that lies within half a week of `reference`.
     ///
-    /// A time of week that has just rolled over thus still follows the one before it.
+    /// A time of week after the end of a week thus follows those before the end.
     // Not inlined, so that its many callers share one copy.
     #[inline(never)]
     pub const fn nearest(tow_ms: u32, reference: Self) -> Self {
@@ -112,10 +113,10 @@ pub(crate) const DAY_MS: u32 = 86_400_000;
 /// Offset of GLONASS time from UTC, ms.
 pub const GLONASS_OFFSET_MS: u64 = 3 * 3_600_000;
 
-/// Returns the instant nearest to `now` at which GLONASS time is `second_of_day`, or `None` for a
-/// second that no day has.
+/// Returns the instant nearest to `now` at which GLONASS time is `second_of_day`; `None` if no day
+/// has this second.
 ///
-/// GLONASS counts as UTC does, so that GPS time needs the leap seconds between them.
+/// GLONASS time has the leap seconds of UTC, so that the conversion to GPS time needs their number.
 pub const fn glonass_time(second_of_day: u32, leap_s: u8, now: GpsTime) -> Option<GpsTime> {
     if second_of_day >= 86_400 {
         return None;

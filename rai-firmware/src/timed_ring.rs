@@ -2,17 +2,17 @@
 //!
 //! The loop may be late, so that the age of a byte must count from its arrival and not from its
 //! reading. The writer notes the time whenever [`GRAIN_MS`] have passed since its last note. A byte
-//! takes the time of the note before it: it counts as at most that much too old, and never as too
-//! young.
+//! takes the time of the note before it. It never counts as younger than it is. It may count as
+//! older, by less than [`GRAIN_MS`] while notes are free.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `N` | capacity, a power of two | bytes |
-//! | `M` | notes, a power of two; if none is free, bytes count as older | – |
+//! | `M` | notes, a power of two; while none is free, bytes take the time of the last note | – |
 //!
-//! Bytes that wait for longer than [`OLDEST_MS`] are useless, and after a lost byte the others are
-//! fragments. In both cases [`TimedRing::take`] drops all waiting bytes and returns
-//! [`Taken::Lost`].
+//! Bytes that have waited for longer than [`OLDEST_MS`] are useless, and after a lost byte the
+//! waiting ones are fragments. In both cases [`TimedRing::take`] drops all waiting bytes and
+//! returns [`Taken::Lost`].
 
 use core::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
@@ -30,7 +30,7 @@ struct Note {
     ms: AtomicU32,
 }
 
-/// A ring of `N` bytes and `M` notes for one writer and one reader in different contexts.
+/// A ring of `N` bytes and `M` notes, for one writer (an interrupt) and one reader (the loop).
 pub struct TimedRing<const N: usize, const M: usize> {
     bytes: Ring<N>,
     notes: [Note; M],
@@ -38,7 +38,7 @@ pub struct TimedRing<const N: usize, const M: usize> {
     passed: AtomicUsize,
     /// Time of the last note, ms (writer's side).
     last_ms: AtomicU32,
-    /// Time of the note of the next byte, ms (reader's side).
+    /// Time of the note that applies to the next byte, ms (reader's side).
     now_ms: AtomicU32,
     /// Lost bytes that the reader has handled.
     known_lost: AtomicU32,
@@ -51,7 +51,7 @@ pub struct TimedRing<const N: usize, const M: usize> {
 pub enum Taken {
     /// No byte waits.
     Nothing,
-    /// Bytes that came at this time or up to [`GRAIN_MS`] later.
+    /// Bytes that came at this time or later: by less than [`GRAIN_MS`] while notes are free.
     Bytes {
         /// Number of bytes.
         count: usize,
@@ -85,7 +85,7 @@ impl<const N: usize, const M: usize> TimedRing<N, M> {
         self.bytes.push(byte);
     }
 
-    /// Counts a byte (writer's side) that came and could not be taken.
+    /// Counts a byte (writer's side) that came but could not be taken.
     pub fn lose(&self) {
         self.bytes.drop_whole(1);
     }
@@ -127,7 +127,7 @@ impl<const N: usize, const M: usize> TimedRing<N, M> {
         self.given_up.load(Ordering::Relaxed)
     }
 
-    /// Returns the most bytes that ever waited.
+    /// Returns the largest number of bytes that have waited at once.
     pub fn high_water(&self) -> usize {
         self.bytes.high_water()
     }
@@ -162,8 +162,8 @@ impl<const N: usize, const M: usize> TimedRing<N, M> {
         while passed != noted {
             let Some(note) = self.notes.get(passed & (M - 1)) else { break };
             let ahead = note.position.load(Ordering::Relaxed).wrapping_sub(position);
-            // Positions lie within the ring's size of each other, so that one farther ahead is
-            // behind.
+            // Positions wrap. A difference beyond the size of the ring means that the note is
+            // behind `position`.
             if (1..=N).contains(&ahead) {
                 self.passed.store(passed, Ordering::Release);
                 return ahead;

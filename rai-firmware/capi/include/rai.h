@@ -263,7 +263,7 @@
 #define RAI_REASON_AMBIGUOUS 33
 
 /**
- * Alert: no epoch came within the time to alert.
+ * Alert: no epoch was judged within the time to alert.
  */
 #define RAI_REASON_STALE 34
 
@@ -533,7 +533,7 @@ typedef struct {
      */
     uint8_t method;
     /**
-     * Clock aiding: if not 0, a forecast of the receiver clock takes a row beside the satellites.
+     * Clock aiding: if not 0, a forecast of the receiver clock adds a row to the equations.
      */
     uint8_t clock_aid;
     /**

@@ -68,7 +68,7 @@ pub struct rai_settings_t {
     pub policy: u8,
     /// Method that finds faulty satellites, `RAI_METHOD_…`.
     pub method: u8,
-    /// Clock aiding: if not 0, a forecast of the receiver clock takes a row beside the satellites.
+    /// Clock aiding: if not 0, a forecast of the receiver clock adds a row to the equations.
     pub clock_aid: u8,
     /// Kind of protection levels, `RAI_LEVELS_…`.
     pub levels: u8,

@@ -26,7 +26,7 @@ pub const RAI_REASON_EXCLUDED: u8 = 2;
 pub const RAI_REASON_FAULT: u8 = 32;
 /// Alert: several exclusions explain the data.
 pub const RAI_REASON_AMBIGUOUS: u8 = 33;
-/// Alert: no epoch came within the time to alert.
+/// Alert: no epoch was judged within the time to alert.
 pub const RAI_REASON_STALE: u8 = 34;
 /// Alert: the position moved farther than the receiver can.
 pub const RAI_REASON_JUMP: u8 = 35;

@@ -3,7 +3,7 @@
 //! [`crate::epoch_loop`] runs on any [`Board`]: a chip, an emulated chip, or a model of the ports
 //! on the host with simulated time. A new board is one folder here, with
 //!
-//! | what | in `stm32f405` | in `mps2_an500` |
+//! | part | in `stm32f405` | in `mps2_an500` |
 //! |---|---|---|
 //! | start: pin low first, then the clock, the ports, the watchdog | `mod.rs`, `clock.rs`, `pins.rs` | `mod.rs` |
 //! | three ports through rings, in interrupts | `ports.rs` | `ports.rs` |
@@ -28,18 +28,19 @@ use reset::ResetCause;
 
 /// Bytes of the ring to the host.
 ///
-/// The sentences of an epoch may still wait when those of the next come; 19 satellites with all
-/// sentences take 650 bytes. A long answer leaves room for the largest epoch, and takes the rest.
+/// The sentences of an epoch may still wait when those of the next epoch come. With 19 satellites
+/// all sentences take 650 bytes. A long answer uses only the room that the sentences of the largest
+/// epoch do not need.
 pub const HOST_OUT_BYTES: usize = 2048;
 
 counters! {
     /// Losses at the ports since start.
     PortLosses {
-        /// GNSS bytes that were overrun in the port, or found no room.
+        /// GNSS bytes that were lost in the port (overrun) or for lack of room.
         gnss_bytes_lost,
-        /// GNSS bytes that had come and were dropped with lost ones, or because they were old.
+        /// GNSS bytes that were dropped after a lost byte, or because they were old.
         gnss_bytes_dropped,
-        /// Command bytes that were overrun in the port, or found no room.
+        /// Command bytes that were lost in the port (overrun) or for lack of room.
         command_bytes_lost,
         /// Sentences that found no room because the host reads too slowly.
         sentences_lost,
@@ -48,7 +49,7 @@ counters! {
     }
 }
 
-/// The hardware around the module. No function of it waits except [`Board::sleep`].
+/// The hardware around the module. Except [`Board::sleep`], none of its functions waits.
 pub trait Board {
     /// Type of the integrity pin.
     type Pin: OutputPin;
@@ -70,7 +71,7 @@ pub trait Board {
     /// Returns the milliseconds since start.
     fn now_ms(&self) -> u64;
 
-    /// Returns the most by which this clock may run fast, parts per million.
+    /// Returns the largest rate at which this clock may run fast, parts per million.
     fn clock_error_ppm(&self) -> u32;
 
     /// Returns the ticks since start, of the clock that measures epochs.
@@ -108,7 +109,8 @@ pub trait Board {
 pub enum Note {
     /// An epoch was judged: its verdict, and ticks from its last byte to the pin.
     Judged(Option<Verdict>, u64),
-    /// The receiver reported by time alone, without a byte from the GNSS port: its verdict.
+    /// The receiver reported because time had passed, without a byte from the GNSS port: its
+    /// verdict.
     Stale(Option<Verdict>),
     /// An epoch: its number since start, and ticks that the module was busy since the last one.
     Epoch(u32, u64),

@@ -1,9 +1,9 @@
 //! Cause of a reset: flags of the chip, and the record that a failed program leaves.
 //!
-//! A program with a fault cannot report it. It leaves a [`Record`] in memory that start-up does not
-//! clear, and resets the chip. The next start reads the record and reports the fault. Memory after
-//! power-on holds noise; a record counts only if its seal fits:
-//! `seal = magic ⊕ kind ⊕ rotl(place, 8) ⊕ rotl(line, 16)`.
+//! A program that has failed cannot report it. It leaves a [`Record`] in memory that start-up does
+//! not clear, and resets the chip. The next start reads the record and reports the fault. After
+//! power-on the memory has random contents, so that a record counts only if its seal fits: `seal =
+//! magic ⊕ kind ⊕ rotl(place, 8) ⊕ rotl(line, 16)`.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -18,7 +18,7 @@ use crate::settings::hexadecimal;
 /// Mark of a record, chosen to be improbable in memory after power-on.
 const MAGIC: u32 = 0x5241_4921;
 
-/// Most characters of the name of a cause.
+/// Largest number of characters in the name of a cause.
 pub const WORD_BYTES: usize = 16;
 
 /// Cause of the last reset, written in at most [`WORD_BYTES`] characters.
@@ -54,7 +54,7 @@ pub enum Fault {
     },
     /// The processor refused an instruction.
     Hard {
-        /// Program counter at the fault; 0 if the stack frame was not trustworthy.
+        /// Program counter at the fault; 0 if the stack frame was not valid.
         address: u32,
     },
     /// The crystal stopped while the module ran from it.
@@ -77,7 +77,7 @@ impl ResetCause {
             Self::Fault(Fault::Hard { address }) => ("FAULT-", Some(address)),
         };
         let mut text = String::new();
-        // Every cause fits.
+        // This never fails, because every cause fits.
         let _ = text.push_str(word);
         let _ = number.map(|number| text.push_str(&hexadecimal(number)));
         text

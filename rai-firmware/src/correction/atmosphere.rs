@@ -31,8 +31,8 @@
 //! | `Z` | `zenith_m` | m |
 //! | `E` | elevation, given as its sine | 1 |
 //!
-//! The models are good to some per cent, so that they are computed in single precision, which is
-//! accurate to 0.01 mm.
+//! The models are accurate to some per cent. Single precision, accurate to 0.01 mm, therefore
+//! suffices.
 //!
 //! Assumes 70 % relative humidity. Accurate to about 5 % of the zenith's wet part (some
 //! centimetres) and, down to 4° of elevation, to 0.2 m. References: [Saastamoinen1972], [DO-229]
@@ -65,7 +65,8 @@ pub struct Troposphere {
 impl Troposphere {
     /// Returns the troposphere above a point.
     ///
-    /// Heights beyond −500 m to 20,000 m count as these bounds, a height that is not finite as 0.
+    /// Heights outside −500 m to 20,000 m count as the nearer bound, a height that is not finite as
+    /// 0.
     pub fn above(height_m: f32, sin_latitude: f32) -> Self {
         let height_m = if height_m.is_finite() { height_m } else { 0.0 };
         let height_m = height_m.clamp(*HEIGHT_M.start(), *HEIGHT_M.end());
@@ -76,12 +77,12 @@ impl Troposphere {
         Self { zenith_m }
     }
 
-    /// Returns the delay straight up, m.
+    /// Returns the delay towards the zenith, m.
     pub const fn zenith_m(self) -> f32 {
         self.zenith_m
     }
 
-    /// Returns the delay towards an elevation, m. Below the horizon it is that at the horizon.
+    /// Returns the delay towards an elevation, m. Below the horizon it equals that at the horizon.
     pub fn delay_m(self, sin_elevation: f32) -> f32 {
         let sin_elevation = sin_elevation.clamp(0.0, 1.0);
         self.zenith_m * 1.001 / sqrt(0.002001 + sin_elevation * sin_elevation)
@@ -119,11 +120,11 @@ pub struct Klobuchar {
     beta: [f32; 4],
 }
 
-/// Night-time delay straight up, s.
+/// Night-time delay towards the zenith, s.
 const NIGHT_S: f32 = 5e-9;
 
-/// Ratio of the earth's radius to that of the ionospheric shell of `BeiDou`'s model, 375 km above
-/// it.
+/// Ratio of the earth's radius to that of the ionospheric shell of `BeiDou`'s model, at a height of
+/// 375 km.
 const SHELL_RATIO: f32 = 6378.0 / (6378.0 + 375.0);
 
 /// Result of the model for one line of sight.
@@ -173,7 +174,7 @@ impl Klobuchar {
         let elevation_sc = libm::atan2f(up.max(0.0), horizontal) / PI;
         let pierce = PiercePoint::of(place, [east, north], horizontal, elevation_sc);
         let (vertical_s, longer) = match self.model {
-            // Only the messages of u-blox receivers bring its coefficients.
+            // Only the messages of u-blox receivers bring the coefficients of `BeiDou`.
             Model::Beidou if cfg!(feature = "ubx") => {
                 self.beidou(place, [east, north, up.max(0.0)], horizontal)
             }
@@ -188,7 +189,7 @@ impl Klobuchar {
         Slant { delay_m, geomagnetic_sc: pierce.geomagnetic_sc }
     }
 
-    /// Returns `BeiDou`'s delay straight up on L1, s, and the ratio of the slant path to the
+    /// Returns `BeiDou`'s delay towards the zenith on L1, s, and the ratio of the slant path to the
     /// vertical one.
     fn beidou(&self, place: Place, [east, north, up]: [f32; 3], horizontal: f32) -> (f32, f32) {
         /// Factor from B1I to L1: `f²/f₁²`.
@@ -264,8 +265,7 @@ struct PiercePoint {
 impl PiercePoint {
     fn of(place: Place, [east, north]: [f32; 2], horizontal: f32, elevation_sc: f32) -> Self {
         let central_sc = 0.0137 / (elevation_sc + 0.11) - 0.022;
-        // Straight up has no azimuth. Any will do, because the angle at the centre is nearly 0
-        // there.
+        // The zenith has no azimuth. Any serves, because the angle at the centre is nearly 0 there.
         let scale = if horizontal > 1e-6 { central_sc / horizontal } else { 0.0 };
         let latitude_sc = (place.latitude_sc + scale * north).clamp(-0.416, 0.416);
         let longitude_sc = place.longitude_sc + scale * east / cosine(latitude_sc);
@@ -277,11 +277,11 @@ impl PiercePoint {
 /// Returns latitude and longitude at which a line of sight crosses the shell of `BeiDou`'s model,
 /// semicircles.
 fn on_the_sphere(place: Place, [east, north]: [f32; 2], horizontal: f32, cos_elevation: f32) -> (f32, f32) {
-    // A right angle less the elevation is the arc sine of its cosine.
+    // A right angle minus the elevation is the arc sine of the elevation's cosine.
     let central_rad = libm::asinf(cos_elevation) - libm::asinf(SHELL_RATIO * cos_elevation);
     let [(sin_central, cos_central), (sin_latitude, cos_latitude)] =
         [central_rad / PI, place.latitude_sc].map(|angle_sc| (cosine(angle_sc - 0.5), cosine(angle_sc)));
-    // Straight up has no azimuth, and the angle at the centre is 0 there.
+    // The zenith has no azimuth, and the angle at the centre is 0 there.
     let scale = if horizontal > 1e-6 { 1.0 / horizontal } else { 0.0 };
     let sine = sin_latitude * cos_central + cos_latitude * sin_central * north * scale;
     let latitude_sc = libm::asinf(sine.clamp(-1.0, 1.0)) / PI;

@@ -1,4 +1,5 @@
-//! The two bands of a satellite, compared with those of its system before any position is known.
+//! Comparison of the two bands of a satellite with those of its system, before any position is
+//! known.
 //!
 //! The ionosphere-free combination and the first band alone differ by the delay of the ionosphere
 //! on that band, as these two ranges measure it:
@@ -13,11 +14,11 @@
 //! |---|---|
 //! | median over the system and the pair of bands | the receiver's own delay between the bands, tens of metres |
 //! | 12 m of `P_2 − P_1` | a group delay that is not broadcast (ISC, 3 m), noise and multipath of both codes (3 m each, three sigmas) |
-//! | `5 s` | the obliquity of the ionosphere, 1 to 3: half of the satellites lie within 0.35 of the median, the lowest 1.6 above it; noise that is larger than expected |
-//! | 35 m, upwards only | a low satellite behind the equatorial crest, alone: 100 TECU (16 m) more than the others see, at an obliquity of 2.2. No satellite has less than no ionosphere, so the lower bound lacks it |
+//! | `5 s` | the obliquity of the ionosphere, 1 to 3: half of the satellites are within 0.35 of the median, the lowest satellite is 1.6 above it; also noise that is larger than expected |
+//! | 35 m, upwards only | a single low satellite behind the equatorial crest: 100 TECU (16 m) more than for the others, at an obliquity of 2.2. The lower bound does not need it, because no delay is below zero |
 //!
 //! It is unknown which band is wrong, so that neither is used. Fewer than [`LEAST`] satellites with
-//! the same bands say nothing, and a fault of half of them moves the median.
+//! the same bands are not compared. If half of them are faulty, the median itself is wrong.
 
 use heapless::Vec;
 use raim_core::satellite::Constellation;
@@ -31,16 +32,16 @@ use crate::raw::Band;
 /// Least number of satellites that are compared.
 const LEAST: usize = 5;
 
-/// Bound of the difference of two ranges without the ionosphere, m.
+/// Largest difference of the two ranges that is not caused by the ionosphere, m.
 const FLOOR_M: f32 = 12.0;
 
 /// Multiples of the median deviation.
 const SPREADS: f32 = 5.0;
 
-/// Delay of the ionosphere that a single satellite may have more than its system, m.
+/// Largest ionospheric delay of a single satellite in excess of its system, m.
 const CREST_M: f32 = 35.0;
 
-/// Satellites that are compared with each other: those of one system with the same bands.
+/// Group of satellites that are compared: those of one system with the same two bands.
 type Group = (Constellation, Band, Band);
 
 /// Returns the group of a satellite.
@@ -71,7 +72,7 @@ pub(super) fn remove_apart(sky: &mut Sky, counter: &mut u32) {
                 && let Some(delay_m) = delay_m(other)
             {
                 compared |= 1 << place;
-                // All hold as many as the sky.
+                // This never fails: all lists have the capacity of the sky.
                 let _ = (places.push(place as u8), delays_m.push(delay_m));
             }
         }
@@ -85,7 +86,7 @@ pub(super) fn remove_apart(sky: &mut Sky, counter: &mut u32) {
 /// Returns the satellites of a group that are beyond the bound, a bit each.
 fn faults(places: &[u8], delays_m: &[f32], (_, first, second): Group) -> u64 {
     let scale = ionosphere_free(first, second).0 as f32 - 1.0;
-    // No delay is farther from the median than the delays are apart, which mostly decides.
+    // Cheap test first: no delay is farther from the median than the delays are from each other.
     if apart_m(delays_m) <= FLOOR_M * scale {
         return 0;
     }

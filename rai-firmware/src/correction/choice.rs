@@ -11,7 +11,7 @@
 //! |---|---|---|
 //! | `f` | [`Band::frequency_hz`] | Hz |
 //! | `P` | `range_m` | m |
-//! | `τ` | `group_delay_s`: difference between the satellite's clock and the time on that band | s |
+//! | `τ` | [`Ephemeris::group_delay`]: difference between the satellite's clock and the time on that band | s |
 //! | `√(k_a² + k_b²)` | `noise_gain` | 1 |
 //!
 //! Assumes equal noise of both codes, and an ionospheric delay that scales with `1/f²` (the
@@ -37,13 +37,14 @@ use crate::raw::{Band, RawSignal};
 pub struct Choice {
     /// Pseudorange, corrected for the group delay but not for the satellite clock, m.
     pub range_m: f64,
-    /// Ratio of its noise to that of one code range.
+    /// Ratio of the noise of the range to that of one code range.
     pub noise_gain: f32,
-    /// Ratio of the noise of its weakest signal to that of a strong one.
+    /// Ratio of the noise of its weakest signal to that of a strong signal.
     pub weakness: f32,
-    /// Standard deviation of a group delay that is not broadcast, m; 0 for one that is.
+    /// Standard deviation of a group delay that is not broadcast, m; 0 if it is broadcast.
     pub uncalibrated_m: f32,
-    /// Carriers of the range; with the first alone, the ionospheric delay remains in the range.
+    /// Carriers of the range. If there is only the first, the range still has the ionospheric
+    /// delay.
     pub bands: (Band, Option<Band>),
 }
 
@@ -67,8 +68,8 @@ impl Pair {
     }
 }
 
-/// Pairs by preference: those of the broadcast clock's reference first, those without a broadcast
-/// delay last.
+/// Pairs by preference: the pair that the broadcast clock refers to comes first, a pair without a
+/// broadcast delay last.
 const PAIRS: [Pair; 8] = [
     Pair::of(Band::L1, Band::L2),
     Pair::of(Band::L1, Band::L5),
@@ -77,7 +78,7 @@ const PAIRS: [Pair; 8] = [
     Pair::of(Band::B1I, Band::B3I),
     Pair::of(Band::B1I, Band::B2I),
     Pair::of(Band::B1C, Band::B2a),
-    // The frequencies of every channel have the ratio 9 to 7.
+    // One factor serves all channels, because the two frequencies of each have the ratio 9 to 7.
     Pair::of(Band::G1, Band::G2),
 ];
 
@@ -125,7 +126,7 @@ pub fn choose(signals: &[RawSignal], ephemeris: &Ephemeris, mask_dbhz: f32, unsa
         let band = signal.carrier.band;
         ephemeris.serves(band) && signal.cn0_dbhz().is_none_or(|strength_dbhz| strength_dbhz >= mask_dbhz)
     };
-    // Most pairs and bands are of other systems.
+    // Most pairs and bands belong to other systems; these bits skip them cheaply.
     let bands = signals.iter().fold(0_u16, |bands, signal| bands | bit(signal.carrier.band));
     let find = |band| signals.iter().find(|signal| signal.carrier.band == band).filter(is_usable);
     let pair = |pair: &Pair| combine(find(pair.first)?, find(pair.second)?, pair, ephemeris, unsaid_dbhz);
@@ -156,7 +157,8 @@ fn combine(
     let delay_s = delay_second.seconds() + pair.share * (delay_first.seconds() - delay_second.seconds());
     let apart_m = difference_m(first.range_m, second.range_m);
     let added_m = pair.share * apart_m - LIGHT_M_S * delay_s;
-    // A signal without its code is tracked by the other, and has its strength.
+    // A signal without its code is tracked with the help of the other, and has that signal's
+    // strength.
     let strength_dbhz = match (first.is_codeless(), second.is_codeless()) {
         (false, false) => strength(first, unsaid_dbhz).min(strength(second, unsaid_dbhz)),
         (true, _) => strength(second, unsaid_dbhz),

@@ -1,8 +1,8 @@
-//! Choice between one frequency and two, by the smaller levels.
+//! Choice between one frequency and two: the kind with the smaller protection levels is used.
 //!
-//! A pair of frequencies is free of the ionosphere and three times as noisy. One frequency has
-//! little noise but the residual of the ionosphere's model. The better choice depends on the place,
-//! the sky, the receiver, and the signals of each satellite:
+//! A pair of frequencies is free of the ionosphere, but three times as noisy. One frequency has
+//! little noise, but also the residual of the ionosphere's model. The better choice depends on the
+//! place, the sky, the receiver, and the signals of each satellite:
 //!
 //! ```text
 //! N = Σ_i w_i h_i h_iᵀ − Σ_c (Σ_c w h)(Σ_c w h)ᵀ / Σ_c w        P = N⁻¹
@@ -15,27 +15,30 @@
 //! |---|---|---|
 //! | `h`, `w` | line of sight, `1/σ²`, as in the integrity test | –, 1/m² |
 //! | `m` | residual of the ionospheric model on each range, one sigma, all of one sign | m |
+//! | `K_h`, `K_v`, `K_c` | [`HORIZONTAL`], [`VERTICAL`], [`COMMON_SIGMAS`] | – |
 //! | `H`, `V` | [`Spread`]: the fault-free part of the levels | m |
 //!
-//! Residuals take no part, because a choice by residuals would prefer the set in which a fault does
-//! not show. Fault levels scale with the same spread, because both sets hold the same satellites.
+//! Residuals are not used, because a choice by residuals would prefer the set in which a fault does
+//! not show. The rest of the levels scales with the same spread, because both sets have the same
+//! satellites.
 //!
 //! **No oscillation.** The set in use stays until the other has been better by a fifth for ten
-//! consecutive epochs. Otherwise the sets are compared only every tenth epoch, because skies change
-//! slowly and a comparison costs as much as a correction. Each change moves the receiver clock by
-//! the delay between carriers. With clock aiding the set never changes, because the clock forecast
-//! would take that for a jump.
+//! consecutive epochs. As long as it is not better, the sets are compared only every tenth epoch:
+//! geometry changes slowly, and a comparison costs as much as a correction. Each change moves the
+//! receiver clock by the delay between carriers. With clock aiding the set never changes, because
+//! such a change looks like a clock jump.
 
 use raim_core::numeric::sqrt;
 use raim_core::satellite::Constellation;
 use raim_core::weighting::COMMON_SIGMAS;
 
-/// Multiples of the standard deviation in the fault-free part of a level, at 1e-7: `√(2 ln 1e7)`
-/// and `Q⁻¹(5e-8)`.
+/// Factor `K_h` of the horizontal standard deviation, at 1e-7: `√(2 ln 1e7)`.
 const HORIZONTAL: f32 = 5.68;
+
+/// Factor `K_v` of the vertical standard deviation, at 1e-7: `Q⁻¹(5e-8)`.
 const VERTICAL: f32 = 5.33;
 
-/// Largest cost of the other set relative to the set in use, for a change.
+/// Cost of the other set, relative to the set in use, below which the other set is better.
 const BETTER: f32 = 0.8;
 
 /// Consecutive epochs for which the other set must be better.
@@ -69,7 +72,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Returns the larger ratio of a level to its limit, 1 at the limit.
+    /// Returns the larger of the two ratios of a level to its limit.
     pub fn cost(&self, hal_m: f32, val_m: f32) -> f32 {
         (self.horizontal_m / hal_m).max(self.vertical_m / val_m)
     }
@@ -195,10 +198,10 @@ fn accumulate<const N: usize>(sum: &mut [f32; N], terms: [f32; N], weight: f32) 
     }
 }
 
-/// Returns the inverse of a symmetric matrix, or `None` unless it is positive by more than
-/// rounding.
+/// Returns the inverse of a symmetric matrix; `None` unless its determinant is positive by more
+/// than rounding.
 fn inverse([ee, en, eu, nn, nu, uu]: [f32; 6]) -> Option<[f32; 6]> {
-    /// Least determinant, as a share of that of independent axes; below it the determinant is
+    /// Least determinant, as a share of that of independent axes. A smaller one may be only
     /// rounding.
     const SINGULAR: f32 = 1e-5;
     let (a, b, c) = (nn * uu - nu * nu, eu * nu - en * uu, en * nu - eu * nn);

@@ -13,8 +13,9 @@
 //!
 //! Correction has two steps, because only the second depends on the receiver's position. [`locate`]
 //! computes the satellite positions once for each epoch, which is the expensive part.
-//! [`Site::correct`] can be repeated at a better point. If two frequencies are available, the site
-//! also compares the levels of both kinds of ranges ([`frequency`]).
+//! [`Site::correct`] can be repeated at a better point. If satellites have two frequencies, the
+//! site also compares the fault-free levels that pairs of frequencies and single frequencies would
+//! give ([`frequency`]).
 //!
 //! References: [Klobuchar1987] J. A. Klobuchar, *Ionospheric time-delay algorithm for
 //! single-frequency GPS users*.
@@ -60,9 +61,10 @@ counters! {
         epoch_full,
         /// A corrected range, position or sigma is impossible for a satellite.
         range_implausible,
-        /// No ionosphere explains how its two bands differ.
+        /// Its two bands differ by more than the ionosphere can explain.
         bands_apart,
-        /// The same satellite appeared twice, or another number of its system has its place.
+        /// The same satellite appeared twice, or two satellite numbers of one system have the same
+        /// position.
         satellite_twice,
         /// The satellite is below the elevation mask, which is no fault.
         below_mask,
@@ -80,7 +82,7 @@ pub struct Tally {
     pub ranges: Refusals,
 }
 
-/// A satellite with a known position, whose ranges lack only the corrections that depend on the
+/// A satellite with a known position. Its ranges lack only the corrections that depend on the
 /// receiver's position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Located {
@@ -89,7 +91,7 @@ pub struct Located {
     /// Satellite clock times the speed of light, 2⁻³² m.
     clock_m32: i64,
     choices: Choices,
-    /// Standard deviation that the satellite promises for the pair and for the single range, m.
+    /// Broadcast standard deviation of orbit and clock, for the pair and for the single range, m.
     promised_m: [f32; 2],
     /// Edition of its ephemeris among those that were received.
     edition: u32,
@@ -112,17 +114,17 @@ impl Located {
         Ecef::new(x_m, y_m, z_m)
     }
 
-    /// Returns its position then, on the grid of ranges.
+    /// Returns its position when the signal left, on the grid of ranges.
     pub(crate) const fn place(&self) -> [Grid; 3] {
         self.place
     }
 
-    /// Returns its position then, to the digits of a single, m.
+    /// Returns its position when the signal left, in single precision, m.
     fn coordinates_m(&self) -> [f32; 3] {
         coordinates_m(self.place)
     }
 
-    /// Returns its clock then, times the speed of light, on the grid of ranges.
+    /// Returns its clock when the signal left, times the speed of light, on the grid of ranges.
     pub(crate) const fn clock(&self) -> Grid {
         Grid::of_multiple(self.clock_m32, DIGITS as u32)
     }
@@ -137,7 +139,7 @@ impl Located {
         self.edition
     }
 
-    /// Returns the chosen range, and the promised sigma of orbit and clock, m.
+    /// Returns the chosen range, and the broadcast sigma of orbit and clock, m.
     fn range(&self, ranges: Ranges) -> Option<(&Choice, f32)> {
         let [of_pair_m, of_single_m] = self.promised_m;
         let pair = self.choices.pair.as_ref().map(|pair| (pair, of_pair_m));
@@ -154,11 +156,12 @@ fn root_of_squares(a: f32, b: f32) -> f32 {
     if b == 0.0 { a } else { sqrt(a * a + b * b) }
 }
 
-/// Binary digits behind the point of lengths as integers, which hold every digit of a range. Their
-/// sums cost a third of those of doubles here.
+/// Binary digits behind the point of lengths that are stored as integers. They represent every
+/// digit of a range, and adding them costs a third of adding doubles here.
 const DIGITS: i32 = 32;
 
-/// Returns `length + second + added`, for lengths up to 10⁹ m, the second of 2⁻³² m.
+/// Returns `length + second + added`, m, for lengths up to 10⁹ m. `second_m32` is in units of 2⁻³²
+/// m.
 #[inline(never)]
 fn sum_m(length_m: f64, second_m32: i64, added_m: f32) -> f64 {
     /// Digits of the larger part of the added length.
@@ -172,15 +175,15 @@ fn sum_m(length_m: f64, second_m32: i64, added_m: f32) -> f64 {
     let rest_m = added_m - coarse as f32 * (1.0 / (1 << COARSE) as f32);
     let rest = (rest_m * (1_u64 << DIGITS) as f32) as i32;
     let added = (i64::from(coarse) << (DIGITS - COARSE)) + i64::from(rest);
-    // What is not finite becomes a length that no epoch accepts, and does not overflow.
+    // A length that is not finite gives a sum that no epoch accepts, without overflow.
     let sum = nearest(length_m, DIGITS).wrapping_add(second_m32);
     scaled(sum.wrapping_add(added), -DIGITS)
 }
 
-/// Returns the difference of two lengths up to 5·10⁷ m, to the digits of a single, m.
+/// Returns the difference of two lengths up to 5·10⁷ m, in single precision, m.
 #[inline(never)]
 fn difference_m(first_m: f64, second_m: f64) -> f32 {
-    /// Bits of the lower part; both parts fit 32.
+    /// Bits of the lower part, chosen so that each part fits into 32 bits.
     const LOWER: i32 = 27;
     const COARSE_M: f32 = 1.0 / (1 << (DIGITS - LOWER)) as f32;
     const FINE_M: f32 = 1.0 / (1_u64 << DIGITS) as f32;
@@ -211,8 +214,8 @@ impl View {
     }
 }
 
-/// Computes the satellites of an epoch in place of those in `sky`; unused satellites are counted by
-/// reason.
+/// Computes the satellites of an epoch, and replaces those in `sky` by them. Unused satellites are
+/// counted by reason.
 #[inline(never)]
 pub fn locate(
     raw: &RawEpoch,
@@ -225,7 +228,8 @@ pub fn locate(
     locate_within(raw, store, mask_dbhz, systems, None, tally, sky);
 }
 
-/// Computes the same. If satellites exceed the capacity, those outside the view give way.
+/// Works like [`locate`]. If the satellites exceed the capacity, those outside the view are left
+/// out.
 #[inline(never)]
 pub(crate) fn locate_within(
     raw: &RawEpoch,
@@ -267,7 +271,7 @@ pub(crate) fn locate_within(
 enum Placed {
     /// The satellite is in the sky.
     Yes,
-    /// The satellite is in the sky, in the place of one outside the view.
+    /// The satellite is in the sky, and has replaced one outside the view.
     Instead,
     /// The sky is full.
     Full,
@@ -278,12 +282,13 @@ enum Placed {
 /// Rule for a sky with more satellites than capacity.
 struct Crowd<'v> {
     view: Option<&'v View>,
-    /// Number of the first satellites, which stay.
+    /// Number of satellites at the beginning of the sky that are known to be inside the view, and
+    /// stay.
     seen: usize,
 }
 
 impl Crowd<'_> {
-    /// Puts a satellite in the place of one outside the view.
+    /// Replaces a satellite outside the view by this one.
     #[cold]
     #[inline(never)]
     fn replace(&mut self, sky: &mut Sky, located: &Located) -> Placed {
@@ -318,7 +323,8 @@ fn locate_one(
             Err(EphemerisError::Unhealthy)
         };
     };
-    // Two ranges of a satellite differ by less than 100 m, in which it moves by a millimetre.
+    // One range serves both choices: they differ by less than 100 m, in whose travel time the
+    // satellite moves by a millimetre.
     let state = ephemeris.seen_at(time, choice.range_m)?;
     let promise = |choice: &Option<Choice>| {
         choice.as_ref().and_then(|choice| ephemeris.accuracy_m(choice.bands)).unwrap_or(0.0)

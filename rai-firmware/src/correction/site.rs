@@ -1,7 +1,7 @@
 //! The receiver's place: directions to satellites, and the delays of the air above it.
 //!
-//! Directions, delays and sigmas come from models or linearisation, which need a tenth of the
-//! digits of single precision.
+//! Directions, delays and sigmas come from models or linearisation, for which single precision is
+//! more than accurate enough.
 
 use raim_core::epoch::{Epoch, EpochError, Observation};
 use raim_core::frame::{Ecef, LocalAxes};
@@ -47,9 +47,9 @@ struct Corrected {
 /// Use of the ionosphere's residual error.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Ionosphere {
-    /// All of it is noise of each range.
+    /// The whole error counts as noise of each range.
     Whole,
-    /// Divided into a part of each range and a part that all share
+    /// The error is divided into a part of each range and a part that all ranges share
     /// ([`raim_core::weighting::ionosphere`]).
     Divided,
 }
@@ -81,8 +81,8 @@ impl Site {
         Self { ranges, ..self }
     }
 
-    /// Returns the same site, with sigmas from the ISM instead of the expected ones. `None` keeps
-    /// the expected ones.
+    /// Returns the same site, with sigmas from the ISM. `None` keeps the sigmas of the error
+    /// budget.
     #[must_use]
     pub fn weighted_by(self, ism: Option<Ism>) -> Self {
         Self { ism, ..self }
@@ -129,8 +129,8 @@ impl Site {
     /// Returns the spread of the position from geometry and sigmas alone, or `None` for a singular
     /// geometry.
     ///
-    /// The ionosphere's error is noise of each range here, so that one frequency is not preferred
-    /// to two because it trusts a model.
+    /// The ionosphere's error counts here entirely as noise. Otherwise one frequency could be
+    /// preferred only because its ionospheric model is trusted.
     pub fn spread(&self, sky: &Sky, ranges: Ranges) -> Option<Spread> {
         let (mut geometry, usual) = (Geometry::new(), Usual::of(sky, ranges));
         for located in sky {
@@ -213,7 +213,8 @@ fn dispersion(band: Band) -> f32 {
     ratio * ratio
 }
 
-/// Combination that most satellites of each system have; the first of equals.
+/// Combination of bands that most satellites of each system have. If several are equally frequent,
+/// it is the first.
 struct Usual([Option<(Band, Option<Band>)>; Constellation::COUNT]);
 
 impl Usual {

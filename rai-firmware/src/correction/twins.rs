@@ -1,14 +1,14 @@
-//! One satellite under two numbers, told by its place.
+//! Detection of one satellite under two numbers, by its place.
 //!
 //! ```text
 //! |r_i − r_j| < 2 km, both of one system        one satellite: neither number is used
 //! ```
 //!
 //! It is unknown which number is right, and a range that counts twice outvotes others. Two
-//! broadcasts of one orbit differ by metres. Real satellites of one system keep farther apart:
-//! those of one plane by degrees, and two geostationary ones of `BeiDou` that share a slot (C01 and
-//! C59 at 140° E) by more than 5 km, which is the distance that operators of shared slots count as
-//! a close approach.
+//! broadcasts of one orbit differ by metres. Real satellites of one system are farther apart. In
+//! one plane they are degrees apart. The geostationary satellites C01 and C59 of `BeiDou` share a
+//! slot at 140° E and stay more than 5 km apart. Operators of shared slots count less as a close
+//! approach.
 
 use super::{CAPACITY, Located, Sky};
 use crate::counters::count;
@@ -16,10 +16,10 @@ use crate::counters::count;
 /// Distance below which two satellites are one, m.
 const ONE_M: f32 = 2e3;
 
-/// Removes both of each two satellites that are one, and counts them.
+/// Removes both numbers of each satellite that appears under two, and counts them.
 #[inline(never)]
 pub(super) fn remove_twins(sky: &mut Sky, counter: &mut u32) {
-    // A number of single precision has steps of 4 m at the distance of a satellite.
+    // Single precision suffices: its steps are at most 4 m at the distance of a satellite.
     let mut places = [[0.0_f32; 3]; CAPACITY];
     for (place, located) in places.iter_mut().zip(sky.iter()) {
         *place = located.coordinates_m();
@@ -30,7 +30,7 @@ pub(super) fn remove_twins(sky: &mut Sky, counter: &mut u32) {
         let [x_m, ..] = *here;
         let others = places.get(index + 1..).unwrap_or_default();
         for (other_index, there) in others.iter().enumerate() {
-            // One coordinate decides about nearly every pair.
+            // One coordinate already tells nearly every pair apart.
             if (x_m - there[0]).abs() < ONE_M
                 && is_one(here, there)
                 && is_of_one_system(sky, index, index + 1 + other_index)

@@ -1,11 +1,11 @@
 //! Accuracy indices of the messages, converted to metres.
 
-/// Returns the standard deviation of a URA index of GPS or `BeiDou`, m, or `None` for 15 and above,
-/// which promise none.
+/// Returns the standard deviation of a URA index of GPS or `BeiDou`, m; `None` for 15 and above,
+/// which mean that no accuracy is promised.
 ///
 /// The nominal values of [IS-GPS-200] 20.3.3.3.1.3 and of the URAI of [BDS-SIS-B1I] 5.2.4.5 are the
-/// same. They are `2^(1+N/2)` below 6, with 2.8, 5.7 and 11.3 for the odd ones, and `2^(N−2)` from
-/// there on.
+/// same. Below index 6 they are `2^(1+N/2)`, with 2.8, 5.7 and 11.3 for the odd indices. From 6 on
+/// they are `2^(N−2)`.
 ///
 /// [IS-GPS-200]: crate#references
 /// [BDS-SIS-B1I]: crate#references
@@ -15,8 +15,8 @@ pub fn ura_m(index: u8) -> Option<f32> {
     URA_M.get(usize::from(index)).copied()
 }
 
-/// Returns the standard deviation of the index `F_T` of GLONASS, m, or `None` for 15, which
-/// promises none.
+/// Returns the standard deviation of the index `F_T` of GLONASS, m; `None` for 15, which means that
+/// no accuracy is promised.
 ///
 /// See [GLO-ICD] table 4.4.
 ///

@@ -1,7 +1,6 @@
 //! A satellite's message before it is accepted, with its checks.
 //!
-//! Bounds are those of existing orbits (with a margin) and of the widest fields of the three
-//! systems' messages.
+//! Bounds come from existing orbits (with a margin) and from the widest fields of the messages.
 
 use core::fmt;
 
@@ -75,14 +74,14 @@ pub enum BroadcastError {
     Satellite,
     /// The system's message has no elements of this form.
     Form,
-    /// `toe` or `toc` lies outside the week, or they lie more than a day apart.
+    /// `toe` or `toc` is outside the week, or they are more than a day apart.
     ReferenceTime,
     /// The eccentricity is not in 0 to 0.2: the most eccentric in use are two Galileo satellites,
     /// 0.17.
     Eccentricity,
     /// The semi-major axis, or the distance from the centre, is not in 16,000 km to 64,000 km.
     SemiMajorAxis,
-    /// Axis, eccentricity and inclination together are those of no orbit that the system has.
+    /// Axis, eccentricity and inclination together fit no orbit of the system.
     OrbitType,
     /// An angle is not within ±1 semicircle.
     Angle,

@@ -1,10 +1,10 @@
-//! Satellite clocks, and the delay of each band against them.
+//! Satellite clocks, and the delay of each band relative to them.
 //!
 //! ```text
 //! Δt = af0 + af1 (t − toc) + af2 (t − toc)² + Δt_r          clock of band b: Δt − τ_b
 //! ```
 //!
-//! `τ_b` follows from the reference of the broadcast clock; `γ_ab = f_a²/f_b²`:
+//! `τ_b` depends on the signals that the broadcast clock refers to; `γ_ab = f_a²/f_b²`:
 //!
 //! | message | clock refers to | `τ` |
 //! |---|---|---|
@@ -15,13 +15,17 @@
 //! | `BeiDou` D1/D2 | B3I | B1I: `TGD1`, B3I: 0, B2I: `TGD2`; B1C: `TGD1`, B2a and B2b: 0 (their delays are in CNAV only: uncalibrated) |
 //! | GLONASS strings | L1/L2 | L1 and L2: 0 (each receiver delays each channel by itself, some metres: uncalibrated) |
 //!
-//! Receivers report B2b of the third generation as B2I, which it replaced. Uncalibrated delays
-//! count as 2 m. B1C, which shares the path of B1I, differs from it by 0.6 m rms, and B2a and B2b
-//! from B3I by 1.4 m. That is measured on 18 satellites of two receivers with `TGD1` of up to 8 m.
-//! L5 differs from L1 by 1.1 m, on 14 satellites.
+//! Receivers report B2b of the third generation as B2I, which it replaced. The sigma of an
+//! uncalibrated delay is 2 m. The delays of these bands differ by, rms:
 //!
-//! The ionosphere-free pair of the reference then has no delay, and every other pair the right one
-//! ([`crate::correction::choose`]).
+//! | bands | m | measured on |
+//! |---|---|---|
+//! | B1C from B1I, whose path it shares | 0.6 | 18 satellites, two receivers, `TGD1` of up to 8 m |
+//! | B2a and B2b from B3I | 1.4 | the same |
+//! | L5 from L1 | 1.1 | 14 satellites |
+//!
+//! The ionosphere-free pair that the clock refers to then has no delay, and every other pair has
+//! the right one ([`crate::correction::choose`]).
 //!
 //! References: [IS-GPS-200] 20.3.3.3.3.2; [IS-QZSS-PNT] 5.3; [OS-SIS-ICD] 5.1.5; [BDS-SIS-B1I]
 //! 5.2.4.10.
@@ -38,7 +42,7 @@ use super::fixed::{mul_high, nearest_i32};
 use super::{Ephemeris, Source};
 use crate::raw::Band;
 
-/// Delay of a band at the antenna against the satellite's clock.
+/// Delay of a band at the antenna, relative to the satellite's clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GroupDelay {
     /// Delay that is broadcast, s.
@@ -67,8 +71,8 @@ impl GroupDelay {
 /// Last `BeiDou` satellite that sends B2I.
 const SECOND_GENERATION: u8 = 18;
 
-/// Most negative value of the field, −128 · 2⁻³¹ s, with which a QZSS satellite reports an unknown
-/// `TGD` ([IS-QZSS-PNT] 4.1.2.3). GPS reserves no value of this field.
+/// Value of the field with which a QZSS satellite reports an unknown `TGD`: the most negative one,
+/// −128 · 2⁻³¹ s ([IS-QZSS-PNT] 4.1.2.3). GPS reserves no value of this field.
 ///
 /// [IS-QZSS-PNT]: crate#references
 const QZSS_UNKNOWN_S: f32 = -1.0 / (1 << 24) as f32;

@@ -13,14 +13,14 @@
 //! | `µ`, `a_e`, `J₂`, `ω` | constants of PZ-90.11 | m³/s², m, 1, rad/s |
 //!
 //! The fourth-order method of Runge and Kutta integrates in whole steps of [`STEP_S`] from the
-//! reference time, and one shorter step. The states at whole steps are nodes. A caller that keeps
-//! the last node continues from it with the same bits as from the reference time. The result is
-//! therefore a function of the instant alone. After a quarter of an hour the steps have an error of
-//! 2 cm. PZ-90.11 is ITRF to some centimetres, so that no rotation is applied.
+//! reference time, and one shorter step. The states at whole steps are nodes. A caller that stores
+//! the last node continues from it, with the same bits as from the reference time. The result
+//! therefore depends only on the instant. After a quarter of an hour the steps have an error of 2
+//! cm. PZ-90.11 is ITRF to some centimetres, so that no rotation is applied.
 //!
-//! The state is in double precision, the change in a step in single precision. With an acceleration
-//! of 0.6 m/s² that loses some 2e-8 m/s², another centimetre in a quarter of an hour. In return a
-//! step takes a tenth of the time.
+//! The state is in double precision, but the change in a step is in single precision. With an
+//! acceleration of 0.6 m/s² the rounding is some 2e-8 m/s²: another centimetre in a quarter of an
+//! hour. In return a step takes a tenth of the time.
 //!
 //! Reference: [GLO-ICD] appendix J, simplified algorithm.
 //!

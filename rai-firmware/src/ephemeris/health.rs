@@ -1,13 +1,13 @@
-//! The statements of a satellite about the service of its signals.
+//! Health: which signals a satellite reports as in service.
 //!
 //! | flag | effect | assumed when the flag is absent |
 //! |---|---|---|
 //! | GPS LNAV, 1019: SV health (6 bits) not 0 | closes all signals of the satellite | always there |
 //! | GPS LNAV: alert flag of a subframe 1 to 3 | no accuracy is promised: closes the set | 1019 has none: not raised |
 //! | GPS, QZSS, `BeiDou`: URA or URAI 15 | no accuracy is promised: closes the set | always there |
-//! | QZSS LNAV, 1044: health (6 bits) not 0 but for the last | closes all signals of the satellite | always there |
-//! | Galileo I/NAV, 1046: `E1B` or `E5b` HS not 0 | closes that signal | as bad as the worst HS that any message of the satellite says |
-//! | Galileo F/NAV, 1045: `E5a` HS not 0 | closes `E5a` | as bad as the worst HS that any message of the satellite says |
+//! | QZSS LNAV, 1044: health (6 bits, without the last) not 0 | closes all signals of the satellite | always there |
+//! | Galileo I/NAV, 1046: `E1B` or `E5b` HS not 0 | closes that signal | the worst HS that any message of the satellite reports |
+//! | Galileo F/NAV, 1045: `E5a` HS not 0 | closes `E5a` | the worst HS that any message of the satellite reports |
 //! | Galileo I/NAV, F/NAV, 1045, 1046: DVS of any signal is 1 | closes all signals of the satellite | the other message's DVS counts alone |
 //! | Galileo I/NAV, 1046: SISA is NAPA (126 to 255) | closes the set, unless F/NAV alone is known | F/NAV's SISA counts |
 //! | Galileo F/NAV, 1045: SISA is NAPA (126 to 255) | closes ranges with `E5a` | I/NAV's SISA counts |
@@ -15,9 +15,9 @@
 //! | GLONASS strings, 1020: first bit of `B_n` or `l_n` is 1 | closes all signals of the satellite | always there; `C_n` of the almanac is not read |
 //! | GLONASS strings, 1020: `F_T` is 15 | no accuracy is promised: closes the set | always there |
 //!
-//! Galileo's I/NAV mentions E1 and E5b, its F/NAV E5a. A statement about a signal stays until a
-//! message mentions that signal again ([`Health::over`]). When the set is out of date, only the bad
-//! statements stay ([`Health::bad_alone`]).
+//! Galileo's I/NAV reports on E1 and E5b, its F/NAV on E5a. The health of a signal stays until a
+//! message reports on that signal again ([`Health::over`]). If the set is out of date, only bad
+//! health stays ([`Health::bad_alone`]).
 //!
 //! References: [IS-GPS-200] 20.3.3.2 and 20.3.3.3.1.4; [OS-SIS-ICD] 5.1.9.3; [OS-SDD] 2.3.1,
 //! signal-in-space status: a signal is healthy when DVS is 0, HS is 0 and SISA is not NAPA;
@@ -31,8 +31,8 @@
 
 use crate::raw::Band;
 
-/// The carriers that a message mentions, and those of them that are out of service or whose data
-/// have no guarantee.
+/// The carriers that a message reports on, with those that are out of service or have data without
+/// guarantee.
 ///
 /// Both sets have one bit for each [`Band`], and above them one for the data of each Galileo band.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,9 +62,9 @@ impl Health {
         if is_good { Self::GOOD } else { Self::BAD }
     }
 
-    /// Returns the health in the six bits of QZSS's LNAV. Each bit stands for one signal or for the
-    /// message. The last is of the L1 code that a satellite does not send beside C/A, and stays
-    /// set.
+    /// Returns the health in the six bits of QZSS's LNAV. Each bit is for one signal or for the
+    /// message. The last bit is for an L1 code that satellites do not send in addition to C/A; it
+    /// is always set.
     ///
     /// [IS-QZSS-PNT] table 4.1.2-4.
     ///
@@ -79,8 +79,8 @@ impl Health {
         self.stating(bit(band), is_good)
     }
 
-    /// Returns the same with two flags of Galileo for this carrier: the signal's health status, of
-    /// which 0 alone is good, and the data validity status, 1 for data without guarantee.
+    /// Returns the same with two flags of Galileo for this carrier. In the signal's health status
+    /// only 0 is good. In the data validity status 1 means data without guarantee.
     #[must_use]
     pub const fn with_galileo(self, band: Band, signal_status: u32, is_without_guarantee: bool) -> Self {
         self.with(band, signal_status == 0).stating(data_bit(band), !is_without_guarantee)
@@ -91,21 +91,21 @@ impl Health {
         Self { out, mentioned: self.mentioned | bits }
     }
 
-    /// Returns the statements of this message, and those made before about what it does not
-    /// mention.
+    /// Returns the health of this message, and the earlier health of carriers that it does not
+    /// report on.
     #[must_use]
     pub const fn over(self, before: Self) -> Self {
         Self { out: self.out | before.out & !self.mentioned, mentioned: self.mentioned | before.mentioned }
     }
 
-    /// Returns the bad statements without the good ones.
+    /// Returns only the bad health, without the good.
     #[must_use]
     pub const fn bad_alone(self) -> Self {
         Self { mentioned: self.mentioned & self.out, ..self }
     }
 
-    /// Returns true when this carrier may be used. A carrier that no message has mentioned is as
-    /// bad as the worst that one has.
+    /// Returns true if this carrier may be used. A carrier that no message reports on has the worst
+    /// health of the others.
     pub const fn serves(self, band: Band) -> bool {
         let asked = if self.mentions(band) { bit(band) } else { u16::MAX };
         self.mentioned != 0 && self.out & (asked | DATA) == 0

@@ -21,9 +21,9 @@
 //!
 //! **Why integers.** The elements are fixed-point numbers by nature. A core without double
 //! precision multiplies integers twenty times faster than soft doubles, and integers are the same
-//! on every machine. Every element is kept in the finest unit in which any system broadcasts it, so
-//! that the broadcast value is kept exactly. The first guesses of the anomaly and of a reciprocal,
-//! with 24 bits, are in single precision; exact remainders correct both.
+//! on every machine. Every element is stored in the finest unit in which any system broadcasts it,
+//! so that it stays exact. The first guesses of the anomaly and of a reciprocal, with 24 bits, are
+//! in single precision; exact remainders correct both.
 //!
 //! **Accuracy.** Within 0.05 mm and 1e-17 s of the equations in double precision, over all accepted
 //! elements and a day on either side of `toe`. Tests bound it by 0.5 mm and 1e-13 s. The third
@@ -364,9 +364,9 @@ fn check_orbit(broadcast: &Broadcast, reading: Reading, node: Turns) -> Result<(
     if shape.is_of(broadcast.source, is_geostationary) { Ok(()) } else { Err(BroadcastError::OrbitType) }
 }
 
-/// Returns the cosine of the angle between the equator and an orbit written in the tilted plane,
-/// 2⁻⁶²: the last coordinate of the orbit's normal, `(sin i sin Ω, −sin i cos Ω, cos i)`, turned
-/// back by 5° about x.
+/// Returns the cosine of the angle between the equator and an orbit whose elements refer to the
+/// tilted plane, 2⁻⁶². It is the last coordinate of the orbit's normal, `(sin i sin Ω, −sin i cos
+/// Ω, cos i)`, turned back by 5° about x.
 fn cos_to_equator_q62(inclination_sc: f64, node: Turns) -> i64 {
     let inclination = Turns::of_broadcast(angle(inclination_sc)).direction();
     let level_q62 = -times_q62(inclination.sin_q62, node.direction().cos_q62);

@@ -9,15 +9,15 @@
 //! | form of the orbit | systems | module |
 //! |---|---|---|
 //! | [`Orbit::Kepler`] | GPS, QZSS, Galileo, `BeiDou`: the same elements; gravity, earth rate, time scale of `toe` and the rotation of the geostationary `BeiDou` satellites differ | [`kepler`] |
-//! | [`Orbit::StateVector`] | GLONASS: integrated over the time since ([`forces`]) | [`state_vector`] |
+//! | [`Orbit::StateVector`] | GLONASS: position and velocity, integrated from the reference time ([`forces`]) | [`state_vector`] |
 //!
-//! [`Source`] and [`clock`] hold what differs by message: age, satellite numbers, reference of the
-//! clock.
+//! [`Source`] and [`clock`] hold the constants that differ by message: age, satellite numbers,
+//! signals that the clock refers to.
 //!
 //! - [`Ephemeris::new`] and [`Ephemeris::of_state`] check every field once, so that an
 //!   [`Ephemeris`] is always usable for computations.
-//! - [`Store`] stores the last set of every satellite, and refuses unhealthy, old or contradicted
-//!   ones with a reason.
+//! - [`Store`] has the last set of every satellite, and refuses unhealthy, old or contradicted ones
+//!   with a reason.
 //! - Every element stays the broadcast integer, and orbits and clocks are computed in integers
 //!   ([`fixed`]).
 //!
@@ -83,13 +83,13 @@ pub use store::{CAPACITY, Insertion, Store};
 pub enum EphemerisError {
     /// No ephemeris has been received.
     Missing,
-    /// The satellite reports itself or all received signals as unusable, or promises no accuracy.
+    /// The satellite reports that it or all received signals are unusable, or promises no accuracy.
     Unhealthy,
     /// The last ephemeris is too old, or its reference time is too far ahead.
     Stale,
     /// The travel time of the signal is impossible.
     TravelTime,
-    /// The last two sets contradict each other, and no third has decided.
+    /// The last two sets contradict each other, and no third set has decided between them.
     Disputed,
 }
 
@@ -146,11 +146,11 @@ impl Refusals {
 pub struct SatelliteState {
     /// Position in the earth-fixed frame at the instant of transmission.
     pub position: Ecef,
-    /// Satellite clock minus system time, relativity included, group delay not, s.
+    /// Satellite clock minus system time, s, with relativity but without group delay.
     pub clock_s: f64,
 }
 
-/// The same in integers, which cost a core without doubles less.
+/// Position and clock in integers, which cost less on a core without doubles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct IntegerState {
     /// Position, 2⁻³⁶ m.
@@ -172,14 +172,14 @@ impl IntegerState {
         mul_high(self.clock_s62, LIGHT_M_S << 34)
     }
 
-    /// Converts to doubles; a position of 2⁻³⁶ m is exact in all but the last digit.
+    /// Converts to doubles. The position, in 2⁻³⁶ m, is exact except for the last digit.
     fn in_metres(&self) -> SatelliteState {
         let [x_m, y_m, z_m] = self.position_m36.map(|units| scaled(units, -36));
         SatelliteState { position: Ecef::new(x_m, y_m, z_m), clock_s: scaled(self.clock_s62, -62) }
     }
 }
 
-/// Returns a place on the grid to the digits of a single, m.
+/// Returns a place on the grid in single precision, m.
 // Not inlined, and a loop, so that its callers share one copy of the conversion.
 #[inline(never)]
 pub(crate) fn coordinates_m(place: [Grid; 3]) -> [f32; 3] {
@@ -200,7 +200,7 @@ pub(crate) fn difference_m([x, y, z]: [Grid; 3], [from_x, from_y, from_z]: [Grid
 pub struct Ephemeris {
     orbit: Orbit,
     clock: Clock,
-    /// Sigmas of ranges without E5a, and of those with it, m; not finite if the satellite promises
+    /// Sigmas of ranges without E5a and of ranges with it, m; not finite if the satellite promises
     /// none.
     accuracies_m: [f32; 2],
     toe: GpsTime,
@@ -288,21 +288,21 @@ impl Ephemeris {
         accuracy_m.is_finite().then_some(accuracy_m)
     }
 
-    /// Precomputes what epochs soon after this instant share; no position changes.
+    /// Precomputes the part of the computation that epochs soon after this instant share. No
+    /// position changes.
     fn advance(&mut self, received: GpsTime) {
         self.orbit.advance(received.since_ms(self.toe) as f64 * 1e-3);
     }
 
-    /// Takes the statements of Galileo's F/NAV about its own signals: their health, and the
-    /// accuracy of ranges with them.
+    /// Takes from Galileo's F/NAV the health of its signals, and the accuracy of ranges with them.
     fn merge_health(&mut self, fnav: &Self) {
         self.health = fnav.health.over(self.health);
         let [_, with_e5a_m] = &mut self.accuracies_m;
         [_, *with_e5a_m] = fnav.accuracies_m;
     }
 
-    /// Copies earlier statements about signals that this message does not mention. From a stale set
-    /// only bad statements are copied, because no message repeats that these signals are good.
+    /// Copies the earlier health of signals that this message does not report on. From a stale set
+    /// only bad health is copied, because no message confirms that those signals are still good.
     fn inherit_health(&mut self, before: &Self, is_before_stale: bool) {
         if self.source == Source::GalileoInav && before.health.mentions(Band::E5a) {
             let [_, with_e5a_m] = &mut self.accuracies_m;
@@ -343,16 +343,16 @@ impl Ephemeris {
         time.since_ms(self.toe).unsigned_abs() > self.source.age_limit_ms()
     }
 
-    /// Returns position and clock at the departure of a signal that was received at `received` with
-    /// this pseudorange.
+    /// Returns position and clock at the transmission of a signal that was received at `received`
+    /// with this pseudorange.
     ///
-    /// `received` is the receiver's own time tag, and the range is measured against the same clock,
-    /// so that the clock's offset cancels: `received − range/c` is the reading of the satellite's
+    /// `received` is the receiver's time tag. The range is measured by the same clock, so that the
+    /// clock's offset cancels: `received − range/c` is the time of transmission by the satellite's
     /// clock.
     ///
     /// # Errors
-    /// [`EphemerisError::TravelTime`] if the range is not finite, negative or longer than a second
-    /// of light, or if `received` is more than a day from the reference time;
+    /// [`EphemerisError::TravelTime`] if the range is not finite, negative or longer than light
+    /// travels in a second, or if `received` is more than a day from the reference time;
     /// [`EphemerisError::Stale`] for a state vector that is more than half an hour old.
     pub fn at(&self, received: GpsTime, range_m: f64) -> Result<SatelliteState, EphemerisError> {
         self.seen_at(received, range_m).map(|state| state.in_metres())

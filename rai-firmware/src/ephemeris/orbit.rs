@@ -1,6 +1,7 @@
-//! The interface of orbit models: one form for each way in which satellites describe their motion.
+//! The interface of orbit models, with one form for each way in which satellites describe their
+//! motion.
 //!
-//! A new form is a variant here and a module beside [`super::kepler`]. The parts common to all
+//! A new form is a variant here and a module next to [`super::kepler`]. The parts common to all
 //! forms (age, health, clock, group delays) belong to [`Ephemeris`](super::Ephemeris), and no other
 //! module knows the forms. No form is converted into another.
 

@@ -1,4 +1,4 @@
-//! The orbits that each system has. A set of elements outside all of them is refused.
+//! The types of orbits of each system. A set of elements that fits none of them is refused.
 //!
 //! | system | orbit | √A, √m | eccentricity | inclination, ° | source |
 //! |---|---|---|---|---|---|
@@ -12,12 +12,11 @@
 //! | | geostationary | 6478–6508 | to 0.02 | to 4 to the equator | the same; table 4-1 for the numbers |
 //! | GLONASS | MEO, 25,508 km | 5040–5061 | to 0.03 | 60–70 | [GLO-ICD] 3.1: 64.8° |
 //!
-//! The bounds leave room for drift: the widest orbits of 10,000 broadcast sets of 2008 to 2025 lie
-//! well within it. An inclination in semicircles read as radians, or the reverse, is far outside,
-//! but not always for a geostationary orbit. The elements of geostationary `BeiDou` satellites are
-//! written in a plane tilted by 5°, in which the inclination swings by twice that to the equator.
-//! The angle between orbit and equator is steadier: 0.7° to 3.3° in those sets, and it grows by
-//! up to 0.9° a year.
+//! The bounds leave room for drift: all of 10,000 broadcast sets of 2008 to 2025 are well within
+//! them. If semicircles are read as radians, or the reverse, the inclination is far outside, except
+//! for some geostationary orbits. The elements of geostationary `BeiDou` satellites refer to a
+//! plane tilted by 5°, so that their inclination does not describe the orbit. The angle between
+//! orbit and equator does: it was 0.7° to 3.3° in those sets, and grows by up to 0.9° a year.
 //!
 //! [IS-GPS-200]: crate#references
 //! [GPS-SPS-PS]: crate#references
@@ -92,7 +91,7 @@ impl Shape {
             Source::GalileoFnav | Source::GalileoInav => const { &GALILEO },
             Source::BeidouD1D2 if is_geostationary_beidou => const { &BEIDOU_GEOSTATIONARY },
             Source::BeidouD1D2 => const { &BEIDOU },
-            // Its orbits are no elements; see `StateVector`.
+            // Its orbits are not elements; see `StateVector`.
             Source::GlonassStrings => &[],
         };
         types.iter().any(|known| {

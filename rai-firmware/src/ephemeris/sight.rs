@@ -5,7 +5,7 @@
 //! sin el = p·(s − p) / (|p| |s − p|)          s satellite, p receiver; el above a spherical earth
 //! ```
 //!
-//! A satellite takes one bit, with or without an ephemeris. Sines of elevations are stored in
+//! Each satellite has one bit, with or without an ephemeris. Sines of elevations are stored in
 //! hundredths.
 
 use nalgebra::Vector3;
@@ -17,11 +17,11 @@ use raim_core::satellite::SatelliteId;
 use super::{Ephemeris, coordinates_m};
 use crate::time::GpsTime;
 
-/// Epochs that one set of bits covers. One epoch may have lost satellites, so two sets are kept: a
-/// satellite is in sight for three epochs at least and six at most.
+/// Epochs that one set of bits covers. A single epoch may have lost satellites. Two sets are
+/// therefore stored, so that a satellite counts as in sight for three to six epochs.
 const EPOCHS_OF_A_SET: u8 = 3;
 
-/// Range with which a satellite is located, m. An error of 10,000 km moves the position by some
+/// Range that is assumed to locate a satellite, m. An error of 10,000 km moves the position by some
 /// metres.
 const RANGE_M: f64 = 2.3e7;
 
@@ -103,7 +103,7 @@ impl Skyline {
         elevation >= self.mask
     }
 
-    /// Returns the elevation of a satellite, or that of the horizon if it has no position then.
+    /// Returns the elevation of a satellite; that of the horizon if the satellite has no position.
     pub(super) fn elevation(&self, ephemeris: &Ephemeris, now: GpsTime) -> Elevation {
         let Ok(state) = ephemeris.seen_at(now, RANGE_M) else { return HORIZON };
         let (receiver_m, satellite_m) = (self.receiver_m, Vector3::from(coordinates_m(state.place())));

@@ -1,4 +1,4 @@
-//! Messages that carry orbits, and the constants of each message.
+//! Navigation messages with orbits, and the constants of each.
 
 use raim_core::satellite::{Constellation, SatelliteId};
 
@@ -35,11 +35,15 @@ impl Source {
 
     /// Returns the longest time from `toe` for which the elements are used, ms.
     ///
-    /// GPS sets are fitted over ±2 h; so are those of QZSS, which renews hourly. Galileo renews
-    /// every 10 min to 3 h and keeps a set valid for 4 h. `BeiDou` renews hourly, and a set older
-    /// than 2 h is wrong by metres. GLONASS renews every half hour, and its model of the forces
-    /// holds for a quarter of an hour either way. Some extra minutes keep a set in use until the
-    /// next one has been received.
+    /// | system | renews its sets | a set is accurate for |
+    /// |---|---|---|
+    /// | GPS | | ±2 h |
+    /// | QZSS | hourly | ±2 h |
+    /// | Galileo | every 10 min to 3 h | 4 h |
+    /// | `BeiDou` | hourly | 2 h, then wrong by metres |
+    /// | GLONASS | every half hour | ±15 min, by its model of the forces |
+    ///
+    /// Some extra minutes keep a set in use until the next one has been received.
     pub(super) const fn age_limit_ms(self) -> u64 {
         match self {
             Self::GpsLnav | Self::QzssLnav | Self::BeidouD1D2 => 2 * HOUR_MS + MINUTE_MS,

@@ -6,15 +6,15 @@
 //! | `−τ_n`, `γ_n` | [`StateBroadcast::clock_s`], `clock_s_s` | s, s/s |
 //! | `Δτ_n` | [`StateBroadcast::delay_l2_s`]: delay of L2 behind L1 | s |
 //!
-//! The place of the satellite at another instant follows from the forces on it ([`super::forces`]).
-//! Relativity is in `γ_n`.
+//! The position at another instant is computed from the forces on the satellite
+//! ([`super::forces`]). `γ_n` includes relativity.
 //!
-//! An integration from `t_b` takes up to seven steps. [`StateVector::advance`] keeps the last whole
-//! step, and an instant soon after it takes one. The kept node is a function of the message alone
-//! and changes no result.
+//! An integration from `t_b` takes up to seven steps. [`StateVector::advance`] stores the state
+//! after the last whole step (node), so that an instant soon after it takes one step. The node
+//! depends only on the message, and changes no result.
 //!
-//! Every element stays the integer that was broadcast. In single precision a velocity would lose up
-//! to 0.1 mm/s, a decimetre in a quarter of an hour.
+//! Every element stays the integer that was broadcast. In single precision a velocity would be
+//! wrong by up to 0.1 mm/s, which is a decimetre in a quarter of an hour.
 //!
 //! Reference: [GLO-ICD] 5.1, appendix J.1.
 //!

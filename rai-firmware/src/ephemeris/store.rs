@@ -1,42 +1,43 @@
 //! Ephemerides in use: the last set of each satellite in sight.
 //!
 //! ```text
-//! offered, stale now                         nothing changes, unless all that is known is as useless
+//! offered is stale now                       nothing changes, unless the known set is stale or missing too
 //! known is stale or unknown                  offered is taken
 //! |X − X'| ≤ 30 m and c|Δt − Δt'| ≤ 30 m     offered replaces what is known
 //! else                                       neither is used until a third agrees with one of them
 //! ```
 //!
-//! **Choice.** The set received last wins, whatever its reference time: a set for a later period is
-//! worse now, although newer. A set that is out of date, past or future, gives way to one that is
-//! not, and never replaces one.
+//! **Choice.** The set received last is used, and not the set with the latest reference time,
+//! because a set for a later period is worse now. A set that is out of date (past or future) never
+//! replaces a current one, and any current one replaces it.
 //!
 //! **Contradiction.** Two current sets of one satellite describe one orbit and differ by a few
 //! metres. If they differ by more, one of them is wrong, and it is unknown which. The third set
-//! that decides must be a new one, because another copy of a contradicting set is no new evidence.
-//! A copy of the known set cancels a contradiction that came once, as from a damaged message. If
-//! the contradiction was repeated as well, copies decide nothing. A satellite that was moved is out
-//! of use until its second new set.
+//! that decides must be a new one, because another copy of the contradicting set is no new
+//! evidence. If the contradicting set came only once, for example from a damaged message, a copy of
+//! the known set cancels it. If it was repeated, copies decide nothing. A satellite that changes
+//! its orbit is out of use until its second new set.
 //!
-//! **Galileo** sends two messages. I/NAV carries both group delays and thus serves every pair of
-//! signals; the orbit of F/NAV replaces it only if it is stale. The statements of each message
-//! about the health of its own signals count at once ([`Ephemeris::merge_health`]).
+//! **Galileo** sends two messages. I/NAV has both group delays and thus serves every pair of
+//! signals. The orbit of F/NAV replaces it only if it is stale. The health that each message
+//! reports of its signals counts at once ([`Ephemeris::merge_health`]).
 //!
-//! **Room** for [`CAPACITY`] satellites, as many as an epoch has: 64 take 9 KiB, and are more than
-//! four systems show at once. A stream may carry twice as many. If the store is full, the least
-//! useful set gives way, in this order:
+//! **Room** for [`CAPACITY`] satellites, as many as an epoch has: 64 take 9 KiB, and four systems
+//! never have more in view. A stream may carry twice as many. If the store is full, the least
+//! useful set is displaced, in this order:
 //!
 //! 1. a stale set;
 //! 2. a satellite that was not in the last epochs ([`Sight`]), with or without a set;
 //! 3. the satellite farthest below the horizon of the last position, if one is known;
-//! 4. the satellite that was observed longest ago; a new satellite counts as one that has just set;
-//! 5. a satellite of the system with the most sets, so that systems that come first are not lost at
+//! 4. the satellite that was observed longest ago; a new satellite counts as one that has just gone
+//!    below the horizon;
+//! 5. a satellite of the system with the most sets, so that no system occupies the whole store at
 //!    start;
 //! 6. the set that was received first.
 //!
-//! A new set that the first three criteria rank below all others is not taken. [`Store::displaced`]
-//! counts the sets of satellites in sight that gave way. [`RIVALS`] contradicting sets are stored;
-//! if there are more, the known set stays, disputed.
+//! A new set that the first three criteria rank below all others is not stored.
+//! [`Store::displaced`] counts the displaced sets of satellites in sight. [`RIVALS`] contradicting
+//! sets are stored. If there are more, the known set stays and counts as disputed.
 //!
 //! **State vectors** are integrated, and the part that the next epochs share is stored
 //! ([`Store::advance`]).
@@ -80,8 +81,8 @@ pub enum Insertion {
 #[derive(Clone, Debug)]
 struct Entry {
     ephemeris: Ephemeris,
-    /// Number of the last epoch with the satellite; for a satellite in none, that of the last but
-    /// one when the set was received.
+    /// Number of the last epoch with the satellite. If it was in no epoch: the number of the last
+    /// epoch but one when the set was received.
     observed: u32,
     /// Number of the ephemeris among all that were offered.
     received: u32,
@@ -108,7 +109,7 @@ pub struct Store {
     epochs: u32,
     received: u32,
     sight: Sight,
-    /// Sky of the last position that was known while the store was full.
+    /// Sky at the last position that was known while the store was full.
     skyline: Option<Skyline>,
     displaced: u32,
 }
@@ -135,8 +136,8 @@ impl Store {
         let received = self.received;
         let known = self.entries.iter_mut().find(|entry| entry.ephemeris.satellite == offered.satellite);
         let Some(entry) = known else {
-            // The satellite may be about to rise: it is less likely to be of use than those in
-            // sight, and more than any other.
+            // The satellite may be about to rise. It is less useful than those in sight, but more
+            // useful than any other.
             let observed = self.epochs.saturating_sub(1);
             let entry = Entry {
                 ephemeris: offered,
@@ -173,7 +174,7 @@ impl Store {
         }
     }
 
-    /// Notes the satellites of an epoch.
+    /// Records the satellites of an epoch.
     pub fn observe(&mut self, satellites: impl Iterator<Item = SatelliteId>) {
         self.epochs = self.epochs.saturating_add(1);
         self.sight.begin();
@@ -187,8 +188,8 @@ impl Store {
     }
 
     /// Takes the position of the receiver at the last epoch, and the elevation mask. If the store
-    /// is full, each call computes the elevation of one satellite, so that all are known before any
-    /// has moved by a degree.
+    /// is full, each call computes the elevation of one satellite. All are thus renewed before any
+    /// satellite has moved by a degree.
     #[inline(never)]
     pub fn look_from(&mut self, receiver: Ecef, mask_rad: f64, now: GpsTime) {
         if !self.entries.is_full() {
@@ -208,14 +209,14 @@ impl Store {
         self.entries.iter_mut().for_each(|entry| entry.elevation = HORIZON);
     }
 
-    /// Returns the number of sets that gave way to others although their satellites were in the
-    /// last epochs or above the mask.
+    /// Returns the number of sets that were displaced although their satellites were in the last
+    /// epochs or above the mask.
     pub fn displaced(&self) -> u32 {
         self.displaced
     }
 
-    /// Integrates the state vectors of the satellites in the last epoch up to an instant, so that
-    /// positions at and soon after it take one step. No position changes.
+    /// Integrates the state vectors of the satellites in the last epoch up to an instant. Positions
+    /// at and soon after it then take one step. No position changes.
     pub fn advance(&mut self, time: GpsTime) {
         let observed = self.entries.iter_mut().filter(|entry| entry.observed == self.epochs);
         observed.for_each(|entry| entry.ephemeris.advance(time));
@@ -336,7 +337,7 @@ impl Entry {
                 return self.settle(offered, received, rivals);
             }
             Some(rival) => *rival = Rival { ephemeris: offered, is_repeated: false },
-            // Without room the known set alone waits for one that agrees.
+            // Without room for a rival, the known set waits for a set that agrees with it.
             None => _ = rivals.push(Rival { ephemeris: offered, is_repeated: false }),
         }
         Insertion::Disputed

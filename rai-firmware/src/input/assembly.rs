@@ -1,4 +1,4 @@
-//! Assembly of the messages of one instant to one epoch, in any format.
+//! Assembly: joins the messages of one instant to one epoch, in any format.
 //!
 //! An epoch is complete when a message states that none follows, when a message of another instant
 //! arrives, or when the line is silent. If its time is refused, the whole epoch is dropped
@@ -7,12 +7,12 @@
 //! | flaw on the wire | effect |
 //! |---|---|
 //! | systems tag one instant differently, by less than [`SAME_INSTANT_MS`] | one epoch, at the first tag |
-//! | a system states that none follows, and another one follows | the later one is left out of this epoch; the statement of the first is ignored until it has been right [`FORGIVEN_AFTER`] times, and the epochs end with the next instant or a pause |
-//! | every message states that more follow, and the next epoch comes a minute later | the epoch is complete when the line is silent; a message that comes after all is left out, and the silence is ignored as a wrong statement is |
-//! | a message without satellites is tagged ahead | it does not advance time, because it has no evidence; far ahead it is skipped |
-//! | ranges come again under a new tag, bit for bit | the repeat is dropped, because satellites move by metres in a millisecond, so that its tag is wrong |
+//! | a system states that no message follows, but one does | that message is left out; the system's statement is ignored until it has been right [`FORGIVEN_AFTER`] times, and meanwhile epochs end with the next instant or a pause |
+//! | every message states that more follow, and the next epoch comes a minute later | the epoch is complete when the line is silent; a message that comes after the silence is left out, and later silences are then ignored like wrong statements |
+//! | a message without satellites is tagged ahead | it does not advance time, because no range supports its tag; far ahead it is skipped |
+//! | ranges come again under a new tag, bit for bit | the repeat is dropped: satellites move by metres in a millisecond, so that its tag must be wrong |
 //! | bytes are lost | the epoch under way and the rest of the next one are dropped |
-//! | two receivers of one name share the line | the first ranges are used; a second range with another value is reported ([`Rivalry`]), as is a turn of the ranges ([`super::turns`]) |
+//! | two receivers with one station number share the line | the first ranges are used; a second, different range of a satellite is reported ([`Rivalry`]), and so are ranges that alternate between two receivers ([`super::turns`]) |
 //! | the tag of one system is seconds off | the system is left out and counted ([`super::chain`]) |
 //! | the tags of one system are wrong by tens of milliseconds | one instant comes as two epochs without a common satellite, which is reported before either is judged ([`HALVES_MS`]) |
 
@@ -30,8 +30,9 @@ use crate::time::GpsTime;
 /// time separately.
 const SAME_INSTANT_MS: u32 = 10;
 
-/// Difference of tags below which epochs of different systems are halves of one instant, ms. A
-/// receiver that measures so often sends its systems together.
+/// Difference of tags below which epochs of different systems are halves of one instant, ms.
+/// Genuine epochs this close contain all systems, because a receiver that measures twice a second
+/// or more sends its systems together.
 const HALVES_MS: u32 = ASTRAY_MS;
 
 /// Largest change of a range in a millisecond, m: 1,000 m/s of satellite, vehicle and clock.
@@ -40,8 +41,8 @@ const RATE_M_MS: f64 = 1.0;
 /// Number of right statements after which a system's statement counts again.
 const FORGIVEN_AFTER: u8 = 3;
 
-/// Series that stands for a silent line, which says as a message does that none follows. RTCM has
-/// none of this number.
+/// Series that stands for a silent line: silence counts as a statement that no message follows.
+/// RTCM does not use this number.
 const SILENCE: Series = 15;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,16 +64,17 @@ enum Phase {
 pub(super) struct Assembly {
     epoch: RawEpoch,
     came_ms: u64,
-    /// True if the epoch has had a message with satellites, and only then has time advanced to it.
+    /// True if a message with satellites has come for this epoch. Only such a message advances the
+    /// calendar to the epoch.
     is_vouched: bool,
     phase: Phase,
-    /// Series of the epoch's messages, one bit each.
+    /// Series that have a message in the epoch, one bit each.
     heard: u16,
     /// Number of right statements that each series still needs.
     distrust: [u8; 16],
     /// Tag of a UTC message without an open epoch, and its arrival, ms.
     utc_before: Option<(u32, u64)>,
-    /// True if a rival of this epoch was reported.
+    /// True if the ranges of this epoch were reported to be of two receivers.
     has_rival: bool,
     chain: Chain,
     turns: Turns,
@@ -80,8 +82,8 @@ pub(super) struct Assembly {
     ranges_before: Option<u32>,
 }
 
-/// Longest time between messages of one instant, ms. On a slower line they do not determine the
-/// leap seconds.
+/// Longest time between a UTC tag and a tag in GPS time from which the leap seconds are inferred,
+/// ms.
 const BURST_MS: u64 = 100;
 
 impl Assembly {
@@ -153,8 +155,8 @@ impl Assembly {
         }
     }
 
-    /// Returns true if the UTC tag of a message may be wrong by a leap second: it does not fit the
-    /// open epoch, or there is none to compare it with.
+    /// Returns true if the UTC tag of a message may be wrong by a leap second. Either it does not
+    /// fit the open epoch, or no epoch is open to compare it with.
     fn is_unsure(&self, ranges: &Ranges<'_>, tow_ms: u32, calendar: &Calendar) -> bool {
         ranges.of_utc_ms.is_some_and(|utc_ms| match self.phase {
             Phase::Open(_) => !is_same(tow_ms, self.epoch.time.tow_ms) && calendar.is_step_due(),
@@ -167,8 +169,8 @@ impl Assembly {
         self.epoch.time = GpsTime::nearest(self.epoch.time.tow_ms, present);
     }
 
-    /// Completes an epoch that a series stated as complete, because the line pauses and the
-    /// statement was thus right.
+    /// Completes an epoch that a series stated as complete. The line pauses, so that the statement
+    /// was right.
     pub(super) fn pause(&mut self, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
         self.chain.forget();
         if let Phase::Open(Some(series)) = self.phase
@@ -299,7 +301,8 @@ impl Assembly {
             tell(Event::Redated(present));
         }
         self.is_vouched = time.is_ok();
-        // A message without satellites may come before its time.
+        // A message without satellites may have opened the epoch early. The arrival of the epoch is
+        // that of its first message with satellites.
         self.came_ms = came_ms;
         self.begin(time, tow_ms, counters)
     }
@@ -320,9 +323,10 @@ impl Assembly {
 
     /// Adds the ranges of a message, or compares them with those of the last complete epoch.
     ///
-    /// A range that came before in another message is compared with the first: a difference that
-    /// the time between them does not explain is of a second receiver. Both are one function,
-    /// because the reader of a message is compiled for each caller.
+    /// If a range of a satellite came before in another message, both are compared. If the time
+    /// between the two does not explain the difference, it is evidence of a second receiver. Adding
+    /// and comparing share one function, because the compiler copies the message reader for each
+    /// caller.
     #[inline(never)]
     fn take_all(
         &mut self,
@@ -345,8 +349,9 @@ impl Assembly {
         }
     }
 
-    /// Returns true if ranges of a system that the epoch lacks have a tag so near to it that both
-    /// are of one instant. After a complete epoch they must also arrive before the next instant.
+    /// Returns true if the ranges are of a system that the epoch lacks, and their tag is so near
+    /// that both are of one instant. After a complete epoch they must also arrive before the next
+    /// instant.
     fn is_half(&self, series: Option<Series>, tow_ms: u32, came_ms: u64) -> bool {
         let (instant_ms, is_complete) = match self.phase {
             Phase::Open(_) => (self.epoch.time.tow_ms, false),
@@ -368,7 +373,7 @@ impl Assembly {
                 self.phase = Phase::Open(Some(series));
             }
             (Phase::Open(_), _) => self.complete(series, counters, tell),
-            // The rest of a dropped epoch is dropped, too.
+            // The rest of a dropped epoch is also dropped.
             (Phase::Idle | Phase::Dropping(_) | Phase::Complete(..) | Phase::Interrupted, _) => {}
         }
     }
@@ -381,8 +386,8 @@ impl Assembly {
             return count(&mut counters.epochs_repeated);
         }
         self.ranges_before = ranges;
-        // With two receivers in one epoch the stored ranges are of either, so that their turns are
-        // no evidence.
+        // If two receivers share one epoch, its stored ranges are a mixture, and the test for
+        // alternating receivers does not apply.
         if !self.has_rival
             && cfg!(feature = "signs")
             && let Some(rivalry) = self.turns.take(&self.epoch)

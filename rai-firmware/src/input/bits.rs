@@ -1,7 +1,7 @@
 //! Fields of navigation messages: bits in the order of transmission, most significant first.
 //!
-//! Offsets and widths are constants of the decoders' tables and lie inside the pages, whose lengths
-//! are those of their types. Bits beyond the end read as zero.
+//! Offsets and widths are constants in the tables of the decoders, and lie inside the pages. Bits
+//! beyond the end read as zero.
 
 use crate::ephemeris::times_power_of_two;
 
@@ -12,7 +12,7 @@ pub(super) struct Bits<'a>(pub(super) &'a [u8]);
 impl Bits<'_> {
     /// Returns an unsigned field of 1 to 32 bits.
     pub(super) fn unsigned(self, start: usize, width: usize) -> u32 {
-        // Most fields lie within four bytes, which the processor loads at once.
+        // Most fields are within four bytes, which the processor loads at once.
         let four = self.0.get(start / 8..).and_then(|from| from.first_chunk());
         match four {
             Some(four) if start % 8 + width <= 32 => {
@@ -112,7 +112,7 @@ fn append(bytes: &mut [u8], mut bits: usize, field: u32, width: usize) -> usize 
         let room = 8 - bits % 8;
         let taken = room.min(left);
         left -= taken;
-        // The upper bits of the rest of the field, at the upper end of the room.
+        // Puts the upper bits of the rest of the field at the upper end of the free bits.
         let part = (field >> left) as u8 & (0xFF >> (8 - taken));
         if let Some(byte) = bytes.get_mut(bits / 8) {
             *byte |= part << (room - taken);

@@ -1,23 +1,23 @@
-//! Messages of one instant, of which each but the last states that more follow.
+//! Chains of messages: each message of one instant, except the last, states that more follow.
 //!
-//! A receiver may tag one of its systems with a time that is seconds off: a station of 2012 tags
-//! `BeiDou` with GPS time, 14 s ahead. Read alone, such a message is an epoch of the future, and
-//! every later message of the other systems is from the past. But the message before it stated that
-//! more of **its** instant follow, so that the tag contradicts the chain. The message is left out,
-//! and the other systems stay in use.
+//! A receiver may tag one of its systems with a time that is seconds off. For example, a station of
+//! 2012 tags `BeiDou` with GPS time, 14 s ahead. Taken alone, such a message would open an epoch in
+//! the future, and every later message of the other systems would be in the past. But the message
+//! before it stated that more of **the same** instant follow, which the tag contradicts. The
+//! message is left out, and the other systems stay in use.
 //!
-//! | case | why the message stays |
+//! | case | reason why the message stays |
 //! |---|---|
-//! | no message ever stated that none follows | the receiver never ends a chain, so that its statements say nothing |
-//! | the system came before in this chain | the next epoch begins; the end of this chain was lost |
-//! | the tag is of UTC | it may be wrong by a leap second, which the calendar infers from it |
+//! | no message ever stated that none follows | the receiver never ends a chain, so that its statements are no evidence |
+//! | the system already has a message in this chain | the next epoch begins; the end of this chain was lost |
+//! | the tag is in UTC | the tag may be wrong by a leap second; the calendar needs the message to infer the leap seconds |
 //! | the line was silent, or bytes were lost | the chain may have ended meanwhile |
 
 use super::{Ranges, Series};
 use crate::time::WEEK_MS;
 
-/// Smallest difference of tags that contradicts a chain, ms. Smaller ones are of one instant, or
-/// evidence against both halves of it.
+/// Smallest difference of tags that contradicts a chain, ms. If the difference is smaller, the
+/// messages are of one instant, or are reported as its halves with different tags.
 pub(super) const ASTRAY_MS: u32 = 500;
 
 /// Chain under way.
@@ -25,7 +25,7 @@ pub(super) const ASTRAY_MS: u32 = 500;
 pub(super) struct Chain {
     /// Time of week of the chain, ms, while more of it follow.
     instant_ms: Option<u32>,
-    /// Series of the chain, one bit each.
+    /// Series that have a message in the chain, one bit each.
     heard: u16,
     /// True if a message stated that none follows.
     is_ever_ended: bool,
@@ -61,7 +61,7 @@ impl Chain {
         self.forget();
     }
 
-    /// Forgets the chain, because it may have ended unheard.
+    /// Forgets the chain, because the message that ends it may be lost.
     pub(super) const fn forget(&mut self) {
         self.instant_ms = None;
         self.heard = 0;

@@ -5,11 +5,11 @@ use crate::counters::counters;
 counters! {
     /// Received and unused input, by reason.
     Counters {
-        /// Frames whose check holds.
+        /// Frames that passed their check.
         frames,
         /// Bytes that belong to no valid frame.
         bytes_skipped,
-        /// Frames whose check fails.
+        /// Frames that failed their check.
         crc_failures,
         /// Candidates that were skipped without a check, because too many before them had failed.
         frames_unchecked,
@@ -27,7 +27,7 @@ counters! {
         ephemerides,
         /// Ephemerides with a value that no satellite sends.
         ephemerides_invalid,
-        /// Messages of ranges that came in another format before, or that are of another station.
+        /// Messages of ranges from a source that is not in use: another format or another station.
         observations_doubled,
         /// GLONASS messages before the leap seconds are known.
         leap_unknown,
@@ -39,21 +39,22 @@ counters! {
         subframes_malformed,
         /// Navigation bits with a wrong parity or CRC.
         subframes_parity,
-        /// Frames of navigation bits for which no set is free.
+        /// Frames of navigation bits for which no slot is free.
         subframes_surplus,
         /// Sets of navigation bits whose pages are of different issues.
         subframes_mixed,
-        /// Sets of navigation bits discarded incomplete, because no page came for two minutes.
+        /// Incomplete sets of navigation bits that were discarded, because no page came for two
+        /// minutes.
         subframes_abandoned,
         /// Reference positions far from the surface of the earth.
         positions_invalid,
-        /// Epochs handed on.
+        /// Epochs that were complete and passed on.
         epochs,
         /// Epochs, and ephemerides of GLONASS, dropped because the week is unknown.
         epochs_without_week,
         /// Epochs dropped because they are not newer than the last one.
         epochs_backwards,
-        /// Epochs dropped because their ranges are bit for bit those of the epoch before.
+        /// Epochs dropped because their ranges equal those of the epoch before, bit for bit.
         epochs_repeated,
         /// Times that went back and were accepted, because later epochs continued from there or a
         /// confirmed epoch led to them.
@@ -66,8 +67,8 @@ counters! {
         observations_after_end,
         /// Observations without satellites whose time is far ahead, or that came before all others.
         observations_ahead,
-        /// Observations of a system whose time contradicts that of the message before, which stated
-        /// that more of its instant follow.
+        /// Observations of a system with a wrong time: the message before stated that more of its
+        /// instant follow.
         observations_astray,
         /// Observations dropped because their time of week is out of range.
         times_out_of_range,

@@ -1,6 +1,6 @@
 //! CRC-24Q, the check of an RTCM frame and of a Galileo page.
 //!
-//! Zero bits in front do not change it, so that a page of any number of bits becomes whole bytes.
+//! Zero bits in front do not change it, so that a page of any length can be padded to whole bytes.
 //!
 //! References: [RTCM-10403.3] 4.2; [OS-SIS-ICD] 5.1.9.4.
 //!
@@ -12,14 +12,14 @@ const POLYNOMIAL: u32 = 0x0186_4CFB << 8;
 
 /// Returns the CRC of bytes; zero if they end in their valid parity.
 ///
-/// The remainder is kept in the upper bits of a word, and four bytes enter it at once.
+/// The remainder is in the upper bits of a word, and four bytes are added at once.
 pub(super) fn crc24q(bytes: &[u8]) -> u32 {
     let (words, rest) = bytes.as_chunks::<4>();
     let crc = words.iter().fold(0, |crc, next| word(crc ^ u32::from_be_bytes(*next)));
     rest.iter().fold(crc, |crc, &next| byte(crc ^ u32::from(next) << 24)) >> 8
 }
 
-/// Returns the remainder after as many more bits.
+/// Returns the remainder after this many more bits.
 const fn shifted(mut crc: u32, bits: u32) -> u32 {
     let mut bit = 0;
     while bit < bits {
@@ -29,7 +29,7 @@ const fn shifted(mut crc: u32, bits: u32) -> u32 {
     crc
 }
 
-/// Returns the remainder after eight more bits. A small table takes half a byte out of it.
+/// Returns the remainder after eight more bits, by two steps of a small table.
 fn byte(crc: u32) -> u32 {
     /// Remainder of each value of the upper four bits.
     const TABLE: [u32; 16] = {
@@ -52,7 +52,7 @@ fn word(crc: u32) -> u32 {
     byte(byte(byte(byte(crc))))
 }
 
-/// Returns the same by four tables of a kilobyte, for which a host has room, in a third of the
+/// Returns the same by four tables of a kilobyte, which a host can afford. It takes a third of the
 /// instructions.
 #[cfg(not(target_os = "none"))]
 fn word(crc: u32) -> u32 {

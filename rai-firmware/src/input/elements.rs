@@ -1,8 +1,8 @@
-//! Orbital elements in navigation messages: a table of places for each message, and one reader for
-//! all.
+//! Orbital elements in navigation messages: one table of places for each message, and one reader
+//! for all messages.
 //!
-//! Every system sends the same elements, with its own widths and units ([`Form`]); every message
-//! has them in another order ([`Layout`]). References: [IS-GPS-200] 20.3.3.3 and 20.3.3.4;
+//! Every system sends the same elements, with its widths and units ([`Form`]). Every message has
+//! them in a different order ([`Layout`]). References: [IS-GPS-200] 20.3.3.3 and 20.3.3.4;
 //! [OS-SIS-ICD] 5.1; [BDS-SIS-B1I] 5.2.4.
 //!
 //! [IS-GPS-200]: crate#references
@@ -20,7 +20,7 @@ use crate::time::GpsTime;
 pub(super) struct Place {
     /// Page, from 0.
     page: u8,
-    /// Number of its last bits that are on the next page, from [`Self::BEHIND`] on.
+    /// Number of last bits that are on the next page, from bit [`Self::BEHIND`] on.
     behind: u8,
     /// First bit.
     start: u16,
@@ -91,7 +91,7 @@ pub(super) struct Layout {
     pub(super) group_delays: [Option<Place>; 2],
 }
 
-/// Values of a message beside its elements, which each message codes in its own way.
+/// Values of a message other than its elements, which each message codes differently.
 pub(super) struct Head {
     pub(super) satellite: SatelliteId,
     pub(super) source: Source,
@@ -156,7 +156,7 @@ impl Layout {
         let [sqrt_a, eccentricity] = self.ellipse;
         let [m0_sc, omega0_sc, i0_sc, omega_sc] = self.angles.map(|place| scaled(place, ANGLE));
         let [motion, node_rate, inclination_rate] = self.rates;
-        // Single precision holds the corrections exactly.
+        // Single precision represents the corrections exactly.
         let [cuc_rad, cus_rad, cic_rad, cis_rad] =
             self.angle_corrections.map(|place| scaled(place, form.angle_correction) as f32);
         let [crc_m, crs_m] =
@@ -172,8 +172,8 @@ impl Layout {
             health: head.health,
             accuracy_m: head.accuracy_m,
             toe: head.toe,
-            // A set has one week number for both times, which near the end of a week fits only one
-            // of them.
+            // A set has one week number for `toe` and `toc`, which near the end of a week is right
+            // for only one.
             toc: GpsTime::nearest(head.toc.tow_ms, head.toe),
             sqrt_a_sqrt_m: sqrt_a.positive(pages, SQRT_A),
             eccentricity: eccentricity.positive(pages, ECCENTRICITY),

@@ -1,4 +1,4 @@
-//! Ranges of one epoch: which are stored, and how two sets of them compare.
+//! Ranges of one epoch: selects which are stored, and compares later ranges with them.
 
 use heapless::Vec;
 use raim_core::numeric::bounds::is_within;
@@ -15,8 +15,9 @@ use crate::raw::{RawEpoch, RawSatellite, RawSignal};
 const RANGE_M: core::ops::RangeInclusive<f64> = 1.0e7..=5.2e7;
 
 /// Difference of two ranges of one band at one instant beyond which they are of two antennas or two
-/// clocks, m. A receiver repeats its ranges to the steps of its messages. Reflections can make its
-/// codes of one band differ by as much, but then one of the codes agrees with the stored range.
+/// clocks, m. If a receiver repeats a range, both values agree to the resolution of the messages.
+/// Reflections can make different codes of one band differ by as much. Then at least one of the
+/// codes agrees with the stored range.
 const APART_M: f64 = 5.0;
 
 /// Returns a hash of all satellites and ranges; `None` without satellites.
@@ -38,21 +39,22 @@ pub(super) fn hash_of_ranges(epoch: &RawEpoch) -> Option<u32> {
     (!epoch.satellites.is_empty()).then_some(hash)
 }
 
-/// Comparison of the ranges of a message with those that an epoch has of the same satellites.
+/// Comparison of the ranges of a message with the stored ranges of the same satellites.
 ///
 /// ```text
 /// of two receivers if  n(differ) > 0  and  n(differ) ≥ n(agree)
 /// ```
 ///
-/// A satellite differs if no range of one of its bands equals the stored one. A receiver that sends
-/// its ranges twice, one of them wrong, is one receiver: that fault is for the integrity test.
+/// A satellite differs if it has a band on which every new range differs from the stored one. A
+/// single wrong range among repeated ones does not indicate a second receiver: it is left to the
+/// integrity test.
 pub(super) struct Comparison {
     /// Largest difference of two ranges of one antenna, m.
     most_m: f64,
     satellite: Option<SatelliteId>,
-    /// Bands of the satellite on which a range equals the stored one.
+    /// Bands of the satellite on which a new range equals the stored one.
     agree: u16,
-    /// Bands of the satellite on which a range differs from it.
+    /// Bands of the satellite on which a new range differs from the stored one.
     differ: u16,
     /// Number of satellites that agree, minus those that differ.
     balance: i16,
@@ -90,7 +92,7 @@ impl Comparison {
         (self.agree, self.differ) = (0, 0);
     }
 
-    /// Returns true if the ranges are of a second receiver.
+    /// Returns true if the ranges come from a second receiver.
     pub(super) fn finds_another(mut self) -> bool {
         self.close();
         self.has_differed && self.balance <= 0
@@ -134,9 +136,9 @@ fn open(epoch: &mut RawEpoch, satellite: SatelliteId, signal: RawSignal, counter
     }
 }
 
-/// Stores one code of each band: the one that the broadcast clock refers to, else the first on the
-/// wire. A code without a usable strength takes that of the other code. If there are more bands
-/// than capacity, spare ones give way.
+/// Stores one code of each band: the one that the broadcast clock refers to, otherwise the first on
+/// the wire. If that code has no usable strength, it takes the strength of the other. If the
+/// satellite has more bands than fit, spare bands are left out.
 fn add_signal(raw: &mut RawSatellite, signal: RawSignal, is_reference: bool, counters: &mut Counters) {
     if let Some(known) = raw.signals.iter_mut().find(|known| known.carrier.band == signal.carrier.band) {
         if is_reference {

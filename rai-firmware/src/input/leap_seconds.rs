@@ -1,16 +1,17 @@
-//! GPS time minus UTC: its sources, and when each is believed.
+//! GPS time minus UTC: its sources, and the evidence that each needs to change a known number.
 //!
-//! | source | change of a known number |
+//! | source | evidence that changes a known number |
 //! |---|---|
-//! | the receiver, or satellites in their navigation bits | the next number, stated twice in a row; any other, [`RUN`] times in a row |
-//! | messages of one instant, one tagged with GPS time and one with UTC | any other, the same [`RUN`] times in a row |
+//! | the receiver, or satellites in their navigation bits | a number that differs by 1, twice in a row; any other number, [`RUN`] times in a row |
+//! | messages of one instant, one tagged with GPS time and one with UTC | any number, [`RUN`] times in a row |
 //!
-//! If no number is known, the first statement counts. Later ones must repeat, because a single one
-//! may be damaged, and leap seconds come one at a time.
+//! If no number is known, the first statement of a receiver or satellite counts. Later statements
+//! must repeat, because a single one may be damaged. A step of 1 needs fewer, because leap seconds
+//! come one at a time.
 //!
 //! A leap second is inserted at the end of June or December, at midnight of UTC ([ITU-R TF.460-6]).
-//! For a minute from then on, tags in [`STEP_RUN`] epochs suffice for the next number. Until they
-//! agree, a tag of UTC is uncertain by a second ([`LeapSeconds::is_unsure`]).
+//! Around that midnight, tags in [`STEP_RUN`] epochs suffice for a step of 1. Until they agree, a
+//! UTC tag is uncertain by a second ([`LeapSeconds::is_unsure`]).
 //!
 //! [ITU-R TF.460-6]: crate#references
 
@@ -20,20 +21,22 @@ use crate::time::{DAY_MS, GpsTime, WEEK_MS};
 /// Number of consecutive statements that overrule a known number.
 const RUN: u8 = 10;
 
-/// Number of consecutive tags that overrule it with the next number while a leap second may come.
+/// Number of consecutive tags that suffice for a step of 1 while a leap second may be inserted.
 const STEP_RUN: u8 = 2;
 
-/// Time before and after the midnight of a leap second in which the step may appear, ms.
+/// Time before the midnight of a leap second from which on the step may appear, ms.
 const BEFORE_STEP_MS: u32 = 60_000;
+
+/// Time after that midnight until which the step may appear, ms.
 const AFTER_STEP_MS: u32 = 60_000;
 
-/// The inserted second, ms. By the number before the step it is the first of the new day.
+/// The inserted second, ms. By the number before the step it is the first second of the new day.
 const LEAP_SECOND_MS: u32 = 1000;
 
 /// Upper bound of leap seconds, s.
 const MOST_S: u32 = 63;
 
-/// Tags of one instant differ by less, ms.
+/// Difference below which tags are of one instant, ms.
 const TAG_MS: u32 = 10;
 
 /// Source of the number of leap seconds.
@@ -47,14 +50,14 @@ pub enum LeapSource {
     Tags,
 }
 
-/// Lead of GPS time over UTC.
+/// GPS time minus UTC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LeapSecond {
     /// GPS time minus UTC, s.
     pub seconds: u8,
     /// Source of the last statement.
     pub source: LeapSource,
-    /// Time of that statement, as the time of the last epoch.
+    /// Time of the last epoch before that statement.
     pub said: Option<GpsTime>,
 }
 
@@ -68,7 +71,7 @@ pub(super) struct LeapSeconds {
     compared: Option<GpsTime>,
 }
 
-/// A number, and how often it came in a row.
+/// A number, and how often in a row it came.
 #[derive(Debug)]
 struct Repeated {
     seconds: u8,
@@ -78,7 +81,7 @@ struct Repeated {
 impl Repeated {
     const NONE: Self = Self { seconds: 0, run: 0 };
 
-    /// Counts a number; returns how often it came in a row.
+    /// Counts a number; returns how often in a row it has come.
     fn count(&mut self, seconds: u8) -> u8 {
         let run = if seconds == self.seconds { self.run.saturating_add(1) } else { 1 };
         *self = Self { seconds, run };
@@ -110,9 +113,9 @@ impl LeapSeconds {
         }
     }
 
-    /// Takes the tags of two messages of one instant. After lost bytes a message may be of a
-    /// neighbouring epoch, and its tag wrong by whole seconds. One comparison is therefore not
-    /// enough.
+    /// Takes the tags of two messages of one instant. One comparison is not enough: after lost
+    /// bytes, one of the messages may be of a neighbouring epoch. Its tag then differs by whole
+    /// seconds.
     pub(super) fn infer(&mut self, gps_ms: u32, utc_ms: u32, now: Option<GpsTime>) {
         let difference_ms = (gps_ms + WEEK_MS - utc_ms) % WEEK_MS;
         let seconds = (difference_ms + 500) / 1000;
@@ -131,7 +134,7 @@ impl LeapSeconds {
 }
 
 impl LeapSeconds {
-    /// Returns true while a leap second may come; `now` is the last epoch.
+    /// Returns true while a leap second may be inserted; `now` is the last epoch.
     pub(super) fn is_step_due(&self, now: Option<GpsTime>) -> bool {
         let Some((day, of_day_ms)) = self.utc(now) else { return false };
         match of_day_ms {
@@ -140,8 +143,9 @@ impl LeapSeconds {
         }
     }
 
-    /// Returns true if a tag of UTC that is the first of its instant may be wrong by a second: tags
-    /// were not compared since the step can appear, or did not fit the known number.
+    /// Returns true if a UTC tag that is the first of its instant may be wrong by a second. Either
+    /// no tags were compared since the leap second became possible, or they did not fit the known
+    /// number.
     pub(super) fn is_unsure(&self, utc_ms: u32, now: Option<GpsTime>) -> bool {
         if self.inferred.run == 0 || !self.is_step_due(now) {
             return false;

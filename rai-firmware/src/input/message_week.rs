@@ -1,6 +1,6 @@
-//! The instant that a message states by a week number, which rolls over, and a second of that week.
+//! The instant that a message states: a week number, which rolls over, and a second of that week.
 //!
-//! | system | bits | week 0 is | comes round |
+//! | system | bits | week 0 is | rolls over |
 //! |---|---|---|---|
 //! | GPS | 10 | in the cycle nearest to the known time | every 1,024 weeks |
 //! | Galileo | 12 | GPS week 1,024 | in 2078 |
@@ -16,9 +16,11 @@ use raim_core::satellite::Constellation;
 
 use crate::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime, WEEK_MS};
 
-/// First week that a GPS ephemeris can mean if no time is known: 2019-04-07, the third cycle.
+/// First week that a GPS ephemeris can mean if no time is known: 2019-04-07, the third cycle of GPS
+/// weeks.
 ///
-/// It is right until 2038-11-20, and not needed with a Galileo or `BeiDou` ephemeris.
+/// The choice is right until 2038-11-20. It is not needed if there is a Galileo or `BeiDou`
+/// ephemeris.
 pub const NOT_BEFORE_WEEK: u16 = 2048;
 
 /// Week number of a message.
@@ -29,8 +31,8 @@ pub(super) struct MessageWeek {
 }
 
 impl MessageWeek {
-    /// Returns the instant at `tow_s` of the stated week of the system's own time; `known` chooses
-    /// the cycle of a GPS week.
+    /// Returns the instant at `tow_s` of the stated week, in the time of the system. `known`
+    /// chooses the cycle of a GPS week.
     pub(super) fn stated(self, tow_s: u32, known: Option<GpsTime>) -> Option<GpsTime> {
         let tow_ms = tow_s.checked_mul(1000).filter(|tow_ms| *tow_ms < WEEK_MS)?;
         let own = GpsTime { week: self.full_week(known)?, tow_ms };

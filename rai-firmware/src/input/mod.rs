@@ -14,19 +14,19 @@
 //! | `navigation` | reads the navigation bits of satellites, whatever format brings them |
 //! | `bits` | fields of navigation messages |
 //! | `elements` | places of the orbital elements in each message |
-//! | `preference` | choice of the source of ranges |
+//! | `preference` | choice between sources of ranges |
 //! | `assembly` | joins the messages of one instant to one epoch |
 //! | `epoch_ranges` | ranges of one epoch |
 //! | `turns` | detection of two receivers that take turns on one line |
-//! | `suspicion` | reports of a receiver on its own signals |
+//! | `suspicion` | a receiver's reports of jamming and spoofing |
 //! | `system` | satellite numbers of each system |
 //! | `calendar`, `message_week`, `present_week`, `roll_over`, `week_votes` | the present week, and time that only goes forward |
 //! | `leap_seconds` | GPS time minus UTC |
 //! | [`Counters`] | counters of received and unused input |
 //!
-//! Code behind [`Message`] is independent of the wire format. A new format is a module beside
-//! `rtcm` with a type that implements `protocol::Protocol`, and a row in the table of formats in
-//! this file.
+//! Code behind [`Message`] is independent of the wire format. A new format is a folder next to
+//! `rtcm`, with a type that implements `protocol::Protocol`. It also needs a row in the table of
+//! formats in this file.
 //!
 //! ```
 //! # use raim_firmware::input::{Event, Input};
@@ -97,35 +97,35 @@ pub use suspicion::{Jamming, LoggedEvents, ReceiverLevels, Reporter, SelfReport,
 /// Event in the stream of bytes.
 #[derive(Debug)]
 pub enum Event<'a> {
-    /// All observations of one instant, and the arrival of its first byte, ms.
+    /// All observations of one instant, and the arrival of their first byte, ms.
     Epoch(&'a RawEpoch, u64),
     /// A checked ephemeris.
     Ephemeris(Ephemeris),
-    /// The present, after its week was determined or corrected. Earlier sets may be dated a week
-    /// off and are moved ([`crate::ephemeris::Store::redate`]).
+    /// The present, after its week was determined or corrected. Ephemerides that came before may
+    /// have a wrong week, and are moved ([`crate::ephemeris::Store::redate`]).
     Redated(GpsTime),
-    /// Position that a station reports, as a first guess.
+    /// Position that a station broadcasts, which serves as a first guess.
     Position(Ecef),
-    /// Coefficients of the ionosphere that the satellites of GPS or `BeiDou` broadcast, each for
-    /// its own model, `α0…α3, β0…β3`.
+    /// Coefficients `α0…α3, β0…β3` of the ionosphere from the satellites of GPS or `BeiDou`, each
+    /// for the model of its system.
     Ionosphere(Constellation, [f64; 8]),
     /// Report of the receiver on its own signals.
     SelfReport(SelfReport),
-    /// Evidence that the ranges of the next epoch are not all of one antenna at one instant.
+    /// Evidence that the ranges of the next epoch are not all from one antenna at one instant.
     Rivalry(Rivalry),
 }
 
 /// Evidence against the ranges of an epoch, known before it is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rivalry {
-    /// Two receivers share the line: a range came twice, with another value.
+    /// Two receivers share the line: after an epoch, its ranges came again with other values.
     Receivers,
-    /// The same within the epoch that is judged next: one message may be forged, and the next epoch
-    /// right.
+    /// Ranges came twice with different values within the epoch that is judged next. One message of
+    /// it may be forged, and later epochs may be right.
     Joined,
-    /// Two receivers may share the line: the ranges moved to and fro once.
+    /// Two receivers may share the line: the ranges have moved to and fro once.
     Suspected,
-    /// One instant came as two epochs, of other systems each: the tag of one is wrong.
+    /// One instant came as two epochs with different systems, so that the tag of one is wrong.
     Halves,
 }
 
@@ -139,7 +139,7 @@ enum Message<'a> {
     /// A position, a velocity and a clock, not yet checked.
     #[cfg(feature = "glonass")]
     State(StateBroadcast),
-    /// Position that a station reports.
+    /// Position that a station broadcasts.
     Position(Ecef),
     /// Coefficients of the ionosphere with their system, and GPS time minus UTC, s.
     #[cfg(feature = "ubx")]
@@ -154,21 +154,22 @@ enum Message<'a> {
 struct Ranges<'a> {
     /// Number of the station; 0 if the format has none.
     station: u16,
-    /// System of the message; `None` if the message covers all.
+    /// Series that the message belongs to; `None` if the message covers all systems.
     series: Option<Series>,
-    /// Milliseconds into the week of GPS time; `None` if they cannot be derived from the format's
-    /// own time.
+    /// Milliseconds into the week of GPS time; `None` if they cannot be derived from the time that
+    /// the message states.
     tow_ms: Option<u32>,
     /// Milliseconds into the week of UTC, if the format counts UTC.
     of_utc_ms: Option<u32>,
     /// Time with its week, and GPS time minus UTC, if the format states them.
     stated: Option<(GpsTime, Option<u8>)>,
-    /// True if the message states that more of the same instant follow.
+    /// True if the message states that more messages of the same instant follow.
     more_follow: bool,
     measured: Measured<'a>,
 }
 
-/// Series of messages that states itself whether more follow: a constant number below 16.
+/// Number, below 16, of a series of messages with its own statement of whether more follow: one
+/// system in RTCM.
 type Series = u8;
 
 // One row for each wire format.
@@ -233,8 +234,9 @@ impl Input {
         self.drain(true, &mut tell);
     }
 
-    /// Completes an epoch whose end was stated by a system that has stated it wrongly before,
-    /// because the line pauses for longer than between two messages of one burst.
+    /// Completes an epoch whose end was stated by a system that stated an end wrongly before. The
+    /// line has paused for longer than any gap inside a burst, so that the statement is right this
+    /// time.
     pub fn pause(&mut self, mut tell: impl FnMut(Event<'_>)) {
         self.assembly.pause(&mut self.counters, &mut tell);
     }
@@ -243,8 +245,8 @@ impl Input {
     /// any pause inside an epoch.
     ///
     /// Some casters announce in every message that more follow. If the next epoch comes only after
-    /// the time to alert, its first message would complete this one too late. A slow line, which
-    /// is busy until the next epoch, is never silent.
+    /// the time to alert, its first message would complete this one too late. A slow line that is
+    /// busy until the next epoch is never silent; there, the next epoch completes this one in time.
     pub fn end_epoch(&mut self, mut tell: impl FnMut(Event<'_>)) {
         self.assembly.silence(&mut self.counters, &mut tell);
     }
@@ -267,21 +269,22 @@ impl Input {
         self.preference.settle();
     }
 
-    /// Takes the full GPS week of the next epoch from a trusted source, as the date of a recording.
-    /// It also selects the cycle of GPS weeks.
+    /// Takes the full GPS week of the next epoch from a trusted source, such as the date of a
+    /// recording. The week also selects the cycle of 1024 GPS weeks.
     pub fn assume(&mut self, week: u16) {
         self.calendar.assume(week);
     }
 
-    /// Discards every confirmation, because the next bytes may be of another receiver and another
-    /// time.
+    /// Discards every confirmation, because the next bytes may come from another receiver and
+    /// another time.
     pub fn forget(&mut self) {
         self.calendar.forget();
         self.preference = Preference::new();
     }
 
-    /// Returns true if epochs of other sources come while the settled one is missing: the receiver
-    /// with another station number or format, or another receiver on its line.
+    /// Returns true if the source that was confirmed as the receiver is missing, and epochs of
+    /// another source arrive: the receiver with another format or station number, or another
+    /// receiver.
     pub fn hears_others(&self) -> bool {
         self.preference.hears_others()
     }
@@ -301,8 +304,8 @@ impl Input {
         self.calendar.leap_second()
     }
 
-    // Reading a message and learning from one are not inlined, because an epoch is judged below
-    // this stack frame.
+    // `read` and `learn` are not inlined, because this stack frame still exists while an epoch is
+    // judged.
     fn drain(&mut self, is_silent: bool, tell: &mut dyn FnMut(Event<'_>)) {
         let Self { framer, calendar, assembly, memory, preference, counters } = self;
         while let Some((format, frame)) = framer.next(is_silent, counters) {
@@ -341,7 +344,7 @@ impl Input {
 }
 
 /// Returns the position of the station in a single RTCM frame, which is checked and read as in a
-/// stream, but without a stream's memory.
+/// stream.
 pub(crate) fn station(frame: &[u8]) -> Option<Ecef> {
     let frame = protocol::whole::<rtcm::Rtcm>(frame)?;
     match rtcm::Rtcm::read(&frame, &mut (), &Calendar::new(), &mut Counters::NONE.clone()) {
@@ -350,7 +353,7 @@ pub(crate) fn station(frame: &[u8]) -> Option<Ecef> {
     }
 }
 
-/// Reads a frame; counts one without a message.
+/// Reads a frame. Counts a frame that leads to no message.
 #[inline(never)]
 fn read<'a>(
     format: Format,
@@ -377,7 +380,7 @@ enum Unread {
     Malformed,
     /// The time of week is out of range.
     Time,
-    /// The ephemeris has a number or a time that no satellite has.
+    /// The ephemeris has a value or a time that is impossible for a satellite.
     Ephemeris,
     /// The position is impossible for a receiver.
     Position,
@@ -395,7 +398,7 @@ enum Unread {
     BitsParity,
     /// The pages of a set of navigation bits are of different issues.
     BitsMixed,
-    /// No set is free for the navigation bits.
+    /// No slot is free for another set of navigation bits.
     BitsSurplus,
 }
 
@@ -420,8 +423,8 @@ impl Unread {
 }
 
 /// Checks the message of a satellite, and reports its ephemeris.
-// Not inlined, so that the ephemeris is not on the stack frame below which an epoch is judged. One
-// copy serves both kinds of messages.
+// Not inlined, so that the ephemeris leaves the stack before an epoch is judged. One copy serves
+// both kinds of messages.
 #[inline(never)]
 fn learn(
     ephemeris: &dyn Fn() -> Result<Ephemeris, BroadcastError>,

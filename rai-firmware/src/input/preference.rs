@@ -1,16 +1,18 @@
-//! Choice of the source of ranges, if a receiver sends them in two formats, or another station
-//! shares its line.
+//! Choice between sources of ranges: a receiver may send them in two formats, or another station
+//! may share its line.
 //!
-//! The source whose ranges came first is used: a format, and in RTCM the number of a station.
-//! Ranges of two antennas in one epoch would give the position of neither. If the source has been
-//! missing for [`PATIENCE_MS`], and for more than [`PATIENCE`] epochs of another, that other one
-//! replaces it, because a receiver that changes its format at start must not silence the module.
-//! When the first returns, it is used again from its next epoch on.
+//! A source is a format and, in RTCM, the number of a station. The source whose ranges come first
+//! is used, because ranges of two antennas in one epoch would give the position of neither. If the
+//! source in use has been missing for [`PATIENCE_MS`] and for more than [`PATIENCE`] epochs of
+//! other sources, another one replaces it. Otherwise a receiver that changes its format at start
+//! would silence the module. When the first source returns, it is used again from its next epoch
+//! on.
 //!
-//! After ranges of a source have agreed with orbits, it is the receiver ([`Preference::settle`]),
-//! and no other source replaces it until `FORGET`. A receiver in a tunnel is silent while its
-//! corrections continue, and a base is near enough to be mistaken for it. A source is present while
-//! it sends messages of ranges, even without satellites.
+//! If ranges of a source have agreed with orbits, it is settled as the receiver
+//! ([`Preference::settle`]), and no other source replaces it until `FORGET`. A receiver in a tunnel
+//! is silent while its corrections continue. The base station that sends them is near, so that its
+//! position would look right. A source is present while it sends messages of ranges, even without
+//! satellites.
 //!
 //! **Limit.** If another station's ranges are the first to come, they are used. Corrections must
 //! therefore come on a separate line.
@@ -18,9 +20,10 @@
 use super::Format;
 use crate::time::WEEK_MS;
 
-/// Epochs of another source without one of the first, and the time by their tags, ms, before the
-/// other one replaces it.
+/// Largest number of epochs of other sources before another source may replace the one in use.
 const PATIENCE: u8 = 3;
+
+/// Least time without the source in use, by the tags of epochs, before another replaces it, ms.
 const PATIENCE_MS: u32 = 30_000;
 
 /// Source of ranges.
@@ -31,7 +34,7 @@ pub(super) struct Source {
     pub(super) station: u16,
 }
 
-/// The source in use, and the epochs of others since.
+/// The source in use, and the count of epochs from other sources since it was last present.
 #[derive(Debug)]
 pub(super) struct Preference {
     first: Option<Source>,
@@ -40,11 +43,11 @@ pub(super) struct Preference {
     is_settled: bool,
     /// Time of week, ms, at which the source in use was last present.
     used_ms: Option<u32>,
-    /// Number of consecutive epochs of others.
+    /// Number of consecutive epochs of other sources.
     others: u8,
     /// Time of week of the last epoch of any source, ms.
     last_ms: Option<u32>,
-    /// Time of week, ms, of the last epoch from a replacement; the rest of that epoch is not used.
+    /// Time of week, ms, of the last epoch from a replacement. The first source does not add to it.
     spent_ms: Option<u32>,
 }
 
@@ -68,8 +71,8 @@ impl Preference {
         (self.first, self.is_settled) = (self.used, true);
     }
 
-    /// Returns true if ranges of this source are used in an epoch at this time of week, if that is
-    /// known.
+    /// Returns true if ranges of this source are used. `tow_ms` is the time of week of their epoch,
+    /// ms, if it is known.
     pub(super) fn takes(&mut self, source: Source, tow_ms: Option<u32>, is_empty: bool) -> bool {
         if self.used.is_none_or(|used| used == source) {
             (self.others, self.used_ms) = (0, tow_ms.or(self.used_ms));
@@ -83,8 +86,8 @@ impl Preference {
             if source == first {
                 self.spent_ms = self.last_ms;
             } else {
-                // Only a message of a new epoch with a known time counts as an epoch without the
-                // first source.
+                // Only a message that begins an epoch with a known time counts as an epoch of
+                // another source.
                 self.others =
                     self.others.saturating_add(u8::from(tow_ms.is_some() && tow_ms != self.last_ms));
                 if self.is_settled || self.others <= PATIENCE || !self.is_missing(tow_ms) {
@@ -99,8 +102,8 @@ impl Preference {
         tow_ms.is_none() || tow_ms != self.spent_ms
     }
 
-    /// Returns true if epochs of others come in place of a settled source, which only the host can
-    /// release.
+    /// Returns true if epochs of other sources come while the settled one is missing. Only `FORGET`
+    /// then lets another source be used.
     pub(super) const fn hears_others(&self) -> bool {
         self.is_settled && self.others > PATIENCE
     }
@@ -166,7 +169,7 @@ mod tests {
             preference.takes(RECEIVER, Some(1000 * second), true);
             assert!(!takes(&mut preference, BASE, second));
         }
-        // One at 0.1 Hz, beside one at 5 Hz.
+        // One source at 0.1 Hz, and another at 5 Hz.
         for fifth in 500..1500 {
             let tow_ms = Some(200 * fifth);
             assert_eq!(fifth % 50 == 0 && preference.takes(RECEIVER, tow_ms, false), fifth % 50 == 0);

@@ -1,13 +1,14 @@
-//! The week of the present, from the weeks that sets of ephemerides state.
+//! The week of the present, from the weeks that ephemerides (sets) state.
 //!
 //! Before the first epoch the second of the week is unknown, and near the end of a week a stated
 //! week is ambiguous ([`super::roll_over`]). Distinct statements are stored until the first epoch.
 //! The most informative one then dates it.
 //!
-//! If every set so far fits two weeks, the likelier one is taken and the other is stored as doubt.
-//! The first set of any system that fits only one of the two decides. While there is doubt no epoch
-//! confirms the week, because ranges agree as well with orbits that are all dated a week early.
-//! Sets that fit both are no evidence, and sets that fit neither vote ([`super::week_votes`]).
+//! If every set so far fits two weeks, the likelier one is used, and the other is stored as a
+//! doubt. The first set of any system that fits only one of the two decides. As long as there is a
+//! doubt, no epoch confirms the week: ranges agree as well with orbits that are all dated a week
+//! early. Sets that fit both weeks are no evidence. Sets that fit neither vote
+//! ([`super::week_votes`]).
 
 use heapless::Vec;
 use raim_core::satellite::Constellation;
@@ -16,8 +17,8 @@ use super::roll_over::PresentWeeks;
 use super::week_votes::{Vote, WeekVotes};
 use crate::time::GpsTime;
 
-/// Number of statements stored until the first epoch; at one time a system has one to four
-/// reference times.
+/// Number of statements stored until the first epoch. A system has one to four reference times at a
+/// time.
 const KEPT: usize = 8;
 
 /// Half of the cycle in which GPS counts weeks.
@@ -31,9 +32,9 @@ type Statement = (Constellation, GpsTime);
 pub(super) enum Ruling {
     /// The week is unchanged.
     Stands,
-    /// The week was in doubt, and is this many weeks later.
+    /// The week was in doubt, and is now this many weeks later.
     Moved(i32),
-    /// The systems agree on another week; this is the present.
+    /// The systems agree on another week; this is the present in it.
     Replaced(GpsTime),
 }
 
@@ -63,7 +64,7 @@ impl PresentWeek {
         !self.kept.is_empty()
     }
 
-    /// Begins with one set, of which only the stated instant is known.
+    /// Begins with the first set.
     pub(super) fn begin(&mut self, first: Statement) {
         self.kept.clear();
         self.keep(first);
@@ -123,8 +124,8 @@ impl PresentWeek {
         Ruling::Replaced(now.later_by_weeks(weeks.preferred()))
     }
 
-    /// Returns the first epoch, at `tow_ms`, in the week of the stored statements, and true if one
-    /// of them states another week than that of its set.
+    /// Returns the first epoch, at `tow_ms`, in the week of the stored statements. The flag is true
+    /// if the stated week of one of them is not the week that it means.
     pub(super) fn first_epoch(&mut self, tow_ms: u32) -> Option<(GpsTime, bool)> {
         let kept = core::mem::take(&mut self.kept);
         let weeks_of = |&(system, stated): &Statement| {

@@ -1,17 +1,18 @@
 //! Interface between the stream of bytes and a wire format.
 //!
-//! A wire format is one type that implements [`Protocol`], in a folder of its own, and one row of
-//! the table of formats in `input/mod.rs`. `formats!` generates everything that has a case for each
-//! format from that table, so that no other module names one:
+//! A wire format is one type that implements [`Protocol`], in its own folder, and one row of the
+//! table of formats in `input/mod.rs`. From that table `formats!` generates everything that has a
+//! case for each format, so that no other module names a format:
 //!
 //! | generated | use |
 //! |---|---|
 //! | `Format` | names the format of a frame; its functions call those of the implementation |
-//! | `Memory` | holds what each format remembers between frames |
+//! | `Memory` | holds the state of each format between frames |
 //! | `Measured` | holds the ranges of a message, still encoded |
 //!
 //! No function of [`Protocol`] has a default, so that an incomplete format does not compile. Calls
-//! are resolved at compile time, so that cost and panic proof are those of a `match`.
+//! are resolved at compile time. They cost no more than a `match`, and the proof of no panic covers
+//! them.
 
 use core::fmt::Debug;
 
@@ -29,11 +30,11 @@ pub(super) trait Protocol {
     /// Length of the longest frame that is read, bytes.
     const LONGEST: usize;
 
-    /// State that the format keeps between frames.
+    /// State of the format between frames.
     type Memory: Debug;
 
     /// Returns the state before the first frame. It is a function and no constant, because a
-    /// constant lies in flash and is copied by way of the stack.
+    /// constant would be copied from flash over the stack.
     fn at_start() -> Self::Memory;
 
     /// Ranges of one message, still encoded.
@@ -43,11 +44,11 @@ pub(super) trait Protocol {
     /// and may end before the frame does. A length beyond [`Self::LONGEST`] is refused here.
     fn length(bytes: &[u8]) -> Extent;
 
-    /// Returns true if the check of a complete frame holds.
+    /// Returns true if a complete frame passes its check.
     fn check(frame: &[u8]) -> bool;
 
-    /// Reads a frame whose check holds. The result is `None` if the frame only adds to what others
-    /// have said.
+    /// Reads a frame that passed its check. The result is `None` if the frame is one part of a
+    /// message whose other parts have not all come.
     ///
     /// # Errors
     /// [`Unread`] states why the frame leads to no message.
@@ -64,7 +65,8 @@ pub(super) trait Measurements: Debug {
     /// Returns true if the message has no satellite.
     fn is_empty(&self) -> bool;
 
-    /// Passes each range to `add`, with true if the broadcast clock refers to its code.
+    /// Passes each range to `add`. The flag is true if the broadcast clock refers to the code
+    /// that measured the range.
     fn each(
         &self,
         counters: &mut Counters,
@@ -83,24 +85,25 @@ pub(super) enum Extent {
     NoFrame,
 }
 
-/// Frame whose check holds.
+/// Frame that passed its check.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame<'a> {
     /// The whole frame.
     pub(super) bytes: &'a [u8],
-    /// Time at or before which its first byte came, ms.
+    /// Time no later than the arrival of its first byte, ms. The byte may have come later, but not
+    /// earlier.
     pub(super) came_ms: u64,
 }
 
 impl<'a> Frame<'a> {
-    /// Returns the bytes behind a header and before a check of these lengths.
+    /// Returns the bytes between a header and a check of these lengths.
     pub(super) fn between(&self, header: usize, check: usize) -> &'a [u8] {
         let end = self.bytes.len().saturating_sub(check);
         self.bytes.get(header..end).unwrap_or_default()
     }
 }
 
-/// Returns the frame if the bytes are exactly one of this format and its check holds.
+/// Returns the frame if the bytes are exactly one frame of this format that passes its check.
 pub(super) fn whole<P: Protocol>(bytes: &[u8]) -> Option<Frame<'_>> {
     let is_one = bytes.starts_with(P::SYNC) && P::length(bytes) == Extent::Bytes(bytes.len());
     (is_one && P::check(bytes)).then_some(Frame { bytes, came_ms: 0 })
@@ -148,8 +151,8 @@ macro_rules! formats {
             }
 
             /// Returns true if a frame of some format may begin with one of the four bytes of a
-            /// word: a byte is zero if a borrow goes through it that its highest bit does not
-            /// explain.
+            /// word: Each byte of the word minus the sync byte is tested for zero: `(x − 0x01…) &
+            /// !x & 0x80…` is nonzero exactly if `x` has a zero byte.
             fn may_begin_within(word: u32) -> bool {
                 const ONES: u32 = 0x0101_0101;
                 $($(#[$condition])*
@@ -172,14 +175,14 @@ macro_rules! formats {
                 None
             }
 
-            /// Returns true if the check of a complete frame holds.
+            /// Returns true if a complete frame passes its check.
             fn check(self, frame: &[u8]) -> bool {
                 match self {
                     $($(#[$condition])* Self::$Name => <$module::$Name as Protocol>::check(frame),)+
                 }
             }
 
-            /// Reads a frame whose check holds.
+            /// Reads a frame that passed its check.
             fn read<'a>(
                 self,
                 frame: &Frame<'a>,
@@ -226,7 +229,8 @@ macro_rules! formats {
                 }
             }
 
-            /// Passes each range to `add`, with true if the broadcast clock refers to its code.
+            /// Passes each range to `add`. The flag is true if the broadcast clock refers to the
+            /// code that measured the range.
             fn each(
                 &self,
                 counters: &mut Counters,

@@ -1,24 +1,25 @@
-//! Weeks that the present can be in, by one set that states a week and a reference time near the
-//! end of a week.
+//! Weeks that the present can be in, derived from one ephemeris (set). It states a week and a
+//! reference time, which are ambiguous near the end of a week.
 //!
 //! The stated week is that of transmission ([IS-GPS-200] 20.3.3.3.1.1) or that of `toe`; both are
-//! in use. The second of the present week is known from the ranges, so that each meaning determines
-//! a present week. `w` is the stated week, `t` the second of `toe`, `c` that of the present; `toe`,
-//! transmission and the present are within half a week of each other.
+//! in use. The ranges give the second of the present week, so that each meaning determines the
+//! present week. `w` is the stated week, `t` the second of `toe`, and `c` the second of the
+//! present. `toe`, transmission and the present are within half a week of each other. "The end" is
+//! that of the week.
 //!
-//! | `t` and `c` | week of `toe` | of transmission, just now | of transmission, before the week ended | preferred |
+//! | `t` and `c` | present week if `w` is that of `toe` | of transmission, just now | of transmission, before the week ended | preferred |
 //! |---|---|---|---|---|
 //! | `t` after the end, `c` before it | `w − 1` | `w` | – | `w` |
 //! | `t` before the end, `c` after it | `w + 1` | `w` | `w + 1` | `w + 1`, of Galileo `w` |
 //! | both soon after it | `w` | `w` | `w + 1` | `w` |
 //! | elsewhere | `w` | `w` | – | `w` |
 //!
-//! Galileo sends a past `toe` and renews its sets every ten minutes; the others renew theirs at
-//! full hours. A set whose reference time is two hours or more after the end was not transmitted
-//! before it, because the fit interval of GPS is four hours.
+//! Galileo sends a past `toe` and renews its sets every ten minutes; the other systems renew theirs
+//! at full hours. If the reference time is two hours or more after the end, the set was not
+//! transmitted before it. The reason is the fit interval of GPS, four hours.
 //!
-//! The answer depends only on the message and on the second of the week, never on the week that the
-//! calendar took before.
+//! The result depends only on the message and on the second of the week, never on an earlier week
+//! of the calendar.
 //!
 //! [IS-GPS-200]: crate#references
 
@@ -30,15 +31,15 @@ use crate::time::{GpsTime, WEEK_MS};
 /// Half a week, ms: the largest distance of `toe`, transmission and the present.
 const HALF_WEEK_MS: i64 = WEEK_MS as i64 / 2;
 
-/// Longest time for which a receiver passes on a set from before the end of the week, ms.
+/// Longest time after the end of a week for which a receiver still sends a set from before it, ms.
 const PASSED_ON_MS: u32 = 4 * 3_600_000;
 
-/// First reference time of sets that are transmitted only after the end of the week, ms: two hours,
-/// less the 16 s by which an upload moves it.
+/// First reference time of sets that are transmitted only after the end of the week, ms. It is two
+/// hours, minus the 16 s by which an upload moves it.
 const FIRST_OF_WEEK_MS: u32 = 7_184_000;
 
-/// Largest distance from the present at which the reference time of a set that states the
-/// neighbouring week is moved, ms.
+/// Largest distance from the present at which the reference time of a set is moved to the
+/// neighbouring week, ms.
 const PRESENT_MS: u64 = 4 * 3_600_000;
 
 /// Weeks that the present can be in: `first`, and the next one if `is_pair`.
@@ -54,8 +55,8 @@ pub(super) struct PresentWeeks {
 }
 
 impl PresentWeeks {
-    /// Compares a set of a system with an instant, of which only the second of the week counts;
-    /// weeks are counted from that of the instant.
+    /// Compares a set of a system with an instant, of which only the second of the week is used.
+    /// Weeks are counted from that of the instant.
     pub(super) fn of(system: Constellation, stated: GpsTime, now: GpsTime) -> Self {
         let behind_ms = behind_gps_ms(system);
         let (stated, now) = (stated.earlier_by_ms(behind_ms), now.earlier_by_ms(behind_ms));
@@ -108,7 +109,7 @@ impl PresentWeeks {
 }
 
 /// Returns the reference time of a set at the known present: the nearest one if the stated week
-/// allows it, else the stated one.
+/// allows it, otherwise the stated one.
 ///
 /// A set that states the neighbouring week is moved only near the present, because a set that is a
 /// week old must not look fresh.

@@ -1,22 +1,22 @@
-//! Reports of a receiver on its own signals, in any format: jamming, spoofing, authentication and
-//! protection levels.
+//! A receiver's reports of jamming, spoofing, authentication and its own protection levels, in any
+//! format.
 //!
 //! ```text
 //! state = max of the states of all reporters, each for at most 3 s after its last message
-//! certain from the first message that affirms spoofing, until every reporter denies it
+//! certain from the first message that affirms spoofing, until all reporters deny it
 //! distrust while certain, and for 10 s after a certainty of at least 1 s
 //! ```
 //!
 //! | constant | meaning | unit |
 //! |---|---|---|
-//! | [`HOLDS_MS`] | time for which a message holds | ms |
-//! | [`AFFIRMED_MS`] | certainty from which distrust outlives it | ms |
-//! | [`AFTER_MS`] | time of distrust after a certainty | ms |
+//! | [`HOLDS_MS`] | time for which a message counts | ms |
+//! | [`AFFIRMED_MS`] | least duration of a certainty that is followed by distrust | ms |
+//! | [`AFTER_MS`] | duration of distrust after a certainty | ms |
 //!
-//! Silence is no denial: a receiver that was certain and restarts knows nothing, and the certainty
-//! stays. A state of *suspected* alone is no reason for distrust, because a receiver at rest behind
-//! an attenuator reported it in 571 of 581 clean epochs. It counts beside a sign of the module's
-//! own ([`Suspicions::confirms`]).
+//! Silence is no denial: if a receiver that was certain restarts, it knows nothing, and the
+//! certainty stays. The state *suspected* alone is no reason for distrust: a receiver at rest
+//! behind an attenuator reported it in 571 of 581 clean epochs. It counts only together with a sign
+//! that the module's own tests found ([`Suspicions::confirms`]).
 //!
 //! These reports only take promises back. None of them makes a position usable or excludes a
 //! satellite.
@@ -35,13 +35,13 @@ pub enum Suspicion {
     Sure,
 }
 
-/// Part of the receiver that reports interference. Each has a state with an age of its own, so that
-/// one of them never cancels what another reports.
+/// Part of the receiver that reports interference. Each has its own state and age, so that no part
+/// cancels the report of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reporter {
     /// Detector of jamming and spoofing.
     Detector,
-    /// State of navigation.
+    /// Navigation engine.
     Navigation,
     /// Radio front end.
     FrontEnd,
@@ -67,8 +67,7 @@ pub struct LoggedEvents {
     pub spoofing_s: Option<u32>,
 }
 
-/// Protection levels that the receiver itself computes. The module reports them beside its own and
-/// never uses them.
+/// Protection levels that the receiver computes. The module forwards them, but never uses them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReceiverLevels {
     /// Number of the frame of the axes, as the receiver states it.
@@ -79,7 +78,7 @@ pub struct ReceiverLevels {
     pub risk: (u8, i8),
 }
 
-/// Report of the receiver on its own signals, in one message.
+/// One report of the receiver, as one message brings it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SelfReport {
     /// Interference at present.
@@ -92,17 +91,17 @@ pub enum SelfReport {
     Levels(Option<ReceiverLevels>),
 }
 
-/// Time for which a message holds, ms.
+/// Time for which a message counts, ms.
 const HOLDS_MS: u64 = 3_000;
 
-/// Time of certainty from which distrust outlives it, ms.
+/// Least duration of a certainty that is followed by distrust, ms.
 const AFFIRMED_MS: u64 = 1_000;
 
-/// Time of distrust after a certainty, and time for which a logged event or a sign of the module's
-/// own counts, ms.
+/// Duration of distrust after a certainty, ms. A logged event, or a sign that the module's own
+/// tests found, counts for as long.
 const AFTER_MS: u64 = 10_000;
 
-/// Interference as one part of the receiver reports it, with the time of each state, ms.
+/// Interference that one part of the receiver reports, with the time of each state, ms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Reported {
     jamming: (Suspicion, u64),
@@ -178,7 +177,7 @@ impl Suspicions {
         self.age(now_ms);
     }
 
-    /// Discards every state that no message has renewed for [`HOLDS_MS`], and ends distrust.
+    /// Discards every state that no message has renewed for [`HOLDS_MS`], and updates the distrust.
     #[inline(never)]
     pub fn age(&mut self, now_ms: u64) {
         let fresh = |(state, said_ms)| {
@@ -218,13 +217,13 @@ impl Suspicions {
     }
 
     /// Returns true if no signal may be trusted: the receiver is certain of spoofing, or was until
-    /// lately.
+    /// a short time ago.
     pub fn is_sure(&self) -> bool {
         self.is_held || self.affirmed_ms.is_some()
     }
 
-    /// Returns true if the receiver suspects spoofing, which beside a sign of the module's own at
-    /// `sign_ms` is a reason for distrust.
+    /// Returns true if the receiver suspects spoofing and the module's own tests found a sign of it
+    /// at about the same time (`sign_ms`). Together they are a reason for distrust.
     pub fn confirms(&self, sign_ms: Option<u64>, now_ms: u64) -> bool {
         let is_recent = sign_ms.is_some_and(|sign_ms| is_within(AFTER_MS, sign_ms, now_ms));
         is_recent && self.spoofing >= Suspicion::Suspected
@@ -243,7 +242,7 @@ impl Suspicions {
 }
 
 impl Suspicion {
-    /// Returns the number with which it is reported.
+    /// Returns the number of the state in reports.
     pub const fn number(self) -> u8 {
         self as u8
     }

@@ -3,7 +3,7 @@
 //! | system | numbers | the core's constellation |
 //! |---|---|---|
 //! | GPS | 1 to 32 | GPS |
-//! | QZSS | 1 to 10, on the air 193 to 202 | GPS, whose clock its ranges touch ([`raim_core::satellite`]) |
+//! | QZSS | 1 to 10, on the air 193 to 202 | GPS, because its ranges refer to the same clock ([`raim_core::satellite`]) |
 //! | Galileo, `BeiDou`, GLONASS | 1 to 36, 63, 24 | their own |
 
 use raim_core::satellite::{Constellation, SatelliteId};

@@ -1,28 +1,30 @@
 //! Detection of two receivers that take turns on one line, by their ranges alone.
 //!
-//! Ranges of one antenna bend little from epoch to epoch. Those of two antennas that take turns
-//! bend to and fro, by the same amounts:
+//! The ranges of one antenna change almost linearly from epoch to epoch: they bend little. If two
+//! antennas take turns, their ranges bend to and fro, by the same amounts:
 //!
 //! ```text
 //! b = P₁ − (P₀ t₂ + P₂ t₁) / (t₁ + t₂)        e = b − median of b
-//! s = median of |e|        e to at most 4 s
+//! s = median of |e|        e is then limited to ±4 s
 //! in turn if  s > 4 m,  s' > 4 m,  (Σ e e')² > 0.95 Σ e² Σ e'²,  Σ e e' < 0
 //! ```
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | `P₀, P₁, P₂` | ranges of one satellite on one band in three epochs in a row | m |
-//! | `t₁, t₂` | time from the first to the second, and to the third | ms |
-//! | `b`, `e`, `e'` | bend, without the receiver clock, and that of the epoch before | m |
+//! | `t₁, t₂` | time from the first epoch to the second, and from the second to the third | ms |
+//! | `b`, `e` | bend of the range, with and without that of the receiver clock | m |
+//! | `e'`, `s'` | the same for the epoch before | m |
 //!
-//! Steps lose their whole milliseconds first, which receiver clocks jump by. The acceleration of a
-//! satellite bends a range by 0.1 m in a second, and a step of the antenna bends it to and fro
-//! once: a single turn is a suspicion, and the next one in a row is another receiver. White noise
-//! has a correlation of −2/3; of eight satellites, one epoch in a thousand exceeds the bound by
-//! chance.
+//! Whole milliseconds are first removed from each step, because receiver clocks jump by them. The
+//! acceleration of a satellite bends a range by 0.1 m in a second. A step of the antenna bends it
+//! to and fro once, so that a single turn is only a suspicion. Two turns in a row prove another
+//! receiver. White noise alone gives a correlation of −2/3. With eight satellites it exceeds the
+//! bound by chance in one epoch of a thousand.
 //!
-//! **Limits.** The first epoch of the other receiver has nothing to be compared with. Antennas less
-//! than some ten metres apart, and epochs more than [`LONGEST_MS`] apart, are not detected.
+//! **Limits.** The first epoch of the other receiver cannot be compared with an earlier one.
+//! Antennas less than some ten metres apart are not detected, nor are epochs more than
+//! [`LONGEST_MS`] apart.
 
 use heapless::Vec;
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
@@ -40,20 +42,24 @@ const TRACKS: usize = if cfg!(feature = "signs") { 16 } else { 1 };
 /// Least number of satellites for a detection.
 const LEAST_TRACKS: usize = 5;
 
-/// Longest time between two epochs whose ranges are compared, ms: a vehicle turns in longer times.
+/// Longest time between two epochs whose ranges are compared, ms. In a longer time a turning
+/// vehicle bends its ranges as much.
 const LONGEST_MS: i64 = 1500;
 
-/// Least median of the bends, m: a fault of some satellites moves the others not at all.
+/// Least median of the bends, m. The median excludes faults of some satellites, which do not bend
+/// the other ranges.
 const LEAST_M: f32 = 4.0;
 
-/// Multiples of that median at which a bend counts no more, so that no single one decides.
+/// Multiple of that median to which a bend is limited, so that no single bend decides.
 const MOST_SPREADS: f32 = 4.0;
 
 /// Least share of one bend that the other explains: the square of their correlation.
 const EXPLAINED: f32 = 0.95;
 
-/// Steps of a stored range in a metre, as a power of two, and metres in a step.
+/// Resolution of a stored range, steps per metre, as a power of two.
 const STEPS_POWER: i32 = 9;
+
+/// Length of a step, m.
 const STEP_M: f32 = 1.0 / (1 << STEPS_POWER) as f32;
 
 /// Range that light travels in a millisecond, m.
@@ -68,7 +74,7 @@ struct Track {
     range: u32,
     /// Last step of the range relative to that of the first satellite, m; NaN if unknown.
     step_m: f32,
-    /// Last bend of the range without that of the clock, m; NaN if it is unknown, or if too few
+    /// Last bend of the range without that of the clock, m. NaN if it is unknown, or if too few
     /// bends are known or large.
     bend_m: f32,
 }
@@ -100,7 +106,7 @@ impl Sums {
         self.product += before * now;
     }
 
-    /// Returns true if the bends of both epochs are alike and of opposite signs.
+    /// Returns true if the bends of both epochs have similar sizes and opposite signs.
     fn is_turn(&self) -> bool {
         usize::from(self.count) >= LEAST_TRACKS
             && self.product < 0.0
@@ -169,7 +175,7 @@ impl Turns {
     /// Centres the bends of the tracks; returns true if they are those of the epoch before with the
     /// opposite sign.
     fn turns(&mut self, before: &[f32], bends: &[f32]) -> bool {
-        // No bend is farther from the median than the bends are apart: one antenna, mostly.
+        // Cheap test first: the bends of one antenna are mostly this close together.
         if bends.len() < LEAST_TRACKS || apart_m(bends) <= LEAST_M {
             self.tracks.iter_mut().for_each(|track| track.bend_m = f32::NAN);
             return false;
@@ -193,8 +199,7 @@ impl Turns {
         sums.is_turn()
     }
 
-    /// Returns the track that was at the same place in the epoch before, where the same satellite
-    /// mostly is.
+    /// Returns the track at this index in the epoch before, which mostly is of the same satellite.
     fn known(&self, index: usize) -> Option<&Track> {
         self.tracks.get(index)
     }

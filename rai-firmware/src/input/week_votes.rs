@@ -1,17 +1,19 @@
 //! Votes of the systems on the week, by their ephemerides.
 //!
-//! One system, however many its votes, does not outvote two that agree. The week is wrong if more
-//! systems contradict it than confirm it, or as many and with [`DISSENT`] more ephemerides. A
-//! system that has confirmed the week contradicts it only after as many contrary votes, so that a
-//! few forged ephemerides do not turn its vote.
+//! One system does not outvote two that agree, however many votes it has. The week is wrong if at
+//! least [`DISSENT`] ephemerides contradict it, and more systems contradict than confirm it. If as
+//! many systems contradict as confirm, the contradicting ephemerides must be [`DISSENT`] more. A
+//! system that has confirmed the week contradicts it only after more contrary votes than it
+//! confirmed, so that a few forged ephemerides do not turn its vote.
 //!
-//! Two confirmations are void. GLONASS counts days and is dated by the known time, so that it has
-//! no vote. GPS counts weeks in cycles of 1,024 and is dated in the nearest one. If other systems
-//! contradict the cycle, the confirmations of GPS are discarded.
+//! Two kinds of confirmation do not count. GLONASS counts days, and the known time dates it, so
+//! that it has no vote. GPS counts weeks in cycles of 1,024, of which the nearest is taken. If
+//! other systems contradict the cycle, the confirmations of GPS are discarded.
 
 use raim_core::satellite::Constellation;
 
-/// Number of ephemerides that correct the week.
+/// Number of contrary ephemerides that correct the week; also their excess over the confirming ones
+/// if as many systems contradict as confirm.
 const DISSENT: u8 = 4;
 
 /// Largest number of votes of one system that count.
@@ -24,7 +26,7 @@ pub(super) enum Vote {
     Right,
     /// The week is another one.
     Other,
-    /// The week is another one, outside the cycle in which GPS weeks are taken.
+    /// The week is another one, outside the present cycle of GPS weeks.
     OtherCycle,
 }
 
@@ -63,7 +65,7 @@ impl WeekVotes {
             && (against > confirming || against == confirming && dissent >= agreement.saturating_add(DISSENT))
     }
 
-    /// Returns the votes on the other week: one of each system, with the opposite sign.
+    /// Returns the votes on the other week: one per system, with the opposite sign.
     pub(super) fn of_the_other_week(&self) -> Self {
         Self(self.0.map(|vote| -vote.signum()))
     }
@@ -74,7 +76,7 @@ mod tests {
     use super::*;
     use Constellation::{Beidou, Galileo, Gps};
 
-    /// Returns the votes after these, in turn: for the week if positive, against it if negative.
+    /// Returns the votes after these: for the week if positive, against it if negative.
     fn after(votes: &[(Constellation, i32)]) -> WeekVotes {
         let mut week = WeekVotes::none();
         for (system, votes) in votes {

@@ -1,4 +1,5 @@
-//! Choice of the kind of ranges, and of what the monitor has learned that applies to it.
+//! Choice of the kind of ranges; restarts the monitor's learning if learned residuals no longer
+//! apply.
 
 use raim_core::frame::Ecef;
 
@@ -8,7 +9,8 @@ use crate::settings::{Configuration, Frequencies, Systems};
 use crate::time::GpsTime;
 
 impl Navigator {
-    /// Restarts learning if ranges or systems change, because residuals of others do not apply.
+    /// Restarts learning if the kind of ranges or the set of systems changes, because earlier
+    /// residuals then no longer apply.
     pub(super) fn learn_anew_of(&mut self, learned: (Ranges, Systems)) {
         if self.learned.replace(learned).is_some_and(|before| before != learned) {
             self.monitor.forget_residuals();
@@ -17,8 +19,8 @@ impl Navigator {
 
     /// Restarts learning if a new model of the ionosphere applies to ranges of one frequency.
     ///
-    /// Residuals of the old model do not apply to the new one. They would hide its error, for
-    /// example that of a forged page.
+    /// Residuals of the old model would hide an error of the new one, for example if a forged page
+    /// brought its coefficients.
     pub(super) fn learn_anew_with_model(&mut self, ranges: Ranges) {
         let is_new = self.ionosphere.take_news();
         if is_new && (ranges == Ranges::Singles || !self.room.sky.iter().any(Located::has_pair)) {
@@ -26,10 +28,11 @@ impl Navigator {
         }
     }
 
-    /// Returns the kind of ranges to use: as commanded, or the kind with the smaller levels.
+    /// Returns the kind of ranges to use: the commanded kind, or else the kind with the smaller
+    /// levels.
     ///
-    /// With clock aiding the kind stays, because a change moves the receiver clock by the delay
-    /// between the carriers.
+    /// With clock aiding the kind never changes, because a change moves the receiver clock by the
+    /// delay between the carriers.
     #[inline(never)]
     pub(super) fn ranges(&mut self, point: Ecef, time: GpsTime, configuration: &Configuration) -> Ranges {
         let sky = &self.room.sky;

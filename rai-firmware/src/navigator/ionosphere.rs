@@ -15,7 +15,7 @@ const IONOSPHERE_HOLDS_MS: u64 = 6 * 86_400_000;
 #[derive(Debug)]
 pub(super) struct Broadcast {
     models: [Option<(Klobuchar, Option<GpsTime>)>; 2],
-    /// True from the arrival of another model until the next epoch.
+    /// True from the arrival of a different model until the next epoch.
     has_new_model: bool,
 }
 
@@ -57,13 +57,13 @@ impl Broadcast {
         }
     }
 
-    /// Returns true once after another model came.
+    /// Returns true once after a different model came.
     pub(super) fn take_news(&mut self) -> bool {
         cfg!(feature = "ubx") && core::mem::take(&mut self.has_new_model)
     }
 
-    /// Returns the model in force: that of a command, else a fresh one of GPS, else a fresh one of
-    /// `BeiDou`.
+    /// Returns the model in force: that of a command, otherwise a fresh one of GPS, otherwise a
+    /// fresh one of `BeiDou`.
     pub(super) fn model(&self, time: GpsTime, configuration: &Configuration) -> Option<Klobuchar> {
         let is_fresh = |came: GpsTime| time.since_ms(came).unsigned_abs() <= IONOSPHERE_HOLDS_MS;
         let mut heard = self.models.iter().flatten();

@@ -1,7 +1,7 @@
 //! Range rates of a receiver at rest, which distinguish a wrong time from faulty satellites.
 //!
 //! `ρ̇ = l·v`, m/s: `l` is the unit vector from the receiver to the satellite and `v` the velocity
-//! of the satellite in the earth-fixed frame. It comes from the last epoch, or from two places on
+//! of the satellite in the earth-fixed frame. `v` comes from the last epoch, or from two places on
 //! the orbit.
 
 use core::cell::Cell;
@@ -24,8 +24,8 @@ const APART_MS: u32 = 128;
 
 /// Returns the range rate of a receiver at rest to a satellite of the sky, m/s.
 ///
-/// `index` is its place in the sky. If the last epoch cannot give the rate, a second place on the
-/// orbit does, which is expensive.
+/// `index` is the satellite's index in the sky. If the last epoch does not have its velocity, a
+/// second place on the orbit is computed, which is expensive.
 #[inline(never)]
 pub(super) fn range_rate(
     (located, index): (&Located, usize),

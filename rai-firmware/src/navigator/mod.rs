@@ -1,9 +1,9 @@
 //! The navigator: makes one report from one raw epoch, with satellite positions, corrected ranges
 //! and the integrity verdict.
 //!
-//! Corrections depend on the receiver's position, which they help to find. The last position is the
-//! first guess. Without one, a coarse fix without atmosphere gives it. If the position of an epoch
-//! is far from the guess, the epoch is corrected again at that position.
+//! Corrections depend on the receiver's position, which is the result that they serve. The first
+//! guess is the last position, or a coarse fix without atmosphere if there is none. If the position
+//! of an epoch is far from the guess, the epoch is corrected again at that position.
 
 mod choice;
 mod ionosphere;
@@ -43,18 +43,19 @@ pub struct Navigator {
     room: Room,
     tally: Tally,
     preference: Preference,
-    /// Kind of ranges, and systems, of the residuals that the monitor stores.
+    /// Kind of ranges and set of systems behind the residuals that the monitor stores. If either
+    /// changes, the residuals are discarded.
     learned: Option<(Ranges, Systems)>,
     rates: Rates,
     velocity: Option<Velocity>,
-    /// Alert that overrides the verdict, however well ranges agree with each other.
+    /// Alert that overrides the verdict, however well the ranges agree.
     distrusted: Option<Alert>,
-    /// Height of the next epoch that is known from outside.
+    /// Known height for the next epoch, from the host or the place of a fixed antenna.
     known_height: Option<Aiding>,
     ionosphere: Broadcast,
 }
 
-/// Memory of one epoch, with its result, kept here so that the stack does not need it.
+/// Memory of one epoch, with its result. It is here and not on the stack.
 #[derive(Debug)]
 struct Room {
     sky: Sky,
@@ -123,12 +124,12 @@ impl Navigator {
         self.distrusted = reason;
     }
 
-    /// Sets the height that is known from outside for the next epoch; `None` if none is known.
+    /// Sets the known height for the next epoch; `None` if it is unknown.
     pub fn know_height(&mut self, height: Option<Aiding>) {
         self.known_height = height;
     }
 
-    /// Takes a first guess of the position, which has no effect after a fix.
+    /// Takes a first guess of the position. After a fix it has no effect.
     pub fn guess(&mut self, point: Ecef) {
         if is_unknown(self.monitor.start()) {
             self.monitor.start_from(point);
@@ -141,8 +142,8 @@ impl Navigator {
     /// As for [`Self::new`]; on error nothing has changed.
     pub fn configure(&mut self, configuration: &Configuration) -> Result<(), MonitorError> {
         self.monitor.set_requirements(configuration.requirements())?;
-        // The core accepts every value within the ranges of the commands, and no word sets a method
-        // that this build lacks.
+        // Neither call fails: the core accepts every value within the ranges of the commands, and
+        // no command sets a method that this build lacks.
         let _ = self.monitor.set_strategy(configuration.strategy());
         let _ = self.monitor.set_continuity(configuration.continuity());
         if cfg!(feature = "araim") {
@@ -157,7 +158,7 @@ impl Navigator {
         self.monitor.forget_position();
     }
 
-    /// Notes that no epoch came within the time to alert.
+    /// Notes that no epoch was judged within the time to alert.
     pub fn interrupt(&mut self) {
         self.monitor.interrupt();
     }
@@ -197,8 +198,8 @@ impl Navigator {
         self.rates.tally()
     }
 
-    /// Returns the number of times that the ephemeris of a visible satellite gave its place to that
-    /// of another one.
+    /// Returns the number of times that the ephemeris of one visible satellite displaced that of
+    /// another.
     pub(crate) fn displaced(&self) -> u32 {
         self.store.displaced()
     }
@@ -231,8 +232,8 @@ impl Navigator {
         self.tally.ephemerides.without_orbit().saturating_sub(before)
     }
 
-    /// Learns from the last verdict, and adds to the report what does not follow from the corrected
-    /// ranges.
+    /// Learns from the last verdict, and completes the report with results that do not come from
+    /// the corrected ranges.
     #[inline(never)]
     fn conclude(
         &mut self,
@@ -251,8 +252,7 @@ impl Navigator {
         {
             memory.outcome_mut().withdraw(Unavailable::Place);
         }
-        // Under an alert no velocity is reported, and computing one at a wrong place would only
-        // cost time.
+        // In an alert no velocity is reported, so that none is computed at a wrong place.
         let report = &memory.outcome().report;
         let place = found(report).filter(|_| !matches!(report.verdict, Verdict::Alert(_)));
         let velocity = if cfg!(feature = "past") {

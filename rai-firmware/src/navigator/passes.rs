@@ -19,28 +19,29 @@ use crate::raw::RawEpoch;
 use crate::settings::Configuration;
 use crate::time::GpsTime;
 
-/// Largest distance over which corrections hold, m: 1 km changes an elevation by at most 0.012°,
-/// mostly by the tilt of the vertical, and a height of 1 km the zenith delay by some 0.35 m.
+/// Largest distance over which corrections hold, m. Over 1 km an elevation changes by at most
+/// 0.012°, mostly because the vertical tilts. 1 km of height changes the zenith delay by some 0.35
+/// m.
 const GUESS_HOLDS_M: f32 = 1e3;
 
-/// Maximum number of passes of an epoch: a guess, a better guess, and one more if a gross fault
-/// distorted the first.
+/// Maximum number of passes of an epoch: at the guess, at a better guess, and once more if a gross
+/// fault distorted the first result.
 const MAX_PASSES: usize = 3;
 
-/// Maximum number of searches for faulty satellites in one epoch, which are the expensive part.
+/// Maximum number of searches for faulty satellites in one epoch. They are its most expensive part.
 const MAX_SEARCHES: usize = 2;
 
 impl Navigator {
     /// Judges one epoch at successively better points, then learns from the last verdict.
     ///
-    /// An exclusion set that was found is not searched for again at a better point. A search
+    /// If a search has found satellites to exclude, it is not repeated at a better point. A search
     /// without result is repeated once, because corrections at a distant point may have caused the
-    /// misfit. At the first point of all, which no earlier epoch confirms, a set is accepted
-    /// provisionally and checked at the next point.
+    /// misfit. If no earlier position exists, the set found at the first point is provisional, and
+    /// is checked at the next.
     ///
     /// `came_ms` is the arrival time of the epoch by the module's own clock.
-    // The stages before and after are not inlined, so that the frame below the searches stays
-    // small.
+    // The stages before and after are not inlined, so that this stack frame stays small during the
+    // searches.
     #[inline(never)]
     pub fn judge(
         &mut self,
@@ -60,7 +61,8 @@ impl Navigator {
         let before = self.tally.ranges;
         let mut known = Vec::<SatelliteId, MAX_EXCLUDED>::new();
         let mut searches = 0;
-        // Range rates at points a few kilometres apart differ by less than a metre per second.
+        // All passes share the range rates, which differ by less than 1 m/s at points a few
+        // kilometres apart.
         let rates = [const { Cell::new(f32::NAN) }; CAPACITY];
         let search = if is_rough { Search::Rough } else { Search::Anew };
         self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
@@ -76,7 +78,7 @@ impl Navigator {
             let settled = is_excluded(&assessment.report) || searches >= MAX_SEARCHES;
             if assessment.searched && settled {
                 known = assessment.report.excluded.iter().fold(Vec::new(), |mut known, suspect| {
-                    // Both have the same capacity, so that it is never full here.
+                    // Both lists have the same capacity, so that this never fails.
                     let _ = known.push(suspect.satellite);
                     known
                 });
@@ -104,8 +106,8 @@ impl Navigator {
         self.correct_about(point, time, ranges, configuration);
         let Room { sky, epoch, memory } = &mut self.room;
         let (store, last) = (&self.store, &self.rates);
-        // Satellites are asked for in the order of the sky, so that the next one is mostly the one
-        // behind the last.
+        // The core asks for satellites in the order of `sky`, so that the search begins behind the
+        // satellite found last.
         let next = Cell::new(0);
         let rates = |satellite| {
             if !cfg!(feature = "hypotheses") {
@@ -137,13 +139,13 @@ impl Navigator {
             Site::new(point, time, configuration.mask_rad(), klobuchar).with_ranges(ranges).weighted_by(ism);
         let Room { sky, epoch, .. } = &mut self.room;
         site.correct(sky, &mut self.tally.ranges, epoch);
-        // The forecast of a clock may take the last row.
+        // The forecast of a clock may need one more row.
         let has_room = epoch.observations().len() + 1 < CAPACITY;
         if let Some(height) = self
             .known_height
             .filter(|_| cfg!(feature = "aiding") && has_room && configuration.method.allows_aiding())
         {
-            // Its values were checked when they were read.
+            // This does not fail, because the values were checked when they were read.
             let _ = epoch.aid(height);
         }
     }

@@ -1,7 +1,6 @@
-//! Satellites of an epoch: their signals, and the places from which their directions follow.
+//! Satellites of an epoch: their signals, and their places, from which directions are computed.
 //!
-//! Nothing is computed before an output asks for it, so that the satellites cost nothing while none
-//! does.
+//! Directions are computed only if an output needs them.
 
 use core::fmt;
 
@@ -27,7 +26,7 @@ pub struct InView<'r> {
     pub place: Option<Ecef>,
 }
 
-// Not derived: it would bring the formatting of all that knows places into every image.
+// Not derived, because every image would then contain the formatting of every type behind `Places`.
 impl fmt::Debug for InView<'_> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str("InView")

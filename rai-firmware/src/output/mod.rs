@@ -9,12 +9,13 @@
 //! | [`InView`], [`Places`] | the satellites of an epoch, for `GSV` |
 //! | [`schedule`] | rate of each sentence and message |
 //!
-//! [`crate::publisher`] sends them, and remembers the last state.
+//! [`crate::publisher`] sends the sentences and messages when they are due.
 //!
-//! One [`Statement`] describes one epoch. In an alert no sentence and no message carries a
-//! coordinate, a height, a speed or a protection level, and every mode reports the alert. Outputs
-//! therefore take the position from `Statement::usable_solution` and the velocity from
-//! `Statement::usable_motion`.
+//! One [`Statement`] describes one epoch. In an alert no output carries a coordinate, a height, a
+//! speed or a protection level of the module, and every mode reports the alert. Outputs therefore
+//! take the position from `Statement::usable_solution`, the velocity from
+//! `Statement::usable_motion` and the levels from `Statement::levels_m`. Only the GNSS receiver's
+//! levels are still forwarded in an alert (`PRAIE`).
 
 use raim_core::numeric::sqrt;
 use raim_core::report::{Report, Solution, Verdict};
@@ -63,8 +64,8 @@ impl Motion {
     }
 }
 
-/// Reports of the receiver on its own signals. Interference has the values of `PRAIN`: 0 unknown, 1
-/// none, 2 suspected or mitigated, 3 certain.
+/// The receiver's reports of jamming, spoofing, authentication and its own levels. Jamming and
+/// spoofing have the values of `PRAIN`: 0 unknown, 1 none, 2 suspected or mitigated, 3 certain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Interference {
     /// Jamming: noise that hides the signals.
@@ -73,7 +74,7 @@ pub struct Interference {
     pub spoofing: u8,
     /// Number of signals whose navigation message is authenticated, if the receiver states it.
     pub authenticated: Option<u8>,
-    /// Protection levels of the receiver, if it has valid ones.
+    /// Protection levels that the receiver reports, if they are valid.
     pub levels: Option<ReceiverLevels>,
 }
 
@@ -89,7 +90,7 @@ impl Interference {
     }
 }
 
-/// Everything that is reported of one epoch.
+/// Everything that is reported about one epoch.
 #[derive(Clone, Copy, Debug)]
 pub struct Statement<'r, const N: usize> {
     /// Report of the core.
@@ -102,7 +103,7 @@ pub struct Statement<'r, const N: usize> {
     pub requirements: &'r Requirements,
     /// Velocity, if it passed its test.
     pub motion: Option<Motion>,
-    /// Reports of the receiver on its own signals.
+    /// The receiver's reports of jamming, spoofing, authentication and its own levels.
     pub interference: Interference,
     /// Hash of the settings in force.
     pub settings_hash: u32,

@@ -1,7 +1,7 @@
 //! NIC: the navigation integrity category of ADS-B for a horizontal protection level.
 //!
 //! Each category has a radius of containment, and the level must be below it. A transponder's
-//! radius holds for a risk of 1e-7 an hour; here the risk follows from the probabilities that
+//! radius is defined for a risk of 1e-7 an hour. Here the risk follows from the probabilities that
 //! `PRAIQ` reports.
 //!
 //! | NIC | 11 | 10 | 9 | 8 | 7 | 6 | 5 | 4 | 3 | 2 | 1 |

@@ -1,9 +1,9 @@
 //! Rate of each sentence and message.
 //!
-//! `OUTPUT,item,n` sends an item with every n-th epoch, or never if n is 0. Every item with a
-//! nonzero rate is also sent with an epoch whose state is worse than that of the epoch before. The
-//! sentences that report the use of the position (`PRAIS`, `PRAIX`, `PRAIM`, `PRAIN`) and the
-//! settings cannot be switched off.
+//! `OUTPUT,item,n` sends an item with every n-th epoch, or never if n is 0. If the state of an
+//! epoch is worse than that of the epoch before, every item with a nonzero rate is sent. The other
+//! sentences of the module (`PRAIS`, `PRAIX`, `PRAIM`, `PRAIH`, `PRAIE`, `PRAIN`, and `PRAIQ` with
+//! the settings) cannot be switched off.
 
 /// Makes the items from their names, rates at start, and features.
 macro_rules! items {

@@ -7,8 +7,8 @@ pub struct Boot {
     pub git: &'static str,
     /// Cause of the start, in the words of `PRAIV`.
     pub reset_cause: heapless::String<16>,
-    /// Largest rate at which the module's own clock may gain, parts per million. A delay that grows
-    /// more slowly is not detected.
+    /// Largest rate at which the module's own clock may run fast, parts per million. A delay that
+    /// grows more slowly is not detected.
     pub clock_error_ppm: u32,
 }
 

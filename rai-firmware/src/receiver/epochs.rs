@@ -34,23 +34,23 @@ counters! {
         epochs_alert,
         /// Epochs without protection.
         epochs_unavailable,
-        /// Epochs that were complete only after the time to alert, or whose delay grew by the time
-        /// to alert.
+        /// Epochs that were older than the time to alert when complete. The growth of their delay
+        /// counts as age.
         epochs_late,
-        /// Epochs that were not judged, because their end had waited too long behind others.
+        /// Epochs that were not judged, because their last byte had waited too long behind others.
         epochs_skipped,
         /// Alerts because no epoch was judged for the time to alert.
         line_stale,
-        /// Ephemerides that were not stored, because they are out of date, or of F/NAV while I/NAV
-        /// is in use.
+        /// Ephemerides that were not stored, because the store kept the one in use. The new one is
+        /// out of date, or of F/NAV while I/NAV is in use.
         ephemerides_kept,
         /// Ephemerides that contradict the one in use.
         ephemerides_disputed,
         /// Epochs whose known height contradicted the satellites and was left out.
         heights_excluded,
-        /// Heights of the host that none replaced before they were too old.
+        /// Heights of the host that expired before the host sent a new one.
         heights_expired,
-        /// Epochs whose signals have the strengths of a counterfeit.
+        /// Epochs with signal strengths that indicate a counterfeit.
         strengths_alike,
         /// Sentences that the host port did not take.
         host_lost,
@@ -79,15 +79,16 @@ pub(super) struct EpochLoop<P> {
     pub(super) navigator: Navigator,
     pub(super) configuration: Configuration,
     publisher: Publisher,
-    /// Hash of the settings on which the next verdict of protected depends.
+    /// Hash of the settings that a promise depends on. If it changes, a standing promise is taken
+    /// back.
     promise_hash: u32,
     pub(super) verdicts: Verdicts,
     pub(super) last_verdict: Option<Verdict>,
-    /// True if the last verdict is that of a report, not that of a silence.
+    /// True if the last verdict is of an epoch, and not of a silence or a change of settings.
     pub(super) has_report: bool,
     last_time: Option<GpsTime>,
-    /// Reference time for `STALE`, ms: the arrival of the last epoch less its lateness, or the time
-    /// of the last `STALE`.
+    /// Reference time for `STALE` and `SOURCE`, ms: the arrival of the last judged epoch minus its
+    /// lateness, or the time of the last such alert.
     last_epoch_ms: u64,
     lateness: Lateness,
     /// Last epoch whose ranges agreed with orbits that determine the week, and its arrival, ms.
@@ -101,7 +102,7 @@ pub(super) struct EpochLoop<P> {
     /// Time at which the module's own tests last indicated counterfeit signals, ms.
     sign_ms: Option<u64>,
     strengths: Strengths,
-    /// Height that the host has stated.
+    /// Height from the host.
     pub(super) host_height: Option<HostHeight>,
     rivals: Rivals,
     /// GPS time minus UTC, s; the value of the image until the input states another.
@@ -113,7 +114,7 @@ impl<P: OutputPin> EpochLoop<P> {
     /// failed.
     ///
     /// It returns `Self` and no `Result`, because a `Result` would be built on the stack first.
-    #[allow(clippy::inline_always, reason = "what is large is written where it is to stay")]
+    #[allow(clippy::inline_always, reason = "large values are built in their final place")]
     #[inline(always)]
     pub(super) fn new(
         pin: P,
@@ -155,12 +156,13 @@ impl<P: OutputPin> EpochLoop<P> {
         self.rivals = Rivals::NONE;
     }
 
-    /// Discards the delays of epochs, because those of another week are not comparable.
+    /// Discards the delays of epochs, because delays before and after a change of week are not
+    /// comparable.
     pub(super) const fn forget_lateness(&mut self) {
         self.lateness.forget();
     }
 
-    /// Returns the reason for which no position may be used, however well ranges agree.
+    /// Returns the alert that forbids any position, however well the ranges agree.
     fn distrust(&self, now_ms: u64) -> Option<Alert> {
         if self.is_spoofed(now_ms) {
             return Some(Alert::Spoofed);
@@ -227,7 +229,7 @@ impl<P: OutputPin> EpochLoop<P> {
                 self.rivals.age();
                 let report = self.navigator.judge(raw, *came_ms, &self.configuration);
                 report.verdict = match report.verdict {
-                    // An alert stays, because it reports that the position is wrong.
+                    // An alert is not replaced, because it reports that the position is wrong.
                     Verdict::Alert(_) => report.verdict,
                     _ if !self.is_sound => Verdict::Unavailable(Unavailable::SelfTest),
                     _ if !self.is_confirmed => Verdict::Unavailable(Unavailable::Settings),
@@ -326,7 +328,8 @@ impl<P: OutputPin> EpochLoop<P> {
         if now_ms.abs_diff(self.last_epoch_ms) < self.time_to_alert_ms() {
             return false;
         }
-        // The alert is repeated after each further time to alert, for a host that connects later.
+        // The alert is repeated each time that the time to alert has passed again, for a host that
+        // connects later.
         self.last_epoch_ms = now_ms;
         let reason = if hears_others { Alert::Source } else { Alert::Stale };
         self.last_verdict = Some(Verdict::Alert(reason));
@@ -339,7 +342,7 @@ impl<P: OutputPin> EpochLoop<P> {
         true
     }
 
-    /// Sends what is due again after some time.
+    /// Sends settings and losses if they are due again.
     #[inline(never)]
     pub(super) fn repeat<W: Write>(&mut self, now_ms: u64, losses: &Losses, host: &mut W) {
         let written = self.publisher.tick(now_ms, &self.configuration, losses, host);
@@ -347,14 +350,14 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 
     fn time_to_alert_ms(&self) -> u64 {
-        // At most an hour, and computed at every tick; rounded to the nearest without software
-        // doubles.
+        // Rounds to the nearest without doubles, which are software here, because every tick
+        // computes it. The value is at most an hour.
         u64::from((self.configuration.time_to_alert_s as f32 * 1e3 + 0.5) as u32)
     }
 
-    /// Applies the settings that a command has changed. If protection depends on them, the pin goes
-    /// low, because the last verdict was reached under other settings. Returns true if that verdict
-    /// was protected.
+    /// Applies the settings that a command has changed. If a promise depends on them, the pin goes
+    /// low, because the last verdict was reached under other settings. The result is then true if
+    /// that verdict was a promise.
     #[must_use]
     pub(super) fn reconfigure(&mut self) -> bool {
         let hash = self.configuration.promise_hash();
@@ -419,7 +422,8 @@ const fn is_sign(verdict: Verdict) -> bool {
 }
 
 /// Returns true if ranges agree with orbits that determine the week, even if not well enough for
-/// protection. The epoch was then measured at the time of its tag. GLONASS alone fits every week.
+/// protection. The tag is then right. GLONASS alone proves no week: its ephemerides state none, and
+/// the tag's week dates them.
 fn agree<const N: usize>(report: &Report<N>) -> bool {
     use Unavailable::{Accuracy, Emt, Hpl, Risk, Vpl};
     let is_contradicted = !matches!(

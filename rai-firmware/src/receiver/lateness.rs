@@ -2,36 +2,38 @@
 //! it.
 //!
 //! ```text
-//! late = min (t − tₚ − (τ − τₚ) − d (t − tₚ))
+//! late = max (0, max over p of (t − tₚ − (τ − τₚ) − d (t − tₚ)))
 //! ```
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | `t`, `τ` | arrival of the epoch by the module's own clock; its tag | ms |
-//! | `tₚ`, `τₚ` | the same for an epoch whose ranges agreed with orbits | ms |
-//! | `d` | largest gain of the own clock on the tags: [`Boot::clock_error_ppm`](super::Boot::clock_error_ppm) | – |
+//! | `tₚ`, `τₚ` | the same for an earlier epoch `p` whose ranges agreed with orbits | ms |
+//! | `d` | largest rate at which the module's own clock may gain: [`Boot::clock_error_ppm`](super::Boot::clock_error_ppm) | – |
 //!
-//! The path from the antenna to the module always takes some time; the shortest seen counts as
-//! zero. Tags are compared only with those of epochs that agreed. Satellites move by kilometres in
-//! a second, so that ranges which agree with their orbits are of the instant of their tag. A
-//! recorded and repeated signal is late for the same reason.
+//! The path from the antenna to the module always takes some time; the shortest delay so far counts
+//! as zero. Satellites move by kilometres in a second, so that the tag of an epoch is right if its
+//! ranges agree with orbits. Only such epochs serve as reference. The ranges of a replayed
+//! recording agree with the orbits of its old tags, so that it is late by its age.
 //!
-//! One epoch alone may be wrong. An epoch far ahead of the others is ignored. A reference that
-//! fewer than [`FIRM_EPOCHS`] support gives way to as many epochs that contradict it and agree with
-//! each other.
+//! One epoch alone may be wrong, so that an epoch far ahead of the others is ignored. But
+//! [`FIRM_EPOCHS`] epochs over [`FIRM_MS`] with the same delay replace the reference. Late epochs
+//! replace it only while it rests on less than that itself.
 //!
 //! **Limits.** A delay that grows more slowly than `d` looks like a fast clock. A delay that exists
-//! from the start is not seen. A clock faster than `d` makes every epoch late in the end.
+//! from the start is not detected. If the clock runs fast by more than `d`, every epoch is late in
+//! the end.
 
 use crate::division::divided;
 use crate::time::{GpsTime, WEEK_MS};
 
-/// Number of epochs, and the time from the first to the last of them, ms, that make a reference
-/// firm.
+/// Least number of epochs that make a reference firm.
 const FIRM_EPOCHS: u8 = 10;
+
+/// Least time from the first to the last of them, ms.
 const FIRM_MS: u64 = 10_000;
 
-/// Largest difference of equal delays, ms.
+/// Difference below which two delays count as the same, ms.
 const SAME_MS: i64 = 1000;
 
 /// Difference from the reference beyond which an epoch belongs to another cycle of GPS weeks, and
@@ -47,7 +49,7 @@ pub(super) struct Lateness {
     other: Option<Line>,
 }
 
-/// An epoch, and its arrival by the own clock.
+/// An epoch, and its arrival by the module's own clock.
 #[derive(Clone, Copy, Debug)]
 struct Arrival {
     time: GpsTime,
@@ -64,8 +66,8 @@ struct Line {
 }
 
 impl Lateness {
-    /// Returns the state before the first epoch. The own clock may gain this much on the right
-    /// time, parts per million.
+    /// Returns the state before the first epoch. The module's own clock may run fast by
+    /// `clock_error_ppm`, parts per million.
     pub(super) const fn by_clock_within(clock_error_ppm: u32) -> Self {
         Self { clock_error_ppm, known: None, other: None }
     }
@@ -135,7 +137,7 @@ impl Arrival {
         self.came_ms.saturating_sub(earlier.came_ms).cast_signed() - self.time.since_ms(earlier.time)
     }
 
-    /// Returns the largest gain of the own clock on the tags since an earlier epoch, ms.
+    /// Returns the most that the module's own clock may have gained since an earlier epoch, ms.
     fn gained_ms(self, earlier: Self, clock_error_ppm: u32) -> u64 {
         let passed_ms = self.came_ms.saturating_sub(earlier.came_ms);
         divided(passed_ms.saturating_mul(u64::from(clock_error_ppm)), 1_000_000).0

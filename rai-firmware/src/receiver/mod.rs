@@ -5,27 +5,35 @@
 //!                                       └────► integrity pin
 //! ```
 //!
-//! The pin is high while the position of the last epoch may be used, and low in every other case:
-//! from start-up until the first protected epoch, on every verdict but `Protected`, on a report of
-//! a second receiver or of spoofing, on an ordered restart, and when the time to alert has passed
-//! since the arrival of the last judged epoch less its lateness. A change of a setting that affects
-//! protection sets it low until the next epoch. A failed self-test sets it low until the next
-//! start. An epoch that is complete only after the time to alert is discarded, because its verdict
-//! would describe the past. An epoch is also discarded if its delay, by its tag and the module's
-//! own clock, exceeds that of earlier epochs by the time to alert ([`lateness`]).
+//! The pin is high while the position of the last epoch may be used. It is low in every other case:
 //!
-//! Each epoch is reported at once. `STALE` is raised only if no epoch arrives within the time to
-//! alert. A series of unavailable epochs does not raise it, because the pin is already low.
+//! - from start-up until the first protected epoch
+//! - after every verdict but `Protected`
+//! - after a report of a second receiver or of spoofing, until the next protected epoch
+//! - after a change of a setting that affects protection, until the next protected epoch
+//! - after a failed self-test, until the next start
+//! - after an ordered restart
+//! - if the last judged epoch is older than the time to alert
 //!
-//! An epoch whose end has waited for more than [`LAG_MS`] is skipped and counted. If epochs come
-//! faster than they can be judged, the newest is therefore judged and not the oldest.
+//! The age of an epoch counts from the arrival of its first byte minus its lateness. Lateness is
+//! the excess of its delay (arrival minus tag) over the shortest delay of earlier epochs
+//! ([`lateness`]). If a complete epoch is already older than the time to alert, it is discarded,
+//! because its verdict would describe the past.
 //!
-//! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte;
-//! the pin is set before a sentence is written. The worst-case epoch of a stream, found by a search
-//! over all settings, takes 1.6 million instructions: 15 to 24 ms at 168 MHz by a model of the
-//! processor's cycles and its flash (`cargo xtask bench`). The pin follows within 30 ms at 168 MHz
-//! and within 350 ms at 16 MHz, with an allowance for what the search leaves out.
-//! [`Receiver::tick`], which must be called at least ten times a second, detects a silent line.
+//! Each epoch is reported at once. If no epoch is judged within the time to alert, the module
+//! raises `STALE`, or `SOURCE` if it receives epochs of another source. A series of unavailable
+//! epochs does not raise them, because the pin is already low.
+//!
+//! An epoch whose last byte has waited for more than [`LAG_MS`] is skipped and counted. If epochs
+//! come faster than they can be judged, the newest is therefore judged and not the oldest.
+//!
+//! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte.
+//! The pin is set before a sentence is written. The worst-case epoch of a stream, found by a search
+//! over all settings, takes 1.6 million instructions. By a model of the processor's cycles and its
+//! flash, these are 15 to 24 ms at 168 MHz (`cargo xtask bench`). The pin follows within 30 ms at
+//! 168 MHz and within 350 ms at 16 MHz. Both figures include a margin for epochs worse than the
+//! search found. [`Receiver::tick`], which must be called at least ten times a second, detects a
+//! silent line.
 
 mod boot;
 mod epochs;
@@ -56,14 +64,14 @@ use crate::output::nmea::{write_answer, write_counters, write_refusal, write_ver
 use crate::settings::{Action, CommandPort, Configuration, Heard, Order, Refusal, Unsealed};
 
 /// Silence that ends a frame and an epoch, ms. If epochs are closer together, the next one
-/// completes the last.
+/// completes the one before.
 const SILENCE_MS: u64 = 500;
 
 /// Pause of the line that never occurs inside a burst, ms.
 const PAUSE_MS: u64 = 100;
 
 /// Longest time that the last byte of an epoch may wait, ms; otherwise the epoch is skipped.
-/// Reading costs a tenth of judging, so that a module that is behind catches up by reading alone.
+/// Reading costs a tenth of judging, so that a module that is behind catches up by reading only.
 pub const LAG_MS: u64 = 40;
 
 /// The module: everything except the hardware.
@@ -95,7 +103,7 @@ impl<P: OutputPin> Receiver<P> {
         Ok(Self::of(pin, pin_failures, requirements_at_start()?, boot))
     }
 
-    /// Works like [`Self::new`] in the place where the module is to stay, with less stack.
+    /// Works like [`Self::new`], but builds the module in its final place, with less stack.
     ///
     /// # Errors
     /// As [`Self::new`]; the place is then as it was.
@@ -106,7 +114,7 @@ impl<P: OutputPin> Receiver<P> {
     }
 
     /// Returns a module whose pin was set low; `pin_failures` attempts to set it failed.
-    #[allow(clippy::inline_always, reason = "what is large is written where it is to stay")]
+    #[allow(clippy::inline_always, reason = "large values are built in their final place")]
     #[inline(always)]
     fn of(pin: P, pin_failures: u32, requirements: ValidatedRequirements, boot: Boot) -> Self {
         // Built in one expression, so that large parts are written directly to their final place.
@@ -141,7 +149,7 @@ impl<P: OutputPin> Receiver<P> {
 
     /// Applies the settings that the previous run has sealed. If they are damaged or missing, no
     /// position is protected until the host sends `CONFIRM`. After power-on the default settings
-    /// apply without confirmation.
+    /// need no confirmation.
     pub fn restore(&mut self, memory: &[u8; SEALED_BYTES], after_power_on: bool) {
         match Configuration::unseal(memory) {
             _ if after_power_on => {}
@@ -155,7 +163,7 @@ impl<P: OutputPin> Receiver<P> {
     }
 
     /// Seals the settings for the next start, if they have changed since the last call. Unconfirmed
-    /// settings are not sealed, because a second restart would take them for confirmed ones.
+    /// settings are not sealed, because the next start would treat them as confirmed.
     pub fn seal(&mut self, memory: &mut [u8; SEALED_BYTES]) {
         if self.epochs.is_confirmed && core::mem::take(&mut self.is_unsealed) {
             self.epochs.configuration.seal(memory);
@@ -208,9 +216,11 @@ impl<P: OutputPin> Receiver<P> {
         &self.losses
     }
 
-    /// Checks the clock: a silence ends an incomplete frame and completes an open epoch, a pause
-    /// completes an epoch whose stated end is doubtful, and the state is an alert if no epoch was
-    /// judged for the time to alert. Returns true if an epoch was judged or an alert raised.
+    /// Takes the time. Returns true if an epoch was judged or an alert raised.
+    ///
+    /// - A silence ends an incomplete frame and completes an open epoch.
+    /// - A pause completes an epoch whose stated end is doubtful.
+    /// - An alert is raised if no epoch was judged for the time to alert.
     #[inline(never)]
     pub fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
         self.now_ms = now_ms;
@@ -255,8 +265,8 @@ impl<P: OutputPin> Receiver<P> {
         heard.action.is_some()
     }
 
-    /// Obeys a command that did not come over a wire, and writes the complete answer. The command
-    /// is a key, and its values separated by commas. `None` asks for the value in force.
+    /// Obeys a command of the program itself, and writes the complete answer. `values` are
+    /// separated by commas; `None` asks for the value in force.
     ///
     /// Key and values must be text that a sentence may contain: printable ASCII without `$` and
     /// `*`, at most [`MAX_LINE`](crate::settings::MAX_LINE) characters.

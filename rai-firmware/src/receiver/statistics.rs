@@ -19,8 +19,9 @@ impl<P: OutputPin> Receiver<P> {
         }
     }
 
-    /// Returns every counter by name: verdicts, ports, wire, satellites, range rates, commands; and
-    /// the mean of SSE/dof in percent, which is about 100 if the sigmas are right.
+    /// Returns every counter by name: verdicts, ports, wire, satellites, range rates and commands.
+    /// Behind the verdicts comes the mean of SSE/dof in percent, which is about 100 if the sigmas
+    /// are right.
     pub fn statistics(&self) -> impl Iterator<Item = (&'static str, u32)> {
         self.statistics_from(0)
     }

@@ -1,8 +1,8 @@
-//! Strengths of the signals: signals of one antenna have one strength.
+//! Strengths of the signals: signals that one counterfeiting antenna sends arrive equally strong.
 //!
 //! ```text
-//! s² = Σ_c Σ_i (C_i − C̄_c)² / (n − m)          s < 1 dB for 10 s, after s > 2 dB: alike
-//! C̄ > 52 dB-Hz                                  stronger than the sky
+//! s² = Σ_c Σ_i (C_i − C̄_c)² / (n − m)          s < 1 dB for 10 s, after s > 2 dB once: a sign
+//! C̄ > 52 dB-Hz                                  a sign: stronger than any satellite
 //! ```
 //!
 //! | symbol | meaning | unit |
@@ -11,12 +11,12 @@
 //! | `C̄_c`, `C̄` | their means in system `c` and in all | dB-Hz |
 //! | `n`, `m` | satellites with a C/N0, systems among them; `n ≥ 6` | – |
 //!
-//! The sky sends from all directions, and the antenna receives low satellites more weakly. A
-//! counterfeit of one antenna comes from one direction. The mean of a system is removed because
-//! systems send with powers of their own. The elevation is not: its trend keeps a genuine sky apart
-//! from a counterfeit one.
+//! Genuine signals come from all directions, and the antenna receives low satellites more weakly.
+//! Counterfeit signals of one antenna come from one direction. The mean of each system is removed,
+//! because systems send with different powers. The trend with elevation is not removed, because it
+//! tells genuine signals from counterfeit ones.
 //!
-//! This sign alone withdraws nothing. It counts beside a receiver that suspects spoofing.
+//! This sign alone takes no promise back. It counts if the receiver also suspects spoofing.
 
 use raim_core::satellite::Constellation;
 
@@ -28,13 +28,13 @@ const LEAST_SATELLITES: u32 = 6;
 /// Variance below which strengths are alike, dB².
 const ALIKE_DB2: f32 = 1.0;
 
-/// Variance above which they differ as those of the sky do, dB².
+/// Variance above which strengths differ as those of genuine signals do, dB².
 const APART_DB2: f32 = 4.0;
 
-/// Time for which they must be alike, ms.
+/// Time for which strengths must be alike, ms.
 const ALIKE_MS: u64 = 10_000;
 
-/// Mean above which they are too strong, dB-Hz.
+/// Mean above which signals are too strong for satellites, dB-Hz.
 const STRONG_DB_HZ: f32 = 52.0;
 
 /// Number, sum and sum of squares of strengths.
@@ -48,9 +48,9 @@ struct Sums {
 /// Memory of the strengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Strengths {
-    /// True after strengths that differed as those of the sky do.
+    /// True after strengths that differed as those of genuine signals do.
     were_apart: bool,
-    /// Time since which they are alike, ms.
+    /// Time since which strengths are alike, ms.
     alike_ms: Option<u64>,
 }
 
@@ -58,7 +58,7 @@ impl Strengths {
     /// Memory of no epoch.
     pub(super) const NONE: Self = Self { were_apart: false, alike_ms: None };
 
-    /// Takes an epoch. Returns true if its strengths are those of a counterfeit.
+    /// Takes an epoch. Returns true if its strengths indicate counterfeit signals.
     #[inline(never)]
     pub(super) fn take(&mut self, raw: &RawEpoch, now_ms: u64) -> bool {
         let mut systems = [Sums::default(); Constellation::COUNT];

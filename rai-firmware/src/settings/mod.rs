@@ -12,8 +12,8 @@
 //! and `PMD` make the phase `CUSTOM`; `TTA` does not. A known word that this build lacks is refused
 //! with `not in this build`. The answer repeats the values as they came. If that would exceed 82
 //! characters (eight long coefficients), the answer has only the key and `OK`. A command that is
-//! obeyed but unwise is answered with `OK,WARN,why`: the thresholds `T2` and `TOP` limit missed
-//! detections and nothing else, so that at a limit of 556 m or more no error that occurs raises an
+//! obeyed but unwise is answered with `OK,WARN,why`. For example, the thresholds `T2` and `TOP`
+//! limit only missed detections. At a limit of 556 m or more, no error that occurs then raises an
 //! alarm.
 
 use raim_core::allocation::Allocation;

@@ -56,6 +56,6 @@ orders! {
     "CONFIRM" Confirm: "The settings in force are meant",
     "FORGET" Forget: "The module forgets the last position, the delays of epochs, the time, the source of the ranges, and the receiver's word on jamming and spoofing",
     "WEEK" Week(u16 in WEEKS): "The next epoch is of this GPS week, 0 to 8191, not rolled over: the date of a recording, or of GPS alone after November 2038",
-    "HEIGHTAID" Height(f64 in HEIGHT_M, f64 in PLACE_SIGMA_M) if "aiding": "The antenna is now at this height above the ellipsoid, m, known to this standard deviation, m: from a barometer, a map or a deck. For 10 s it takes a row beside the satellites, with a standard deviation of at least 3 m that grows by 3 m/s and the vertical speed",
+    "HEIGHTAID" Height(f64 in HEIGHT_M, f64 in PLACE_SIGMA_M) if "aiding": "The antenna is now at this height above the ellipsoid, m, known to this standard deviation, m: from a barometer, a map or a deck. For 10 s it adds a row to those of the satellites, with a standard deviation of at least 3 m that grows by 3 m/s and the vertical speed",
     "RESET" Reset: "The module starts again, with the pin low",
 }

@@ -230,7 +230,7 @@ settings! {
         phase: Apart,
         warning: nothing,
         example: "ON",
-        text: "`ON` gives a forecast of the receiver clock a row beside the satellites",
+        text: "`ON` adds a forecast of the receiver clock as a row to those of the satellites",
     }
     "CN0MASK" SignalMask {
         signal_mask_db_hz: f64 = 28.0,
@@ -364,7 +364,7 @@ settings! {
         phase: Apart,
         warning: nothing,
         example: "55.49,8.45,63.2,1",
-        text: "Place of a fixed antenna: latitude, longitude, height above the ellipsoid and standard deviation, which counts as at least 3 m. The height takes a row beside the satellites unless `HEIGHTAID` states one. A position that is farther from the place than its level and 5.33 standard deviations is not promised (`PLACE`). `OFF` for an antenna that may move",
+        text: "Place of a fixed antenna: latitude, longitude, height above the ellipsoid and standard deviation, which counts as at least 3 m. Its height adds a row to those of the satellites, unless `HEIGHTAID` sets one. A position that is farther from the place than its level and 5.33 standard deviations is not promised (`PLACE`). `OFF` for an antenna that may move",
     }
     #[cfg(test)]
     "TOY" Toy {

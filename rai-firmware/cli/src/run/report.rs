@@ -174,7 +174,7 @@ mod tests {
             "STALE",
             "<td>protected</td>",
             &known,
-            "no epoch came within the time to alert",
+            "no epoch was judged within the time to alert",
         ] {
             assert!(html.contains(part), "{part}");
         }

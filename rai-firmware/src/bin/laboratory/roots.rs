@@ -1,4 +1,4 @@
-//! Roots by the processor's instruction beside those of libm, bit by bit.
+//! Comparison of square roots by the processor's instruction with those of libm, bit by bit.
 //!
 //! | numbers | patterns |
 //! |---|---|

@@ -1,6 +1,6 @@
 //! The log: defmt frames to the log port and, for a debug probe, to RTT.
 //!
-//! A frame is gathered whole and then offered to both; without room it is dropped. Logging
+//! A frame is first collected and then offered to both; without room it is dropped. Logging
 //! therefore never waits, with or without a cable or a probe. The host decodes the frames with the
 //! table in the image.
 
@@ -14,7 +14,7 @@ use raim_firmware::board::Note;
 use super::{rings, stack, time};
 use crate::chip::send_log;
 
-/// Most bytes of a frame; a longer one is dropped.
+/// Largest number of bytes in a frame; a longer one is dropped.
 const FRAME_BYTES: usize = 256;
 
 defmt::timestamp!("{=u64:us}", time::now_us());

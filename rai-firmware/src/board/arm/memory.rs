@@ -1,8 +1,8 @@
 //! Copies, fills and comparisons of memory, which the compiler calls to move values.
 //!
-//! The compiler's own functions are unrolled for processors of any kind, one for each alignment,
-//! and take 3 KiB. A Cortex-M from M3 on reads words from any address and whole lines of aligned
-//! ones. That takes 0.2 KiB and fewer instructions.
+//! The compiler's functions are unrolled for processors of any kind, once for each alignment, and
+//! take 3 KiB. A Cortex-M from M3 on loads words from any address, and several aligned words at
+//! once. These functions therefore take 0.2 KiB and fewer instructions.
 //!
 //! | register | at entry of a copy | of a fill | of a comparison |
 //! |---|---|---|---|
@@ -11,8 +11,8 @@
 //! | `r2` | bytes | value | bytes |
 //!
 //! A copy goes forwards, four words at a time while both ends are aligned, and reads each piece
-//! before it writes it. It is therefore also correct for overlapping pieces if it moves towards
-//! lower addresses. References: [AAPCS-RT] §5.3.4.
+//! before it writes it. If it moves towards lower addresses, it is therefore correct for
+//! overlapping blocks too. References: [AAPCS-RT] §5.3.4.
 //!
 //! [AAPCS-RT]: https://github.com/ARM-software/abi-aa/blob/main/rtabi32/rtabi32.rst
 

@@ -1,14 +1,14 @@
 //! The rings between the ports' interrupts and the epoch loop, the same on every board.
 //!
-//! | ring | bytes | holds |
+//! | ring | bytes | room for |
 //! |---|---|---|
-//! | GNSS in | 4096 | more than the longest epoch (64 satellites with four signals: under 4 KB), a third of a second at 115,200 baud; half of both in an image with room for 32 satellites in a message |
+//! | GNSS in | 4096 | more than the longest epoch (64 satellites with four signals: under 4 KB): a third of a second at 115,200 baud. An image for 32 satellites in a message has half the bytes |
 //! | host in | 256 | three commands |
 //! | host out | 2048 | three epochs of sentences |
-//! | log out | 1024 | a burst of twenty frames: a tenth of a second at 115,200 baud; half of both in such an image |
+//! | log out | 1024 | a burst of twenty frames: a tenth of a second at 115,200 baud. The same image has half the bytes |
 //!
-//! GNSS bytes enter with their arrival time. Bytes without room in a ring and bytes that were
-//! overrun in the port are lost, and counted together.
+//! GNSS bytes enter with their arrival time. Bytes that find no room in a ring, and bytes that were
+//! overrun in the port, are lost and counted together.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -57,7 +57,7 @@ pub fn losses(host: &HostPort) -> PortLosses {
     }
 }
 
-/// Most bytes that ever waited in each ring since start.
+/// Largest number of bytes that have waited in each ring since start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, defmt::Format)]
 pub struct HighWater {
     gnss_in: usize,

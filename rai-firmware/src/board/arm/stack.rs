@@ -1,9 +1,9 @@
 //! The stack: its high-water mark, and a guard below it.
 //!
 //! Start-up paints the memory between the statics and the top of RAM with one word. The lowest word
-//! that lost its paint is the high-water mark. A region of the memory protection unit just above
-//! the statics refuses every access. A stack that grows too deep therefore faults instead of
-//! silently changing the statics.
+//! that lost its paint is the high-water mark. A region of the memory protection unit, just above
+//! the statics, refuses every access. If the stack grows too deep, the program therefore faults,
+//! instead of silently changing the statics.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -56,7 +56,7 @@ pub fn guard(mpu: &MPU, scb: &mut SCB) {
     scb.disable(cortex_m::peripheral::scb::Exception::MemoryManagement);
 }
 
-/// Returns the most bytes of stack that were ever in use.
+/// Returns the largest number of bytes of stack that have been in use.
 #[allow(unsafe_code)]
 pub fn high_water_bytes() -> u32 {
     let top = &raw const _stack_start as usize;

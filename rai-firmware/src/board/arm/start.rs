@@ -31,8 +31,8 @@ pub fn run<B: Board>(board: &mut B, receiver: &'static mut Place<B::Pin>, pin: B
     fault::reset_on_request()
 }
 
-/// Returns true if the settings at start are to be used. This is the case after power-on, or if the
-/// chip has no cause and its memory has kept nothing.
+/// Returns true if the default settings apply: after power-on, or if the chip reports no cause and
+/// its memory has no settings.
 fn is_after_power_on(cause: ResetCause, memory: &[u8; SEALED_BYTES]) -> bool {
     match cause {
         ResetCause::PowerOn => true,

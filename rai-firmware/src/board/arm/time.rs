@@ -25,8 +25,7 @@ pub fn start(mut syst: SYST, core_hz: u32) {
     syst.enable_counter();
 }
 
-/// Returns the low word of the milliseconds since start, for interrupts, which have no time for
-/// more.
+/// Returns the low word of the milliseconds since start, for interrupts, which must be short.
 pub fn now_ms_low() -> u32 {
     MS_LOW.load(Ordering::Relaxed)
 }
@@ -59,8 +58,8 @@ pub fn now_us() -> u64 {
 /// Sleeps until a millisecond begins or there is `work`; returns the tick at which an interrupt
 /// first ended the sleep.
 ///
-/// An interrupt without enough work is served, and the sleep continues, because a pass of the loop
-/// for each byte would cost several times an epoch.
+/// If an interrupt does not bring enough work, the sleep continues after it. A pass of the loop for
+/// each byte would cost several times an epoch.
 pub fn sleep_unless(work: impl Fn() -> bool) -> Option<u64> {
     let (slept_ms, mut woken_ticks) = (now_ms_low(), None);
     while now_ms_low() == slept_ms
@@ -74,8 +73,8 @@ pub fn sleep_unless(work: impl Fn() -> bool) -> Option<u64> {
 /// Sleeps until the next interrupt, unless there is `work`; returns the tick at which it ended the
 /// sleep.
 ///
-/// Interrupts are held back during the question and the sleep. One that comes between them ends the
-/// sleep at once, and is served after it.
+/// Interrupts are held back while `work` is tested and during the sleep. An interrupt between the
+/// two ends the sleep at once, and is served after it.
 fn doze_unless(work: impl Fn() -> bool) -> Option<u64> {
     cortex_m::interrupt::free(|_| {
         if work() {

@@ -1,7 +1,7 @@
 //! The emulated MPS2 board with the image AN500, a Cortex-M7 with doubles in hardware, as an
 //! example of a port.
 //!
-//! | what | where |
+//! | part | peripheral |
 //! |---|---|
 //! | host, GNSS, log port | UART 0, 1, 2 (CMSDK) |
 //! | integrity pin | user LED 0 of the board's registers |

@@ -14,7 +14,7 @@ use crate::arm::time;
 /// Rate of all ports at start, bit/s.
 const BAUD: u32 = 115_200;
 
-/// Most bytes that one interrupt takes in.
+/// Largest number of bytes that one interrupt receives.
 const BYTES_PER_INTERRUPT: usize = 64;
 
 /// An interrupt by its number.

@@ -43,13 +43,13 @@ pub enum Source {
     /// The crystal or the PLL did not start: the internal oscillator, 16 MHz, within 1 %.
     Internal,
     /// No oscillator reports ready although the program runs, so that the clock cannot be set. It
-    /// counts as full speed, as on an emulated core: on a slower clock time-outs are then late and
-    /// never early.
+    /// counts as full speed, as on an emulated core. If the clock is slower, time-outs are then
+    /// late and never early.
     Unreported,
 }
 
 impl Source {
-    /// Returns the most by which this clock may run fast, parts per million.
+    /// Returns the largest rate at which this clock may run fast, parts per million.
     #[cfg_attr(not(target_os = "none"), allow(dead_code))] // As above.
     pub const fn error_ppm(self) -> u32 {
         match self {
@@ -101,9 +101,11 @@ mod registers {
 
     use super::{Clock, PLL_M, PLL_N, Source};
 
-    /// Polls until the crystal is given up: above 50 ms at 16 MHz; data sheets give 2 ms.
+    /// Number of polls after which the crystal counts as failed: more than 50 ms at 16 MHz, where
+    /// data sheets give 2 ms.
     const CRYSTAL_POLLS: u32 = 100_000;
-    /// Polls until any other wait is given up: above 5 ms at 16 MHz; the PLL locks within 0.3 ms.
+    /// Number of polls after which any other wait ends: more than 5 ms at 16 MHz; the PLL locks
+    /// within 0.3 ms.
     const POLLS: u32 = 10_000;
 
     impl Clock {

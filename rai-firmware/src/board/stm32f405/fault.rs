@@ -34,8 +34,8 @@ mod registers {
 
     use crate::arm::fault::{give_up, take_record};
 
-    /// Reads and clears the reset cause: the record of a fault if there is one, else the chip's
-    /// flags.
+    /// Reads and clears the reset cause: the record of a fault if there is one, otherwise the
+    /// chip's flags.
     pub fn reset_cause(rcc: &RCC) -> ResetCause {
         let flags = rcc.csr().read().bits();
         rcc.csr().modify(|_, w| w.rmvf().set_bit());

@@ -1,8 +1,8 @@
 //! The STM32F405 board: the only module that knows its registers.
 //!
-//! | what | where |
+//! | part | peripheral and pins |
 //! |---|---|
-//! | GNSS port | USART2, PA3 in, PA2 out |
+//! | GNSS port | USART2, PA3 in; PA2 out is connected, but nothing is sent |
 //! | host port | USART1, PA10 in, PA9 out |
 //! | log port | USART3, PB10 out; RTT for a debug probe |
 //! | integrity pin, LED | PC6, PC7, both low until the receiver raises them |

@@ -2,7 +2,7 @@
 //!
 //! The pin is high only while the position of the last epoch may be used. The chip leaves it
 //! floating between reset and start-up, so that the circuit needs a pull-down of 10 kΩ or less. The
-//! pin is then low even without a chip.
+//! pull-down also keeps the line low while the chip has no power.
 //!
 //! References: [DS8626] table 9 (alternate functions).
 //!
@@ -15,7 +15,7 @@ use stm32f4::stm32f405::{GPIOA, GPIOB, GPIOC, RCC};
 
 use crate::arm::time;
 
-/// Output that is high while the position may be used: PC6, and PC7 for a LED beside it.
+/// Output that is high while the position may be used: PC6, and PC7 for an LED.
 pub struct IntegrityPin {
     port: GPIOC,
     high: bool,

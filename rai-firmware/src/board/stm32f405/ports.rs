@@ -1,9 +1,9 @@
 //! The three serial ports, driven by interrupts through byte rings.
 //!
 //! A port's interrupt moves received bytes into one ring and waiting bytes out of the other. Code
-//! that puts bytes into a ring pends the interrupt once; then the transmitter's own interrupt
-//! continues. Sending therefore works on a transmitter that interrupts when it is empty and on one
-//! that is never busy. The rings are in `arm/rings.rs`.
+//! that puts bytes into a ring requests the interrupt once; then the transmitter's interrupt
+//! continues. Sending therefore works if the transmitter interrupts when it is empty, and also if
+//! it is never busy. The rings are in `arm/rings.rs`.
 //!
 //! References: [RM0090] §30.
 //!
@@ -21,8 +21,8 @@ use crate::arm::time;
 /// Rate of all three ports at start, bit/s.
 const BAUD: u32 = 115_200;
 
-/// Most bytes that one interrupt takes in, which bounds the time in the handler for any state of
-/// the peripheral.
+/// Largest number of bytes that one interrupt receives. It bounds the time in the handler for any
+/// state of the peripheral.
 const BYTES_PER_INTERRUPT: usize = 64;
 
 /// Starts the ports and their interrupts; returns the writer to the host.
@@ -124,7 +124,7 @@ fn USART2() {
     // SAFETY: after start-up only this handler touches the port's registers.
     let port = unsafe { USART2::steal() };
     let now_ms = time::now_ms_low();
-    // The GNSS receiver is sent nothing.
+    // The module sends nothing to the GNSS receiver.
     receive(&port, |byte| GNSS_IN.push(byte, now_ms), || GNSS_IN.lose());
 }
 

@@ -1,7 +1,7 @@
 //! The independent watchdog: resets the module if the epoch loop stops.
 //!
-//! `T = 32 · RLR / f_LSI`. It runs from its own oscillator, so that it survives a dead crystal, and
-//! it cannot be stopped.
+//! `T = 32 · RLR / f_LSI`. The watchdog has its own oscillator, so that it works without the
+//! crystal. It cannot be stopped.
 //!
 //! | symbol | value | unit |
 //! |---|---|---|
@@ -19,7 +19,7 @@ use stm32f4::stm32f405::IWDG;
 /// Counts until the reset.
 const RELOAD: u16 = 2000;
 
-/// The running watchdog. Only the epoch loop holds it, so only the epoch loop can feed it.
+/// The running watchdog. Only the epoch loop has it, so that nothing else can feed it.
 pub struct Watchdog {
     registers: IWDG,
 }

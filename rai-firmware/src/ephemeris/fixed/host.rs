@@ -1,8 +1,8 @@
-//! The same numbers with the instructions of a host.
+//! The functions of the parent module, by the instructions of a host.
 //!
-//! A microcontroller without doubles composes them of words. A host converts and multiplies them in
-//! one instruction each. Tests compare both on random patterns, bit for bit, so that a replay on a
-//! host gives the bits of the chip.
+//! A microcontroller without doubles composes its results of words. A host converts and multiplies
+//! in one instruction each. Tests compare both on random patterns, bit for bit, because a replay on
+//! a host must give the bits of the chip.
 
 use super::LARGEST;
 

@@ -1,18 +1,18 @@
 //! The present week, and time that only goes forward.
 //!
-//! Observations carry the second of the week, ephemerides a week ([`super::message_week`],
-//! [`super::roll_over`]). The week of GPS is taken in the cycle of 1,024 nearest to the known time,
-//! and before any time is known in the cycle that begins with [`NOT_BEFORE_WEEK`].
+//! Observations carry the second of the week, and ephemerides carry a week
+//! ([`super::message_week`], [`super::roll_over`]). GPS counts weeks modulo 1,024: the week is
+//! taken in the cycle nearest to the known time. Before any time is known, it is taken in the cycle
+//! that begins with [`NOT_BEFORE_WEEK`].
 //!
-//! No time on the wire is accepted for ever. A time that goes back is dropped, but [`RESTART_RUN`]
-//! consecutive older epochs that follow each other are the new time. A time that leaps ahead is
-//! accepted.
+//! A wrong time on the wire does not last. An epoch older than the last one is dropped, but
+//! [`RESTART_RUN`] such epochs that follow each other become the new time. A time that leaps ahead
+//! is accepted.
 //!
-//! Confirmed time is stored separately. Satellites move by kilometres in a second, so that an epoch
-//! whose ranges agreed with their orbits was at the instant of its tag, and in the week of its
-//! ephemerides. An epoch that continues from there by the module's own clock ([`Tick::leads_to`])
-//! is accepted at once, in its week, whatever came between: leaps, however many, and votes on the
-//! week.
+//! Confirmed time is stored separately. Satellites move by kilometres in a second. If the ranges of
+//! an epoch agreed with orbits, its tag and the week of its ephemerides are therefore right. An
+//! epoch that continues from there by the module's own clock ([`Tick::leads_to`]) is accepted at
+//! once, in its week. No leap and no vote on the week in between changes this.
 //!
 //! The systems vote on the week ([`super::present_week`]).
 
@@ -32,20 +32,20 @@ const LEAP_MS: u64 = 60_000;
 /// Number of consecutive older epochs that become the time.
 const RESTART_RUN: u8 = 5;
 
-/// Largest variation of an epoch's delay by the own clock, ms.
+/// Largest variation of the delay of epochs, measured by the module's own clock, ms.
 const DELAY_MS: u64 = 3000;
 
-/// Reciprocal of the own clock's largest relative error.
+/// Reciprocal of the largest relative error of the module's own clock.
 const CLOCK_ERROR: u64 = 64;
 
 /// Half of the cycle in which GPS counts weeks.
 const HALF_CYCLE_WEEKS: u16 = 512;
 
-/// Number of unconfirmed epochs after which a confirmed one no longer overrules the votes, because
-/// it may itself have been wrong.
+/// Number of unconfirmed epochs after which the last confirmed one no longer overrules the votes,
+/// because that one may itself have been wrong.
 const DOUBT_EPOCHS: u16 = 600;
 
-/// Time line of the input.
+/// Calendar of the input.
 #[derive(Debug)]
 pub(super) struct Calendar {
     leap: LeapSeconds,
@@ -53,19 +53,20 @@ pub(super) struct Calendar {
     reference: Option<GpsTime>,
     /// Last epoch.
     last: Option<Tick>,
-    /// Last epoch that was dropped because it was older, and the number of those that followed each
-    /// other.
+    /// Last epoch that was dropped because it was older, and the number of such epochs that
+    /// followed each other.
     older: Option<(GpsTime, u8)>,
     /// Last epoch whose ranges agreed with orbits.
     confirmed: Option<Tick>,
-    /// Number of epochs since then.
+    /// Number of epochs since the confirmed one.
     unconfirmed: u16,
     week: PresentWeek,
-    /// True if the week was determined or corrected, so that earlier sets may be dated a week off.
+    /// True if the week was determined or corrected, so that earlier ephemerides may have a wrong
+    /// week.
     is_redated: bool,
 }
 
-/// An epoch, and its arrival by the own clock, ms.
+/// An epoch, and its arrival by the module's own clock, ms.
 #[derive(Clone, Copy, Debug)]
 struct Tick {
     time: GpsTime,
@@ -73,7 +74,7 @@ struct Tick {
 }
 
 impl Tick {
-    /// Returns the time at an arrival by the own clock.
+    /// Returns the GPS time that corresponds to an arrival by the module's own clock.
     fn time_at(self, came_ms: u64) -> GpsTime {
         let passed_ms = came_ms.saturating_sub(self.came_ms);
         match u32::try_from(passed_ms).ok().filter(|&passed_ms| passed_ms < WEEK_MS) {
@@ -82,13 +83,14 @@ impl Tick {
         }
     }
 
-    /// Returns true if an epoch continues from here by the own clock.
+    /// Returns true if an epoch continues from this one by the module's own clock.
     fn leads_to(self, next: Self) -> bool {
         let error_ms = DELAY_MS + next.came_ms.saturating_sub(self.came_ms) / CLOCK_ERROR;
         next.time > self.time && next.time.since_ms(self.time_at(next.came_ms)).unsigned_abs() <= error_ms
     }
 
-    /// Returns the epoch at `tow_ms` with this arrival, in the week of the own clock.
+    /// Returns the epoch at `tow_ms` with this arrival, in the week that the module's own clock
+    /// gives.
     fn next(self, tow_ms: u32, came_ms: u64) -> Self {
         Self { time: GpsTime::nearest(tow_ms, self.time_at(came_ms)), came_ms }
     }
@@ -139,9 +141,9 @@ impl Calendar {
         self.last.map(|last| last.time)
     }
 
-    /// Takes the time that a receiver states. It is used if nothing else determines the week, and
-    /// if sets leave two weeks; ephemerides may outvote it. A week before [`NOT_BEFORE_WEEK`] is
-    /// ignored, because some receivers count an earlier cycle.
+    /// Takes the time that a receiver states. It determines the week if nothing else does, and
+    /// decides if the ephemerides leave two weeks. Ephemerides may outvote it. A week before
+    /// [`NOT_BEFORE_WEEK`] is ignored, because some receivers count an earlier cycle.
     pub(super) fn suppose(&mut self, time: GpsTime, counters: &mut Counters) {
         if time.week < NOT_BEFORE_WEEK {
             return;
@@ -160,19 +162,20 @@ impl Calendar {
 
     /// Takes the week of the next epoch from a trusted source, in any cycle of GPS weeks.
     pub(super) fn assume(&mut self, week: u16) {
-        // Every second of the week is within half a week of its middle.
+        // The middle of the week is within half a week of each of its seconds, so that it selects
+        // the week.
         self.reference = Some(GpsTime { week, tow_ms: WEEK_MS / 2 });
         (self.last, self.older, self.confirmed) = (None, None, None);
         self.week = PresentWeek::new();
     }
 
-    /// Returns the present if, since the last call, its week was determined or corrected after
-    /// earlier ephemerides.
+    /// Returns the present if its week was determined or corrected since the last call, so that
+    /// earlier ephemerides must be dated again.
     pub(super) fn take_redating(&mut self) -> Option<GpsTime> {
         self.reference.filter(|_| core::mem::take(&mut self.is_redated))
     }
 
-    /// Dates the first epoch, at `tow_ms`, by the sets that came before it.
+    /// Dates the first epoch, at `tow_ms`, by the ephemerides that came before it.
     fn name_week(&mut self, tow_ms: u32) {
         if let Some((present, is_off)) = self.week.first_epoch(tow_ms) {
             (self.reference, self.is_redated) = (Some(present), is_off);
@@ -189,7 +192,7 @@ impl Calendar {
         self.leap.infer(gps_ms, utc_ms, self.time());
     }
 
-    /// Returns true while a leap second may come.
+    /// Returns true while a leap second may be inserted.
     pub(super) fn is_step_due(&self) -> bool {
         self.leap.is_step_due(self.time())
     }
@@ -234,8 +237,8 @@ impl Calendar {
         Ok(self.set(next))
     }
 
-    /// Returns the epoch at `tow_ms` if it continues from the confirmed one and the epochs between
-    /// do not.
+    /// Returns the epoch at `tow_ms` if it continues from the confirmed epoch, but not from the
+    /// last one.
     fn as_confirmed(&self, tow_ms: u32, came_ms: u64) -> Option<Tick> {
         let confirmed = self.confirmed.filter(|_| self.unconfirmed < DOUBT_EPOCHS)?;
         let is_on_line = |last: Tick| last.time == confirmed.time || confirmed.leads_to(last);
@@ -247,7 +250,8 @@ impl Calendar {
 
     /// Confirms an epoch that came at `came_ms`, because its ranges agreed with orbits.
     pub(super) fn confirm(&mut self, time: GpsTime, came_ms: u64) {
-        // Ranges agree as well with orbits that are all dated a week early.
+        // While the week is in doubt, agreement is no evidence: ranges agree as well with orbits
+        // that are all dated a week early.
         if !self.week.is_in_doubt() {
             (self.confirmed, self.unconfirmed) = (Some(Tick { time, came_ms }), 0);
         }
@@ -273,8 +277,8 @@ impl Calendar {
         }
     }
 
-    /// Notes an epoch older than the last one; returns true if enough of them have followed each
-    /// other.
+    /// Notes an epoch older than the last one. Returns true if enough such epochs have followed
+    /// each other.
     fn follows_older(&mut self, time: GpsTime) -> bool {
         let run = match self.older {
             Some((before, run)) if time > before => run.saturating_add(1),
@@ -286,15 +290,15 @@ impl Calendar {
         run >= RESTART_RUN
     }
 
-    /// Takes a set that states this reference time, and returns the reference time that it means at
-    /// the known present.
+    /// Takes an ephemeris that states this reference time. Returns the reference time that it means
+    /// at the known present.
     pub(super) fn learn(
         &mut self,
         system: Constellation,
         stated: GpsTime,
         counters: &mut Counters,
     ) -> GpsTime {
-        // A set of GLONASS states no week; the present has dated it.
+        // An ephemeris of GLONASS states no week; the present has dated it.
         if system == Constellation::Glonass {
             return stated;
         }
@@ -327,7 +331,8 @@ impl Calendar {
             }
             Ruling::Replaced(present) => {
                 (self.reference, self.last, self.older) = (Some(present), None, None);
-                // Ranges agree with orbits of GPS in every cycle.
+                // Ranges agree with orbits of GPS in every cycle, so that confirmed time is no
+                // evidence here.
                 let is_cycle = present.week.abs_diff(reference.week) > HALF_CYCLE_WEEKS;
                 self.confirmed = self.confirmed.filter(|_| !is_cycle);
             }

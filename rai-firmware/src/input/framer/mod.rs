@@ -1,16 +1,16 @@
 //! The transport layer: finds the frames of all wire formats in one stream of bytes, and checks
 //! each once.
 //!
-//! The beginning of a frame may be an accident, and its length then covers good frames. No byte is
-//! therefore dropped before it has been searched: if a candidate fails, only its first byte is
-//! dropped, and the search restarts behind it. An incomplete candidate ends as soon as a frame
-//! inside it is complete and its check holds ([`nested`]).
+//! Bytes may look like the header of a frame by chance. The length that they announce then covers
+//! good frames. No byte is therefore dropped before it has been searched. If a candidate fails,
+//! only its first byte is dropped, and the search restarts behind it. An incomplete candidate ends
+//! as soon as a frame inside it is complete and passes its check ([`nested`]).
 //!
-//! In a stream of nothing but beginnings, every byte would be checked a thousand times. Each
-//! received byte therefore adds credit for [`CREDIT_PER_BYTE`] bytes of checking, up to
-//! [`CREDIT_MOST`], which covers a dozen of the longest RTCM frames that fail in a row. A candidate
-//! that exceeds the credit is skipped and counted. Frames inside a candidate are checked as long as
-//! [`CREDIT_RESERVE`] remains for the candidates themselves.
+//! In a stream that consists only of headers, every byte would be checked a thousand times. Each
+//! received byte therefore adds credit for [`CREDIT_PER_BYTE`] bytes of checking. The credit is at
+//! most [`CREDIT_MOST`], enough for a dozen of the longest RTCM frames that fail in a row. A
+//! candidate that exceeds the credit is skipped and counted. Frames inside a candidate are checked
+//! as long as [`CREDIT_RESERVE`] remains for the candidates themselves.
 
 mod nested;
 
@@ -21,13 +21,13 @@ use super::protocol::{Extent, Frame};
 use super::{Counters, Format};
 use crate::counters::{count, count_many};
 
-/// Room behind the longest frame, bytes, so that moving it to the front is rare.
+/// Room behind the longest frame, bytes, so that waiting bytes must rarely move to the front.
 const SPARE: usize = if Format::LONGEST < 2048 { Format::LONGEST } else { 128 };
 
 /// Size of the buffer, bytes.
 const CAPACITY: usize = Format::LONGEST + SPARE;
 
-/// Credit of each received byte, bytes of checking.
+/// Credit that each received byte adds, bytes of checking.
 const CREDIT_PER_BYTE: usize = 4;
 /// Largest credit, bytes of checking.
 const CREDIT_MOST: usize = 12 * 1029;
@@ -42,14 +42,14 @@ pub(super) struct Framer {
     front: usize,
     /// Length of the frame that was returned last, still at the front.
     handed: usize,
-    /// Position from which the bytes came at `fresh_ms`; those before came at `old_ms` or later.
+    /// Position of the first byte that came at `fresh_ms`; bytes before it came at `old_ms` or
+    /// later.
     fresh: usize,
     fresh_ms: u64,
     old_ms: u64,
     credit: usize,
     nested: Nested,
-    /// Position of an incomplete candidate, and the length of the buffer below which it stays
-    /// incomplete.
+    /// Position of an incomplete candidate, and the length of the buffer that completes it.
     awaited: (usize, usize),
 }
 
@@ -78,13 +78,13 @@ impl Framer {
         }
     }
 
-    /// Takes bytes that came at an instant, as many as fit, and returns the others. Some fit if
-    /// [`Framer::next`] has been called until it returned `None`.
+    /// Takes as many bytes as fit, which came at one instant, and returns the others. At least one
+    /// fits if [`Framer::next`] has been called until it returned `None`.
     pub(super) fn take<'b>(&mut self, bytes: &'b [u8], came_ms: u64, counters: &mut Counters) -> &'b [u8] {
         self.make_room(bytes.len(), counters);
         let room = self.buffer.capacity() - self.buffer.len();
         let (now, later) = bytes.split_at_checked(room).unwrap_or((bytes, &[]));
-        // Bytes that were fresh before are old now, and no older than those at the front.
+        // If all waiting bytes came at `fresh_ms`, that is now the time of the old ones.
         if self.front >= self.fresh {
             self.old_ms = self.fresh_ms;
         }
@@ -106,7 +106,8 @@ impl Framer {
             return;
         }
         if self.front == 0 && self.buffer.is_full() {
-            // No candidate is that long, so that only a caller that never takes frames gets here.
+            // No candidate fills the buffer, so that this happens only if the caller never takes
+            // frames.
             count(&mut counters.bytes_skipped);
             self.front = 1;
         }
@@ -119,13 +120,13 @@ impl Framer {
         self.front = 0;
     }
 
-    /// Returns true if [`Framer::next`] would find more than before. Bytes come a few at a time,
-    /// and calling it after every few would cost half as much as reading the message.
+    /// Returns true if [`Framer::next`] would find more than before. Bytes come a few at a time. A
+    /// call of [`Framer::next`] for each few would cost half as much as reading the message.
     pub(super) fn is_worth_a_look(&mut self) -> bool {
         if self.handed > 0 {
             return true;
         }
-        // The length of a candidate is not worked out again for every few bytes.
+        // The length of a candidate is computed only once, and not for every few bytes.
         if self.awaited.0 != self.front || self.buffer.len() >= self.awaited.1 {
             let Front::Incomplete(length) = self.candidate() else { return true };
             self.awaited = (self.front, length);
@@ -134,7 +135,8 @@ impl Framer {
         self.nested.has_complete(&self.buffer, self.front)
     }
 
-    /// Returns the next frame that passes its check, with its format; the one before is released.
+    /// Returns the next frame that passes its check, with its format. The frame before it is
+    /// released.
     ///
     /// With `is_silent` no more bytes will come to complete a candidate: an incomplete one is
     /// counted as cut, and its bytes are searched.
@@ -166,7 +168,8 @@ impl Framer {
         Some((format, Frame { bytes, came_ms }))
     }
 
-    /// Returns the time at or before which the byte at a position came, ms.
+    /// Returns a time no later than the arrival of the byte at a position, ms. The byte may have
+    /// come later, but not earlier.
     fn came_ms(&self, position: usize) -> u64 {
         if position >= self.fresh { self.fresh_ms } else { self.old_ms }
     }
@@ -184,7 +187,7 @@ impl Framer {
         while let Some(Begun { start, came_ms, .. }) = self.nested.take_complete(&self.buffer, self.front) {
             let bytes = self.buffer.get(start..).unwrap_or_default();
             let Some((format, Extent::Bytes(length))) = Format::at(bytes) else { continue };
-            // A frame that exceeds the credit becomes a candidate of its own if the search gets
+            // A frame that exceeds the credit becomes a candidate itself if the search arrives
             // there.
             let credit = self.credit.saturating_sub(length);
             let Some(frame) = bytes.get(..length).filter(|_| credit >= CREDIT_RESERVE) else { continue };

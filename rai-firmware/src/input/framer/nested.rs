@@ -1,11 +1,12 @@
 //! Beginnings of frames inside a candidate that is incomplete.
 //!
-//! The beginning of a frame may be an accident whose length covers the good frames behind it. The
-//! pin must not wait for that many bytes. Every received byte is therefore searched once for the
-//! beginning of a frame. When its last byte has come, its check decides.
+//! Bytes may look like the header of a frame by chance. The length that they announce then covers
+//! the good frames behind them, and the pin must not wait for that many bytes. Every received byte
+//! is therefore searched once for the beginning of a frame. When the last byte of such a frame has
+//! come, its check decides.
 //!
-//! [`MOST`] beginnings are stored. If there are more, the one that ends last is dropped: it delays
-//! no frame, and is found again if the search gets there.
+//! [`MOST`] beginnings are stored. If there are more, the one that ends last is dropped. This
+//! delays no other frame, and the search finds the dropped one again if it arrives there.
 
 use heapless::Vec;
 
@@ -22,7 +23,7 @@ pub(super) struct Begun {
     pub(super) start: usize,
     /// Position behind its last byte, if it is a frame.
     end: usize,
-    /// Time at or before which its first byte came, ms.
+    /// Time no later than the arrival of its first byte, ms.
     pub(super) came_ms: u64,
 }
 
@@ -32,7 +33,7 @@ pub(super) struct Nested {
     begun: Vec<Begun, MOST>,
     /// Position up to which the buffer has been searched.
     searched: usize,
-    /// Arrival of the byte at `searched`, ms, if it may begin a frame and more bytes must decide.
+    /// Arrival of the byte at `searched`, ms, if it may begin a frame and the next bytes decide.
     unknown_ms: Option<u64>,
 }
 
@@ -94,7 +95,7 @@ impl Nested {
         Some(begun)
     }
 
-    /// Follows the buffer after this number of bytes was removed at its beginning.
+    /// Adjusts positions after this number of bytes was removed at the beginning of the buffer.
     pub(super) fn shift(&mut self, removed: usize) {
         self.begun.retain(|begun| begun.start >= removed);
         for begun in &mut self.begun {

@@ -1,10 +1,10 @@
 //! `BeiDou` D1 and D2: subframes of ten words of 30 bits, on B1I, B2I and B3I.
 //!
-//! A page is the information in a subframe without parities. The fields that the parities
-//! split are thus joined: 26 bits of the first word, then 22 of each other. D1 spreads the
-//! ephemeris over subframes 1 to 3. D2 (of the geostationary satellites) spreads it over ten pages
-//! of subframe 1, of which five words are used. Neither states the issue of a subframe. Its second
-//! of the week identifies it, because the subframes of a set follow each other without a gap.
+//! A page is a subframe without parities: 26 bits of the first word, then 22 bits of each other
+//! word. Fields that the parities split are thus joined. D1 spreads the ephemeris over subframes 1
+//! to 3. D2 (of the geostationary satellites) spreads it over ten pages of subframe 1, of which
+//! five words are used. Neither states the issue of a subframe. The second of the week shows which
+//! subframes are of one set, because they follow each other without a gap.
 //!
 //! | | fields |
 //! |---|---|
@@ -18,7 +18,7 @@
 //! | D2, 7, 8 | Cic 42, Cis 50, toe 68, i0 85 and 42, Crc 53, Crs 71, Ω̇ 89 |
 //! | D2, 9, 10 | Ω̇ 42, Ω0 47, ω 79 and 42, i̇ 47 |
 //!
-//! The coefficients of the ionosphere belong to another model than those of GPS
+//! The coefficients of the ionosphere are for another model than those of GPS
 //! ([`crate::correction::Klobuchar`]).
 //!
 //! References: [BDS-SIS-B1I] 5.2, 5.3; [BDS-SIS-B3I] 5.
@@ -89,7 +89,7 @@ impl NavigationMessage for D1 {
     }
 }
 
-/// D2. The bytes that are stored of a page are those of the five words that it uses.
+/// D2. Only the five words of a page that it uses are stored.
 pub(super) struct D2;
 
 impl NavigationMessage for D2 {
@@ -111,7 +111,7 @@ impl NavigationMessage for D2 {
     }
 }
 
-/// Returns the message that a satellite sends: the geostationary ones D2, all others D1.
+/// Returns the message that a satellite sends: D2 if it is geostationary, otherwise D1.
 pub(in crate::input) fn kind_of(satellite: SatelliteId) -> Kind {
     if matches!(satellite.number(), 1..=5 | 59..=63) { Kind::D2 } else { Kind::D1 }
 }
@@ -144,8 +144,7 @@ fn second_of_week(subframe: Bits<'_>) -> u32 {
     subframe.unsigned(18, 20)
 }
 
-/// Returns true if each page began that many seconds after the one before, across the end of the
-/// week as well.
+/// Returns true if each page began `step_s` after the one before, also across the end of the week.
 fn follow_each_other(pages: &[Bits<'_>], step_s: u32) -> bool {
     const WEEK_S: u32 = 604_800;
     pages.iter().zip(pages.iter().skip(1)).all(|(&before, &after)| {
@@ -154,8 +153,8 @@ fn follow_each_other(pages: &[Bits<'_>], step_s: u32) -> bool {
     })
 }
 
-/// Returns the coefficients of the ionosphere from a bit on. A page that completes an ephemeris
-/// reports only that; its coefficients come again.
+/// Returns the coefficients of the ionosphere from a bit on. If a page completes an ephemeris, only
+/// the ephemeris is reported; the coefficients come again.
 fn ionosphere<'a>(page: Bits<'_>, start: usize) -> Message<'a> {
     Message::Corrections(Some((Constellation::Beidou, page.klobuchar(start))), None)
 }

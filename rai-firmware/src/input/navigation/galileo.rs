@@ -1,9 +1,9 @@
 //! Galileo I/NAV and F/NAV: pages with a CRC.
 //!
 //! I/NAV comes as an even and an odd part, which make a word of 128 bits. Words 1 to 4 are the
-//! ephemeris and state its issue; word 5 has health, group delays and week, and states no issue. A
-//! satellite sends it last in each 30 s, so that it completes the set before it. F/NAV has the same
-//! content in four pages, each with its issue.
+//! ephemeris and state its issue. Word 5 has health, group delays and week, but no issue. A
+//! satellite sends word 5 last in each 30 s, so that it belongs to the words before it. F/NAV has
+//! the same content in four pages, each with its issue.
 //!
 //! | I/NAV word | fields |
 //! |---|---|
@@ -68,8 +68,8 @@ impl NavigationMessage for Inav {
         let word = inav_word(reader.words()?)?;
         match kind(Bits(&word)) {
             kind @ 1..=4 => reader.add(kind - 1, &word).map(|_| None),
-            // The fifth word states no issue. It belongs to the words before it, and is taken only
-            // if these have come.
+            // The fifth word states no issue. It belongs to the words before it, and is read only
+            // if those have come.
             5 => {
                 if !reader.add(4, &word)?.has(BEFORE_THE_LAST) {
                     return Ok(None);
@@ -82,7 +82,7 @@ impl NavigationMessage for Inav {
     }
 }
 
-/// F/NAV. The bytes that are stored of a page end behind its time, bit 192.
+/// F/NAV. A page is stored up to its time, which ends at bit 192.
 pub(super) struct Fnav;
 
 impl NavigationMessage for Fnav {

@@ -1,9 +1,9 @@
-//! GLONASS strings: 85 bits every two seconds; one to four are the ephemeris.
+//! GLONASS strings: 85 bits every two seconds. Strings 1 to 4 are the ephemeris.
 //!
-//! A page is a string with the idle bit first. Numbers are a sign bit and a magnitude. The
-//! strings of one frame follow each other within eight seconds and do not identify their set. A set
-//! is therefore taken only in order: a first string begins it, and each other one must follow the
-//! one before.
+//! A page is a string with the idle bit first. Numbers are a sign bit and a magnitude. The strings
+//! of one frame follow each other within eight seconds and do not identify their set. A set is
+//! therefore read only in order: string 1 begins it, and each further string must directly follow
+//! the one before.
 //!
 //! | string | fields |
 //! |---|---|

@@ -1,8 +1,8 @@
 //! Leap seconds that the satellites announce: the present number, the next one, and the time of the
 //! change.
 //!
-//! The week of the change has eight bits, so that it is the one of 256 that is nearest to the
-//! present. References: [IS-GPS-200] 20.3.3.5.2.4; [OS-SIS-ICD] 5.1.7.
+//! The week of the change has eight bits. Of the weeks with these bits, the one nearest to the
+//! present is taken. References: [IS-GPS-200] 20.3.3.5.2.4; [OS-SIS-ICD] 5.1.7.
 //!
 //! [IS-GPS-200]: crate#references
 //! [OS-SIS-ICD]: crate#references

@@ -1,7 +1,7 @@
 //! LNAV of GPS and QZSS: subframes of ten words of 30 bits. Subframes 1 to 3 are the ephemeris;
 //! page 18 of the fourth has the ionosphere and UTC.
 //!
-//! A page is a subframe without parities: 240 bits. Offsets in them:
+//! A page is a subframe without parities: 240 bits. The fields have these offsets:
 //!
 //! | subframe | fields |
 //! |---|---|
@@ -37,8 +37,8 @@ const PREAMBLE: u32 = 0x8B;
 /// [IS-GPS-200]: crate#references
 const ALERT: usize = 41;
 
-/// Longest time between the first and the last subframe of one ephemeris, s: two frames, one of
-/// them with gaps.
+/// Longest time between the first and the last subframe of one ephemeris, s: two frames and a
+/// margin for gaps.
 const SPAN_S: u32 = 90;
 
 /// Identity of the page with ionosphere and UTC.

@@ -1,16 +1,17 @@
 //! Interface to a navigation message.
 //!
-//! A navigation message is one type that implements [`NavigationMessage`], in a file of its own,
-//! and one row of the table in `navigation/mod.rs`. `messages!` generates everything that has a
-//! case for each message from that table:
+//! A navigation message is one type that implements [`NavigationMessage`], in its own file, and one
+//! row of the table in `navigation/mod.rs`. From that table `messages!` generates everything that
+//! has a case for each message:
 //!
 //! | generated | use |
 //! |---|---|
 //! | `Kind` | names the message of a transmission; its `read` calls that of the implementation |
-//! | `Kind::WORDS`, `Kind::PAGES`, `Kind::SET_BYTES` | the largest of all messages, from which memory follows |
+//! | `Kind::WORDS`, `Kind::PAGES`, `Kind::SET_BYTES` | the largest sizes of all messages, which determine the memory |
 //!
 //! No item of [`NavigationMessage`] has a default, so that an incomplete message does not compile.
-//! Calls are resolved at compile time, so that cost and panic proof are those of a `match`.
+//! Calls are resolved at compile time. They cost no more than a `match`, and the proof of no panic
+//! covers them.
 
 use raim_core::satellite::SatelliteId;
 
@@ -28,13 +29,14 @@ pub(super) trait NavigationMessage {
     /// Number of words of one transmission in normal order.
     const WORDS: usize;
 
-    /// Bytes that are stored of a page.
+    /// Number of bytes of a page that are stored.
     const PAGE_BYTES: usize;
 
     /// Number of pages of a complete set, at most 16.
     const PAGES: usize;
 
-    /// Reads one transmission. The result is `None` if it only adds to what others have said.
+    /// Reads one transmission. The result is `None` if it is one part of a set whose other parts
+    /// have not all come.
     ///
     /// # Errors
     /// [`Unread`] states why the transmission leads to no message.
@@ -50,7 +52,7 @@ pub(super) struct Reader<'r> {
 }
 
 impl Reader<'_> {
-    /// Returns the first `N` words, if there are so many.
+    /// Returns the first `N` words.
     pub(super) fn words<const N: usize>(&self) -> Result<&[u32; N], Refusal> {
         self.transmission.words.first_chunk().ok_or(Refusal::Malformed)
     }
@@ -81,7 +83,8 @@ impl Reader<'_> {
         Ok(Some(Message::Broadcast(ephemeris)))
     }
 
-    /// Returns GPS time minus UTC after an announcement, s; `None` until the present is known.
+    /// Returns GPS time minus UTC according to an announcement, s; `None` until the present is
+    /// known.
     pub(super) fn leap_s(&self, announcement: &Announcement) -> Option<u8> {
         announcement.at(self.calendar.present()?)
     }

@@ -1,12 +1,11 @@
-//! Navigation bits of satellites to orbits, clocks and coefficients, whatever wire format brings
-//! them.
+//! Navigation bits of satellites, from any wire format, to orbits, clocks and coefficients.
 //!
 //! ```text
 //! RXM-SFRBX ──► ubx/sfrbx ──Transmission──► navigation ──► Message::Broadcast, State, Corrections
 //!               words in normal order       one reader for each message
 //! ```
 //!
-//! A wire format maps its own signal numbers to a [`Kind`] and puts the words into normal order,
+//! A wire format maps its signal numbers to a [`Kind`], and puts the words into normal order, with
 //! the most significant bit first:
 //!
 //! | message | signals | words | normal order |
@@ -22,8 +21,8 @@
 //!
 //! [`pages`] collects the pages of a message until they are a set, and [`leap`] reads announcements
 //! of leap seconds. A new message is a file with a type that implements
-//! [`message::NavigationMessage`], a row in the table below, and an arm in each wire format that
-//! brings it. `toy.rs` is the smallest.
+//! [`message::NavigationMessage`]. It also needs a row in the table below, and an arm in each wire
+//! format that brings it. `toy.rs` is the smallest.
 
 mod beidou;
 mod galileo;
@@ -81,12 +80,13 @@ impl Navigation {
         Self { pages: Pages::new() }
     }
 
-    /// Returns the number of sets discarded incomplete.
+    /// Returns the number of incomplete sets that were discarded.
     pub(super) const fn abandoned(&self) -> u32 {
         self.pages.abandoned()
     }
 
-    /// Reads one transmission; `None` if it only adds to earlier ones.
+    /// Reads one transmission. The result is `None` if it is one part of a set whose other parts
+    /// have not all come.
     pub(super) fn read<'a>(
         &mut self,
         transmission: &Transmission<'_>,

@@ -1,10 +1,10 @@
 //! Pages of navigation messages, collected until they are a complete ephemeris.
 //!
-//! Each satellite's message has a slot until its set is complete. Slots are few: all sets but the
-//! ten pages of a geostationary `BeiDou` satellite fit into [`SMALL_BYTES`]. Larger sets share a
-//! few large slots, so that only few satellites may send such a message. A slot is free after its
-//! set was read. It is also free if no page came for [`ABANDONED_MS`]; its pages are then
-//! discarded, so that a returning satellite does not mix new pages with old ones.
+//! Each message of a satellite occupies a slot until its set is complete. Most sets fit into
+//! [`SMALL_BYTES`]. Only the ten pages of a geostationary `BeiDou` satellite need one of the large
+//! slots, of which there are few. A slot is free after its set was read. If no page comes for
+//! [`ABANDONED_MS`], the slot is also free, and its pages are discarded. A returning satellite thus
+//! does not mix new pages with old ones.
 //!
 //! Slots for 48 satellites and 8 geostationary ones take 6.5 KiB. If there is no slot for a page,
 //! it is dropped and counted. The satellite repeats it half a minute later, when other sets are
@@ -18,11 +18,13 @@ use super::sizes::Sizes;
 use crate::counters::count;
 use crate::input::bits::Bits;
 
-/// Largest set of every message but D2, bytes: that of F/NAV.
+/// Largest set of all messages except D2, bytes: that of F/NAV.
 const SMALL_BYTES: usize = 96;
 
-/// Number of messages that are assembled at a time.
+/// Number of slots for sets up to [`SMALL_BYTES`].
 const SMALL_SLOTS: usize = 48;
+
+/// Number of slots for larger sets.
 const LARGE_SLOTS: usize = 8;
 
 const _: () = assert!(size_of::<Pages>() <= 6_656);
@@ -47,7 +49,7 @@ struct Slot<const BYTES: usize> {
 pub(super) struct Pages {
     small: Vec<Slot<SMALL_BYTES>, SMALL_SLOTS>,
     large: Vec<Slot<{ Kind::SET_BYTES }>, LARGE_SLOTS>,
-    /// Number of sets discarded incomplete.
+    /// Number of incomplete sets that were discarded.
     abandoned: u32,
 }
 
@@ -81,15 +83,15 @@ impl Set<'_> {
             return None;
         }
         let places = self.bytes.chunks_exact(self.page_bytes.max(1));
-        // The capacity is that of the largest set.
+        // This never fails, because the capacity is that of the largest set.
         Some(places.take(self.pages).map(Bits).fold(Vec::new(), |mut pages, page| {
             let _ = pages.push(page);
             pages
         }))
     }
 
-    /// Returns true if the added page comes directly after the one before it, or is a first one.
-    /// Otherwise the set is discarded.
+    /// Returns true if the added page comes directly after the one before it, or is the first of
+    /// its set. Otherwise the set is discarded.
     pub(super) fn follows(&mut self, index: u32) -> bool {
         /// Two to three units of time, 2 s to 3 s.
         const NEXT: u32 = 3;
@@ -120,7 +122,7 @@ impl Pages {
         Self { small: Vec::new(), large: Vec::new(), abandoned: 0 }
     }
 
-    /// Returns the number of sets discarded incomplete.
+    /// Returns the number of incomplete sets that were discarded.
     pub(super) const fn abandoned(&self) -> u32 {
         self.abandoned
     }
@@ -153,7 +155,7 @@ fn add<'a, const BYTES: usize, const SLOTS: usize>(
     Some(Set { bytes: &slot.bytes, page_bytes, pages, present: &mut slot.present, gap })
 }
 
-/// Returns the slot of a page's message: its own, a new one, or a free one.
+/// Returns the slot of a page's message: the present one, a new one, or a free one.
 fn slot_of<'a, const BYTES: usize, const SLOTS: usize>(
     slots: &'a mut Vec<Slot<BYTES>, SLOTS>,
     page: &Page<'_>,
@@ -184,7 +186,7 @@ fn slot_of<'a, const BYTES: usize, const SLOTS: usize>(
     Some(slot)
 }
 
-/// Discards the pages of a set, and counts it if it had some.
+/// Discards the pages of a set, and counts the set if it had pages.
 fn give_up<const BYTES: usize>(slot: &mut Slot<BYTES>, abandoned: &mut u32) {
     if core::mem::take(&mut slot.present) != 0 {
         count(abandoned);

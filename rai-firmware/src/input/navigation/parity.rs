@@ -1,7 +1,7 @@
 //! Parities and checksums of the navigation messages.
 //!
-//! The receiver sends only pages whose code holds. The line to the module may still flip a bit, and
-//! the frame's own checksum misses 1 error in 65,536, which is too many for an orbit.
+//! The receiver sends only pages with a valid code. But the line to the module may flip a bit. The
+//! checksum of a frame misses 1 error in 65,536, which is too many for an orbit.
 //!
 //! | message | code | over |
 //! |---|---|---|
@@ -28,8 +28,8 @@ const LNAV: [u32; 6] = [0xBB1F_3480, 0x5D8F_9A40, 0xAEC7_CD00, 0x5763_E680, 0x6B
 /// Bits 31 and 30 are `D29*` and `D30*`, the last two bits of the word before. If `D30*` was 1, the
 /// satellite has inverted the data, and normal order complements all 32 bits. The data are then
 /// correct, and the parity and both bits are complemented. The equations also hold for the
-/// complement, because each parity bit covers one of the two. Bit 30 is thus always 0; a 1 there
-/// could hide a wrong `d21`, because both stand in the same equations.
+/// complement, because each parity bit covers one of the two. Bit 30 is thus always 0. A 1 there
+/// could hide a wrong `d21`, because both are in the same equations.
 pub(super) fn is_lnav_word(word: u32) -> bool {
     const STAR_30: u32 = 1 << 30;
     let covered = word & 0xFFFF_FFC0;
@@ -57,9 +57,9 @@ fn bch(eleven: u32) -> u32 {
 
 /// Returns true if a GLONASS string of 85 bits, with the idle bit first, is valid.
 ///
-/// The last seven bits are the check bits of a Hamming code, the last one first. Its 77 data bits
-/// are numbered, from the last one on, by the integers from 3 that are no power of two. The last
-/// bit but seven makes the number of ones even.
+/// The last seven bits are the check bits of a Hamming code, the last one first. From the last one
+/// on, its 77 data bits are numbered by the integers from 3 that are no power of two. The bit
+/// before the last seven makes the number of ones even.
 pub(super) fn is_glonass_string(bits: Bits<'_>) -> bool {
     // The interface document numbers the bits from the end: the first one sent is 85, the check
     // bits are 8 to 1.

@@ -1,4 +1,4 @@
-//! Sizes of navigation messages, from which memory follows.
+//! Sizes of navigation messages, which determine the memory.
 
 /// Sizes of a navigation message.
 #[derive(Clone, Copy)]

@@ -1,8 +1,8 @@
 //! Messages of Kepler elements: 1019 of GPS, 1042 of `BeiDou`, 1044 of QZSS, 1045 and 1046 of
 //! Galileo.
 //!
-//! All begin with the satellite number and have the elements of their system's own message, in
-//! another order; the tables below are those of the standard. Reference: [RTCM-10403.3] 3.5.12.
+//! All begin with the satellite number, and have the elements of the navigation message of their
+//! system in another order. The tables below follow the standard. Reference: [RTCM-10403.3] 3.5.12.
 //!
 //! [RTCM-10403.3]: crate#references
 

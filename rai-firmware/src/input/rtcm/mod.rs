@@ -1,8 +1,13 @@
 //! RTCM 3: one frame to one message.
 //!
-//! The reader accepts MSM4 to MSM7 of GPS, GLONASS, Galileo, QZSS and `BeiDou`; 1019, 1020, 1042,
-//! 1044, 1045, 1046; 1005 and 1006. MSM of the other systems are counted, and still state when an
-//! epoch is complete. All other messages are counted.
+//! | messages | content |
+//! |---|---|
+//! | MSM4 to MSM7 of GPS, GLONASS, Galileo, QZSS, `BeiDou` | ranges |
+//! | 1019, 1020, 1042, 1044, 1045, 1046 | ephemerides |
+//! | 1005, 1006 | position of the station |
+//!
+//! Of an MSM of another system, only the statement whether more messages follow is used. All other
+//! messages only increment a counter.
 //!
 //! References: [RTCM-10403.3] 3.5.16 (MSM).
 //!
@@ -24,7 +29,7 @@ use super::{Message, Unread};
 pub(super) use msm::Msm;
 pub(super) use transport::Rtcm;
 
-/// Reads the payload of a frame whose check holds.
+/// Reads the payload of a frame that passed its check.
 fn read<'a>(payload: &'a [u8], calendar: &Calendar) -> Result<Message<'a>, Unread> {
     match message_number(payload).ok_or(Unread::Malformed)? {
         1005 => read_position(payload, 19).map(Message::Position),
@@ -47,12 +52,12 @@ fn message_number(payload: &[u8]) -> Option<u16> {
 /// Reads the position of the antenna in 1005 or 1006.
 fn read_position(payload: &[u8], length: usize) -> Result<Ecef, Unread> {
     let bits = Bits(payload.get(..length).ok_or(Unread::Malformed)?);
-    // Coordinates have 38 bits in steps of a tenth of a millimetre.
+    // A coordinate has 38 bits, in steps of 0.1 mm.
     let [x_m, y_m, z_m] = [34, 74, 114].map(|start| {
         let steps = i64::from(bits.signed(start, 6)) << 32 | i64::from(bits.unsigned(start + 6, 32));
         steps as f64 * 0.0001
     });
     let position = Ecef::new(x_m, y_m, z_m);
-    // The range covers the deepest sea to an aircraft, with a margin.
+    // The range is from the deepest sea to an aircraft, with a margin.
     if (6.3e6..=6.5e6).contains(&position.radius_m()) { Ok(position) } else { Err(Unread::Position) }
 }

@@ -5,10 +5,11 @@
 //! ```
 //!
 //! The message numbers are regular: 1070 + 10 · system + level, with system 0 GPS, 1 GLONASS, 2
-//! Galileo, 3 SBAS, 4 QZSS, 5 `BeiDou`, 6 `NavIC`. All begin alike; then each field is listed for
-//! all satellites, or for all cells (a satellite's signal), before the next field begins:
+//! Galileo, 3 SBAS, 4 QZSS, 5 `BeiDou`, 6 `NavIC`. All begin with the same header and masks. Then
+//! each field is listed for all satellites, or for all cells (a cell is one signal of one
+//! satellite), before the next field begins:
 //!
-//! | part | bits (levels 4, 5, 6, 7) | what |
+//! | part | bits (levels 4, 5, 6, 7) | field |
 //! |---|---|---|
 //! | header | 12, 12, 30, 1, 18 | number, station, time, more messages of this instant follow, others |
 //! | masks | 64, 32, satellites × signals | which satellites, which signals, which of both together |
@@ -25,8 +26,8 @@
 //! when the instant is complete.
 //!
 //! The module uses four of ten fields, so that it reads the message in place. A general decoder
-//! (`rtcm-rs`, which reads the small messages) returns every field of 64 cells by value. This took
-//! 44 KiB of stack and 65 KiB of flash, and one unknown signal dropped a whole message.
+//! (`rtcm-rs`) returned every field of 64 cells by value. That took 44 KiB of stack and 65 KiB of
+//! flash, and one unknown signal dropped a whole message.
 //!
 //! Reference: [RTCM-10403.3] 3.5.16, tables 3.5-73 to 3.5-101.
 //!
@@ -51,7 +52,7 @@ const STEP_2_72: i64 = (((SPEED_OF_LIGHT_M_S as i128) << 43) / 1000) as i64;
 
 /// Returns the metres of a range in steps.
 ///
-/// A multiplication of integers is a tenth of one of doubles here.
+/// Here, multiplying integers costs a tenth of multiplying doubles.
 fn range_m(steps: i64) -> f64 {
     scaled(mul_high(steps << 24, STEP_2_72), -32)
 }
@@ -67,7 +68,7 @@ const CELL_MASK: usize = SIGNAL_MASK + 32;
 /// Largest number of cells, and hence of satellites, in one message.
 const MOST_CELLS: usize = 64;
 
-/// Reads the layout of a multiple signal message; its ranges are read later.
+/// Reads header, masks and positions of a multiple signal message; its ranges are read later.
 ///
 /// A message that contradicts itself is refused before it can affect the time.
 pub(super) fn read<'a>(number: u16, payload: &'a [u8], calendar: &Calendar) -> Result<Ranges<'a>, Unread> {
@@ -118,8 +119,8 @@ fn gps_tow_ms(system: System, time_ms: u32) -> Option<u32> {
     (time_ms < WEEK_MS).then_some((time_ms + offset_ms) % WEEK_MS)
 }
 
-/// Returns the milliseconds into the week of UTC from the day and the time of day of GLONASS, which
-/// is three hours ahead.
+/// Returns the milliseconds into the week of UTC, from day and time of day in GLONASS time. GLONASS
+/// time is three hours ahead of UTC.
 ///
 /// Day 7 means that the day is unknown (DF416). The day that brings the time nearest to the present
 /// is then taken.
@@ -223,7 +224,7 @@ enum Unused {
 /// Widths of the fields that differ by level, bits.
 #[derive(Debug)]
 struct Widths {
-    /// Extended information of a satellite, which only levels 5 and 7 have, as the two rates below.
+    /// Extended information of a satellite. Like the two rates below, only levels 5 and 7 have it.
     extended: usize,
     satellite_rate: usize,
     cell_rate: usize,
@@ -256,7 +257,7 @@ struct Layout<'a> {
     signals: Mask,
     cells: Mask,
     /// First bits of the four fields of the satellites: whole milliseconds, extended information,
-    /// the part of one, rate.
+    /// fraction of a millisecond, rate.
     satellite_starts: [usize; 4],
     /// First bits of three fields of the cells: fine range, strength, rate.
     cell_starts: [usize; 3],
@@ -285,7 +286,8 @@ impl<'a> Layout<'a> {
         let rough_start = CELL_MASK + grid;
         let cells = Mask::of(is_within(rough_start)?, CELL_MASK, grid);
         let widths = Widths::of(level);
-        // The counts are expensive, and the same for every satellite and cell.
+        // Computed once, because the counts are expensive and the same for every satellite and
+        // cell.
         let (rows, filled) = (satellites.count(), cells.count());
         let extended_start = rough_start + rows * 8;
         let part_start = extended_start + rows * widths.extended;
@@ -342,8 +344,8 @@ impl<'a> Layout<'a> {
         Some(row.rate_m_s? as f32 + fine as f32 * FINE_RATE_M_S)
     }
 
-    /// Returns a signed number; `None` for the most negative one, which means that there is none,
-    /// and for a width of 0.
+    /// Returns a signed number; `None` for the most negative one, which marks a missing value, and
+    /// for a width of 0.
     fn optional(&self, start: usize, width: usize) -> Option<i32> {
         if width == 0 {
             return None;
@@ -368,7 +370,7 @@ impl Mask {
         Self(half(start, first) << 32 | half(start + first, length - first))
     }
 
-    /// Counts the ones. Not inlined, because this processor takes some thirty instructions for it.
+    /// Counts the ones. Not inlined, because this processor needs some thirty instructions for it.
     #[inline(never)]
     const fn count(self) -> usize {
         self.0.count_ones() as usize

@@ -6,9 +6,10 @@ use crate::raw::Band;
 /// Returns the band of a signal by its position in the signal mask of an MSM, from 1; `None` for
 /// unused signals.
 ///
-/// Unused are restricted services (Galileo E1A, E1Z) and bands whose delay against the broadcast
-/// clock is not broadcast while those of others are (Galileo E6 and E5 alt-BOC, `BeiDou` B2b, QZSS
-/// L6). Reference: [RTCM-10403.3] tables 3.5-91, 3.5-96, 3.5-99, 3.5-105, 3.5-108.
+/// Unused are restricted services (Galileo E1A, E1Z). Unused are also bands for which the
+/// satellites do not broadcast a group delay, although they do for others: Galileo E6 and E5
+/// alt-BOC, `BeiDou` B2b, QZSS L6. Reference: [RTCM-10403.3] tables 3.5-91, 3.5-96, 3.5-99,
+/// 3.5-105, 3.5-108.
 ///
 /// [RTCM-10403.3]: crate#references
 pub(super) const fn band(system: System, signal: u8) -> Option<Band> {
@@ -30,9 +31,9 @@ pub(super) const fn band(system: System, signal: u8) -> Option<Band> {
     }
 }
 
-/// Returns true if the broadcast clock refers to this signal, while another code may be on the same
-/// band: P and Y on L1. Against C/A a GPS satellite has a delay of its own, up to a metre, that no
-/// message contains.
+/// Returns true if the broadcast clock refers to this signal, but not to another code of the same
+/// band: P and Y on L1. Each GPS satellite delays C/A differently from them, by up to a metre, and
+/// no message contains this delay.
 pub(super) const fn is_reference(system: System, signal: u8) -> bool {
     matches!((system, signal), (System::Gps, 3 | 4))
 }

@@ -14,8 +14,10 @@ use crate::input::crc24q::crc24q;
 use crate::input::protocol::{Extent, Frame, Protocol};
 use crate::input::{Counters, Message, Unread};
 
-/// Bytes before and after the payload.
+/// Bytes before the payload.
 const HEADER: usize = 3;
+
+/// Bytes of the CRC after the payload.
 const PARITY: usize = 3;
 
 /// Format of RTCM 3.
@@ -56,7 +58,7 @@ impl Protocol for Rtcm {
     }
 }
 
-/// Returns the bytes between the header and the check.
+/// Returns the bytes between the header and the CRC.
 pub(super) fn payload<'a>(frame: &Frame<'a>) -> &'a [u8] {
     frame.between(HEADER, PARITY)
 }

@@ -11,12 +11,12 @@
 //! | SEC-SIG | 27 09 | jamming and spoofing ([`security`]) |
 //! | SEC-SIGLOG | 27 10 | log of jamming and spoofing |
 //! | MON-RF | 0a 38 | jamming |
-//! | NAV-STATUS | 01 03 | spoofing, of receivers without SEC-SIG |
+//! | NAV-STATUS | 01 03 | spoofing, from receivers without SEC-SIG |
 //! | NAV-SIG | 01 43 | number of authenticated signals |
 //! | NAV-PL | 01 62 | protection levels of the receiver |
 //!
-//! These receivers send no ephemerides in RTCM, so that the bits are the only source of orbits.
-//! Enable at the receiver: `CFG-MSGOUT-UBX_RXM_RAWX`, `-UBX_RXM_SFRBX` and, if available,
+//! These receivers send no ephemerides in RTCM, so that the navigation bits are the only source of
+//! orbits. Enable at the receiver: `CFG-MSGOUT-UBX_RXM_RAWX`, `-UBX_RXM_SFRBX` and, if available,
 //! `-UBX_SEC_SIG`, and 115200 baud or more.
 //!
 //! References: [UBX-F9], [UBX-M8].
@@ -38,7 +38,8 @@ use crate::counters::count;
 use rawx::Rawx;
 pub(super) use transport::Ubx;
 
-/// Reads one frame whose check holds; `None` if it only adds to earlier ones.
+/// Reads one frame that passed its check. The result is `None` if the frame is one part of a
+/// message whose other parts have not all come.
 fn read<'a>(
     frame: &Frame<'a>,
     navigation: &mut Navigation,

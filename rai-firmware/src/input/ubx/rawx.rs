@@ -11,12 +11,12 @@
 //! | 16 + 26 | u8 | C/N0, dB-Hz |
 //! | 16 + 30 | bits | 0: range valid |
 //!
-//! The time tag need not be a whole millisecond, but that of an epoch is. Ranges are therefore
-//! moved to the nearest one by `P − c δ`. This keeps the instant of transmission and is common to
-//! all ranges.
+//! The time of an epoch is a whole millisecond, but the receiver's tag need not be. With `δ`, the
+//! tag minus the nearest millisecond, each range `P` becomes `P − c δ`. The instant of transmission
+//! stays the same, and the change is common to all ranges.
 //!
-//! Doubles may hold any value: a time or a range that is not finite or out of range is refused
-//! here.
+//! A double on the wire may have any value. Times and ranges that are not finite or out of range
+//! are refused here.
 //!
 //! Reference: [UBX-F9] RXM-RAWX.
 //!
@@ -32,12 +32,16 @@ use crate::input::{Counters, Unread};
 use crate::raw::{Band, Carrier, RawSignal};
 use crate::time::GpsTime;
 
-/// Bytes before the measurements, and of each measurement.
+/// Bytes before the measurements.
 const HEADER: usize = 16;
+
+/// Bytes of a measurement.
 const MEASUREMENT: usize = 32;
 
-/// Class and id of the message, and the offset of the number of measurements in the payload.
+/// Class and id of the message.
 pub(super) const MESSAGE: [u8; 2] = [0x02, 0x15];
+
+/// Offset of the number of measurements in the payload.
 const MANY_AT: usize = 11;
 
 /// Largest offset of the time tag that counts as zero, s: ten times the rounding of a time of week
@@ -88,8 +92,8 @@ impl Measurements for Rawx<'_> {
         self.measurements.is_empty()
     }
 
-    /// Passes no code as one that the broadcast clock refers to, because these receivers measure
-    /// one code a band. Counts unusable measurements.
+    /// Passes each range with the flag false: these receivers measure one code per band, so that no
+    /// choice between codes is needed. Counts unusable measurements.
     fn each(
         &self,
         counters: &mut Counters,
@@ -108,13 +112,13 @@ pub(super) const fn payload_of(measurements: usize) -> usize {
     HEADER + measurements * MEASUREMENT
 }
 
-/// Returns true if a payload that begins with these bytes may have this length, which is no less
-/// than a header: the number of measurements explains it, or has not come yet.
+/// Returns true if a payload that begins with these bytes may have this length: the number of
+/// measurements explains it, or has not come yet. The length must be at least that of the header.
 pub(super) fn may_have(begun: &[u8], length: usize) -> bool {
     begun.get(MANY_AT).is_none_or(|&many| explains(many, length.saturating_sub(HEADER)))
 }
 
-/// Returns true if a number of measurements explains this number of bytes. Some receivers also set
+/// Returns true if this number of measurements takes this number of bytes. Some receivers also set
 /// the highest bit of the number.
 fn explains(many: u8, bytes: usize) -> bool {
     [many, many & 0x7F].map(|many| usize::from(many) * MEASUREMENT).contains(&bytes)
@@ -195,8 +199,8 @@ pub(super) const fn system_of(number: u8) -> Option<System> {
     }
 }
 
-/// Returns the carrier of a signal; `None` for unused signals. Receivers of one band write signal 0
-/// for all.
+/// Returns the carrier of a signal; `None` for unused signals. Receivers with a single band write 0
+/// as the signal of every system.
 const fn carrier(system: System, signal: u8, channel: u8) -> Option<Carrier> {
     let band = match (system, signal) {
         (System::Gps | System::Qzss, 0) => Band::L1,

@@ -1,10 +1,10 @@
-//! Reports of the receiver on its own signals: SEC-SIG, SEC-SIGLOG, MON-RF, NAV-STATUS, NAV-SIG and
-//! NAV-PL.
+//! The receiver's reports of jamming, spoofing, authentication and its own protection levels:
+//! SEC-SIG, SEC-SIGLOG, MON-RF, NAV-STATUS, NAV-SIG and NAV-PL.
 //!
 //! | message | offset | field |
 //! |---|---|---|
-//! | SEC-SIG 1 | 4 | bit 0: jamming is watched for; bits 1, 2: 1 none, 2 warning (mitigated), 3 critical |
-//! | | 8 | bit 0: spoofing is watched for; bits 1 to 3: 1 none, 2 indicated, 3 affirmed |
+//! | SEC-SIG 1 | 4 | bit 0: detection of jamming is on; bits 1, 2: 1 none, 2 warning (mitigated), 3 critical |
+//! | | 8 | bit 0: detection of spoofing is on; bits 1 to 3: 1 none, 2 indicated, 3 affirmed |
 //! | SEC-SIG 2 | 1 | the same bits of jamming, then bits 3, and 4 to 6 of spoofing |
 //! | SEC-SIGLOG 1 | 1 | number of events, 8 bytes each from 8 on |
 //! | | +0, +4, +5 | seconds since the event; 0 simulated, 1 abnormal signals, 2 contradiction to inertial sensors, 3 abrupt changes, 4 jamming; 0 started, 1 stopped, 2 triggered |
@@ -21,10 +21,10 @@
 
 use crate::input::{Jamming, LoggedEvents, ReceiverLevels, Reporter, SelfReport, Suspicion, Unread};
 
-/// Number of the event that a signal log has for jamming; smaller numbers are of spoofing.
+/// Kind of a logged event that means jamming; smaller kinds mean spoofing.
 const EVENT_OF_JAMMING: u8 = 4;
 
-/// Number of the event that ends an interference.
+/// Logged event that ends an interference.
 const EVENT_STOPPED: u8 = 1;
 
 /// Reads SEC-SIG, version 1 or 2.
@@ -45,7 +45,7 @@ pub(super) fn sec_sig(payload: &[u8]) -> Result<SelfReport, Unread> {
     }))
 }
 
-/// Reads NAV-STATUS, which covers only spoofing; its highest state is an indication by several
+/// Reads NAV-STATUS, which reports only spoofing. Its highest state is an indication by several
 /// means.
 pub(super) fn nav_status(payload: &[u8]) -> Result<SelfReport, Unread> {
     match *payload {
@@ -79,7 +79,7 @@ fn worst_of<const N: usize>(blocks: &[[u8; N]]) -> Suspicion {
     states.fold(Suspicion::Unknown, Suspicion::max)
 }
 
-/// Reads SEC-SIGLOG. An event that ended is none, and neither is one of an unknown kind.
+/// Reads SEC-SIGLOG. Events that ended and events of unknown kinds do not count.
 pub(super) fn sec_siglog(payload: &[u8]) -> Result<SelfReport, Unread> {
     let [1, count, _, _, _, _, _, _, rest @ ..] = payload else { return Err(Unread::Malformed) };
     let mut logged = LoggedEvents::default();
@@ -101,7 +101,7 @@ pub(super) fn nav_sig(payload: &[u8]) -> Result<SelfReport, Unread> {
     let [_, _, _, _, 0, count, _, _, rest @ ..] = payload else { return Err(Unread::Malformed) };
     let signals = groups::<16>(*count, rest)?;
     let authenticated = signals.iter().filter(|[_, _, _, _, _, _, _, _, _, _, _, high, ..]| high & 2 != 0);
-    // A byte counts the signals of the message.
+    // The message counts its signals in a byte, so that the cast loses nothing.
     Ok(SelfReport::Authentication(authenticated.count() as u8))
 }
 
@@ -123,7 +123,7 @@ pub(super) fn nav_pl(payload: &[u8]) -> Result<SelfReport, Unread> {
 /// Length of NAV-PL, bytes.
 const NAV_PL_BYTES: usize = 52;
 
-/// Returns the repeated groups behind the head of a message, as many as it states.
+/// Returns the repeated groups behind the head of a message, if they are as many as it states.
 fn groups<const N: usize>(count: u8, rest: &[u8]) -> Result<&[[u8; N]], Unread> {
     match rest.as_chunks() {
         (groups, []) if groups.len() == usize::from(count) => Ok(groups),

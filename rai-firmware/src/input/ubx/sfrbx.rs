@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | 0 to 3 | u8 | system, satellite, signal, GLONASS channel + 7 |
 //! | 4 | u8 | number of words |
-//! | 6 | u8 | version, 2 |
+//! | 6 | u8 | version, 1 or 2 |
 //! | 8 | u32 each | words |
 //!
 //! | signal | words | message |
@@ -12,14 +12,15 @@
 //! | GPS, QZSS L1 C/A (0) | 10 | LNAV |
 //! | Galileo E1 (0, 1) | 8 or 9 | I/NAV |
 //! | Galileo E5a (3, 4) | 8 or 9 | F/NAV |
-//! | `BeiDou` B1I, B2I, B3I (0 to 4, 10) | 10 | D1 of most and D2 of the geostationary satellites |
+//! | `BeiDou` B1I, B2I, B3I (0 to 4, 10) | 10 | D2 of geostationary satellites, D1 of all others |
 //! | GLONASS L1, L2 (0, 2) | 4, of which the last identifies the frame | GLONASS strings |
 //!
-//! The words are in the normal order of [`crate::input::navigation`]. Those of LNAV are, because
-//! the receiver complements all 32 bits of a word whose `D30*` is 1.
+//! The receiver sends the words in the normal order of [`crate::input::navigation`]. For LNAV it
+//! complements all 32 bits of a word whose `D30*` is 1.
 //!
-//! I/NAV of E5b has its words in another order and would complete sets too early; that of E1 has
-//! the same content. Others (CNAV, `BeiDou`'s newer messages, SBAS) are counted.
+//! I/NAV of E5b is not read: the order of its words would complete sets too early, and E1 has the
+//! same content. Such bits and all other messages (CNAV, `BeiDou`'s newer messages, SBAS) only
+//! increment a counter.
 //!
 //! Reference: [UBX-F9] RXM-SFRBX.
 //!
@@ -31,7 +32,8 @@ use crate::input::navigation::{Kind, Navigation, Refusal, Transmission, beidou_k
 use crate::input::system::System;
 use crate::input::{Message, Unread};
 
-/// Reads one frame's payload; `None` if it only adds to earlier ones.
+/// Reads one frame's payload. The result is `None` if it is one part of a message whose other parts
+/// have not all come.
 pub(super) fn read<'a>(
     payload: &[u8],
     navigation: &mut Navigation,

@@ -1,13 +1,12 @@
 //! Frames of UBX.
 //!
 //! ```text
-//! B5 62 | class | id | length (16 bit) | payload | sums over all from class on (2 × 8 bit)
+//! B5 62 | class | id | length (16 bit) | payload | checksum from class on (2 × 8 bit)
 //! ```
 //!
-//! Only RXM-RAWX may be long. The beginning of a frame may be an accident, and a long one would
-//! cover seconds of good frames. Any other message may therefore have at most [`ORDINARY_PAYLOAD`]
-//! bytes. A longer RXM-RAWX is a candidate only while the number of its measurements explains its
-//! length.
+//! A false header that announces a long frame would hide seconds of good frames. A payload may
+//! therefore have at most [`ORDINARY_PAYLOAD`] bytes. Only RXM-RAWX may be longer, if its number of
+//! measurements explains its length.
 //!
 //! References: [UBX-F9] 3.2 and 3.4.
 //!
@@ -19,15 +18,17 @@ use crate::input::navigation::Navigation;
 use crate::input::protocol::{Extent, Frame, Protocol};
 use crate::input::{Counters, Message, Unread};
 
-/// Bytes before and after the payload.
+/// Bytes before the payload.
 const HEADER: usize = 6;
-const PARITY: usize = 2;
 
-/// Longest payload of any message but RXM-RAWX, bytes.
+/// Bytes of the checksum after the payload.
+const CHECKSUM: usize = 2;
+
+/// Longest payload of any message except RXM-RAWX, bytes.
 const ORDINARY_PAYLOAD: usize = 1023;
 
-/// Longest payload of RXM-RAWX that is read, bytes: 160 measurements, which 64 satellites hardly
-/// exceed.
+/// Longest payload of RXM-RAWX that is read, bytes: 160 measurements. Even 64 satellites hardly
+/// have more.
 const RAWX_PAYLOAD: usize = rawx::payload_of(160);
 
 /// Format of UBX.
@@ -36,7 +37,7 @@ pub(in crate::input) struct Ubx;
 
 impl Protocol for Ubx {
     const SYNC: &'static [u8] = &[0xB5, 0x62];
-    const LONGEST: usize = HEADER + RAWX_PAYLOAD + PARITY;
+    const LONGEST: usize = HEADER + RAWX_PAYLOAD + CHECKSUM;
 
     type Memory = Navigation;
 
@@ -56,7 +57,7 @@ impl Protocol for Ubx {
             rawx::MESSAGE => length <= RAWX_PAYLOAD && rawx::may_have(payload, length),
             _ => false,
         };
-        if is_possible { Extent::Bytes(HEADER + length + PARITY) } else { Extent::NoFrame }
+        if is_possible { Extent::Bytes(HEADER + length + CHECKSUM) } else { Extent::NoFrame }
     }
 
     fn check(frame: &[u8]) -> bool {
@@ -73,12 +74,12 @@ impl Protocol for Ubx {
     }
 }
 
-/// Returns the bytes between the header and the sums; class and id are part of the header.
+/// Returns the bytes between the header, which includes class and id, and the checksum.
 pub(super) fn payload<'a>(frame: &Frame<'a>) -> &'a [u8] {
-    frame.between(HEADER, PARITY)
+    frame.between(HEADER, CHECKSUM)
 }
 
-/// Returns true if Fletcher's two sums of a frame hold.
+/// Returns true if the two sums of the checksum (Fletcher) of a frame hold.
 fn sums_match(frame: &[u8]) -> bool {
     let [_, _, checked @ .., sum_a, sum_b] = frame else { return false };
     let (a, b) = checked.iter().fold((0_u8, 0_u8), |(a, b), &byte| {

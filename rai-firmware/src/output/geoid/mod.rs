@@ -10,20 +10,20 @@
 //! | `Nᵢⱼ`: corner | the table | m |
 //! | `w`: weight of bilinear interpolation | – | – |
 //!
-//! The corners are not samples of EGM96, but the whole metres whose interpolation fits EGM96's grid
-//! of 15' best, in the sense of least squares. `cargo xtask tables --geoid` computes them and
+//! The corners are not samples of EGM96. They are whole metres, chosen so that their interpolation
+//! fits EGM96's grid of 15' best by least squares. `cargo xtask tables --geoid` computes them and
 //! measures the error over that grid:
 //!
 //! | error of `N` | m |
 //! |---|---|
 //! | root mean square over the Earth | [`RMS_ERROR_M`] |
 //! | 95 % of the Earth | 4 |
-//! | largest, beside Hawaii | [`LARGEST_ERROR_M`] |
+//! | largest, near Hawaii | [`LARGEST_ERROR_M`] |
 //!
-//! Assumes that mean sea level is the geoid, from which the sea departs by up to 2 m. The
-//! separation is a multiple of a decimetre, so that altitude and separation, as printed, add up to
-//! the height. The error of the table is part of the altitude alone: protection levels bound the
-//! error of the height above the ellipsoid.
+//! Assumes that mean sea level is the geoid; the sea departs from it by up to 2 m. The separation
+//! is a multiple of a decimetre, so that the printed altitude and separation add up to the height.
+//! The error of the table affects only the altitude: protection levels bound the error of the
+//! height above the ellipsoid.
 //!
 //! References: [EGM96].
 //!
@@ -50,7 +50,7 @@ pub const RMS_ERROR_M: f64 = 1.98;
 /// Largest error, m.
 pub const LARGEST_ERROR_M: f64 = 22.5;
 
-/// Height of a place over the sea.
+/// Altitude of a place, with the geoid separation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Altitude {
     /// Altitude above mean sea level, m.
@@ -88,7 +88,7 @@ fn undulation_m(place: &Geodetic) -> f32 {
 
 /// Returns the cell of a coordinate that counts cells from 0, and the place inside it, from 0 to 1.
 fn cell(cells: f32, count: usize) -> (usize, f32) {
-    // NaN becomes 0, because it loses each comparison.
+    // NaN becomes 0, because every comparison with it is false.
     let cells = cells.max(0.0).min(count as f32);
     (cells as usize, cells - (cells as usize) as f32)
 }

@@ -1,12 +1,12 @@
 //! Layouts of the messages. No other file depends on the dialect.
 //!
-//! Fields stand in the order of the wire: by size, the largest first, then in the order of the
-//! definition. `crc_extra` follows from the message's name and from its fields' types and names; a
-//! test computes it. A change of the dialect changes it, so that a reader of another revision
-//! refuses the message instead of misreading it.
+//! Fields are in the order of the wire: by size, the largest first, then in the order of the
+//! definition. `crc_extra` is computed from the message's name and from the types and names of its
+//! fields; a test repeats this. A change of the dialect changes `crc_extra`, so that a reader of
+//! another revision refuses the message instead of misreading it.
 //!
-//! The dialect of `GNSS_INTEGRITY` is under review: [mavlink/rfcs#30] keeps the id and drops the
-//! four qualities. This table, and the order of the values, must change with it.
+//! The dialect of `GNSS_INTEGRITY` is under review: [mavlink/rfcs#30] keeps the id and removes the
+//! four qualities. This table and the order of the values must then change.
 
 /// Definitions that the layouts follow.
 pub const DIALECT: &str = "mavlink development.xml de1e078a (2026-07-22) and common.xml";
@@ -61,8 +61,8 @@ pub struct Layout {
     pub id: u32,
     /// Seed of the checksum.
     pub crc_extra: u8,
-    /// Fields in the order of the wire, without extensions, which read as zero if they are not
-    /// sent.
+    /// Fields in the order of the wire, without extensions. Readers take extensions that are not
+    /// sent for zero.
     pub fields: &'static [(&'static str, Kind)],
 }
 

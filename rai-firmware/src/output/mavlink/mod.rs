@@ -2,21 +2,22 @@
 //!
 //! | message | id | content |
 //! |---|---|---|
-//! | `HEARTBEAT` | 0 | state: active while protected, critical in an alert, else standby |
+//! | `HEARTBEAT` | 0 | state: active while protected, critical in an alert, standby otherwise |
 //! | `GPS_INPUT` | 232 | position and velocity, or that there is no fix |
 //! | `GNSS_INTEGRITY` | 441 | use of the position, protection levels, authentication, jamming and spoofing |
 //!
-//! Autopilots use `GPS_INPUT` as it is. Its fix type is therefore 3 only while the position is
-//! protected. Otherwise it is 1, or 0 without a position, and both have no coordinates. Its
-//! accuracies are one sigma and never below the protection levels: `max(σ, PL / 5.33)`, because a
-//! level of 1e-7 is 5.33 sigmas. The altitude is above mean sea level, as the message asks, by
-//! [`super::geoid`]; its accuracy is that of the height above the ellipsoid.
+//! Autopilots use `GPS_INPUT` without a check. Its fix type is therefore 3 only while the position
+//! is protected. Otherwise it is 1, or 0 without a position, and there are no coordinates. Its
+//! accuracies are sigmas that also cover the protection levels: `max(σ, PL / 5.33)`, because a
+//! level of 1e-7 is 5.33 sigmas. The altitude is above mean sea level ([`super::geoid`]), as the
+//! message requires. Its accuracy is that of the height above the ellipsoid.
 //!
 //! `GNSS_INTEGRITY` carries the protection levels in `raim_hfom` and `raim_vfom`, rounded up to a
-//! centimetre. Its layout is that of the dialect [`DIALECT`] and will change; only [`dialect`]
-//! depends on it. Its authentication state is `OK` while the receiver reports an authenticated
-//! signal, else `UNKNOWN`. A protected epoch is `OK`. An alert or an unavailable epoch is `FAILED`,
-//! but `UNKNOWN` without a fix; both figures are then invalid.
+//! centimetre. Its layout follows the dialect [`DIALECT`], which will change; only [`dialect`]
+//! depends on it. The authentication state is `OK` while the receiver reports an authenticated
+//! signal, otherwise `UNKNOWN`. The integrity state is `OK` in a protected epoch and `FAILED` in an
+//! alert. An unavailable epoch is `FAILED` with a fix and `UNKNOWN` without one. Unless the epoch
+//! is protected, both levels are invalid.
 //!
 //! References: [MAVLINK], the guide, `common.xml` and `development.xml`.
 //!
@@ -49,8 +50,8 @@ const INVALID: u64 = 65_535;
 /// Unknown quality of `GNSS_INTEGRITY`.
 const UNKNOWN_QUALITY: u64 = 255;
 
-/// Ignore flags of `GPS_INPUT` for dilutions, velocities and accuracies: all but the flag for the
-/// height.
+/// Ignore flags of `GPS_INPUT` for dilutions, velocities and accuracies: all flags except that for
+/// the height.
 const IGNORE_ALL: u64 = 0xFF;
 const IGNORE_VELOCITY: u64 = 8 | 16 | 32;
 
@@ -118,8 +119,8 @@ impl Sender {
             let taken = out.write(rest)?;
             rest = rest.get(taken.max(1)..).unwrap_or_default();
         }
-        // Flushes, because a writer sends a sentence at its line feed, and a frame does not end in
-        // one.
+        // Flushes, because a writer sends a sentence at its line feed, and a frame does not end
+        // with one.
         out.flush()
     }
 }

@@ -1,6 +1,6 @@
-//! Numbers in digits, written into their place from the last digit to the first.
+//! Digits of numbers, written into their place from the last digit to the first.
 //!
-//! A field is opened with its length, so that its characters are written once, where they stay.
+//! A field is opened with its length, so that each character is written once, in its final place.
 
 use crate::division::divided;
 
@@ -14,18 +14,19 @@ pub(super) const SCALE: [u32; LOW_DIGITS + 1] =
 /// Ten to the power of [`LOW_DIGITS`].
 const SPLIT: u32 = 1_000_000_000;
 
-/// Places of a field that are still free; the last of them is the next.
+/// Places of a field that are still free. The last of them is filled next.
 pub(super) struct Digits<'f>(pub(super) &'f mut [u8]);
 
 impl Digits<'_> {
-    /// Writes a character before the others.
+    /// Writes a character in front of those written before.
     pub(super) fn put(&mut self, byte: u8) {
         if let Some((place, free)) = core::mem::take(&mut self.0).split_last_mut() {
             (*place, self.0) = (byte, free);
         }
     }
 
-    /// Writes the last `count` digits of a number below 10¹⁸ before the others, with leading zeros.
+    /// Writes the last `count` digits of a number below 10¹⁸, with leading zeros, in front of the
+    /// characters written before.
     pub(super) fn number(&mut self, value: u64, count: usize) {
         match u32::try_from(value) {
             Ok(value) => self.low(value, count),
@@ -41,7 +42,8 @@ impl Digits<'_> {
         self.low(high as u32, count.saturating_sub(LOW_DIGITS));
     }
 
-    /// Writes the last `count` digits of a number of 32 bits before the others.
+    /// Writes the last `count` digits of a number of 32 bits in front of the characters written
+    /// before.
     // Not inlined, because it has many callers, and flash is scarcer than time here.
     #[inline(never)]
     pub(super) fn low(&mut self, mut value: u32, count: usize) {
@@ -67,7 +69,7 @@ pub(super) fn digits(value: u64) -> usize {
 pub(super) fn low_digits(value: u32) -> usize {
     /// The logarithm of 2 to the base 10, in 2⁻¹².
     const DIGITS_OF_A_BIT: u32 = 1233;
-    // Zero has a digit, as 1 has.
+    // Zero has one digit, like 1.
     let value = value.max(1);
     // Numbers with as many bits have this many digits, or one more.
     let least = (((32 - value.leading_zeros()) * DIGITS_OF_A_BIT) >> 12) as usize;

@@ -1,4 +1,4 @@
-//! Fields that take more than one sentence. Each sentence is full before the next begins.
+//! Fields that may take more than one sentence. Each sentence is filled before the next begins.
 //!
 //! The source of the fields is called twice: first to count the sentences, then to write them.
 
@@ -6,15 +6,14 @@ use embedded_io::Write;
 
 use super::sentence::{ENDING, MAX_LENGTH, Sentence, write_sentence};
 
-/// Fields that each sentence has beside its share of the flow.
+/// Fields that each sentence has in addition to its share of the flow.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Flow<'t> {
     /// Talker and formatter.
     pub(crate) address: &'t str,
-    /// Field before the others.
+    /// First field.
     pub(crate) first: &'t str,
-    /// Field behind the others; without one, the number of the sentence and the number of
-    /// sentences.
+    /// Last field. If it is missing, the number of the sentence and the number of sentences follow.
     pub(crate) last: Option<&'t str>,
 }
 

@@ -10,13 +10,13 @@
 //! | `el` | elevation, empty below the horizon | ° |
 //! | `az` | azimuth from true north over east | ° |
 //!
-//! Each satellite is listed once, with the first of its bands and the C/N0 there. Each system has a
-//! talker of its own, and each of its bands a group of sentences with the band's signal id. The
-//! first group is always that of GPS on L1, also without a satellite, because gpsd begins a new sky
-//! with it. A value that is unknown is an empty field.
+//! Each satellite is listed once, with the first of its bands and the C/N0 there. Each system has
+//! its talker, and each of its bands has a group of sentences with the band's signal id. The first
+//! group is always that of GPS on L1, also without a satellite, because gpsd begins a new sky with
+//! it. A value that is unknown is an empty field.
 //!
-//! Directions need a place that is accurate to some kilometres. In an alert they are those from the
-//! last place that was not contradicted, and no sentence carries that place.
+//! Directions need a place that is accurate to some kilometres. In an alert they are computed from
+//! the last place that was not contradicted, which no sentence carries.
 //!
 //! References: [NMEA-0183] v4.11, tables 19 and 20; [GPSD-NMEA].
 //!
@@ -33,8 +33,8 @@ use crate::raw::{Band, RawSatellite, RawSignal};
 /// Number of satellites in one sentence.
 const PER_SENTENCE: usize = 4;
 
-/// Most satellites of a group: the number of a sentence has one digit. No system has so many
-/// satellites above one horizon.
+/// Most satellites of a group, because the number of a sentence has one digit. No system has so
+/// many satellites above one horizon.
 const MOST: usize = 9 * PER_SENTENCE;
 
 /// Satellites of one system that are listed with one band.
@@ -87,7 +87,7 @@ fn first(satellite: &RawSatellite) -> Option<&RawSignal> {
 }
 
 /// Writes `GSV`: the satellites in view, by system and band.
-// Not inlined, so that its stack is not that of every epoch.
+// Not inlined, so that an epoch without `GSV` does not need its stack.
 #[inline(never)]
 pub(super) fn write_in_view<W: Write>(view: &InView<'_>, out: &mut W) -> Result<(), W::Error> {
     let horizon = view.place.map(Horizon::at);
@@ -114,7 +114,7 @@ fn list(sentence: &mut Sentence, satellite: &RawSatellite, way: Option<[f32; 3]>
     let cn0_dbhz = first(satellite).and_then(RawSignal::cn0_dbhz).unwrap_or(f32::NAN);
     sentence.satellite_number(satellite.satellite);
     whole(sentence, elevation_deg, 2, 90);
-    // 359.5° and more are north.
+    // 359.5° and more round to north.
     whole(sentence, if azimuth_deg >= 359.5 { 0.0 } else { azimuth_deg }, 3, 359);
     whole(sentence, cn0_dbhz, 2, 99);
 }

@@ -1,12 +1,24 @@
 //! Sentences for the host: NMEA 0183 v4.11 and the proprietary `PRAI` ones.
 //!
-//! An epoch consists of these sentences, in this order and at the rates of [`super::schedule`]:
-//! `RMC`, `GGA`, `GNS`, `VTG`, `ZDA` (once a second), `GSA` (one for each system used, and another
-//! for each 12 further satellites), `GST`, and `GBS` (if there is redundancy). `PRAIS`, one `PRAIX`
-//! for each excluded satellite, `PRAIM` if ARAIM judged, `PRAIH` if a height is known, `PRAIE` if
-//! the receiver reports on its own signals, and `PRAIN`, which ends the epoch, are always sent.
-//! `GSV`, which is off at start, stands before `PRAIN`, so that it delays no verdict and a full
-//! port loses no verdict by it.
+//! An epoch consists of these sentences, in this order:
+//!
+//! | sentence | sent |
+//! |---|---|
+//! | `RMC`, `GGA`, `GNS`, `VTG` | at its rate ([`super::schedule`]) |
+//! | `ZDA` | at its rate, at most once a second |
+//! | `GSA` | at its rate: one for each system used, and another for each 12 further satellites |
+//! | `GST` | at its rate |
+//! | `GBS` | at its rate, if there is redundancy |
+//! | `PRAIS` | always |
+//! | `PRAIX` | for each excluded satellite |
+//! | `PRAIM` | if ARAIM judged |
+//! | `PRAIH` | if a height is known |
+//! | `PRAIE` | if the receiver reports authenticated signals or its own levels |
+//! | `GSV` | at its rate; off at start |
+//! | `PRAIN` | always; it ends the epoch |
+//!
+//! `GSV` is long and follows `PRAIS`. It therefore delays no verdict, and if the port is full,
+//! `GSV` is lost and not the verdict.
 //!
 //! | verdict | navigational status of `GNS` | fix mode of `GSA` | state of `PRAIS` |
 //! |---|---|---|---|
@@ -15,19 +27,19 @@
 //! | unavailable, with a position | `C` caution | 3 | `U` |
 //! | unavailable, no position | `V` not valid | no `GSA` | `U` |
 //!
-//! Decisions for cases in which the standard leaves room or its readers differ:
+//! Decisions where the standard leaves a choice or readers differ:
 //!
-//! - **Altitude** is that above mean sea level, and the geoid separation is that of
-//!   [`super::geoid`], as the standard asks. Their sum is the height above the WGS 84 ellipsoid.
-//! - **Mode of `GNS`** is one character, `A` or `N`. The standard gives each system a character,
-//!   but gpsd reads only the first and takes `N` there (no GPS) for no fix; the `nmea` crate
+//! - **Altitude** is above mean sea level, as the standard requires, with the geoid separation of
+//!   [`super::geoid`]. Their sum is the height above the WGS 84 ellipsoid.
+//! - **Mode of `GNS`** is one character, `A` or `N`. The standard has a character for each system.
+//!   But gpsd reads only the first, and takes `N` there (no GPS) for no fix; the `nmea` crate
 //!   refuses more than two. The `GSA` sentences report the systems used.
-//! - **`GBS`** reports the standard deviations of `GST` as expected errors, because gpsd reads them
-//!   so. Its satellite is the one *used* that fits worst; excluded satellites are in `PRAIX`.
-//! - **A number that does not fit** loses decimals. An infinite number, or one too large for its
-//!   field, leaves the field empty, because an unbounded protection level is undefined. The
-//!   dilutions of precision stop at 99.99 and the test statistic at 99999 instead, because beyond
-//!   these only "large" matters.
+//! - **`GBS`** reports the standard deviations of `GST` as expected errors, because gpsd interprets
+//!   the fields so. Its satellite is the *used* one with the worst fit; excluded satellites are in
+//!   `PRAIX`.
+//! - **A number that does not fit** loses decimals. If it is infinite or still too large, the field
+//!   is empty: an unbounded protection level is undefined. Dilutions of precision are limited to
+//!   99.99 and the test statistic to 99999 instead, because beyond these only "large" matters.
 //!
 //! Every sentence has at most 82 characters, the line end included. Numbers are formatted as
 //! fixed-point integers, because formatting floats is large and slow on the target.
@@ -74,7 +86,7 @@ pub fn write_epoch<W: Write, const N: usize>(
     if due.has(Item::Vtg) {
         position::write_velocity(statement, out)?;
     }
-    // Without a usable position the time is not trusted either, and `ZDA` has no mode to report
+    // Without a usable position the time is not usable either, and `ZDA` has no mode to report
     // that.
     if due.has(Item::Zda) && statement.usable_solution().is_some() {
         write_sentence(&mut standard::date_and_time(time), out)?;

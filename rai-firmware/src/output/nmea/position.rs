@@ -11,8 +11,8 @@
 //! no sentence has a position that must not be used.
 //!
 //! `GGA` and `GNS` have the altitude above mean sea level and the geoid separation of
-//! [`crate::output::geoid`]. The altitude takes the room that the sentence leaves, so that it loses
-//! decimals if the other fields are long.
+//! [`crate::output::geoid`]. The altitude gets the room that the other fields leave, and loses
+//! decimals if they are long.
 //!
 //! Position, separation and time are formatted once for several sentences.
 
@@ -24,7 +24,7 @@ use crate::output::geoid::Altitude;
 use crate::output::schedule::{Due, Item};
 use crate::output::{Motion, Statement};
 
-/// Largest dilution of precision that is written; readers take it for "unusable".
+/// Largest dilution of precision that is written. Readers take it for "unusable".
 const MAX_DOP: f64 = 99.99;
 
 /// Speed below which noise determines the course, m/s.
@@ -155,8 +155,8 @@ impl Told<'_> {
         sentence
     }
 
-    /// Appends the horizontal dilution, and the altitude with as many decimals as leave room for
-    /// the separation and `around` characters beside it.
+    /// Appends the horizontal dilution and the altitude. The altitude has as many decimals as leave
+    /// room for the separation and for `around` more characters.
     fn dilution_and_altitude(&self, sentence: &mut Sentence, around: usize) {
         sentence.optional(self.solution.map(|solution| dilution(solution.hdop)), 2, 5);
         let width = sentence.room().saturating_sub(1 + self.separation.len() + around);
@@ -168,7 +168,7 @@ impl Told<'_> {
     }
 }
 
-/// Appends the speed over ground, in a unit of which a metre per second has `units`.
+/// Appends the speed over ground, in the unit of which `units` make 1 m/s.
 fn speed<'s>(sentence: &'s mut Sentence, motion: Option<&Motion>, units: f32) -> &'s mut Sentence {
     sentence.optional(motion.map(|motion| f64::from(motion.speed_m_s() * units)), 3, 7)
 }

@@ -5,22 +5,24 @@
 //! | `PRAIS` | time, state, reason, satellites tracked, used, degrees of freedom, statistic, threshold, HPL, VPL, HAL, VAL |
 //! | `PRAIX` | time, number of exclusions, satellite, w-test, bias |
 //! | `PRAIM` | time, monitored modes, probability of unmonitored faults, EMT, σ of the height for accuracy, mode that dominates the vertical level, share of the risk |
-//! | `PRAIH` | time, use of the known height, its difference to the satellites |
+//! | `PRAIH` | time, use of the known height, known height minus that of the satellites alone |
 //! | `PRAIE` | time, authenticated signals, frame of the receiver's levels, its three levels, coefficient and power of ten of its risk |
 //! | `PRAIN` | time, hash of the settings, NIC, jamming, spoofing |
 //! | `PRAIL` | bytes lost at the GNSS port and at the host port, frames refused, epochs late; since start |
 //! | `PRAIV` | version, git, reset cause, self-test |
-//! | `PRAIA` | key, values, `OK`; or key, `ERR`, why |
+//! | `PRAIA` | key, values, `OK`; or key, `ERR`, reason |
 //!
-//! In an alert `PRAIS` has the statistic and the threshold that it exceeded, and no protection
-//! level. `PRAIN` then has NIC 0, as in every case without a valid level. [`crate::settings`]
-//! writes `PRAIQ`.
+//! In an alert `PRAIS` has no protection level, and `PRAIN` has NIC 0, as in every case without a
+//! valid level. Statistic and threshold are those of the epoch's test, and empty without an epoch
+//! or a test. An alert like `JUMP` can come with a test that passed. [`crate::settings`] writes
+//! `PRAIQ`.
 //!
 //! A fault mode is named by the satellites that it excludes: `E` a whole system, `G05` a satellite,
-//! `EG05` both. The name is empty if the noise of all satellites dominates the level.
+//! `EG05` both. The name is empty if the noise of all satellites, without a fault, dominates the
+//! level.
 //!
-//! `PRAIS` has the statistic and its threshold to 3 decimals, and metres to 1. If extreme values
-//! would make it longer than 82 characters, these become 1 and 0.
+//! In `PRAIS`, statistic and threshold have 3 decimals, and metres have 1. If the sentence would
+//! exceed 82 characters, statistic and threshold have 1 decimal, and metres have none.
 
 use embedded_io::Write;
 use heapless::String;
@@ -49,10 +51,10 @@ struct Precision {
     metre_width: usize,
 }
 
-/// Precision that the interface specifies.
+/// Usual precision.
 const FULL: Precision = Precision { ratio_decimals: 3, ratio_width: 9, metre_decimals: 1, metre_width: 9 };
 
-/// Precision that fits for all values.
+/// Precision for extreme values, which always fits.
 const COARSE: Precision = Precision { ratio_decimals: 1, ratio_width: 5, metre_decimals: 0, metre_width: 6 };
 
 /// Returns state and reason of `PRAIS`.
@@ -122,7 +124,7 @@ fn state<const N: usize>(statement: &Statement<'_, N>, time: TimeOfDay, precisio
     sentence
 }
 
-/// Writes `PRAIM`: the results of ARAIM beside its levels.
+/// Writes `PRAIM`: the results of ARAIM except its levels.
 pub(super) fn write_separation<W: Write>(
     separation: &AraimReport,
     time: TimeOfDay,
@@ -165,7 +167,8 @@ pub(super) fn write_settings_and_interference<W: Write, const N: usize>(
     time: TimeOfDay,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    // A level above its limit still holds. The levels of the other reasons do not hold.
+    // A level above its limit is still a valid bound. With any other reason against protection it
+    // is not.
     let bounds = matches!(
         statement.report.verdict,
         Verdict::Protected(_)
@@ -183,7 +186,8 @@ pub(super) fn write_settings_and_interference<W: Write, const N: usize>(
     write_sentence(&mut sentence, out)
 }
 
-/// Writes `PRAIH`: the use of a known height, and its difference to the satellites alone.
+/// Writes `PRAIH`: the use of a known height, and its difference from the height by satellites
+/// alone.
 pub(super) fn write_height<W: Write>(
     height: &HeightReport,
     time: TimeOfDay,
@@ -199,8 +203,8 @@ pub(super) fn write_height<W: Write>(
     write_sentence(&mut sentence, out)
 }
 
-/// Writes `PRAIE`: what the receiver reports of its own signals beside interference. Nothing is
-/// written while it reports nothing.
+/// Writes `PRAIE`: the number of authenticated signals and the protection levels that the receiver
+/// reports. Nothing is written if it reports neither.
 pub(super) fn write_evidence<W: Write>(
     interference: &Interference,
     time: TimeOfDay,
@@ -315,8 +319,8 @@ pub fn write_version<W: Write>(
     write_sentence(&mut sentence, out)
 }
 
-/// Writes `PRAIA,key,value…,OK`, followed by `WARN,why` if there is a warning. If the values would
-/// make the answer longer than 82 characters, all of them are left out.
+/// Writes `PRAIA,key,value…,OK`, followed by `WARN,why` if there is a warning. If the answer would
+/// exceed 82 characters, all values are left out.
 ///
 /// # Errors
 /// The writer's own.

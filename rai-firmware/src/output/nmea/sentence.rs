@@ -2,11 +2,11 @@
 //!
 //! The checksum is the exclusive or of all characters between `$` and `*`. Each method of
 //! [`Sentence`] appends one field with its leading comma and returns the sentence. A sentence that
-//! exceeds 82 characters is not sent. Callers choose the fields so that it cannot, or use a coarser
-//! form.
+//! exceeds 82 characters is not sent. Callers therefore choose fields that always fit, or try a
+//! coarser form.
 //!
-//! Numbers are rounded to the nearest, ties to even, and written by 32-bit divisions if they fit,
-//! because the processor divides 32 bits in hardware and 64 bits by long calls.
+//! Numbers are rounded to the nearest, ties to even. They are written by 32-bit divisions if they
+//! fit: the processor divides 32 bits in hardware, but 64 bits by long calls.
 
 use embedded_io::Write;
 use raim_core::satellite::SatelliteId;
@@ -23,7 +23,8 @@ pub const MAX_LENGTH: usize = 82;
 /// Length of checksum and line end: `*CS` CR LF.
 pub(super) const ENDING: usize = 5;
 
-/// Largest scaled number; larger ones are not formatted, and every field ends far below it.
+/// Limit of a number times its scale. Larger numbers are not formatted, because no field is wide
+/// enough for them anyway.
 const SCALED_LIMIT: f64 = 1e15;
 
 /// Sentence that is being built.
@@ -41,8 +42,9 @@ struct Fixed {
     negative: bool,
     whole: u64,
     fraction: u32,
-    /// Number of digits of `whole`, and of `fraction`.
+    /// Number of digits of `whole`.
     digits: usize,
+    /// Number of digits of `fraction`.
     decimals: usize,
 }
 
@@ -57,17 +59,20 @@ impl Fixed {
         Some(Self { negative, whole, fraction, digits: digits(whole), decimals })
     }
 
-    /// Rounds in single precision, which the processor supports. The result differs from
-    /// [`Self::new`] at most for values within 1e-4 of a tie; `None` if seven digits are too few.
+    /// Rounds in single precision, which the processor supports. The result can differ from
+    /// [`Self::new`] only for values within 1e-4 of a tie. Returns `None` if seven digits are too
+    /// few.
     fn short(value: f64, decimals: usize) -> Option<Self> {
         const LIMIT: u64 = 512_f64.to_bits();
-        // Beside 2²³ single precision has no bits for a fraction.
-        const BESIDE: f32 = (1_u32 << 23) as f32;
+        // From 2²³ on, single precision has no bits for a fraction, so that adding 2²³ rounds to an
+        // integer.
+        const NO_FRACTION: f32 = (1_u32 << 23) as f32;
         let scale = *SCALE.get(decimals).filter(|_| decimals <= 3)?;
         if libm::fabs(value).to_bits() >= LIMIT {
             return None;
         }
-        let scaled = (libm::fabsf(value as f32) * scale as f32 + BESIDE).to_bits() - BESIDE.to_bits();
+        let scaled =
+            (libm::fabsf(value as f32) * scale as f32 + NO_FRACTION).to_bits() - NO_FRACTION.to_bits();
         let (whole, fraction) = (scaled / scale, scaled % scale);
         let (negative, digits) = (value.is_sign_negative() && scaled > 0, low_digits(whole));
         Some(Self { negative, whole: u64::from(whole), fraction, digits, decimals })
@@ -89,12 +94,12 @@ impl Fixed {
 /// Returns the integer nearest to a number from 0 to [`SCALED_LIMIT`], ties to even; `None` beyond.
 ///
 /// Both steps work on the bits, because comparing and converting doubles are calls on this
-/// processor. The bits of positive numbers have the order of the numbers, with NaN at the end.
-/// Beside 2⁵² a double has no bits for a fraction.
+/// processor. The bits of positive numbers have the order of the numbers, with NaN at the end. From
+/// 2⁵² on, a double has no bits for a fraction, so that adding 2⁵² rounds to an integer.
 fn nearest_integer(value: f64) -> Option<u64> {
-    const BESIDE: f64 = (1_u64 << 52) as f64;
+    const NO_FRACTION: f64 = (1_u64 << 52) as f64;
     let is_within = value.to_bits() < SCALED_LIMIT.to_bits();
-    is_within.then(|| (value + BESIDE).to_bits() - BESIDE.to_bits())
+    is_within.then(|| (value + NO_FRACTION).to_bits() - NO_FRACTION.to_bits())
 }
 
 /// Returns true for a character that may stand inside a field: printable, and not reserved by the
@@ -127,8 +132,8 @@ impl Sentence {
         self
     }
 
-    /// Appends one or several fields that have no reserved character except the commas between
-    /// them.
+    /// Appends one or several fields that are ready: they contain no reserved character except the
+    /// commas between them.
     // Not inlined, so that its many callers share one copy.
     pub(crate) fn ready(&mut self, fields: &[u8]) -> &mut Self {
         self.push_one(b',');
@@ -156,7 +161,7 @@ impl Sentence {
     }
 
     /// Appends a number with as many decimals, up to `decimals`, as fit into `width` characters.
-    /// The field is empty if its whole part does not fit or the number is not finite.
+    /// The field is empty if the whole part does not fit or the number is not finite.
     pub fn number(&mut self, value: f64, decimals: usize, width: usize) -> &mut Self {
         self.fixed(Fixed::fitting(value, decimals, width))
     }
@@ -202,7 +207,7 @@ impl Sentence {
         self.ready(if minutes.negative { negative } else { positive }.as_bytes())
     }
 
-    /// Returns the text behind the address, for other sentences with the same fields.
+    /// Returns the text behind the address, so that other sentences can reuse the same fields.
     pub(super) fn fields(&self) -> &[u8] {
         let text = self.written();
         let from = text.iter().position(|byte| *byte == b',').map_or(text.len(), |comma| comma + 1);
@@ -276,8 +281,8 @@ impl Sentence {
         }
     }
 
-    // Not inlined, nor are the functions below: they have many callers, and flash is scarcer than
-    // time here.
+    // Neither this function nor those below are inlined: they have many callers, and flash is
+    // scarcer than time here.
     #[inline(never)]
     fn push_one(&mut self, byte: u8) {
         if let [place] = self.place(1) {

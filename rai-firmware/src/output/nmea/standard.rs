@@ -6,7 +6,7 @@
 //! | `GST` | `θ` | its orientation from true north over east: `½ atan2(C, (N−E)/2)` | ° |
 //! | `GBS` | | bias of the satellite that fits worst, with its standard deviation | m |
 //!
-//! `E`, `N`, `C` are the variances of east and north and their covariance. The root mean square of
+//! `E`, `N`, `C` are the variances of east and north and their covariance. The root mean square in
 //! `GST` is that of the residuals.
 
 use embedded_io::Write;
@@ -113,8 +113,8 @@ fn standard_deviations(solution: &Solution) -> [f64; 3] {
 
 /// Ellipse of one standard deviation in the horizontal plane.
 ///
-/// Computed in single precision, which the processor supports: millimetres of some metres are four
-/// digits.
+/// Computed in single precision, which the processor supports and which suffices: some metres to
+/// the millimetre need four digits.
 struct ErrorEllipse {
     semi_major_m: f64,
     semi_minor_m: f64,
@@ -132,7 +132,7 @@ impl ErrorEllipse {
         Self {
             semi_major_m: axis(mean + spread),
             semi_minor_m: axis(mean - spread),
-            // An axis has no sense of direction.
+            // An axis points both ways, so that its angle is reported from 0 to 180°.
             orientation_deg: f64::from(if orientation_deg < 0.0 {
                 orientation_deg + 180.0
             } else {

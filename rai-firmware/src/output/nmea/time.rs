@@ -1,8 +1,8 @@
 //! UTC in sentences: time of day and date.
 //!
-//! Days are counted from 1980-01-06. The date is that of the Gregorian calendar, computed with
-//! years that begin in March, so that a leap day is the last day of its year:
-//! `day of year = (153 month + 2) / 5 + day`.
+//! Days are counted from 1980-01-06. The date is that of the Gregorian calendar. It is computed
+//! with years that begin in March, so that a leap day is the last day of its year: `day of year =
+//! (153 month + 2) / 5 + day`.
 
 use crate::division::divided;
 use crate::time::{DAY_MS, GpsTime};
@@ -17,7 +17,7 @@ const GPS_EPOCH_DAY: u32 = 723_125;
 /// Days in 400 years of the calendar.
 const DAYS_OF_400_YEARS: u32 = 146_097;
 
-/// UTC, rounded to a hundredth of a second, as the field `hhmmss.ss` needs it.
+/// UTC, rounded to a hundredth of a second for the field `hhmmss.ss`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimeOfDay {
     centiseconds: u32,

@@ -7,7 +7,7 @@ const REASONS: [(&str, &str); 28] = [
     ("FAULT", "a fault was detected and not isolated"),
     ("AMBIGUOUS", "several exclusions explain the data, or a range came twice with another value"),
     ("TIME", "a wrong time tag of all ranges explains the data, and no exclusion explains it better"),
-    ("STALE", "no epoch came within the time to alert"),
+    ("STALE", "no epoch was judged within the time to alert"),
     ("SOURCE", "no epoch of the receiver in use came, but epochs of another station or format"),
     ("JUMP", "the position moved farther than VMAX allows"),
     ("CLOCK", "the receiver clock moved otherwise than its measured drift"),
@@ -30,7 +30,7 @@ const REASONS: [(&str, &str); 28] = [
         "the residuals of the last minute contradict the sigmas, or the satellites left after an exclusion hardly agree",
     ),
     ("EPHEMERIS", "ranges arrived without orbits"),
-    ("SELFTEST", "a known answer was missed"),
+    ("SELFTEST", "the self-test computed a wrong result"),
     ("SETTINGS", "settings were lost by a restart, or a command has changed one that a promise rests on"),
     ("", "no reason was reported"),
 ];
