@@ -17,14 +17,15 @@ const SEVERAL_S: f64 = 0.32e-3;
 
 /// Arguments of the command.
 #[derive(clap::Args)]
+#[allow(clippy::struct_excessive_bools, reason = "each is another thing to do")]
 pub(crate) struct Arguments {
     /// Names of the attacks to run (default: all)
     attacks: Vec<String>,
     /// Run many more epochs and geometries
     #[arg(long)]
     long: bool,
-    /// Record the figures, with the version, in `tests-host/adversary/records`, which the documents
-    /// are compared with
+    /// Record the figures, with the version, in `tests-host/adversary/records`, with which the
+    /// documents are compared
     #[arg(long)]
     record: bool,
     /// Print one JSON object per attack
@@ -136,7 +137,7 @@ fn record(outcomes: &[Outcome], effort: Effort) -> anyhow::Result<()> {
 }
 
 /// Returns the version of the sources, as git describes it.
-fn version() -> anyhow::Result<String> {
+pub(crate) fn version() -> anyhow::Result<String> {
     let shell = xshell::Shell::new()?;
     let version = xshell::cmd!(shell, "git describe --always --dirty --abbrev=12").quiet().read();
     version.context("git must describe the version that is recorded")

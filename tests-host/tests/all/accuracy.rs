@@ -45,8 +45,8 @@ fn summary_of(
 }
 
 /// Checks that root mean square errors are within the bounds, with a fix in 99.9 % and protection
-/// in 99 % of the epochs, without an alert and without a misleading epoch; and that the results have
-/// the figures.
+/// in 99 % of the epochs, without an alert and without a misleading epoch. Checks also that the
+/// results have the figures.
 fn assert_sound(station: &Station, systems: &str, frequency: Frequency, want_m: (f64, f64)) {
     let Some(have) = summary(station, systems, frequency) else { return };
     assert!(have.horizontal_rms_m.unwrap() <= want_m.0, "want {want_m:?}: {have:?}");

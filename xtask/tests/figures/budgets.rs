@@ -42,6 +42,11 @@ impl Budgets {
         format!("{},{:03}", rounded / 1000, rounded % 1000)
     }
 
+    /// Returns instructions, rounded to thousands.
+    pub(crate) fn thousands(&self, name: &str) -> String {
+        format!("{},000", (self.bytes(name) + 500) / 1000)
+    }
+
     /// Returns both bounds of the cycles at a frequency.
     pub(crate) fn cycles(&self, name: &str, core_hz: u64) -> [f64; 2] {
         let mhz = core_hz / 1_000_000;

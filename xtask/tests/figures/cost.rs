@@ -127,11 +127,6 @@ fn times(budgets: &Budgets) -> Passages {
 
 /// Returns the costs of the methods of isolation.
 fn methods(budgets: &Budgets) -> Passages {
-    let of = |method: &str| {
-        let count = budgets.bytes(&format!("epoch judged by {method}, faulty 2 of 20 satellites, f32"));
-        format!("{},000", (count + 500) / 1000)
-    };
-    let costs = ["BAARDA", "SIMULTANEOUS", "HYBRID", "GROUPING", "RANSAC"].map(of).join(" | ");
     let judged =
         |faulty: u8| budgets.bytes(&format!("epoch judged by BAARDA, faulty {faulty} of 20 satellites, f32"));
     let excluding = (judged(1) - judged(0)) as f64 / 1e6;
@@ -145,7 +140,6 @@ fn methods(budgets: &Budgets) -> Passages {
         budgets.rounded("ARAIM, 20 satellites of 2 constellations, no biases, f32"),
     ];
     vec![
-        ("results/integrity.md", format!("| instructions per epoch, 20 satellites, 2 | {costs} |")),
         (
             "results/integrity.md",
             format!("excluding one of 20 satellites costs {excluding:.2} M instructions"),

@@ -9,6 +9,7 @@ mod attacks;
 mod budgets;
 mod commands;
 mod cost;
+mod experiments;
 mod limits;
 mod memory;
 mod numbers;
@@ -39,7 +40,7 @@ type Passages = Vec<(&'static str, String)>;
 /// Returns the passages whose figures are computed here.
 fn compared() -> Passages {
     let budgets = Budgets::read();
-    [limits::all(), cost::all(&budgets), memory::all(&budgets)].concat()
+    [limits::all(), cost::all(&budgets), memory::all(&budgets), experiments::all()].concat()
 }
 
 #[test]

@@ -153,6 +153,6 @@ fn sources_are_those_in_the_text_before_a_table_and_behind_it() {
     assert_eq!(have[0].sources, [given()]);
     assert_eq!(have[4].sources, [demo(), given()]);
     let step = Source::Command("cargo xtask attack step".into());
-    assert_eq!(have[5].sources, [step.clone()]);
+    assert_eq!(have[5].sources, std::slice::from_ref(&step));
     assert_eq!(have[6].sources, [Source::Block("x".into()), step]);
 }

@@ -207,7 +207,7 @@ fn a_day_with_it_is_no_worse_than_without() {
             let (without, with) = ((without, play(without)), (with, play(with)));
             compare(&format!("esbc, {} by {format}", with.0), &without.1, &with.1, 2000);
             let systems = if without.0 == "G" { "GPS" } else { "GPS, Galileo, BeiDou" };
-            let [without, with] = [without.1, with.1].map(|module| cell(module.errors_m()));
+            let (without, with) = (cell(without.1.errors_m()), cell(with.1.errors_m()));
             document::must_say(
                 "results/receivers.md",
                 &format!("| {systems}, {format} | {without} | {with} |"),
