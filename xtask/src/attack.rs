@@ -3,8 +3,8 @@
 
 use std::time::Instant;
 
-use adversary::attack::several_faults::{self, Passing};
-use adversary::attack::{ATTACKS, Attack, Effort};
+use adversary::attack::record::{Entry, Record};
+use adversary::attack::{ATTACKS, Attack, Effort, Outcome, several_faults, several_record};
 use anyhow::{Context as _, ensure};
 
 use crate::optimise::{Work, done_elsewhere};
@@ -17,12 +17,17 @@ const SEVERAL_S: f64 = 0.32e-3;
 
 /// Arguments of the command.
 #[derive(clap::Args)]
+#[allow(clippy::struct_excessive_bools, reason = "each is another thing to do")]
 pub(crate) struct Arguments {
     /// Names of the attacks to run (default: all)
     attacks: Vec<String>,
     /// Run many more epochs and geometries
     #[arg(long)]
     long: bool,
+    /// Record the figures, with the version, in `tests-host/adversary/records`, with which the
+    /// documents are compared
+    #[arg(long)]
+    record: bool,
     /// Print one JSON object per attack
     #[arg(long)]
     json: bool,
@@ -43,11 +48,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Ok(());
     }
     if let Some(epochs) = arguments.several {
-        print_passing(&several_faults::table(epochs)?);
-        return Ok(());
+        return several(epochs, arguments.record);
     }
     let effort = if arguments.long { Effort::Long } else { Effort::Quick };
     let mut lost = Vec::new();
+    let mut outcomes = Vec::new();
     for attack in &attacks {
         let start = Instant::now();
         let outcome = attack.attempt(effort).with_context(|| format!("attack {}", attack.name))?;
@@ -63,6 +68,10 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         if !outcome.is_held() {
             lost.push(outcome.name);
         }
+        outcomes.push(outcome);
+    }
+    if arguments.record {
+        record(&outcomes, effort)?;
     }
     ensure!(
         lost.is_empty(),
@@ -107,25 +116,29 @@ fn named(name: &str) -> anyhow::Result<&'static Attack> {
     found.with_context(|| format!("`{name}` is not an attack; the attacks are {}, or all", known()))
 }
 
-/// Prints a Markdown table: a row per method and number of faults, a column per number of
-/// satellites.
-fn print_passing(cells: &[Passing]) {
-    let mut numbers: Vec<usize> = cells.iter().map(|cell| cell.satellites).collect();
-    numbers.sort_unstable();
-    numbers.dedup();
-    let heads: Vec<String> = numbers.iter().map(|number| format!("{number} satellites")).collect();
-    println!("| method | faults | {} |\n|---|---|{}", heads.join(" | "), "---|".repeat(numbers.len()));
-    let mut rows: Vec<(&str, usize)> = cells.iter().map(|cell| (cell.method, cell.faults)).collect();
-    rows.dedup();
-    for (method, faults) in rows {
-        let of_row = cells.iter().filter(|cell| (cell.method, cell.faults) == (method, faults));
-        let percent = |count: usize, of: usize| 100.0 * count as f64 / of.max(1) as f64;
-        let cell = |cell: &Passing| {
-            let [beyond, hazardous] =
-                [cell.misleading, cell.hazardous].map(|count| percent(count, cell.epochs));
-            format!("{beyond:.1} ({hazardous:.1}) of {:.0}", percent(cell.promised, cell.epochs))
-        };
-        let row: Vec<String> = of_row.map(cell).collect();
-        println!("| `{method}` | {faults} | {} |", row.join(" | "));
+/// Measures how often several faults pass, and prints or also records the table.
+fn several(epochs: u64, is_recorded: bool) -> anyhow::Result<()> {
+    let cells = several_faults::table(epochs)?;
+    print!("{}", several_record::markdown(&cells));
+    if is_recorded {
+        eprintln!("recorded: {}", several_record::write(&cells, &version()?)?.display());
     }
+    Ok(())
+}
+
+/// Replaces the entries of these attacks in the record.
+fn record(outcomes: &[Outcome], effort: Effort) -> anyhow::Result<()> {
+    let (mut record, version) = (Record::committed()?, version()?);
+    for outcome in outcomes {
+        record.put(Entry::of(outcome, effort, &version));
+    }
+    eprintln!("recorded: {}", record.write()?.display());
+    Ok(())
+}
+
+/// Returns the version of the sources, as git describes it.
+pub(crate) fn version() -> anyhow::Result<String> {
+    let shell = xshell::Shell::new()?;
+    let version = xshell::cmd!(shell, "git describe --always --dirty --abbrev=12").quiet().read();
+    version.context("git must describe the version that is recorded")
 }

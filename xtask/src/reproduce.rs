@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context as _, ensure};
-use experiments::{EXPERIMENTS, Effort, Experiment, Outcome, page};
+use experiments::{EXPERIMENTS, Effort, Experiment, Outcome, page, record};
 use raim::page::html::write_file;
 
 use crate::optimise::{Work, done_elsewhere};
@@ -23,6 +23,10 @@ pub(crate) struct Arguments {
     /// Run a reduced version of everything, in two minutes
     #[arg(long)]
     quick: bool,
+    /// Record the outcomes in full, with the version, in `tests-host/experiments/records`, with
+    /// which the documents are compared
+    #[arg(long, conflicts_with = "quick")]
+    record: bool,
     /// Print one JSON object per experiment instead of tables
     #[arg(long)]
     json: bool,
@@ -53,6 +57,10 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             println!("{}", outcome.json());
         } else {
             println!("{outcome}");
+        }
+        if arguments.record {
+            let path = record::write(&outcome, &crate::attack::version()?)?;
+            eprintln!("recorded: {}", path.display());
         }
         outcomes.push(outcome);
     }

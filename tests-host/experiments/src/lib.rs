@@ -32,6 +32,7 @@ mod methods;
 mod outcome;
 mod parity;
 mod probabilities;
+pub mod record;
 mod row;
 mod tian2024;
 mod yang2015;

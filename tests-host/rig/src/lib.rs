@@ -9,6 +9,7 @@
 //! | [`no_panic`] | the proof that nothing panics, by the linker |
 //! | [`bench`](mod@bench), [`laboratory`] | cost of each stage on the chip; single stages on the emulated core |
 //! | [`capi`] | the C interface: its header, its library, and programs that call it |
+//! | [`document`] | documents of the project, compared with what tests compute |
 //! | [`setup`], [`skip`] | missing requirements of a machine; tests that are skipped without them |
 //! | [`shared`], [`stations`], [`recordings`] | recordings of real stations: in the reference folder, and in packages |
 //!
@@ -24,6 +25,7 @@ pub mod bench;
 pub mod board;
 pub mod capi;
 pub mod demo;
+pub mod document;
 pub mod image;
 pub mod laboratory;
 pub mod lockstep;

@@ -7,6 +7,7 @@ use raim::signal::encode::{Frequency, Selection};
 use raim::signal::recording::Recording;
 use raim::signal::sample::Sample;
 use raim_core::frame::Ecef;
+use rig::document;
 use rig::recordings::{kamakura, station_3040};
 use rig::skip;
 use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
@@ -44,7 +45,8 @@ fn summary_of(
 }
 
 /// Checks that root mean square errors are within the bounds, with a fix in 99.9 % and protection
-/// in 99 % of the epochs, without an alert and without a misleading epoch.
+/// in 99 % of the epochs, without an alert and without a misleading epoch. Checks also that the
+/// results have the figures.
 fn assert_sound(station: &Station, systems: &str, frequency: Frequency, want_m: (f64, f64)) {
     let Some(have) = summary(station, systems, frequency) else { return };
     assert!(have.horizontal_rms_m.unwrap() <= want_m.0, "want {want_m:?}: {have:?}");
@@ -52,11 +54,44 @@ fn assert_sound(station: &Station, systems: &str, frequency: Frequency, want_m: 
     assert!(have.fixes * 1000 >= have.epochs * 999, "{have:?}");
     assert!(have.protected * 100 >= have.epochs * 99, "{have:?}");
     assert_eq!((have.alerts, have.misleading, have.hazardous), (0, Some(0), Some(0)), "{have:?}");
+    document::must_say("results/receivers.md", &row(&have, systems, frequency));
+}
+
+/// Returns the cells of the results from the systems on.
+fn row(summary: &Summary, systems: &str, frequency: Frequency) -> String {
+    let systems = match systems {
+        "GCE" => "GPS, Galileo, BeiDou",
+        "GC" => "GPS, BeiDou",
+        _ => "GPS",
+    };
+    let ranges = if frequency == Frequency::Dual { "ionosphere-free" } else { "one frequency" };
+    let Summary { protected, epochs, .. } = summary;
+    let [horizontal_m, vertical_m] = errors_m(summary);
+    format!("| {systems} | {ranges} | {horizontal_m:.2} / {vertical_m:.2} | {protected} of {epochs} |")
+}
+
+fn errors_m(summary: &Summary) -> [f64; 2] {
+    [summary.horizontal_rms_m, summary.vertical_rms_m].map(|error_m| error_m.expect("positions"))
 }
 
 #[test]
 fn a_day_with_three_systems_free_of_the_ionosphere() {
     assert_sound(&ESBC, "GCE", Frequency::Dual, (0.95, 1.35));
+}
+
+#[test]
+fn readme_and_results_have_the_errors_of_that_day() {
+    let Some(have) = summary(&ESBC, "GCE", Frequency::Dual) else { return };
+    let [horizontal_m, vertical_m] = errors_m(&have);
+    document::must_say(
+        "README.md",
+        &format!("errors of {horizontal_m:.2} m horizontally and {vertical_m:.2} m vertically"),
+    );
+    let Summary { protected, epochs, .. } = have;
+    document::must_say(
+        "RESULTS.md",
+        &format!("{horizontal_m:.2} / {vertical_m:.2} m, {protected} of {epochs} epochs protected"),
+    );
 }
 
 #[test]

@@ -2,13 +2,22 @@
 //!
 //! `cargo xtask attack --long` runs them at length.
 
+use adversary::attack::record::{Entry, Record};
 use adversary::attack::{ATTACKS, Effort};
+use rig::shared;
 
 fn hold(name: &str) {
     let attack = ATTACKS.iter().find(|attack| attack.name == name).expect("an attack of that name");
     let outcome = attack.attempt(Effort::Quick).expect("an attack that can be tried");
     println!("{name}: {}", outcome.words());
     assert!(outcome.is_held(), "{name} is not held: {}", outcome.words());
+    // Without the recordings, some attacks measure less.
+    if shared::path("data").is_some() {
+        let record = Record::committed().expect("a record");
+        let want = record.entry(name, Effort::Quick).map(|entry| &entry.figures);
+        let have = Entry::of(&outcome, Effort::Quick, "").figures;
+        assert_eq!(Some(&have), want, "`cargo xtask attack {name} --record` records the new figures");
+    }
 }
 
 /// Defines a test for each attack, under its name.

@@ -5,11 +5,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use raim::campaign::almanac;
+use raim::campaign::picture::{Case, cases, mean_over_globe, share_of_globe};
 use raim::campaign::spec::Spec;
 use raim::campaign::{Campaign, Share, Table, merge, write_report};
 use raim::signal::sky::Fleet;
 use raim_core::satellite::Constellation;
-use rig::shared;
+use rig::{document, shared};
 
 /// A specification with a coarse grid, noise, every kind of fault, two masks, and methods of both
 /// kinds.
@@ -176,6 +177,36 @@ fn the_pictures_of_the_first_campaign_are_those_that_it_draws() {
             kept.display()
         );
     }
+    let cases = cases(&table);
+    let of_method = |method| cases.iter().filter(move |case| case.rows[0].text("method") == method);
+    let rows: String = of_method("SEPARATION").chain(of_method("AUTO")).map(row_of_results).collect();
+    let head = "| method, systems | available | share of the globe with 99.5 % or more | HPL / VPL, medians |\n\
+                |---|---|---|---|\n";
+    document::must_have("results/integrity.md", "lpv200", &[head, &rows].concat());
+    let mean = percents(mean_over_globe(&cases[0], |row| row.number("availability")), 2);
+    document::must_say("RESULTS.md", &format!("mean availability | {mean} % |"));
+}
+
+/// Returns a row of the table of availability.
+fn row_of_results(case: &Case<'_>) -> String {
+    let method = if case.rows[0].text("method") == "SEPARATION" { "SEPARATION" } else { "BOUND" };
+    let systems = if case.rows[0].text("sky").contains("BeiDou") { "and BeiDou" } else { "GPS and Galileo" };
+    let mean = percents(mean_over_globe(case, |row| row.number("availability")), 2);
+    let share = percents(share_of_globe(case, |row| row.number("availability") >= 0.995), 1);
+    let [hpl_m, vpl_m] = ["hpl_median_m", "vpl_median_m"].map(|column| median(case, column));
+    format!("| `{method}`, {systems} | {mean} % | {share} % | {hpl_m:.1} / {vpl_m:.1} m |\n")
+}
+
+/// Returns a share in percent. A share of one has no decimals.
+fn percents(share: f64, decimals: usize) -> String {
+    if share >= 1.0 { "100".into() } else { format!("{:.decimals$}", 100.0 * share) }
+}
+
+/// Returns the median over the boxes.
+fn median(case: &Case<'_>, column: &str) -> f64 {
+    let mut values: Vec<f64> = case.rows.iter().map(|row| row.number(column)).collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
 }
 
 /// The values of a row add up, and a fault is detected.

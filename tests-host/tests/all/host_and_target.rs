@@ -144,6 +144,15 @@ fn compare<T: Real>(scalar: Scalar, lives: std::ops::Range<usize>) {
     let count = |word: &str| want.iter().filter(|report| report.contains(word)).count();
     let (protected, alert) = (count("verdict: Protected"), count("verdict: Alert"));
     println!("{} epochs identical: {protected} protected, {alert} alerts", want.len());
+    let count = want.len();
+    let words =
+        if count < 1000 { count.to_string() } else { format!("{},{:03}", count / 1000, count % 1000) };
+    let precision = if scalar == Scalar::Single {
+        format!("{words} epochs in `f32`")
+    } else {
+        format!("{words} in `f64` identical")
+    };
+    rig::document::must_say("results/adversary.md", &precision);
     assert!(protected * 10 > want.len() && alert * 50 > want.len(), "too few of a kind to mean anything");
 }
 

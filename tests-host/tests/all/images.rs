@@ -1,15 +1,11 @@
 //! The named images in the documents: their limits, their chips, and the committed figures.
 
 use std::fmt::Write as _;
-use std::path::Path;
-use std::{env, fs};
 
 use rig::bench::budget;
 use rig::bench::memory::{QUANTITIES, figure_name};
+use rig::document;
 use rig::image::{Chip, NAMED};
-
-const MARK: &str = "<!-- generated: images -->\n";
-const END: &str = "<!-- end -->";
 
 /// Returns the table of the named images, with the figures of `tests-host/budgets.txt`.
 fn table_of_images() -> String {
@@ -41,20 +37,7 @@ fn table_of_images() -> String {
     table
 }
 
-/// `RAI_BLESS=1` writes the table into the document.
 #[test]
 fn results_have_the_table_of_the_named_images() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results/cost.md");
-    let document = fs::read_to_string(&path).expect("the results");
-    let (before, rest) = document.split_once(MARK).expect("a mark before the table");
-    let (have, after) = rest.split_once(END).expect("a mark behind the table");
-    let want = table_of_images();
-    if env::var_os("RAI_BLESS").is_some() {
-        fs::write(&path, [before, MARK, &want, END, after].concat()).expect("the results can be written");
-        return;
-    }
-    assert!(
-        have == want,
-        "the table of images in results/cost.md differs (RAI_BLESS=1 writes it); want\n{want}"
-    );
+    document::must_have("results/cost.md", "images", &table_of_images());
 }

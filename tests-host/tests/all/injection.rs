@@ -13,6 +13,7 @@ use raim_core::frame::{Ecef, Enu, LocalFrame};
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::numeric::probability::Probability;
 use raim_core::satellite::SatelliteId;
+use rig::document;
 use rig::stations::ESBC;
 
 const TRUTH: Ecef = ESBC.truth;
@@ -132,6 +133,17 @@ fn a_step_of_100_m_on_each_satellite_in_turn_is_caught_and_left_out() {
     assert!(caught * 100 >= testable * 98, "{caught} of {testable} caught");
     assert_eq!(wrong, 0, "healthy satellites left out without saying AMBIGUOUS");
     assert!((after_m - before_m).abs() <= 0.3, "have {after_m} m, fault-free {before_m} m");
+    let windows = faults.len();
+    for (name, passage) in [
+        (
+            "results/receivers.md",
+            format!("| {windows} | {testable} | {caught} | {wrong} | {before_m:.2} → {after_m:.2} m |"),
+        ),
+        ("results/receivers.md", format!("The other {untestable} epochs are not counted")),
+        ("RESULTS.md", format!("{caught} of {testable}, no healthy satellite left out")),
+    ] {
+        document::must_say(name, &passage);
+    }
 }
 
 #[test]
@@ -140,6 +152,7 @@ fn a_ramp_is_caught_before_the_error_exceeds_the_protection_level() {
     let Some(recording) = ESBC.load() else { return };
     let (lumps, _) = run(&recording, &[], &Window::ALL);
     let biases = detectable_biases(&lumps);
+    let (mut times_s, mut largest_m) = (Vec::new(), 0.0_f64);
     for (turn, start) in (10..biases.len() - EPOCHS).step_by(240).enumerate() {
         let through = |satellite| {
             biases[start..start + EPOCHS]
@@ -160,5 +173,14 @@ fn a_ramp_is_caught_before_the_error_exceeds_the_protection_level() {
         assert_eq!(summary.misleading, Some(0), "{satellite}: {summary:?}");
         assert_eq!(summary.injected[0].wrong_exclusions, 0, "{satellite}: {summary:?}");
         assert!(noticed_s.is_some(), "{satellite} was not noticed");
+        times_s.extend(noticed_s);
+        largest_m = largest_m.max(worst_m);
     }
+    assert_eq!(times_s.len(), 12, "the results say twelve");
+    times_s.sort_by(f64::total_cmp);
+    times_s.dedup();
+    let times: Vec<String> = times_s.iter().map(|time_s| format!("{time_s:.0}")).collect();
+    let passage = format!("were detected after {} s", times.join(" or "));
+    document::must_say("results/receivers.md", &passage);
+    document::must_say("results/receivers.md", &format!("the largest was {largest_m:.1} m"));
 }

@@ -285,6 +285,9 @@ fn real_receivers_at_rest_are_at_rest() {
             station.folder
         );
         assert!(horizontal <= 0.05 && vertical <= 0.10, "{}", station.folder);
+        let (horizontal, vertical) = (100.0 * horizontal, 100.0 * vertical);
+        let passage = format!("`{}` {horizontal:.1} / {vertical:.1} cm/s", station.folder);
+        rig::document::must_say("results/receivers.md", &passage);
         assert!(velocities * 100 >= fixes * 95, "{}: {velocities} of {fixes}", station.folder);
     }
 }

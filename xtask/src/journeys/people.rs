@@ -8,9 +8,9 @@ const DOCUMENTS: [&str; 1] = [include_str!("../../../README.md")];
 pub(super) struct Person {
     /// Name for the command line.
     pub(super) name: &'static str,
-    /// Who it is.
+    /// Title of the person.
     pub(super) title: &'static str,
-    /// What the person has and wants, as a sentence.
+    /// Sentence on means and aim of the person.
     pub(super) aim: &'static str,
     /// Lines, in this order.
     pub(super) lines: &'static [Line],
@@ -18,7 +18,7 @@ pub(super) struct Person {
 
 /// A line in the folder of the clone.
 pub(super) struct Line {
-    /// What the shell executes.
+    /// Text that the shell executes.
     pub(super) typed: &'static str,
     /// Passage of a document that it follows; empty for what people type without one.
     #[cfg_attr(not(test), expect(dead_code, reason = "a test compares it with the documents"))]

@@ -1,4 +1,4 @@
-//! What was typed and printed, as text: whole, and shortened to one page.
+//! Text of a journey: whole, and shortened to one page.
 
 use std::fmt::Write as _;
 

@@ -52,6 +52,7 @@
 //! | [`streets`] | real recordings between walls that block low satellites or reflect them late |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
 
+pub mod record;
 pub mod tally;
 pub mod victim;
 
@@ -84,6 +85,7 @@ mod repeater;
 mod second_frequency;
 mod settings;
 pub mod several_faults;
+pub mod several_record;
 mod shifted_system;
 mod single_fault;
 mod streets;
@@ -110,6 +112,22 @@ pub enum Effort {
 }
 
 impl Effort {
+    /// Both forms.
+    pub const ALL: [Self; 2] = [Self::Quick, Self::Long];
+
+    /// Returns the word of this form.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Quick => "quick",
+            Self::Long => "long",
+        }
+    }
+
+    /// Returns the form of a word.
+    pub fn of(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|effort| effort.word() == word)
+    }
+
     /// Returns the number for this effort.
     pub fn pick<T>(self, quick: T, long: T) -> T {
         match self {

@@ -13,6 +13,7 @@ use raim_firmware::settings::{Configuration, Systems};
 use raim_firmware::time::GpsTime;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rig::document;
 use rig::laboratory::{self, Bench, Scalar, Stage};
 use rig::stations::{ESBC, STATIC_BASE};
 use rtcm_rs::msg::Msg1020T;
@@ -179,6 +180,11 @@ fn compare(name: &str, without: &Module, with: &Module, least: usize) {
     assert!(have_h < LARGER * want_h && have_v < LARGER * want_v, "{name}");
 }
 
+/// Returns the errors as the results have them.
+fn cell([horizontal_m, vertical_m]: [f64; 2]) -> String {
+    format!("{horizontal_m:.2} / {vertical_m:.2}")
+}
+
 /// This holds for a geodetic receiver. One with delays of metres that differ between channels is
 /// worse with GLONASS, so the module leaves it out by default.
 #[test]
@@ -198,7 +204,14 @@ fn a_day_with_it_is_no_worse_than_without() {
                 }
                 module
             };
-            compare(&format!("esbc, {with} by {format}"), &play(without), &play(with), 2000);
+            let (without, with) = ((without, play(without)), (with, play(with)));
+            compare(&format!("esbc, {} by {format}", with.0), &without.1, &with.1, 2000);
+            let systems = if without.0 == "G" { "GPS" } else { "GPS, Galileo, BeiDou" };
+            let (without, with) = (cell(without.1.errors_m()), cell(with.1.errors_m()));
+            document::must_say(
+                "results/receivers.md",
+                &format!("| {systems}, {format} | {without} | {with} |"),
+            );
         }
     }
 }
@@ -264,6 +277,13 @@ fn a_receiver_that_delays_channels_differently_is_worse_with_it() {
     assert!(with[0] > LARGER * without[0], "no longer worse: {with:?} m, {without:?} m without");
     let is_as_without = of_delays.iter().zip(without).all(|(have, want)| *have < LARGER * want);
     assert!(is_as_without && of_delays[0] < with[0], "{of_delays:?} m less the delays");
+    for passage in [
+        format!("worse, from {} to {} m", cell(without), cell(with)),
+        format!("Without these eight delays the error is {} m", cell(of_delays)),
+        format!("proportional to the channel it is {} m", cell(of_slope)),
+    ] {
+        document::must_say("results/receivers.md", &passage);
+    }
 }
 
 /// Returns the instructions on the chip of these epochs of GPS and GLONASS, each the fourth that

@@ -1,0 +1,169 @@
+//! Record of the figures that each attack measured last, in `records/attacks.tsv`.
+//!
+//! A line has four columns: attack, form (`quick` or `long`), quantity, value. The first line of an
+//! attack in a form has the quantity `version`. Values are rounded as [`Outcome::words`] prints
+//! them. The documents are compared with the record, and the quick form is compared with it by the
+//! test of each attack.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+
+use super::{ATTACKS, Effort, Outcome, rounded};
+
+/// Quantity of the first line.
+const VERSION: &str = "version";
+
+/// Figures of one attack in one form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// Name of the attack.
+    pub attack: String,
+    /// Amount of work.
+    pub effort: Effort,
+    /// Version of the sources, as git describes it.
+    pub version: String,
+    /// Quantities with their values, in the order of the attack.
+    pub figures: Vec<(String, String)>,
+}
+
+impl Entry {
+    /// Returns the entry of an outcome.
+    pub fn of(outcome: &Outcome, effort: Effort, version: &str) -> Self {
+        let cell = |text: &str| text.replace(['\t', '\n'], " ");
+        let figure = |figure: &super::Figure| (cell(&figure.quantity), rounded(figure.value));
+        Self {
+            attack: outcome.name.to_owned(),
+            effort,
+            version: version.to_owned(),
+            figures: outcome.figures.iter().map(figure).collect(),
+        }
+    }
+}
+
+/// All figures that were recorded.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Record(Vec<Entry>);
+
+impl Record {
+    /// Reads the committed record.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or a line is not of the record.
+    pub fn committed() -> Result<Self> {
+        let path = path();
+        let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        Self::parse(&text).with_context(|| path.display().to_string())
+    }
+
+    /// Writes the record in the order of the attacks. Entries of attacks that do not exist any more
+    /// are left out.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write(&self) -> Result<PathBuf> {
+        let path = path();
+        fs::write(&path, self.text()).with_context(|| path.display().to_string())?;
+        Ok(path)
+    }
+
+    /// Returns the entry of an attack in a form.
+    pub fn entry(&self, attack: &str, effort: Effort) -> Option<&Entry> {
+        self.0.iter().find(|entry| entry.attack == attack && entry.effort == effort)
+    }
+
+    /// Replaces the entry of the same attack in the same form.
+    pub fn put(&mut self, entry: Entry) {
+        self.0.retain(|old| (&old.attack, old.effort) != (&entry.attack, entry.effort));
+        self.0.push(entry);
+    }
+
+    fn parse(text: &str) -> Result<Self> {
+        let mut entries: Vec<Entry> = Vec::new();
+        for line in text.lines() {
+            let cells: Vec<&str> = line.split('\t').collect();
+            let &[attack, form, quantity, value] = &cells[..] else {
+                anyhow::bail!("`{line}` must have four columns");
+            };
+            let effort =
+                Effort::of(form).with_context(|| format!("`{line}`: {form} must be quick or long"))?;
+            match entries.last_mut() {
+                _ if quantity == VERSION => entries.push(Entry {
+                    attack: attack.to_owned(),
+                    effort,
+                    version: value.to_owned(),
+                    figures: Vec::new(),
+                }),
+                Some(last) if last.attack == attack && last.effort == effort => {
+                    last.figures.push((quantity.to_owned(), value.to_owned()));
+                }
+                _ => anyhow::bail!("`{line}` must follow the version of {attack}, {form}"),
+            }
+        }
+        Ok(Self(entries))
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        let all = ATTACKS.iter().flat_map(|attack| Effort::ALL.map(|effort| self.entry(attack.name, effort)));
+        for entry in all.flatten() {
+            let version = (VERSION.to_owned(), entry.version.clone());
+            for (quantity, value) in [version].iter().chain(&entry.figures) {
+                let _ = writeln!(text, "{}\t{}\t{quantity}\t{value}", entry.attack, entry.effort.word());
+            }
+        }
+        text
+    }
+}
+
+fn path() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("records/attacks.tsv")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(attack: &str, effort: Effort, value: &str) -> Entry {
+        let figures = vec![("epochs".to_owned(), value.to_owned())];
+        Entry { attack: attack.to_owned(), effort, version: "v1".to_owned(), figures }
+    }
+
+    #[test]
+    fn what_is_written_is_what_is_read() {
+        let mut record = Record::default();
+        for (attack, effort, value) in
+            [("leap", Effort::Quick, "1"), ("step", Effort::Long, "2"), ("step", Effort::Quick, "3")]
+        {
+            record.put(entry(attack, effort, value));
+        }
+        let read = Record::parse(&record.text()).expect("a record");
+        for form in [("leap", Effort::Quick), ("step", Effort::Long), ("step", Effort::Quick)] {
+            assert_eq!(read.entry(form.0, form.1), record.entry(form.0, form.1));
+        }
+    }
+
+    #[test]
+    fn new_entry_replaces_that_of_its_form_alone() {
+        let mut record = Record::default();
+        record.put(entry("step", Effort::Long, "1"));
+        record.put(entry("step", Effort::Quick, "2"));
+        record.put(entry("step", Effort::Quick, "3"));
+        assert_eq!(record.entry("step", Effort::Long), Some(&entry("step", Effort::Long, "1")));
+        assert_eq!(record.entry("step", Effort::Quick), Some(&entry("step", Effort::Quick, "3")));
+    }
+
+    #[test]
+    fn line_that_is_not_of_a_record_is_named() {
+        for (text, want) in [
+            ("step\tquick\tepochs", "four columns"),
+            ("step\tbriefly\tepochs\t1", "must be quick or long"),
+            ("step\tquick\tepochs\t1", "must follow the version of step, quick"),
+        ] {
+            let error = format!("{:#}", Record::parse(text).expect_err("no record"));
+            assert!(error.contains(want), "have {error}, want {want}");
+        }
+    }
+}
