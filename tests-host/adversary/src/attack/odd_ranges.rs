@@ -76,8 +76,9 @@ fn run(share: f64, change: impl Fn(usize, &[u8]) -> Vec<u8>) -> Result<Vec<Figur
     Ok(figures)
 }
 
-/// Tries every empty message beside a healthy sky. No wrong position may be promised. If the
-/// message neither ends its epoch nor belongs to another system, no epoch may be lost.
+/// Adds every empty message to a healthy sky. No wrong position may be promised. The number of
+/// promises has no bound, because an empty message between two others may split an instant into two
+/// halves, and halves are evidence against each other.
 fn next() -> Result<Vec<Figure>> {
     let sky = Sky::quiet(EPOCHS, 3)?;
     let (mut all, mut least) = (Tally::default(), usize::MAX);
