@@ -7,8 +7,7 @@ use crate::numeric::absolute::{Absolute, Grid};
 
 /// The tangent frame at a point in single precision: axes to 3e-7, height to 1 cm.
 ///
-/// It suffices for models of the air and for elevations, and costs a tenth of a
-/// [`LocalFrame`](super::LocalFrame) on a processor that emulates doubles.
+/// On a processor that emulates doubles it costs a tenth of a [`LocalFrame`](super::LocalFrame).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LocalAxes {
@@ -18,7 +17,7 @@ pub struct LocalAxes {
 
 impl LocalAxes {
     /// Returns the axes at an earth-fixed point; see [`LocalFrame::at`](super::LocalFrame::at) for
-    /// points without one.
+    /// points without axes.
     pub fn at(point: Ecef) -> Self {
         let position = Vector3::new(point.x_m as f32, point.y_m as f32, point.z_m as f32);
         match Directions::at(&position) {
@@ -33,12 +32,12 @@ impl LocalAxes {
         [[axes.m11, axes.m12, axes.m13], [axes.m21, axes.m22, axes.m23], [axes.m31, axes.m32, axes.m33]]
     }
 
-    /// Returns height of the origin above the ellipsoid, m; unspecified beyond 100,000 km.
+    /// Returns the height of the origin above the ellipsoid, m; unspecified beyond 100,000 km.
     pub fn height_m(&self) -> f32 {
         self.height_m
     }
 
-    /// Returns sine of the origin's geodetic latitude.
+    /// Returns the sine of the origin's geodetic latitude.
     pub fn sin_latitude(&self) -> f32 {
         self.directions.sin_latitude
     }
