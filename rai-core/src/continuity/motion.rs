@@ -41,8 +41,8 @@
 //! | at rest, every 30 s | 2.3, 12.5 | – |
 //! | in streets | 5 to 10, 192 | 8 to 13, 229 |
 //!
-//! In four recordings at rest, an added drift of position or clock is detected in 12 s at 1 m/s,
-//! and within 51 s at 0.2 m/s.
+//! In four recordings at rest, an added drift of position or clock is detected: at 1 m/s in 12 s,
+//! at 0.2 m/s within 51 s.
 //!
 //! **Learning.** Drifts are tested after [`super::discrepancy::LEARNED`] marks. A value above three
 //! times the mean counts as three times the mean, so that a growing error needs minutes to increase
@@ -50,8 +50,8 @@
 //!
 //! **Contradicting rates.** If a position is far from the true one, the true rates fit no velocity.
 //! If the rates of an epoch contradict each other, its position must therefore be where the last
-//! velocity leads, within both levels and a change of speed by 40 m/s. This comparison ends after
-//! [`LONGEST_GAP_S`].
+//! velocity leads. Both levels and a change of speed by 40 m/s are allowed for. This comparison
+//! ends after [`LONGEST_GAP_S`].
 //!
 //! **Ends.** After a leap the comparison begins anew at the new position and clock, so that one
 //! leap causes one alert. An agreement is then required. A drift remains an alert until a minute

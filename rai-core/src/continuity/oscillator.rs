@@ -80,6 +80,7 @@ pub(super) struct Oscillator {
     drift_m_s: Option<f32>,
     /// Mean of the absolute innovations, m.
     spread_m: f32,
+    /// Number of innovations, up to [`MEMORY`].
     count: u16,
 }
 

@@ -1,4 +1,4 @@
-//! Tangent frame in single precision, for models of the air and for elevations.
+//! Tangent frame in single precision, for models of the atmosphere and for elevations.
 
 use nalgebra::Vector3;
 
@@ -49,14 +49,15 @@ impl LocalAxes {
     }
 }
 
-/// Returns the height above the ellipsoid, m, from the distance to the centre:
+/// Returns the height above the ellipsoid, m:
 ///
 /// ```text
 /// h = (R − r)(1 − 2 f² s² (1 − s²))      r = a/√(1 + e'² s²)      s = z/R
 /// ```
 ///
-/// `R − a` is exact before it is rounded, and `r − a` is a series, so that no digits are lost. The
-/// factor turns a height along the radius into one along the vertical.
+/// `R` is the distance to the centre, `r` that of the ellipsoid in the same direction, `e'` its
+/// second eccentricity. `R − a` is exact before rounding, and `r − a` is a series, so that no
+/// digits are lost. The factor converts a height along the radius to one along the vertical.
 fn height_m(point: Ecef) -> f32 {
     const SQUARED: f32 = (ECCENTRICITY_SQUARED / (1.0 - ECCENTRICITY_SQUARED)) as f32;
     const TURNED: f32 = (2.0 * FLATTENING * FLATTENING) as f32;

@@ -41,6 +41,7 @@ const FORGOTTEN_S: f64 = 60.0;
 pub(super) struct HeightMemory {
     /// Number of epochs of the present agreement.
     epochs: u16,
+    /// Length of the present agreement, s.
     agreed_s: f32,
     /// Time of the last epoch with a height, s, and its difference, m.
     last: Option<(f64, f32)>,

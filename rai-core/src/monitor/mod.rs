@@ -295,9 +295,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Applies continuity to an epoch.
     ///
-    /// If it raises an alert, or if the place is impossible, the start, the sigma check, the clocks
-    /// and the residuals are not updated. During recovery only the clocks are not updated. The
-    /// evidence against the sigmas was updated earlier, by `remember`.
+    /// After an alert of this step, or at an impossible place, the start, the sigma check, the
+    /// clocks and the residuals are not updated. During recovery only the clocks are not updated.
+    /// The evidence against the sigmas was updated earlier, by `remember`.
     fn continue_from(
         &mut self,
         outcome: &mut EpochOutcome<N>,

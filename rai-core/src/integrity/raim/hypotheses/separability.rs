@@ -58,8 +58,8 @@ pub fn separable<T: Real>(
     solution.set_aside(&set).is_ok() && unrivalled
 }
 
-/// Returns true if no other set of as many rows or fewer leaves an SSE that passes the global test
-/// and exceeds this one's by less than `T_d²`.
+/// Returns true if the set has no rival: no other set, of as many rows or fewer, leaves a passing
+/// SSE that is less than `T_d²` larger.
 fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds: &Thresholds<'_>) -> bool {
     let mut rows = Vec::new();
     testable_rows(snapshot, &mut rows);

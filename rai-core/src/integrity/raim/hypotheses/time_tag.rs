@@ -31,9 +31,9 @@
 //!   row, or nearly as well as several ([`TimeTagOutcome::Time`]).
 //! - The case is ambiguous if the time explains nearly as much as the one excluded row, or explains
 //!   the data together with fewer rows ([`TimeTagOutcome::Rows`]).
-//! - Without an excluded row, the tag is wrong if the w-test of the time, `δ √A`, is above its
-//!   threshold and above the w-test of every row. This test also applies to epochs that pass the
-//!   global test. It adds the false alarms of one more row.
+//! - Without an excluded row, the tag is wrong if the time's w-test, `δ √A`, is above its threshold
+//!   and above the w-test of every row. This test also applies to epochs that pass the global test.
+//!   It adds the false alarms of one more row.
 //! - If no row was excluded and the w-test is below its threshold, the levels are enlarged: with
 //!   the same w-test, a wrong time moves the position up to three times as far as a satellite. They
 //!   become at least `s_δ |δ √A| + k' √(s_δ² + σ²)` with `s_δ = |P Σ w_j d_j (ṙ_j − r̄_c)| / √A`

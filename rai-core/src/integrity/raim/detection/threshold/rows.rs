@@ -18,6 +18,7 @@ use crate::numeric::probability::Probability;
 
 /// Length of the rows for one or more degrees of freedom.
 const DOF: usize = if cfg!(feature = "double-tables") { super::MAX_DOF } else { CAPACITY };
+/// Length of the rows for one or more w-tests.
 const TESTS: usize = if cfg!(feature = "double-tables") { super::MAX_TESTS } else { CAPACITY };
 
 #[cfg(feature = "tables")]
@@ -33,6 +34,7 @@ mod taken {
 
     /// Index of the phases' probability of false alarm in the tables.
     pub(super) const ALARMS: [usize; 1] = [6];
+    /// Index of their probability of missed detection in the tables.
     pub(super) const MISSES: [usize; 1] = [0];
 
     const _: () =
