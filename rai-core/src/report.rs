@@ -75,8 +75,8 @@ pub enum Alert {
     Clock,
     /// The motion of the position contradicts its measured velocity.
     Track,
-    /// As [`Self::Stale`], while epochs of another station or in another format arrive. The
-    /// firmware sets this reason.
+    /// No epoch of the receiver in use was judged within the time to alert, while epochs of another
+    /// station or in another format arrive. The firmware sets this reason.
     Source,
     /// The GNSS receiver reports counterfeit signals. The firmware sets this reason.
     Spoofed,

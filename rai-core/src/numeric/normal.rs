@@ -122,7 +122,7 @@ const SINGLE_TAIL: Quotient<f32, 4, 3> =
 const SINGLE_FAR: Quotient<f32, 4, 3> =
     ([6.657_905, 3.081_226_3, 0.428_682_94, 0.017_337_203], [1.0, 0.241_978_94, 0.012_258_202]);
 
-/// As [`SINGLE_CENTRE`].
+/// Double-precision counterpart of [`SINGLE_CENTRE`].
 const DOUBLE_CENTRE: Quotient<f64, 8, 8> = (
     [
         3.387_132_872_796_366_6,
@@ -145,7 +145,7 @@ const DOUBLE_CENTRE: Quotient<f64, 8, 8> = (
         5.226_495_278_852_854e3,
     ],
 );
-/// As [`SINGLE_TAIL`].
+/// Double-precision counterpart of [`SINGLE_TAIL`].
 const DOUBLE_TAIL: Quotient<f64, 8, 8> = (
     [
         1.423_437_110_749_683_5,
@@ -168,7 +168,7 @@ const DOUBLE_TAIL: Quotient<f64, 8, 8> = (
         1.050_750_071_644_416_9e-9,
     ],
 );
-/// As [`SINGLE_FAR`].
+/// Double-precision counterpart of [`SINGLE_FAR`].
 const DOUBLE_FAR: Quotient<f64, 8, 8> = (
     [
         6.657_904_643_501_103,
