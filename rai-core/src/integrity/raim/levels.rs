@@ -20,9 +20,9 @@
 //! | `P_ff` | probability that the error exceeds the level without a fault | – |
 //! | `HPL`, `VPL` | [`ProtectionLevels`] | m |
 //!
-//! **Proof of the bound.** Let `b` be the bias in units of `√λ`. Along its direction in parity
-//! space the test sees `X = b + noise`. Independently, the error of the position is
-//! `Y = s b + σ noise`.
+//! **Proof of the bound.** Let `b` be the root of the bias's non-centrality, so that `b = √λ` is
+//! missed with the probability `P_md`. Along the bias's direction in parity space the test sees
+//! `X = b + noise`. Independently, the error of the position is `Y = s b + σ noise`.
 //!
 //! - If `b > √λ`, a miss alone is less likely than `P_md`.
 //! - If `b ≤ √λ`, a miss is at most as likely as `X < √λ − k`. A miss with an error above the level
