@@ -21,10 +21,17 @@
 //! [`requirements`] and [`satellite`] are the interface of the crate. All other modules are behind
 //! the feature `unstable`.
 //!
-//! Further modules: [`least_squares::downdate`] (the solution without any set of satellites),
-//! [`weighting`] (the error model), [`clock`] (a forecast of the receiver clock as one more row),
-//! [`continuity`] (recovery, jumps, and motion compared with velocity), [`velocity`], [`frame`]
-//! (WGS 84) and [`single`] (the instance for a microcontroller).
+//! Further modules:
+//!
+//! | module | content |
+//! |---|---|
+//! | [`least_squares::downdate`] | the solution without any set of satellites |
+//! | [`weighting`] | the error model |
+//! | [`clock`] | a forecast of the receiver clock as one more row |
+//! | [`continuity`] | recovery, jumps, and motion compared with velocity |
+//! | [`velocity`] | velocity from range rates |
+//! | [`frame`] | WGS 84 |
+//! | [`single`] | the instance for a microcontroller |
 //!
 //! # Example
 //!
@@ -96,10 +103,16 @@
 //!
 //! # Symbols
 //!
-//! `n` ranges, `C` constellations, `dof = n − 3 − C`. `LOS` unit vector receiver → satellite, `σ`
-//! standard deviation, `w = 1/σ²`, `v` residual, `u = √w v` normalised residual, `S` projection of
-//! ranges on normalised residuals, `r = S_ii` redundancy number, `SSE = Σ w v²`, `τ` threshold on
-//! SSE, `λ` non-centrality, `P_fa` and `P_md` probabilities of false alarm and missed detection.
+//! | symbol | meaning |
+//! |---|---|
+//! | `n`, `C`, `dof = n − 3 − C` | ranges, constellations, degrees of freedom |
+//! | `LOS` | unit vector receiver → satellite |
+//! | `σ`, `w = 1/σ²` | standard deviation and weight of a range |
+//! | `v`, `u = √w v`, `SSE = Σ w v²` | residual, normalised residual, sum of squares |
+//! | `S`, `r = S_ii` | projection of normalised ranges on normalised residuals, redundancy number |
+//! | `τ`, `λ` | threshold on SSE, non-centrality |
+//! | `P_fa`, `P_md` | probabilities of false alarm and of missed detection |
+//!
 //! Units are metres, seconds and radians throughout, and are part of the names.
 //!
 //! # Numeric rule

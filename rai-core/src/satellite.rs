@@ -5,10 +5,10 @@
 //!
 //! QZSS satellites transmit GPS signals in GPS time, with numbers of the same family (193 to 202).
 //! Their ranges depend on the receiver's GPS clock, so that they are satellites of
-//! [`Constellation::Gps`] here. Only their names differ: `J01` to `J10`. Measured
-//! (`tests-host/tests/all/ubx/qzss.rs`): their corrected ranges are 0.5 m shorter than those of GPS
-//! in five minutes near Nagoya and 0.04 m longer in hours at Esbjerg, while the clocks of two
-//! systems differ by tens of metres and more.
+//! [`Constellation::Gps`] here. Only their names differ: `J01` to `J10`. In five minutes near
+//! Nagoya their corrected ranges are 0.5 m shorter than those of GPS, in hours at Esbjerg 0.04 m
+//! longer (`tests-host/tests/all/ubx/qzss.rs`). The clocks of two systems differ by tens of metres
+//! and more.
 
 use core::fmt;
 use core::str::FromStr;

@@ -380,8 +380,8 @@ impl<T: Real> Snapshot<'_, T> {
         self.solved.estimate.level_variance(row)
     }
 
-    /// Returns element `S_ij` of the matrix that projects ranges on normalised residuals, or `None`
-    /// outside the epoch.
+    /// Returns element `S_ij` of the matrix that projects normalised ranges on normalised
+    /// residuals, or `None` outside the epoch.
     pub fn projection(&self, i: usize, j: usize) -> Option<T> {
         let (row_i, fit_i) = self.row(i)?;
         let (row_j, fit_j) = self.row(j)?;

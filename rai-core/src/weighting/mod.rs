@@ -139,9 +139,9 @@ pub fn noise_factor_from_cn0(cn0_dbhz: Option<f32>) -> f32 {
 /// is weaker than its elevation explains, the antenna is small, or a wall or roof blocks the direct
 /// path. A reflection in addition to the direct path makes C/A code up to 12 m wrong
 /// ([Eissfeller2007]). A reflection alone is late by its whole detour. On a car between tall
-/// buildings the rms error of such signals is 7 m above 36 dB-Hz, 10 m down to 32 dB-Hz, and 28 m
-/// below. Ranges of two frequencies need no such term, because their noise and multipath are
-/// amplified threefold, which contains most of it. `weakness` is that of [`noise_factor_from_cn0`].
+/// buildings the rms error is 7 m above 36 dB-Hz, 10 m down to 32 dB-Hz, and 28 m below. Ranges of
+/// two frequencies need no such term, because their noise and multipath are amplified threefold,
+/// which contains most of it. `weakness` is that of [`noise_factor_from_cn0`].
 ///
 /// [Eissfeller2007]: crate#references
 pub fn reflection_sigma_m(sin_elevation: f32, weakness: f32) -> f32 {

@@ -60,8 +60,8 @@ pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds
     })
 }
 
-/// Returns true if a shift explains the residuals of a snapshot of all satellites as well as the
-/// exclusion of one row, or nearly as well as that of several.
+/// Returns true if a shift explains the residuals of all satellites as well as one excluded row, or
+/// nearly as well as several.
 ///
 /// `found` is the SSE without the excluded rows.
 pub(crate) fn rivals<T: Real>(
