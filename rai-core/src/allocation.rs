@@ -1,4 +1,5 @@
-//! Allocation of the integrity risk: its split over the axes, and the share of unmonitored faults.
+//! Allocation of the integrity risk: its division among the axes, and the share of unmonitored
+//! faults.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -8,20 +9,20 @@
 //! | `FC_THRES` | [`Allocation::consolidation`] | – |
 //! | `P_EMT` | [`Allocation::emt_prior`] | – |
 //!
-//! The numbers are those of [MAAST], for one effective sample over the exposure. They must be
-//! compared with the working group's own text before they are used for certification.
+//! The numbers are those of [MAAST], for one effective sample over the exposure. Before they are
+//! used for certification, they must be compared with the text of the working group.
 //!
 //! [MAAST]: crate#references
 
 use core::fmt;
 
-/// Risk that an operation allows.
+/// Risks that an operation permits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Allocation {
-    /// Probability of hazardously misleading information that the vertical level may spend.
+    /// Probability of hazardously misleading information that is allotted to the vertical level.
     pub integrity_vertical: f64,
-    /// Probability of hazardously misleading information that the horizontal level may spend.
+    /// Probability of hazardously misleading information that is allotted to the horizontal level.
     pub integrity_horizontal: f64,
     /// Probability of a false alarm of the vertical tests.
     pub alarm_vertical: f64,
@@ -29,16 +30,17 @@ pub struct Allocation {
     pub alarm_horizontal: f64,
     /// Probability of faults that may be unmonitored.
     pub unmonitored_probability: f64,
-    /// Share of a constellation's loss below which faults within it are counted with that loss.
+    /// Share of the probability of a constellation's loss. Faults within it that are less likely
+    /// are counted with that loss.
     pub consolidation: f64,
-    /// Prior probability from which on a mode counts in the effective monitor threshold (EMT).
+    /// Least prior probability of a mode that counts in the effective monitor threshold (EMT).
     pub emt_prior: f64,
     /// Largest effective monitor threshold of a usable position, m.
     pub emt_limit_m: Option<f64>,
     /// Largest standard deviation of the height for accuracy of a usable position, m.
     pub accuracy_limit_m: Option<f64>,
-    /// True if satellites may be left out after an alarm, which takes its share of the risk with or
-    /// without an alarm.
+    /// True if satellites may be left out after an alarm. This option takes its share of the risk
+    /// even without an alarm.
     pub exclusion: bool,
 }
 
@@ -82,7 +84,7 @@ impl Allocation {
     }
 
     unstable! {
-        /// Returns `PHMI`, both levels together.
+        /// Returns `PHMI`, that of both levels together.
         pub const fn integrity(&self) -> f64 {
             self.integrity_vertical + self.integrity_horizontal
         }
@@ -122,7 +124,7 @@ impl Allocation {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct AllocationError {
-    /// The range that the field must be in, with its name.
+    /// Message with the name of the field and its range.
     pub rule: &'static str,
     /// The value that was given.
     pub value: f64,

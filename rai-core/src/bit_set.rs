@@ -1,4 +1,4 @@
-//! Sets of rows as words: bit `i` is set if row `i` is a member.
+//! Sets of rows as 64-bit words: bit `i` is set if row `i` is a member.
 
 /// Returns the bit of a row, or 0 beyond the word.
 pub(crate) fn bit(index: usize) -> u64 {
@@ -16,7 +16,7 @@ pub(crate) fn first(count: usize) -> u64 {
 }
 
 /// Returns the number of members.
-// The processor has no instruction for it, so that it is compiled once and not inlined at every
+// The processor has no instruction for this, so that it is compiled once and not inlined at every
 // call.
 #[inline(never)]
 pub(crate) fn count_of(set: u64) -> usize {

@@ -5,8 +5,8 @@
 
 use heapless::Vec;
 
-/// Most satellites in one epoch of [`single`](crate::single): 48, more than three systems show at
-/// once anywhere on earth, or fewer without the feature `satellites-48`.
+/// Largest number of satellites in one epoch of [`single`](crate::single). 48 are more than three
+/// systems have in view anywhere on earth; without the feature `satellites-48` there are fewer.
 pub const CAPACITY: usize = if cfg!(feature = "satellites-48") {
     48
 } else if cfg!(feature = "satellites-32") {
@@ -15,19 +15,18 @@ pub const CAPACITY: usize = if cfg!(feature = "satellites-48") {
     16
 };
 
-// A build that needs so many has them, whatever else is on.
+// The features of other crates in a build must not reduce the capacity.
 const _: () = assert!(CAPACITY >= 32 || !cfg!(feature = "satellites-32"));
 const _: () = assert!(CAPACITY >= 48 || !cfg!(feature = "satellites-48"));
 
-/// Returns the elements, as far as the capacity goes.
+/// Returns the elements, up to the capacity.
 pub(crate) fn gather<E, const N: usize>(elements: impl IntoIterator<Item = E>) -> Vec<E, N> {
     let mut gathered = Vec::new();
     fill(&mut gathered, elements);
     gathered
 }
 
-/// Adds the elements, as far as the capacity goes, to a vector in place, so that no copy takes
-/// stack.
+/// Adds the elements, up to the capacity, to a vector in place, so that no copy takes stack.
 pub(crate) fn fill<E, const N: usize>(gathered: &mut Vec<E, N>, elements: impl IntoIterator<Item = E>) {
     for element in elements {
         if gathered.push(element).is_err() {

@@ -1,8 +1,8 @@
 //! The ranges of one instant, checked once on entry.
 //!
-//! Only [`Epoch::new`] and [`Epoch::push`] make an epoch, so that every epoch holds this: every
-//! number is finite, every sigma is positive, no satellite appears twice, no position lies inside
-//! the earth. No later stage checks it again.
+//! Every function that fills an epoch checks its input. In every epoch all numbers are therefore
+//! finite, sigmas positive, satellites distinct and positions outside the earth. No later stage
+//! checks this again.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -22,15 +22,15 @@ use crate::weighting::shared::SharedError;
 
 /// Largest range to a navigation satellite, receiver clock included, m.
 ///
-/// A receiver clock may be off by a second and more; nothing physical is beyond.
+/// A receiver clock may be off by more than a second; nothing physical exceeds this limit.
 const RANGE_LIMIT_M: f64 = 1e9;
 
 /// Range of a satellite's distance from the centre of the earth, m: the ground to well beyond
 /// geostationary.
 const RADIUS_M: core::ops::RangeInclusive<f32> = 6.3e6..=1e8;
 
-/// Range of a standard deviation, m. Smaller ones exceed the dynamic range of `f32` weights; larger
-/// ones have no effect.
+/// Range of a standard deviation, m. The weight of a smaller one exceeds the dynamic range of
+/// `f32`; a range with a larger one has no effect.
 const SIGMA_M: core::ops::RangeInclusive<f64> = 1e-3..=1e6;
 
 /// One satellite's corrected range, with the satellite's position when it sent the signal.
@@ -60,7 +60,7 @@ pub struct Observation {
     pub sigma_m: f64,
 }
 
-/// Outside knowledge that takes a row beside the satellites.
+/// Outside knowledge that adds a row to those of the satellites.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(not(feature = "unstable"), non_exhaustive)]
@@ -102,8 +102,8 @@ pub enum EpochError {
     Full,
 }
 
-/// Returns true if a satellite can be at a position. Single precision has a hundred times the
-/// digits that the bounds need.
+/// Returns true if a satellite can be at a position. Single precision is a hundred times finer than
+/// the bounds need.
 fn is_plausible(position: Ecef) -> bool {
     let [x, y, z] = [position.x_m, position.y_m, position.z_m].map(|coordinate| coordinate as f32);
     let squares = |radius: &f32| radius * radius;
@@ -158,8 +158,7 @@ impl<const N: usize> Epoch<N> {
         Self { time_s, observations: Vec::new(), shared: Vec::new(), aiding: Vec::new() }
     }
 
-    /// Empties the epoch for another instant, in place, so that a caller need not make a new one
-    /// for each epoch.
+    /// Empties the epoch for another instant. A caller can thus reuse one epoch in place.
     pub fn restart(&mut self, time_s: f64) {
         self.time_s = if time_s.is_finite() { time_s } else { 0.0 };
         self.observations.clear();
@@ -259,7 +258,8 @@ impl<const N: usize> Epoch<N> {
 }
 
 unstable! {
-    /// One instant's ranges independent of their storage, as the judging reads them.
+    /// The ranges of one instant as [`crate::integrity`] reads them, without the capacity of their
+    /// storage.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct EpochView<'e> {
         time_s: f64,
@@ -286,8 +286,8 @@ impl<'e> EpochView<'e> {
     }
 }
 
-/// Ranges as they are solved: with a forecast beside the epoch's own outside knowledge, without a
-/// copy.
+/// View of an epoch as the solver needs it: its ranges and aiding rows, and a clock forecast,
+/// without copying the epoch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Aided<'e> {
     view: EpochView<'e>,
@@ -302,7 +302,8 @@ impl<'e> Aided<'e> {
         Self { view: epoch.view(), forecast: None, scale: None }
     }
 
-    /// Returns the epoch with a forecast, if it has capacity for the row and no aiding of the kind.
+    /// Returns the epoch with a forecast, if there is capacity for the row and the epoch has no
+    /// aiding of the same kind.
     pub(crate) fn by<const N: usize>(epoch: &'e Epoch<N>, forecast: Option<Aiding>) -> Self {
         let has_room = epoch.observations.len() + epoch.aiding.len() < N;
         let forecast = forecast.filter(|forecast| has_room && epoch.accepts(forecast).is_ok());

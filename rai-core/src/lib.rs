@@ -1,8 +1,8 @@
 //! Receiver autonomous integrity monitoring (RAIM) for microcontrollers: from ranges and satellite
-//! positions to a verdict on the position they give. No heap, no panic, no clock of its own, no
-//! I/O.
+//! positions to a verdict on the position. The crate needs no heap, no clock and no I/O, and cannot
+//! panic.
 //!
-//! A receiver can be confidently wrong: one satellite's range is off by 100 m, and the position
+//! A receiver can be confidently wrong: if one satellite's range is off by 100 m, the position
 //! moves with it. Redundant satellites detect the fault, identify the satellite, and bound the
 //! remaining error. One epoch passes through the modules in this order:
 //!
@@ -21,10 +21,17 @@
 //! [`requirements`] and [`satellite`] are the interface of the crate. All other modules are behind
 //! the feature `unstable`.
 //!
-//! Further modules: [`least_squares::downdate`] (the solution without any set of satellites),
-//! [`weighting`] (the error model), [`clock`] (a forecast of the receiver clock as one more row),
-//! [`continuity`] (recovery, jumps, and motion against its rates), [`velocity`], [`frame`] (WGS 84)
-//! and [`single`] (the instance for a microcontroller).
+//! Further modules:
+//!
+//! | module | content |
+//! |---|---|
+//! | [`least_squares::downdate`] | the solution without any set of satellites |
+//! | [`weighting`] | the error model |
+//! | [`clock`] | a forecast of the receiver clock as one more row |
+//! | [`continuity`] | recovery, jumps, and motion compared with velocity |
+//! | [`velocity`] | velocity from range rates |
+//! | [`frame`] | WGS 84 |
+//! | [`single`] | the instance for a microcontroller |
 //!
 //! # Example
 //!
@@ -63,43 +70,50 @@
 //!
 //! # Features
 //!
-//! A feature only adds: no type changes and no capacity shrinks if another crate of the same
-//! program switches one on.
+//! Features only add: if another crate of the same program switches one on, no type changes and no
+//! capacity shrinks.
 //!
 //! | feature | default | effect |
 //! |---|---|---|
 //! | `araim` | yes | builds [`Method::Araim`], solution separation over all monitored fault modes |
 //! | `searches` | yes | builds [`Method::Parity`] and [`Method::Ransac`] |
-//! | `tables` | yes | thresholds of all committed probabilities; without it those of the phases of flight |
+//! | `tables` | yes | thresholds of all committed probabilities; without it only those of the phases of flight |
 //! | `policies` | yes | `Policy::T2` and `Policy::TOp`; without it both return the error of a policy without a threshold |
-//! | `past` | yes | compares an epoch with those before: residuals with sigmas, position and clock with velocity and drift, satellites that were excluded lately |
-//! | `hypotheses` | yes | explains residuals by more than single satellites: a wrong time tag, a system that is shifted or broken as a whole |
-//! | `aiding` | yes | rows beside the satellites (forecast of the receiver clock, known height), and sigmas scaled by residuals; without it an epoch has no room for such rows |
-//! | `double-tables` | yes | thresholds in double precision and for all degrees of freedom; without it in single precision, for at most [`single::CAPACITY`] |
-//! | `satellites-32`, `satellites-48` | yes | room for 32 or 48 satellites in an epoch on a chip, without both 16; with `satellites-48` 64 rows on a computer |
-//! | `unstable` | no | the modules behind the interface, which may change in any version: pin the exact one |
+//! | `past` | yes | compares an epoch with earlier ones: residuals with sigmas, position with velocity, clock with drift, satellites with recent exclusions |
+//! | `hypotheses` | yes | tests explanations beyond single satellites: a wrong time tag, or a system that is shifted or broken as a whole |
+//! | `aiding` | yes | rows that are no satellites (forecast of the receiver clock, known height), and sigmas scaled by residuals; without it an epoch has no room for such rows |
+//! | `double-tables` | yes | thresholds in double precision and for all degrees of freedom; without it in single precision, for at most [`single::CAPACITY`] degrees of freedom |
+//! | `satellites-32`, `satellites-48` | yes | capacity of an epoch on a chip: 32 or 48 satellites, or 16 without either feature; on a computer `satellites-48` gives 64 rows |
+//! | `unstable` | no | the modules behind the interface, which may change in any version: pin the exact version |
 //! | `stages` | no | `single::stages`, the stages one by one for measurements; includes `unstable` |
 //! | `defmt` | no | `defmt::Format` on public types |
 //!
 //! # Stability
 //!
 //! A breaking change of the interface is a new minor version, and the changelog marks it. Reports,
-//! reasons, errors and strategies are `#[non_exhaustive]`, so that more fields and variants are no
-//! breaking change; [`Verdict`] is exhaustive. Items behind the feature `unstable` may change in
+//! reasons, errors and strategies are `#[non_exhaustive]`, so that a new field or variant does not
+//! break a program; [`Verdict`] is exhaustive. Items behind the feature `unstable` may change in
 //! any version. That feature also makes those types exhaustive, so that a program that pins this
 //! version can match them.
 //!
 //! # Minimum supported Rust version
 //!
-//! Rust 1.95. A newer minimum is a breaking change of the minor version, and the changelog names
-//! it.
+//! Rust 1.95. A newer minimum counts as a breaking change and therefore needs a new minor version;
+//! the changelog names it.
 //!
 //! # Symbols
 //!
-//! `n` ranges, `C` constellations, `dof = n − 3 − C`. `LOS` unit vector receiver → satellite, `σ`
-//! standard deviation, `w = 1/σ²`, `v` residual, `r = S_ii` redundancy number, `SSE = Σ w v²`, `τ`
-//! threshold on SSE, `λ` non-centrality, `P_fa` and `P_md` probabilities of false alarm and missed
-//! detection. Metres, seconds and radians throughout; units are in the names.
+//! | symbol | meaning |
+//! |---|---|
+//! | `n`, `C`, `dof = n − 3 − C` | ranges, constellations, degrees of freedom |
+//! | `LOS` | unit vector receiver → satellite |
+//! | `σ`, `w = 1/σ²` | standard deviation and weight of a range |
+//! | `v`, `u = √w v`, `SSE = Σ w v²` | residual, normalised residual, sum of squares |
+//! | `S`, `r = S_ii` | projection of normalised ranges on normalised residuals, redundancy number |
+//! | `τ`, `λ` | threshold on SSE, non-centrality |
+//! | `P_fa`, `P_md` | probabilities of false alarm and of missed detection |
+//!
+//! Units are metres, seconds and radians throughout, and are part of the names.
 //!
 //! # Numeric rule
 //!
@@ -114,8 +128,8 @@
 //! `raim-firmware` does. It does not smooth or filter positions and uses no carrier phase. The
 //! protection levels of [`integrity::raim`] bound the effect of a single undetected fault. Those of
 //! [`integrity::araim`] also cover several faults and the fault of a whole constellation, as far as
-//! the integrity support message describes them. Both cover an error that all ranges share only if
-//! the epoch declares it ([`Epoch::push_sharing`]).
+//! the integrity support message describes them. Neither covers an error that all ranges share,
+//! unless the epoch declares it ([`Epoch::push_sharing`]).
 //!
 //! # References
 //!
@@ -183,7 +197,7 @@ pub mod report;
 pub mod requirements;
 pub mod satellite;
 
-// Without a promise of stability; a user of the six modules above needs nothing of them.
+// Not part of the stable interface; users of the six modules above do not need these.
 #[cfg(feature = "unstable")]
 pub mod allocation;
 #[cfg(not(feature = "unstable"))]

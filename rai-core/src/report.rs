@@ -1,8 +1,8 @@
 //! The monitor's report on one epoch: plain values.
 //!
 //! A verdict has three states, never two: [`Verdict::Protected`], [`Verdict::Alert`],
-//! [`Verdict::Unavailable`], each with its reason. An alert is a value. If a value cannot be
-//! computed, the verdict is unavailable with a reason, not silent.
+//! [`Verdict::Unavailable`], each with its reason. An alert is a value and not an error. If
+//! something cannot be computed, the verdict is unavailable, with the reason.
 
 use heapless::Vec;
 
@@ -13,8 +13,8 @@ use crate::numeric::real::Real;
 use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 
-/// Most satellites that may be left out of one epoch ([Tian2024] treats no more than 3 faults, nor
-/// does any source here).
+/// Largest number of satellites that may be left out of one epoch: the sources treat at most 3
+/// faults ([Tian2024]).
 ///
 /// [Tian2024]: crate#references
 pub const MAX_EXCLUDED: usize = 3;
@@ -32,12 +32,13 @@ pub const MAX_EXCLUDED: usize = 3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
-    /// No fault was detected in the satellites used, and an undetected one of a single satellite
-    /// stays within the alert limits ([`ProtectionLevels`]).
+    /// No fault was detected in the satellites used. The position error that an undetected fault of
+    /// one satellite can cause is within the alert limits ([`ProtectionLevels`]).
     Protected(Protected),
-    /// The position must not be used, because a fault was detected.
+    /// The position must not be used: a fault or a contradiction was detected, or no epoch could be
+    /// judged in time.
     Alert(Alert),
-    /// The position has no integrity, because the means to test it are missing.
+    /// The position must not be used, because its integrity cannot be established.
     Unavailable(Unavailable),
 }
 
@@ -59,25 +60,25 @@ pub enum Protected {
 pub enum Alert {
     /// A fault was detected and could not be isolated.
     Fault,
-    /// Several exclusions explain the data equally.
+    /// Several exclusions explain the data equally well.
     Ambiguous,
     /// A wrong time tag of all ranges explains the data, and no exclusion does better.
     Time,
-    /// No epoch was judged within the time to alert. The receiver around the core reports it,
-    /// because it has a clock.
+    /// No epoch was judged within the time to alert. The firmware sets this reason, because it has
+    /// a clock.
     Stale,
-    /// The position moved farther than it can since it was last protected: the satellites that
-    /// agree on it agree by chance, or are counterfeit.
+    /// Since the position was last protected, it moved farther than the receiver can. The
+    /// satellites agree by chance, or they are counterfeit.
     Jump,
-    /// The receiver clock moved otherwise than its measured drift, or without range rates than its
-    /// own past: a second receiver, a repeater or counterfeit signals.
+    /// The receiver clock contradicts its measured drift or, if there are no range rates, its own
+    /// past. The cause is a second receiver, a repeater or counterfeit signals.
     Clock,
-    /// The position moved otherwise than its measured velocity.
+    /// The motion of the position contradicts its measured velocity.
     Track,
-    /// No epoch of the receiver in use came within the time to alert, and epochs of another station
-    /// or in another format did. The receiver around the core sets it.
+    /// No epoch of the receiver in use was judged within the time to alert, while epochs of another
+    /// station or in another format arrive. The firmware sets this reason.
     Source,
-    /// The GNSS receiver reports counterfeit signals. The receiver around the core sets it.
+    /// The GNSS receiver reports counterfeit signals. The firmware sets this reason.
     Spoofed,
 }
 
@@ -88,12 +89,12 @@ pub enum Alert {
 pub enum Unavailable {
     /// Too few satellites for a position, or the fix did not converge.
     NoFix,
-    /// The position has no redundancy to test it with.
+    /// There is no redundancy to test the position with.
     Redundancy,
     /// The satellites' geometry is singular, or a satellite that moves the position cannot be
     /// tested.
     Geometry,
-    /// No threshold meets both probabilities (T1 ≥ T2).
+    /// No threshold meets the probabilities of both false alarm and missed detection (`τ1 ≥ τ2`).
     Risk,
     /// The horizontal protection level exceeds its share of the alert limit.
     Hpl,
@@ -103,23 +104,24 @@ pub enum Unavailable {
     Emt,
     /// The vertical accuracy of ARAIM exceeds its limit.
     Accuracy,
-    /// The declared work budget cut the search.
+    /// The search ended without a result, because it exceeded its work budget.
     Budget,
-    /// The input was refused as a whole.
+    /// There is no position, and at least one range was refused as implausible. The firmware sets
+    /// this reason.
     Input,
-    /// The satellites agree again after an alert, not yet for long enough.
+    /// The satellites agree again after an alert, but not yet for long enough.
     Recovering,
     /// No receiver can be at this height or place.
     Place,
-    /// The residuals of the last minute contradict the sigmas, or the satellites left after an
-    /// exclusion hardly agree.
+    /// The residuals of the last minute contradict the sigmas. Or the satellites that remain after
+    /// an exclusion hardly agree.
     Sigmas,
-    /// A known answer was missed. The receiver around the core sets it, as it sets the next two.
+    /// The self-test computed a wrong result. The firmware sets this reason and the next two.
     SelfTest,
     /// Ranges came without orbits.
     Ephemeris,
-    /// An unexpected restart: the settings in force are those at start, and the user has not
-    /// confirmed them.
+    /// After an unexpected restart the settings are those at start, and the user has not confirmed
+    /// them.
     Settings,
 }
 
@@ -134,8 +136,8 @@ pub struct Solution {
     pub geodetic: Geodetic,
     /// Covariance of east, north, up in this order: EE, EN, EU, NN, NU, UU, m².
     pub covariance_m2: [f64; 6],
-    /// Receiver clock times the speed of light for each constellation id, m; `None` if it has no
-    /// satellite.
+    /// Receiver clock times the speed of light for each constellation id, m; `None` for a
+    /// constellation without a satellite.
     pub clocks_m: [Option<f64>; Constellation::COUNT],
     /// Horizontal dilution of precision, dimensionless.
     pub hdop: f64,
@@ -147,8 +149,8 @@ impl Solution {
     /// Returns the residual of a range at this position, m: the range minus the distance and the
     /// receiver clock. `None` if the satellite's constellation has no clock.
     ///
-    /// A positive residual is a range that is too long. The residual of an excluded satellite is
-    /// its bias. `T` is the scalar for directions, as in [`Monitor`](crate::Monitor).
+    /// The residual of a range that is too long is positive. That of an excluded satellite is its
+    /// estimated bias. `T` is the scalar for directions, as in [`Monitor`](crate::Monitor).
     #[cfg(feature = "unstable")]
     pub fn residual_m<T: Real>(&self, observation: &Observation) -> Option<f64> {
         let constellation = observation.satellite.constellation();
@@ -179,7 +181,7 @@ pub struct TestStatistic {
     pub dof: u8,
 }
 
-/// Bounds on the error of a position that is protected although one satellite is faulty, m.
+/// Bounds on the error of a protected position, even if one satellite is faulty, m.
 ///
 /// Infinite if a satellite moves the position but cannot be tested
 /// ([`crate::integrity::raim::levels`]).
@@ -195,7 +197,7 @@ pub struct ProtectionLevels {
 
 impl ProtectionLevels {
     unstable! {
-        /// Returns the sum of both.
+        /// Returns the sums of both horizontal and both vertical levels.
         #[must_use]
         pub fn plus(&self, other: &Self) -> Self {
             Self { hpl_m: self.hpl_m + other.hpl_m, vpl_m: self.vpl_m + other.vpl_m }
@@ -203,7 +205,7 @@ impl ProtectionLevels {
     }
 
     unstable! {
-        /// Returns both multiplied by a factor.
+        /// Returns both levels, multiplied by a factor.
         #[must_use]
         pub fn times(&self, factor: f64) -> Self {
             Self { hpl_m: factor * self.hpl_m, vpl_m: factor * self.vpl_m }
@@ -211,7 +213,8 @@ impl ProtectionLevels {
     }
 
     unstable! {
-        /// Returns the larger of each; NaN counts as the largest.
+        /// Returns the larger horizontal and the larger vertical level of two; NaN counts as the
+        /// largest.
         #[must_use]
         // Not inlined, so that its many callers share one copy.
         #[inline(never)]
@@ -222,7 +225,7 @@ impl ProtectionLevels {
     }
 }
 
-/// Results of ARAIM beside its levels.
+/// Results of ARAIM, except for its levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(not(feature = "unstable"), non_exhaustive)]
@@ -231,11 +234,13 @@ pub struct AraimReport {
     pub modes: u16,
     /// Probability of unmonitored faults.
     pub unmonitored_probability: f64,
-    /// Share of the risk of this outcome: one of every possible exclusion and of none.
+    /// Share of the risk that is allotted to this outcome. The outcomes are no exclusion and every
+    /// possible exclusion.
     pub share: f64,
     /// Largest separation over its threshold, dimensionless: an alarm from 1 on.
     pub ratio: f64,
-    /// The largest threshold of a likely mode, up, m.
+    /// Largest vertical threshold among the modes whose prior is at least
+    /// [`crate::requirements::Allocation::emt_prior`], m.
     pub effective_monitor_threshold_m: f64,
     /// Standard deviation of the height for accuracy, m.
     pub accuracy_m: f64,
@@ -275,15 +280,15 @@ pub struct Suspect {
     pub bias_sigma_m: f64,
 }
 
-/// A known height beside the satellites of an epoch.
+/// Comparison of a known height with the satellites of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HeightReport {
-    /// False if it contradicts the satellites and was left out.
+    /// False if the known height contradicts the satellites and was left out.
     pub is_used: bool,
-    /// True if the satellites cannot be tested without it.
+    /// True if the satellites cannot be tested without the known height.
     pub is_needed: bool,
-    /// Known height minus that of the satellites alone, m; 0 if they do not determine one.
+    /// Known height minus the height from the satellites alone, m; 0 if they determine no height.
     pub difference_m: f64,
 }
 
@@ -313,7 +318,7 @@ pub struct Report<const N: usize> {
     /// Satellites left out, in the order of exclusion.
     pub excluded: Vec<Suspect, MAX_EXCLUDED>,
     /// Constellations left out as a whole, a bit for each id: found broken in this epoch, or kept
-    /// out because of earlier ones. Some of their satellites are among [`Self::excluded`].
+    /// out because of earlier epochs. Some of their satellites are also in [`Self::excluded`].
     pub excluded_constellations: u8,
     /// The satellite used with the largest w-test; `None` without redundancy.
     pub suspect: Option<Suspect>,
@@ -323,7 +328,7 @@ pub struct Report<const N: usize> {
     pub residual_rms_m: f64,
     /// Satellites in the epoch.
     pub tracked: u8,
-    /// Results of ARAIM beside its levels, if that is the method.
+    /// Results of ARAIM, if that is the method; its levels are in [`Self::protection`].
     pub araim: Option<AraimReport>,
     /// The known height, if the epoch came with one.
     pub height: Option<HeightReport>,
@@ -333,7 +338,7 @@ pub struct Report<const N: usize> {
 }
 
 impl<const N: usize> Report<N> {
-    /// Returns the report on no epoch.
+    /// Returns a report without an epoch.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub(crate) fn nothing() -> Self {
@@ -354,7 +359,7 @@ impl<const N: usize> Report<N> {
         }
     }
 
-    /// Resets the report to that on no epoch.
+    /// Resets the report to one without an epoch.
     pub(crate) fn clear(&mut self) {
         let Self { excluded, used, .. } = self;
         excluded.clear();

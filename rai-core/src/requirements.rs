@@ -1,8 +1,8 @@
 //! Requirements of the user's operation: alert limits, probabilities, time to alert.
 //!
-//! A plain struct without `Default`, so that every user chooses them. Presets are those of the
-//! phases of flight ([ICAO-A10] table 3.7.2.4-1 for the limits and times; false-alert and
-//! missed-detection probabilities per sample as in [Yang2015] and [DO-229]).
+//! [`Requirements`] has no `Default`, so that every user chooses them. The presets are those of the
+//! phases of flight. Limits and times are from [ICAO-A10] table 3.7.2.4-1, probabilities per sample
+//! from [Yang2015] and [DO-229].
 //!
 //! [ICAO-A10]: crate#references
 //! [Yang2015]: crate#references
@@ -37,11 +37,11 @@ pub struct Requirements {
     pub missed_detection: Probability,
     /// Probability that the error exceeds a protection level without any fault.
     pub fault_free_risk: Probability,
-    /// Longest silence after an epoch until the alert, s; a verdict on an epoch is reported at
+    /// Longest time without a judged epoch until the alert, s. Every other alert is reported at
     /// once.
     pub time_to_alert_s: f64,
-    /// Fraction of the alert limit that the protection level may fill, in (0, 1] ([Yang2015]:
-    /// 0.95). Levels of ARAIM hold all of the risk and may fill it.
+    /// Fraction of the alert limit below which a protection level must be, in (0, 1] ([Yang2015]:
+    /// 0.95). ARAIM does not use it, because its levels account for all of the risk.
     ///
     /// [Yang2015]: crate#references
     pub guard_fraction: f64,
@@ -67,7 +67,8 @@ pub(crate) const MISSED_DETECTION: Probability = match Probability::new(1e-3) {
     None => unreachable!(),
 };
 
-/// Probability per sample without a fault: `K` is 5.68 horizontally and 5.33 vertically.
+/// Probability per sample that the error exceeds a level without a fault. It makes `K` 5.68
+/// horizontally and 5.33 vertically ([`crate::integrity::raim::levels`]).
 const FAULT_FREE_RISK: Probability = match Probability::new(1e-7) {
     Some(probability) => probability,
     None => unreachable!(),

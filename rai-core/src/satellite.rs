@@ -1,14 +1,14 @@
 //! Satellites and the constellations they belong to.
 //!
-//! A constellation matters to integrity because it has its own receiver clock: each range touches
-//! exactly one.
+//! A constellation matters to integrity because the receiver clock has another offset to each. Each
+//! range depends on exactly one of these clock offsets.
 //!
 //! QZSS satellites transmit GPS signals in GPS time, with numbers of the same family (193 to 202).
-//! Their ranges touch the receiver's GPS clock, so that they are satellites of
-//! [`Constellation::Gps`] here. Only their names differ: `J01` to `J10`. Measured
-//! (`tests-host/tests/all/ubx/qzss.rs`): their corrected ranges are 0.5 m shorter than those of GPS
-//! in five minutes near Nagoya and 0.04 m longer in hours at Esbjerg, while the clocks of two
-//! systems differ by tens of metres and more.
+//! Their ranges depend on the receiver's GPS clock, so that they are satellites of
+//! [`Constellation::Gps`] here. Only their names differ: `J01` to `J10`. In five minutes near
+//! Nagoya their corrected ranges are 0.5 m shorter than those of GPS, in hours at Esbjerg 0.04 m
+//! longer (`tests-host/tests/all/ubx/qzss.rs`). The clocks of two systems differ by tens of metres
+//! and more.
 
 use core::fmt;
 use core::str::FromStr;
@@ -24,8 +24,8 @@ use core::str::FromStr;
 /// # Ok::<(), raim_core::satellite::ParseSatelliteError>(())
 /// ```
 ///
-/// The discriminants are the ids of the published vectors, and the order of the clocks in every
-/// result.
+/// The discriminants are the ids in the published vectors. They also set the order of the clocks in
+/// every result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
@@ -113,7 +113,7 @@ impl SatelliteId {
         }
     }
 
-    /// Returns the constellation whose clock the satellite's range touches.
+    /// Returns the constellation on whose clock the satellite's range depends.
     pub const fn constellation(self) -> Constellation {
         self.constellation
     }

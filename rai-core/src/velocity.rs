@@ -1,4 +1,4 @@
-//! Velocity from range rates, with its own test and levels.
+//! Velocity from range rates, with a test and levels of its own.
 //!
 //! ```text
 //! y_i = −e_i · v + ḋ + ε_i            ε_i ~ N(0, σ_i²)
@@ -7,21 +7,21 @@
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `e_i` | [`RangeRate::line_of_sight`], receiver → satellite, east, north, up | – |
-//! | `y_i` | [`RangeRate::residual_m_s`], measured less the contribution of the satellite's motion and clock | m/s |
+//! | `y_i` | [`RangeRate::residual_m_s`], measured rate minus the contribution of the satellite's motion and clock | m/s |
 //! | `σ_i` | [`RangeRate::sigma_m_s`] | m/s |
 //! | `v` | [`Velocity::east_north_up_m_s`] | m/s |
 //! | `ḋ` | [`Velocity::drift_m_s`], drift of the receiver clock times the speed of light | m/s |
 //!
-//! It is the equation of the position in metres per second, and is solved by the same
-//! [`Snapshot`](crate::least_squares::Snapshot). One drift serves all systems, because their times
-//! drift against each other by millimetres per second: with `n` satellites `dof = n − 4`, more
-//! redundancy than the position has. The global test, the exclusion of up to three satellites and
-//! the levels are those of the position, with the same probabilities. An exclusion must leave two
-//! degrees of freedom and as many as it has rows: among many rates that all disagree, some five
-//! always agree by chance.
+//! The equation has the form of that of the position, and is solved by the same
+//! [`Snapshot`](crate::least_squares::Snapshot). All systems have a common drift, because their
+//! times drift against each other by millimetres per second only. With `n` satellites
+//! `dof = n − 4`, so that there is more redundancy than for the position. The global test, the
+//! exclusion of up to three satellites and the levels are those of the position, with the same
+//! probabilities. After an exclusion at least two degrees of freedom must remain, and as many as it
+//! has rows: of many rates that all disagree, some five always agree by chance.
 //!
-//! A fault here is independent of the position: a range can be false and its rate true. A returned
-//! velocity passed its own test.
+//! A fault here is independent of the position, because a range can be wrong and its rate right.
+//! Every returned velocity passed its test.
 //!
 //! Assumes independent Gaussian errors. References: [Lin2016] §2.2 for the test,
 //! [`crate::integrity::raim::levels`] for the levels.
@@ -46,17 +46,17 @@ use crate::numeric::sqrt;
 use crate::report::{MAX_EXCLUDED, ProtectionLevels, TestStatistic};
 use crate::satellite::{Constellation, SatelliteId};
 
-/// Constellation that holds the one drift of all systems in a snapshot.
+/// Constellation whose clock in the snapshot stands for the common drift of all systems.
 const DRIFT: Constellation = Constellation::Gps;
 
-/// Range rate of one satellite, in the scalar that it is solved in.
+/// Range rate of one satellite, in the scalar of the solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeRate<T = f64> {
     /// The satellite.
     pub satellite: SatelliteId,
     /// Unit vector receiver → satellite, east, north, up.
     pub line_of_sight: Vector3<T>,
-    /// Measured rate less that of a receiver at rest with a perfect clock, m/s.
+    /// Measured rate minus that of a receiver at rest with a perfect clock, m/s.
     pub residual_m_s: T,
     /// Standard deviation, m/s.
     pub sigma_m_s: T,
@@ -73,7 +73,7 @@ pub struct Velocity {
     pub drift_m_s: f64,
     /// The test that it passed.
     pub test: TestStatistic,
-    /// Bounds on its error, a fault of one range rate and the noise together, m/s.
+    /// Bounds on the error of the velocity by noise and a fault of one range rate together, m/s.
     pub levels_m_s: ProtectionLevels,
     /// Satellites whose rate was left out.
     pub excluded: Vec<SatelliteId, MAX_EXCLUDED>,
@@ -86,10 +86,10 @@ impl Velocity {
         f64::from(sqrt(east * east + north * north + up * up))
     }
 
-    /// Returns true if a receiver with this maximum speed can have the velocity, over the ground
-    /// and in height, each with its level.
+    /// Returns true if a receiver with this maximum speed can have the velocity. The horizontal and
+    /// the vertical part are each compared with the speed plus their level.
     ///
-    /// A NaN speed is not possible.
+    /// A NaN speed returns false.
     pub fn is_within(&self, max_speed_m_s: f64) -> bool {
         let [east, north, up] = self.east_north_up_m_s.map(|component_m_s| component_m_s as f32);
         let reach = |level_m_s: f64| (max_speed_m_s + level_m_s) as f32;
@@ -123,7 +123,7 @@ impl fmt::Display for VelocityError {
 
 impl core::error::Error for VelocityError {}
 
-/// Returns the velocity that the range rates agree on. A NaN rate, or one without a direction, is
+/// Returns the velocity on which the range rates agree. A NaN rate, or one without a direction, is
 /// discarded.
 ///
 /// # Errors
@@ -139,7 +139,7 @@ pub fn estimate<T: Real, const N: usize>(
     for rate in rates {
         let RangeRate { line_of_sight, residual_m_s, sigma_m_s, .. } = &rate;
         if workspace.equations_mut().rate(DRIFT, line_of_sight, *residual_m_s, *sigma_m_s).is_ok() {
-            // Never full, because both hold `N`.
+            // Never full, because both have the capacity `N`.
             let _ = satellites.push(rate.satellite);
         }
     }

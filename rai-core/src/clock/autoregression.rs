@@ -15,13 +15,13 @@
 //! | `rows` | `rows`, runs of four consecutive differences | – |
 //! | `Ψ` | [`Extrapolation`]'s response of the level to an old innovation | – |
 //!
-//! Unlike Burg's and the Yule–Walker estimates it has no bias on short records; unlike them it may
-//! be unstable. An unstable process forecasts with a variance that grows without bound, and the
-//! caller bounds the horizon.
+//! Unlike Burg's and the Yule–Walker estimates it has no bias on short records, but it may be
+//! unstable. The variance of an unstable process' forecast grows without bound, so that the caller
+//! limits the horizon.
 //!
-//! The six distinct `c_ij` are summed anew for every window: 600 products for 60 values, cheaper in
-//! hardware single precision than keeping running sums honest. `σ_e²` is a second pass over the
-//! residuals: a difference of sums would cancel for a clock that is forecast well.
+//! The six distinct `c_ij` are summed again for every window, because running sums would accumulate
+//! rounding errors. For 60 values this takes 600 products. `σ_e²` is summed from the residuals in a
+//! second pass: for a clock with a good forecast, a difference of sums would cancel.
 //!
 //! References: [Ulrych1976], [Chen2009] §2.
 //!
@@ -34,7 +34,7 @@ use crate::numeric::cholesky::Cholesky;
 use crate::numeric::real::Real;
 use crate::numeric::space::dot;
 
-/// Number of differences that the next one is forecast from.
+/// Number of differences from which the next one is forecast.
 pub const ORDER: usize = 3;
 
 /// A fitted process.
@@ -46,13 +46,12 @@ pub struct Autoregression<T: Real> {
 }
 
 impl<T: Real> Autoregression<T> {
-    /// Returns the process that forecasts the mean alone, without a fit.
+    /// Returns the process without a fit, which forecasts the mean.
     pub fn white() -> Self {
         Self { coefficients: Vector3::zeros(), variance: T::zero(), rows: 0 }
     }
 
-    /// Fits centred differences, oldest first; a missing one is `None`, and no row reaches across
-    /// it.
+    /// Fits centred differences, oldest first. A missing one is `None`, and no run contains it.
     ///
     /// If the normal equations are singular, or their solution is no better than forecasting the
     /// mean, the coefficients are zero.
@@ -71,7 +70,7 @@ impl<T: Real> Autoregression<T> {
         self.coefficients.into()
     }
 
-    /// Returns variance of one step, m².
+    /// Returns the variance of one step, m².
     pub fn variance(&self) -> T {
         self.variance
     }
@@ -93,8 +92,8 @@ impl<T: Real> Autoregression<T> {
     }
 }
 
-/// Steps of a forecast: each item is the next centred difference, and the variance of the level it
-/// leads to.
+/// Steps of a forecast. Each item is the next centred difference, and the variance of the level
+/// after it.
 #[derive(Clone, Debug)]
 pub struct Extrapolation<T: Real> {
     process: Autoregression<T>,
@@ -120,7 +119,7 @@ impl<T: Real> Iterator for Extrapolation<T> {
     }
 }
 
-/// Returns the latest three after one more.
+/// Returns the latest three differences after adding one.
 fn shifted<T: Real>(latest: T, recent: &Vector3<T>) -> Vector3<T> {
     Vector3::new(latest, recent.x, recent.y)
 }
@@ -143,7 +142,7 @@ fn squared_errors<T: Real>(coefficients: &Vector3<T>, [x0, x1, x2, x3]: [T; ORDE
     forward * forward + backward * backward
 }
 
-/// The distinct sums of products; by the symmetry of the two directions `c_22 = c_11`,
+/// The distinct sums of products. Because the two directions are symmetric, `c_22 = c_11`,
 /// `c_13 = c_02`, `c_23 = c_01` and `c_33 = c_00`.
 struct LagSums<T> {
     c00: T,

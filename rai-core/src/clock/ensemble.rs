@@ -1,5 +1,5 @@
-//! One coasting clock for each constellation: the choice of the aiding one, and the clocks of a
-//! snapshot.
+//! One coasting clock for each constellation: the choice of the clock that aids an epoch, and the
+//! clocks of a snapshot.
 //!
 //! ```text
 //! Q_cc = 1/W_c + h̄_c P h̄_cᵀ                    variance of the solved clock b_c
@@ -13,12 +13,11 @@
 //! | `√Q_cc` | [`SolvedClock::sigma_m`] | m |
 //! | `v_i`, `w_i`, `r_i` | residual, weight and redundancy of the aiding row | m, 1/m², – |
 //!
-//! An epoch takes one aiding clock. It is the one with the smallest standard deviation among the
-//! constellations observed: with few satellites every clock raises the degrees of freedom by one,
-//! so that the most accurate serves best.
+//! An epoch is aided by one clock. Any clock adds one degree of freedom, so that the most accurate
+//! one among the observed constellations is the best.
 //!
-//! Four windows of 60 values in `f32` take 2.4 kB; each constellation observed costs 5,000
-//! instructions an epoch. References: [Chen2009] §3.
+//! Four windows of 60 values in `f32` take 2.4 kB. Each observed constellation takes 5,000
+//! instructions per epoch. References: [Chen2009] §3.
 //!
 //! [Chen2009]: crate#references
 
@@ -30,25 +29,25 @@ use crate::numeric::real::Real;
 use crate::numeric::space::zero;
 use crate::satellite::Constellation;
 
-/// Least number of a constellation's satellites from which its clock is learned, because a lone
-/// satellite determines it untested.
+/// Least number of a constellation's satellites from which its clock is learned. A lone satellite
+/// determines the clock without a test.
 const MIN_SATELLITES: usize = 2;
 
 /// Longest time between the last learned value of a clock and its forecast, s.
 ///
-/// A forecast takes a row without learning while the satellites alone cannot be tested. The last
-/// minute shows how temperature and shock move a quartz within a minute, but not within ten.
+/// As long as the satellites alone cannot be tested, a forecast is used without learning. The last
+/// minute shows how temperature and shock affect a quartz within a minute, but not within ten.
 pub const HOLD_OVER_S: f64 = 60.0;
 
-/// Number of clocks that coast: none in a build without aiding.
+/// Number of clocks; 0 in a build without aiding.
 const CLOCKS: usize = if cfg!(feature = "aiding") { Constellation::COUNT } else { 0 };
 
-/// A receiver clock as solved from the satellites of an epoch.
+/// A receiver clock, solved from the satellites of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolvedClock {
     /// Receiver clock times the speed of light, m.
     pub value_m: f64,
-    /// Its standard deviation, m.
+    /// Standard deviation of `value_m`, m.
     pub sigma_m: f64,
 }
 
@@ -69,7 +68,7 @@ impl<T: Real, const L: usize> Clocks<T, L> {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
-        // One by one, because a loop would make them on the stack first.
+        // Listed one by one, because a loop would make them on the stack first.
         Self {
             #[cfg(feature = "aiding")]
             each: [CoastingClock::new(), CoastingClock::new(), CoastingClock::new(), CoastingClock::new()],
@@ -88,10 +87,10 @@ impl<T: Real, const L: usize> Clocks<T, L> {
         self.each.get(constellation as usize)
     }
 
-    /// Returns the row that aids an epoch, or `None` if no constellation observed has a forecast.
+    /// Returns the row that aids an epoch, or `None` if no observed constellation has a forecast.
     ///
-    /// No forecast reaches beyond [`HOLD_OVER_S`] after the last learned value, because it confirms
-    /// itself.
+    /// No forecast is used later than [`HOLD_OVER_S`] after the last learned value, because by then
+    /// it would confirm itself.
     #[inline(never)]
     pub fn aiding(&self, epoch: &EpochView<'_>) -> Option<Aiding> {
         let observed = |constellation: &Constellation| {
@@ -111,7 +110,7 @@ impl<T: Real, const L: usize> Clocks<T, L> {
 
     /// Learns the clocks of an epoch.
     ///
-    /// If an epoch left a forecast out, that clock has jumped: it starts again from the satellites'
+    /// If a forecast was left out, that clock has jumped. It then starts again from the satellites'
     /// value.
     pub fn learn(&mut self, time_s: f64, solved: &SolvedClocks) {
         for (clock, of_epoch) in self.each.iter_mut().zip(&solved.each) {
@@ -153,8 +152,8 @@ impl SolvedClocks {
     }
 }
 
-/// Returns a constellation's receiver clock without its forecast, or `None` if fewer than two of
-/// its satellites, or the satellites alone, do not determine it.
+/// Returns a constellation's receiver clock without its forecast. Returns `None` if it has fewer
+/// than two satellites, or if the satellites alone do not determine the clock.
 pub fn satellites_alone<T: Real>(
     snapshot: &Snapshot<'_, T>,
     constellation: Constellation,
@@ -185,7 +184,7 @@ fn aiding_row<'s, T: Real>(
     snapshot.rows().find(|(row, _)| row.clock == Some(constellation) && is_forecast(row))
 }
 
-/// Returns true for a row that touches a clock and no coordinate.
+/// Returns true for a row that depends on a clock but on no coordinate.
 fn is_forecast<T: Real>(row: &Row<T>) -> bool {
     row.design == zero()
 }

@@ -1,7 +1,7 @@
 //! Clock coasting: a forecast of the receiver clock for the next epoch.
 //!
-//! A forecast clock takes a row beside the satellites, `[0 0 0 1] x = Ẑ` with standard deviation
-//! `σ_b`. Four satellites can then be tested, and with five the faulty one can be identified.
+//! A forecast clock is one more row, `[0 0 0 1] x = Ẑ`, with the standard deviation `σ_b`. Four
+//! satellites can then be tested, and of five the faulty one can be identified.
 //!
 //! ```text
 //! x_t = Z_t − Z_{t−1}                       window of L values, equally spaced
@@ -20,33 +20,36 @@
 //! | `h` | [`Forecast::steps`] | – |
 //! | `L` | const generic, [`WINDOW`] by default, at least [`MIN_VALUES`] | – |
 //!
-//! **Accepted values.** Only clocks of epochs whose satellites alone would be protected, and solved
-//! without the forecast itself: a faulty fix would spoil the forecasts of a minute, and a forecast
-//! that confirms itself would follow any fault. [`SolvedClocks::of`] does the second, its caller
-//! the first. A bias that grows too slowly for the test is learned with the clock. It stays within
-//! the protection level of the satellites alone, and that level is kept.
+//! **Accepted values.** A clock must be solved without its forecast ([`SolvedClocks::of`]), because
+//! a forecast that confirms itself would follow any fault. The caller must also check that the
+//! satellites alone would be protected, because a faulty fix would spoil the forecasts of a minute.
+//! A bias that grows too slowly for the test is learned with the clock. Its effect is within the
+//! protection level of the satellites alone, and the reported level is not smaller.
 //!
-//! **Gaps.** The spacing is that of the first two values. A multiple of it is a hold-over:
-//! forecasts reach up to [`HOLD_OVER_STEPS`] ahead with growing variance, and a value after the gap
-//! continues the window without a difference across it. The steps in between count as forecast,
-//! with the remaining error spread evenly, for the next forecast only and never for a fit, because
-//! a window with gaps is not more accurate than one without. Any other interval, and time that does
-//! not advance, restarts the window.
+//! **Gaps.** The first two values set the spacing. A multiple of it is a hold-over: forecasts reach
+//! up to [`HOLD_OVER_STEPS`] ahead, with growing variance. A value after the gap continues the
+//! window without a difference across the gap. The missing steps are replaced by forecasts, with
+//! the remaining error spread evenly. They serve the next forecast only and never a fit, because
+//! invented values would not make it more accurate. Any other interval, and time that does not
+//! advance, restarts the window.
 //!
-//! **Jumps.** A value farther than [`JUMP_SIGMAS`] from its forecast is a jump of the clock, a
-//! millisecond or a steering step: the window restarts with it. Before the first forecast, a change
-//! of rate above the limit of a quartz ([`RATE_CHANGE_M_S`]) is a jump.
+//! **Jumps.** If a value is farther than [`JUMP_SIGMAS`] from its forecast, the clock has jumped by
+//! a millisecond or a steering step. The window then restarts with this value. Before the first
+//! forecast, a change of rate above the limit of a quartz ([`RATE_CHANGE_M_S`]) is a jump.
 //!
-//! **Numbers.** Levels and the drift are `f64`, the differences less the first one are generic: for
-//! a clock of 3e8 m that drifts 300 m/s they are centimetres to metres. All sums are computed again
-//! from the window at each value, so that none drifts. In `f32` a clock of 60 values takes 600
-//! bytes, a value 5,000 instructions on a Cortex-M4F, a forecast 900 for one step and 2,200 for
-//! sixty.
+//! **Numbers.** Levels and the drift are `f64`. The differences minus the first one are generic:
+//! for a clock of 3e8 m that drifts by 300 m/s they are centimetres to metres. All sums are
+//! computed again from the window at each value, so that rounding errors do not accumulate. In
+//! `f32` a clock of 60 values takes 600 bytes. On a Cortex-M4F a value takes 5,000 instructions, a
+//! forecast 900 for one step and 2,200 for sixty.
 //!
-//! Departures from [Chen2009]: it removes the mean of `Z`, which the differences cancel, instead of
-//! the mean of `x`; it gives no window length; its eq. 7 lost the new row's entry. The factor 1.2
-//! is not in the paper: a variance fitted to 60 values is that of past errors, and one-step errors
-//! measured 1.09 to 1.17 of it.
+//! Departures from [Chen2009]:
+//!
+//! - The paper removes the mean of `Z`, which cancels in the differences, instead of the mean of
+//!   `x`.
+//! - It has no window length, and its eq. 7 lacks the new row's entry.
+//! - The factor 1.2 is an addition. A variance fitted to 60 values is that of past errors; actual
+//!   one-step errors are 1.09 to 1.17 times as large.
 //!
 //! References: [Chen2009], [Ulrych1976].
 //!
@@ -73,18 +76,18 @@ pub const MIN_VALUES: usize = 12;
 const MIN_ROWS: usize = MIN_VALUES - 1 - ORDER;
 const _: () = assert!(2 * MIN_ROWS > ORDER, "more equations than coefficients");
 
-/// Most steps of a forecast: no farther ahead than the window reaches back.
+/// Largest number of steps of a forecast: it reaches no farther ahead than the window reaches back.
 pub const HOLD_OVER_STEPS: usize = WINDOW;
 
-/// Largest standard deviation of a forecast, m: as a row a larger one would have no effect.
+/// Largest standard deviation of a forecast, m. A row with a larger one would have no effect.
 pub const SIGMA_LIMIT_M: f64 = 1000.0;
 
-/// Ratio of the actual one-step error to `σ_predict`, dimensionless: 1.09 to 1.17 measured for 60
-/// values, rounded up.
+/// Ratio of the actual one-step error to `σ_predict`, dimensionless: the measured 1.09 to 1.17 for
+/// 60 values, rounded up.
 pub const INFLATION: f64 = 1.2;
 
-/// Smallest error of a jump in standard deviations of the forecast: normal noise exceeds it with a
-/// probability of 1e-7.
+/// Smallest error that counts as a jump, in standard deviations of the forecast. Normal noise
+/// exceeds it with a probability of 1e-7.
 pub const JUMP_SIGMAS: f64 = 5.33;
 
 /// Change of rate between two epochs beyond that of a quartz, m/s: 0.1 ppm.
@@ -92,13 +95,13 @@ pub const RATE_CHANGE_M_S: f64 = 30.0;
 
 /// Largest difference of an interval from a multiple of the spacing, s.
 ///
-/// Times are stamped to the millisecond, and at 300 m/s a millisecond is 0.3 m.
+/// Time tags are accurate to a millisecond; at a drift of 300 m/s this is 0.3 m.
 const TIME_TOLERANCE_S: f64 = 1e-3;
 
 /// Largest receiver clock, m, as for a range.
 const LEVEL_LIMIT_M: f64 = 1e9;
 
-/// Range of its standard deviation, m, as for a range.
+/// Permitted standard deviations of a receiver clock, m, as for a range.
 const SIGMA_M: core::ops::RangeInclusive<f64> = 1e-3..=1e6;
 
 /// Forecast of a clock.
@@ -108,8 +111,8 @@ pub struct Forecast {
     pub value_m: f64,
     /// Standard deviation of the forecast steps, from the fit, m.
     pub sigma_predict_m: f64,
-    /// Standard deviation with that of the last value and [`INFLATION`], m: the sigma of an aiding
-    /// row.
+    /// Standard deviation of the forecast, m, including that of the last value and [`INFLATION`]:
+    /// the sigma of an aiding row.
     pub sigma_m: f64,
     /// Steps ahead of the last value, at least 1.
     pub steps: usize,
@@ -121,14 +124,14 @@ pub struct Forecast {
 pub enum Observed {
     /// The value continues the window.
     Continued,
-    /// The value begins a window: the first one, a jump, an odd interval, or too long after the
-    /// last.
+    /// The value begins a window: it is the first one or a jump, or its interval to the last is no
+    /// multiple of the spacing or too long.
     Restarted,
-    /// The value is not finite or out of bounds, and discarded.
+    /// The value is discarded, because it is not finite or out of bounds.
     Refused,
 }
 
-/// One value of the clock, its standard deviation in metres.
+/// One value of the clock, with its standard deviation in metres.
 #[derive(Clone, Copy, Debug)]
 struct ClockReading<T> {
     time_s: f64,
@@ -144,7 +147,7 @@ impl<T: Real> ClockReading<T> {
     }
 }
 
-/// A forecast before the roots are taken, variances in m².
+/// A forecast before roots are computed, with variances in m².
 struct Prediction<T> {
     value_m: f64,
     variance_predict: T,
@@ -152,7 +155,7 @@ struct Prediction<T> {
 }
 
 impl<T: Real> Prediction<T> {
-    /// Returns true if a reading is farther off than noise explains.
+    /// Returns true if a reading differs from the forecast by more than noise explains.
     fn misses(&self, reading: &ClockReading<T>) -> bool {
         let error = T::narrow(reading.level_m - self.value_m);
         let variance = self.variance + reading.sigma * reading.sigma;
@@ -167,7 +170,7 @@ pub struct CoastingClock<T: Real, const L: usize = WINDOW> {
     window: Window<T, L>,
     spacing_s: Option<f64>,
     last: Option<ClockReading<T>>,
-    /// Latest differences first, relative to the window's reference, m.
+    /// Latest differences, the last one first, relative to the window's reference, m.
     recent: [T; ORDER],
     /// Mean of the window, relative to its reference, m.
     mean: T,
@@ -196,9 +199,9 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         }
     }
 
-    /// Forgets all values, because the clock has jumped or they are not trustworthy.
+    /// Forgets all values. Call it if the clock has jumped or the values cannot be trusted.
     pub fn restart(&mut self) {
-        // Field by field, because a new one would be on the stack first.
+        // Reset field by field, because a new value would be on the stack first.
         self.window.clear();
         (self.spacing_s, self.last) = (None, None);
         (self.recent, self.mean) = ([T::zero(); ORDER], T::zero());
@@ -219,8 +222,8 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         Observed::Restarted
     }
 
-    /// Returns the forecast for a time after the last value, or `None` with a short window or
-    /// beyond the hold-over.
+    /// Returns the forecast for a time after the last value. Returns `None` if the window is too
+    /// short or the time beyond the hold-over.
     pub fn forecast(&self, time_s: f64) -> Option<Forecast> {
         let steps = Self::steps_in(time_s - self.last?.time_s, self.spacing_s?)?;
         let ahead = self.coast(steps)?;
@@ -229,8 +232,8 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         Some(Forecast { value_m: ahead.value_m, sigma_predict_m, sigma_m, steps })
     }
 
-    /// Returns the forecast some steps ahead, or `None` with a short window or too large a
-    /// variance.
+    /// Returns the forecast `steps` ahead, or `None` if the window is too short or the variance too
+    /// large.
     fn coast(&self, steps: usize) -> Option<Prediction<T>> {
         let last = self.last.filter(|_| self.ready())?;
         let none = (T::zero(), T::zero());
@@ -267,7 +270,7 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
     /// Returns the steps of an interval, or `None` if it is not a multiple of the spacing or too
     /// long.
     fn steps_in(elapsed_s: f64, spacing_s: f64) -> Option<usize> {
-        // The usual case, without a division.
+        // The usual case needs no division.
         if libm::fabs(elapsed_s - spacing_s) <= TIME_TOLERANCE_S {
             return Some(1);
         }
@@ -276,7 +279,7 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         (on_time && (1.0..=HOLD_OVER_STEPS as f64).contains(&steps)).then_some(steps as usize)
     }
 
-    /// Continues the window. Returns `None` if the reading does not fit, so that the window must
+    /// Continues the window. Returns `None` if the reading does not fit; the window must then
     /// restart.
     fn follow(&mut self, reading: &ClockReading<T>) -> Option<()> {
         let last = self.last?;
@@ -303,8 +306,8 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         Some(())
     }
 
-    /// Appends `steps` differences whose mean is `per_step`: as forecast, with the error spread
-    /// evenly. A single one is then exactly `per_step`.
+    /// Appends `steps` differences: forecasts, with their error spread evenly, so that their mean
+    /// is `per_step`. A single difference is exactly `per_step`.
     fn bridge(&mut self, steps: usize, per_step: T) {
         let ahead = self.process.extrapolate(self.centred_recent()).take(steps);
         let sum = ahead.clone().fold(T::zero(), |sum, (step, _)| sum + step);

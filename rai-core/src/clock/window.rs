@@ -4,7 +4,7 @@
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `Z` | receiver clock times the speed of light, only differences of it enter | m |
+//! | `Z` | receiver clock times the speed of light; only its differences are used | m |
 //! | `x_ref` | `reference_m`, the first difference: the common drift of hundreds of metres | m |
 //! | `x_t` | `differences`; `None` if the epoch before or at `t` is missing | m |
 //! | `m` | [`Window::mean`] | m |
@@ -20,7 +20,7 @@ use crate::numeric::real::Real;
 #[derive(Clone, Debug)]
 pub(super) struct Window<T, const L: usize> {
     reference_m: Option<f64>,
-    /// Differences, NaN for a missing one, because an [`Option`] would double the memory.
+    /// Differences. A missing one is NaN, because an [`Option`] would double the memory.
     differences: Deque<T, L>,
 }
 
@@ -42,8 +42,8 @@ impl<T: Real, const L: usize> Window<T, L> {
         self.reference_m.unwrap_or(0.0)
     }
 
-    /// Returns the mean of the `steps` differences that make `change_m`, relative to the reference,
-    /// which the first one becomes.
+    /// Returns the mean of `steps` differences whose sum is `change_m`, relative to the reference.
+    /// The first difference becomes the reference.
     pub(super) fn relative(&mut self, change_m: f64, steps: usize) -> T {
         let reference_m = *self.reference_m.get_or_insert(change_m);
         T::narrow(change_m - steps as f64 * reference_m) / T::narrow(steps as f64)
@@ -62,7 +62,7 @@ impl<T: Real, const L: usize> Window<T, L> {
 
     /// Iterates over the differences, oldest first.
     fn each(&self) -> impl Iterator<Item = Option<T>> + Clone {
-        // Two slices need one bounds test each, the ring one for each element.
+        // Two slices need one bounds test each; the ring would need one for each element.
         let (older, newer) = self.differences.as_slices();
         older.iter().chain(newer).map(|&x| x.is_finite().then_some(x))
     }
@@ -74,7 +74,7 @@ impl<T: Real, const L: usize> Window<T, L> {
         sum / T::narrow(f64::from(count.max(1)))
     }
 
-    /// Iterates over the differences less `mean`, oldest first.
+    /// Iterates over the differences minus `mean`, oldest first.
     pub(super) fn centred(&self, mean: T) -> impl Iterator<Item = Option<T>> + Clone {
         self.each().map(move |difference| difference.map(|x| x - mean))
     }

@@ -1,22 +1,22 @@
-//! Discrepancy between two ways to know how far a receiver has moved, and its usual size.
+//! Discrepancy between two measurements of a receiver's motion, and its usual size.
 
 use nalgebra::Vector3;
 
 use crate::numeric::sqrt;
 
-/// Number of marks from which a spread is known: two minutes of them.
+/// Number of marks after which a spread is known: those of two minutes.
 pub(super) const LEARNED: u16 = 24;
 
-/// Number of marks whose mean a spread becomes: ten minutes of them.
+/// Number of marks over which a spread is averaged: those of ten minutes.
 const MEMORY: u16 = 120;
 
-/// Least ratio of a drift to the mean discrepancy and to the scatter, dimensionless.
+/// Least ratio of a drift to the mean discrepancy, and to the scatter, dimensionless.
 const DRIFT: f32 = 6.0;
 
-/// Ratio of the largest value that teaches to the mean, dimensionless.
+/// Ratio to the mean at which a new value is cut off, dimensionless.
 const TEACHING_BOUND: f32 = 3.0;
 
-/// Mean of the absolute discrepancies over a minute.
+/// Mean of the absolute changes of a discrepancy within a minute.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spread {
     mean_m: f32,
@@ -28,7 +28,7 @@ impl Spread {
         Self { mean_m: 0.0, count: 0 }
     }
 
-    /// Adds a discrepancy, m. One that is not finite teaches nothing.
+    /// Adds a discrepancy, m, unless it is infinite or NaN.
     pub(super) fn learn(&mut self, discrepancy_m: f32) {
         let is_known = self.count >= LEARNED;
         let value_m = if is_known { discrepancy_m.min(TEACHING_BOUND * self.mean_m) } else { discrepancy_m };
@@ -38,36 +38,36 @@ impl Spread {
         }
     }
 
-    /// Returns true if a change along a straight line is a drift. A NaN counts as one.
+    /// Returns true if a change along a straight line is large enough for a drift, or NaN.
     pub(super) fn is_drift(self, change_m: f32, scatter_m: f32, floor_m: f32) -> bool {
         let explained_m = (DRIFT * self.mean_m).max(DRIFT * scatter_m).max(floor_m);
         self.count >= LEARNED && !(change_m <= explained_m)
     }
 }
 
-/// Discrepancy between measured and integrated motion, m, relative to the origin.
+/// Discrepancy between measured and integrated motion since the origin, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Discrepancy {
     /// Discrepancy of the position, earth-fixed, m.
     pub(super) position: Vector3<f32>,
     /// Discrepancy of the clock, m.
     pub(super) clock_m: f32,
-    /// Possible displacement by unknown accelerations since the origin, m.
+    /// Largest displacement since the origin that unknown accelerations explain, m.
     pub(super) unknown_m: f32,
     /// `HPL + VPL` of the epoch, m.
     pub(super) level_m: f32,
 }
 
 impl Discrepancy {
-    /// Returns the distances from another one, m: of the position, beyond what unknown
-    /// accelerations explain, and of the clock.
+    /// Returns the distances of position and clock from another discrepancy, m. That of the
+    /// position is reduced by the displacement that unknown accelerations explain.
     pub(super) fn from(&self, other: &Self) -> [f32; 2] {
         let unknown_m = self.unknown_m - other.unknown_m;
         let away_m = sqrt((self.position - other.position).norm_squared()) - unknown_m;
         [away_m, (self.clock_m - other.clock_m).abs()]
     }
 
-    /// Returns the point on the straight line from here to another, at a share of the way.
+    /// Interpolates linearly between this discrepancy and another one, at a share of the way.
     pub(super) fn towards(&self, other: &Self, share: f32) -> Self {
         let Self { position, clock_m, unknown_m, .. } = *self;
         Self {

@@ -1,7 +1,8 @@
 //! Continuity between epochs: recovery after an alert, jumps, and places where no receiver can be.
 //!
-//! A single epoch can deceive. In a receiver that tracks falsely, ranges sometimes agree by chance;
-//! in a counterfeit sky they agree perfectly. The epochs before reveal it:
+//! A single epoch can deceive. If a receiver tracks falsely, its ranges sometimes agree by chance.
+//! If all signals are counterfeit, they agree perfectly. A comparison with earlier epochs reveals
+//! this:
 //!
 //! ```text
 //! √(|p − pₐ|² − (h − hₐ)²) ≤ v Δt + HPL + HPLₐ     and     |h − hₐ| ≤ v Δt + VPL + VPLₐ       else a jump
@@ -9,31 +10,31 @@
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `p`, `h`; `pₐ`, `hₐ` | position and height of the epoch; of the last protected one, the anchor | m |
+//! | `p`, `h`; `pₐ`, `hₐ` | position and height of the epoch; those of the last protected epoch, the anchor | m |
 //! | `v` | [`ContinuitySettings::max_speed_m_s`] | m/s |
-//! | `Δt` | time since the anchor, by the epochs or by the caller's own clock if it has one: the shorter | s |
+//! | `Δt` | time since the anchor: the shorter one of that by the epochs and that by the caller's clock, if it has one | s |
 //!
 //! | after | the position is protected again |
 //! |---|---|
-//! | an alert, a jump, an impossible place | when the satellites have agreed for [`Recovery`]: epochs and seconds, at positions that are within reach of each other; for [`WEAK`] if an epoch of them had one degree of freedom |
-//! | a contradiction between ranges and their rates (`CLOCK`, `TRACK`) | when they have agreed for [`DOUBTED`] |
-//! | a jump | also when time has made the position reachable, or after [`Continuity::forget`]; or when the contradicting epochs have agreed for [`WEAK`], and those that led to the anchor had not |
+//! | an alert, a jump, an impossible place | when the satellites have agreed for [`Recovery`], at positions within reach of each other; for [`WEAK`] if one of these epochs had one degree of freedom |
+//! | a contradiction between ranges and their rates (`CLOCK`, `TRACK`) | when ranges and rates have agreed for [`DOUBTED`] |
+//! | a jump | also when enough time has passed to reach the position, or after [`Continuity::forget`]; or when the epochs after the jump have agreed for [`WEAK`], and those that led to the anchor had not |
 //!
 //! **After a silence** longer than the time to alert, the first position must be where the receiver
-//! can be expected, or agree for longer ([`reach`]).
+//! can be expected. Otherwise the epochs must agree for longer ([`reach`]).
 //!
-//! An epoch that agrees only after an exclusion, with one degree of freedom left, does not count,
-//! because among many satellites that disagree some pair always remains that agrees. A first epoch
-//! with one degree of freedom, or the first after a long gap, is not protected either: satellites
-//! agree by chance too easily.
+//! Two kinds of epochs are weak evidence, because their satellites easily agree by chance. If an
+//! epoch agrees only after an exclusion, with one degree of freedom left, it does not count for an
+//! agreement. If the first epoch, or the first after a long gap, has one degree of freedom, it is
+//! not protected.
 //!
-//! **Ends.** An anchor is forgotten after [`ANCHOR_AGE_S`]; agreement with a gap longer than
-//! [`GAP_S`] begins anew. A time that goes back keeps the anchor's age, so that nothing becomes
-//! reachable by it.
+//! **Ends.** An anchor is forgotten after [`ANCHOR_AGE_S`]. After a gap longer than [`GAP_S`] an
+//! agreement begins anew. If the time goes back, the anchor keeps its age, so that no position
+//! becomes reachable by this.
 //!
-//! **Limits.** A counterfeit that moves a position slower than `v` is not detected here, nor one
-//! that is there from the start. A time tag that leaps ahead makes everything reachable unless the
-//! caller has its own clock.
+//! **Limits.** Counterfeit signals are not detected here if they move a position slower than `v`,
+//! or if they are present from the start. A time tag that leaps ahead makes every position
+//! reachable, unless the caller has a clock.
 
 mod discrepancy;
 mod motion;
@@ -49,27 +50,27 @@ use crate::report::{Alert, Protected, Report, Unavailable, Verdict};
 
 /// Longest time for which the last protected position limits the next one, s.
 ///
-/// At the default speed the whole earth is within reach before.
+/// At the default speed the whole earth is within reach before this age.
 pub const ANCHOR_AGE_S: f64 = 86_400.0;
 
-/// Longest gap in an agreement that continues, s: three epochs of a logger with one epoch in five
-/// minutes.
+/// Longest gap that does not end an agreement, s: three intervals of a logger with one epoch in
+/// five minutes.
 pub const GAP_S: f64 = 900.0;
 
 /// Required agreement if one of its epochs has only one degree of freedom.
 pub const WEAK: Recovery = Recovery { epochs: 10, seconds: 10.0 };
 
-/// Required agreement after rates contradicted position or clock: longer than a drift needs to show
-/// again.
+/// Required agreement after rates contradicted position or clock. It is longer than a drift needs
+/// to be detected again.
 pub const DOUBTED: Recovery = Recovery { epochs: 10, seconds: 30.0 };
 
 /// Required length of an agreement, in epochs and in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Recovery {
-    /// Epochs in a row.
+    /// Number of consecutive epochs.
     pub epochs: u16,
-    /// Time from the first epoch to the last, s; no less by the caller's own clock, up to
+    /// Time from the first epoch to the last, s. By the caller's clock it may be shorter by up to
     /// [`DELAY_S`].
     pub seconds: f64,
 }
@@ -146,7 +147,7 @@ impl ContinuitySettings {
 pub enum ContinuityError {
     /// `max_speed_m_s` is outside [0, 1e5].
     Speed(f64),
-    /// The heights are outside [−1.2e4, 1e8], or the least is not below the greatest.
+    /// A height is outside [−1.2e4, 1e8], or the least height is not below the greatest.
     Height {
         /// Least height, m.
         min_height_m: f64,
@@ -199,13 +200,13 @@ impl Agreement {
 pub enum Standing {
     /// No earlier epoch, or a long gap.
     New,
-    /// The last epoch with a position was protected, or nothing contradicted it.
+    /// The last epoch was protected, or nothing contradicted it since.
     Good,
-    /// After an alert or a contradiction, so that an agreement is required.
+    /// After an alert or a contradiction. An agreement is required.
     Lost,
 }
 
-/// State of the verdicts so far.
+/// State of the continuity between epochs.
 #[derive(Clone, Debug)]
 pub struct Continuity {
     standing: Standing,
@@ -215,11 +216,12 @@ pub struct Continuity {
     latest_s: Option<f64>,
     /// Speed at the anchor, m/s.
     speed_m_s: Option<f64>,
-    /// True after a silence, until a promise: an alert in between does not end the required wait.
+    /// True after a silence until the next protected epoch. An alert before that does not end the
+    /// required wait.
     is_after_silence: bool,
     /// Agreement required because of a silence, s.
     wait_s: f64,
-    /// True after rates contradicted position or clock, until a promise.
+    /// True after rates contradicted position or clock, until the next protected epoch.
     is_doubted: bool,
 }
 
@@ -246,30 +248,30 @@ impl Continuity {
         }
     }
 
-    /// Forgets the last position, so that the next may be anywhere. Recovery from an alert is still
-    /// required.
+    /// Forgets the last position, so that the next one may be anywhere. Recovery from an alert is
+    /// still required.
     pub fn forget(&mut self) {
         (self.anchor, self.agreement) = (None, None);
         (self.speed_m_s, self.wait_s, self.is_doubted) = (None, 0.0, false);
         self.interrupt();
     }
 
-    /// Restarts after a gap longer than the time to alert: the next epoch is judged as if it were
-    /// the first.
+    /// Restarts after a gap longer than the time to alert. The next position must be where the
+    /// receiver can be expected, or agree for longer.
     ///
-    /// Recovery from an alert is still required, and agreement so far counts; otherwise a receiver
-    /// whose epochs are farther apart than the time to alert would never recover.
+    /// Recovery from an alert is still required, and the agreement so far still counts. Otherwise a
+    /// receiver whose epochs are farther apart than the time to alert would never recover.
     pub fn interrupt(&mut self) {
         if self.standing == Standing::Good {
             (self.standing, self.is_after_silence) = (Standing::New, true);
         }
     }
 
-    /// Returns the verdict on an epoch in the light of those before it.
+    /// Returns the verdict on an epoch after comparing it with earlier ones.
     ///
-    /// `time_s` is the epoch's time. `own_clock_s` is the time of its arrival by the caller's own
-    /// clock, which no signal can set. A time that is not finite counts as the last one.
-    /// `speed_m_s` is that of the epoch, if its range rates gave one.
+    /// `time_s` is the epoch's time. `own_clock_s` is its arrival time by the caller's clock, which
+    /// no signal can set. A time that is not finite counts as the last one. `speed_m_s` is the
+    /// speed in the epoch, if its range rates determine one.
     pub fn conclude<const N: usize>(
         &mut self,
         settings: &ContinuitySettings,
@@ -287,20 +289,21 @@ impl Continuity {
                 height_m: solution.geodetic.height_m,
                 levels,
             });
-        // A known height is no witness for the satellites.
+        // The degree of freedom that a known height adds does not count.
         let aided = u8::from(report.height.is_some_and(|height| height.is_used));
         let dof = report.test.map_or(0, |test| test.dof.saturating_sub(aided));
         match (report.verdict, place) {
             (Verdict::Protected(how), Some(place)) => self.promise(settings, how, place, dof, speed_m_s),
-            // A missing position is never protected.
+            // An epoch without a position is never protected.
             (Verdict::Protected(_), None) => Verdict::Unavailable(Unavailable::NoFix),
             (Verdict::Alert(reason), _) => {
-                // A clock without rates leaps once, and no drift has to show again.
+                // Without rates the clock contradicts its past by a single leap, so that no drift
+                // needs time to be detected again.
                 self.is_doubted |= reason == Alert::Track || reason == Alert::Clock && speed_m_s.is_some();
                 self.lose(Verdict::Alert(reason))
             }
             (Verdict::Unavailable(reason), _) => {
-                // Levels above the limits are no evidence against the satellites.
+                // If only the levels exceed the limits, this is no evidence against the satellites.
                 let is_level = matches!(
                     reason,
                     Unavailable::Hpl
@@ -317,7 +320,7 @@ impl Continuity {
         }
     }
 
-    /// Returns the verdict on an epoch that is protected on its own.
+    /// Returns the verdict on an epoch that is protected if judged alone.
     fn promise(
         &mut self,
         settings: &ContinuitySettings,
@@ -362,23 +365,23 @@ impl Continuity {
             place.distance_m(&anchor.last) / place.instant.since_s(anchor.last.instant).max(1.0)
         });
         self.speed_m_s = speed_m_s.or(implied_m_s).or(self.speed_m_s);
-        // An anchor within reach makes this epoch as firm as it was.
+        // If the anchor is within reach, its agreement continues with this epoch.
         let agreement = self.agreement.take().unwrap_or_else(|| Agreement::begun(place, is_weak));
         self.anchor = Some(self.anchor.map_or(agreement, |anchor| anchor.extended(place, is_weak)));
         self.standing = Standing::Good;
         Verdict::Protected(how)
     }
 
-    /// Returns true if epochs out of the anchor's reach have agreed for [`WEAK`], while those that
-    /// led to it had not.
+    /// Returns true if the epochs beyond the anchor's reach have agreed for [`WEAK`], while those
+    /// that led to the anchor had not.
     fn contradicts_anchor(&self, settings: &ContinuitySettings) -> bool {
         let wanted = settings.recovery.at_least(WEAK);
-        // A longer required recovery does not weaken an anchor that was firm without it.
+        // A longer required recovery does not weaken an anchor that agreed for `WEAK`.
         self.agreement.is_some_and(|agreement| agreement.suffices(wanted))
             && !self.anchor.is_some_and(|anchor| anchor.suffices(WEAK))
     }
 
-    /// Counts an epoch that agrees after one that did not.
+    /// Adds an epoch to the agreement after a contradiction.
     fn agree(
         &mut self,
         settings: &ContinuitySettings,
@@ -388,7 +391,7 @@ impl Continuity {
     ) {
         self.agreement = match self.agreement {
             _ if is_weak && how == Protected::Excluded => None,
-            // Counted before.
+            // This epoch was added before.
             Some(before) if before.last == place => Some(before),
             Some(before)
                 if place.instant.epoch_s - before.last.instant.epoch_s <= GAP_S
@@ -400,7 +403,7 @@ impl Continuity {
         };
     }
 
-    /// Records the loss of protection, which then requires an agreement.
+    /// Records the loss of protection. An agreement is then required.
     fn lose(&mut self, verdict: Verdict) -> Verdict {
         (self.standing, self.agreement) = (Standing::Lost, None);
         verdict
@@ -414,7 +417,7 @@ impl Continuity {
         }
         let back_s = latest_s - instant.epoch_s;
         if back_s > 0.0 && self.latest_s.is_some() {
-            // The time was set back: the anchor and its age stay.
+            // The time was set back. The anchor and its age do not change.
             self.agreement = None;
             if let Some(anchor) = &mut self.anchor {
                 anchor.first.epoch_s -= back_s;

@@ -1,7 +1,7 @@
-//! Position and clock against the integral of velocity and drift.
+//! Comparison of position and clock with the integral of velocity and drift.
 //!
-//! Ranges and range rates are measured independently. What moves one without the other is no motion
-//! of the receiver:
+//! Ranges and range rates are measured independently. A change of one without the other is no
+//! motion of the receiver:
 //!
 //! ```text
 //! δ_k = [p_k − Σ ½ (v_j + v_{j−1}) Δt_j,   b_k − Σ ½ (ḋ_j + ḋ_{j−1}) Δt_j]        j ≤ k
@@ -19,48 +19,55 @@
 //! | `δ` | [`Discrepancy`], constant except for noise | m |
 //! | `L` | `HPL + VPL` of an epoch | m |
 //! | `e` | scatter of the marks about a straight line | m |
-//! | `s` | [`Spread`]: mean of `|δ_k − δ_1|` of the epochs so far | m |
+//! | `s` | [`Spread`]: mean of `|δ_k − δ_1|` over the epochs so far | m |
 //!
-//! A contradiction of the position is [`Alert::Track`], one of the clock [`Alert::Clock`]. The
-//! clock shows a second receiver, a repeater, and most counterfeit skies in one epoch. Within a
-//! minute it also shows a drag-off that all ranges have in common, to which every test of one epoch
-//! is blind.
+//! A contradiction of the position is [`Alert::Track`], one of the clock [`Alert::Clock`]. In one
+//! epoch, the clock reveals a second receiver, a repeater, and most counterfeit signals. Within a
+//! minute, it also reveals a slow drag-off that all ranges share, which no test of one epoch can
+//! detect.
 //!
-//! Reflections move `δ` too, in streets by 200 m within levels of 300 m. They rarely move it along
-//! a straight line. A leap is therefore compared with the levels alone, and a drift also with the
-//! usual spread `s`. A drift of the position counts from a quarter of `L` on, about three quarters
-//! of the HPL: below, the level still bounds it. If it goes on, it is an alert before it exceeds
-//! the level.
+//! Reflections also change `δ`, in streets by 200 m within levels of 300 m, but rarely along a
+//! straight line. A leap is therefore compared with the levels alone, and a drift also with the
+//! usual spread `s`. A drift of the position counts only above a quarter of `L`, about three
+//! quarters of the HPL. Below that, the level bounds it; a continuing drift is an alert before it
+//! exceeds the level.
 //!
 //! **Figures.** Twelve replays of eight recordings with Doppler frequencies have no contradiction.
-//! Median and largest `|δ_k − δ_1|`: at rest at 1 Hz 0.4 to 0.8 m and 2.7 m of the clock, 0.6 to
-//! 1.0 m and 3.7 m of the position; an oscillator sampled every 30 s 2.3 m and 12.5 m; in streets 5
-//! to 10 m and 192 m of the clock, 8 to 13 m and 229 m of the position. A drift added to the four
-//! recordings of receivers at rest is found in 12 s at 1 m/s and within 51 s at 0.2 m/s, in the
-//! position and in the clock.
+//! Their `|δ_k − δ_1|`, m:
 //!
-//! **Learning.** A drift is looked for once [`super::discrepancy::LEARNED`] marks are known. A
-//! value above three times the mean counts as three times the mean, so that a growing error needs
-//! minutes to widen its own bound. No value widens the bound of a leap. Epochs under an alert teach
-//! nothing.
+//! | recordings | clock: median, largest | position: median, largest |
+//! |---|---|---|
+//! | at rest, 1 Hz | 0.4 to 0.8, 2.7 | 0.6 to 1.0, 3.7 |
+//! | at rest, every 30 s | 2.3, 12.5 | – |
+//! | in streets | 5 to 10, 192 | 8 to 13, 229 |
 //!
-//! **Refused rates.** Far from the true place, true rates fit no velocity. A position whose rates
-//! contradict each other must therefore be where the last velocity leads, within both levels and
-//! 40 m/s, for as long as [`LONGEST_GAP_S`].
+//! In four recordings at rest, an added drift of position or clock is detected: at 1 m/s in 12 s,
+//! at 0.2 m/s within 51 s.
 //!
-//! **Ends.** After a leap the comparison begins anew at the new place and clock, so that one leap
-//! is one alert. An agreement must follow it. A drift is an alert until it has ended for a minute.
+//! **Learning.** Drifts are tested after [`super::discrepancy::LEARNED`] marks. A value above three
+//! times the mean counts as three times the mean, so that a growing error needs minutes to increase
+//! its bound. The bound of a leap is not learned. Epochs under an alert are not learned.
+//!
+//! **Contradicting rates.** If a position is far from the true one, the true rates fit no velocity.
+//! If the rates of an epoch contradict each other, its position must therefore be where the last
+//! velocity leads. Both levels and a change of speed by 40 m/s are allowed for. This comparison
+//! ends after [`LONGEST_GAP_S`].
+//!
+//! **Ends.** After a leap the comparison begins anew at the new position and clock, so that one
+//! leap causes one alert. An agreement is then required. A drift remains an alert until a minute
+//! after its end.
 //!
 //! **Gaps.** After a step longer than [`LONGEST_STEP_S`] the comparison begins anew. Across a gap
-//! of up to [`LONGEST_GAP_S`] the clock must still be within [`WANDER_M_S`] of its drift. An
-//! unknown acceleration widens the position's bound by `a Δt²/8` for each step longer than
-//! [`SMOOTH_STEP_S`]. Whole milliseconds of the clock are steps that receivers make on purpose.
+//! of up to [`LONGEST_GAP_S`] the clock must still be within [`WANDER_M_S`] of its drift. For each
+//! step longer than [`SMOOTH_STEP_S`], an unknown acceleration `a` increases the position's bound
+//! by `a Δt²/8`. Steps of the clock by whole milliseconds are ignored, because receivers make them
+//! on purpose.
 //!
-//! **No rates.** Without Doppler frequencies the clock is compared with its own past
-//! ([`super::oscillator`]), and the position with nothing.
+//! **No rates.** Without Doppler frequencies the clock is compared with its past
+//! ([`super::oscillator`]), and the position is not compared.
 //!
-//! **Limits.** An attack that moves ranges and rates alike, slowly and from a genuine start, is not
-//! visible here.
+//! **Limits.** An attack is not detected here if it starts from the true position and slowly
+//! changes ranges and rates consistently.
 
 use super::discrepancy::{Discrepancy, Spread};
 use super::oscillator::{Oscillator, whole_milliseconds_m};
@@ -73,16 +80,16 @@ use crate::report::{Alert, Report};
 use crate::satellite::Constellation;
 use crate::velocity::{Velocity, VelocityError};
 
-/// Age of the oldest mark, s.
+/// Largest age of a mark, s.
 const WINDOW_S: f64 = 60.0;
 
 /// Time between two marks, s.
 const SPACING_S: f64 = 5.0;
 
-/// Number of marks: those of a window, and the one that begins it.
+/// Number of marks: those of a window, and the one at its start.
 const MARKS: usize = if cfg!(feature = "past") { (WINDOW_S / SPACING_S) as usize + 1 } else { 1 };
 
-/// Age from which a mark teaches the spread, s.
+/// Age of the oldest mark from which the spread is learned, s.
 const TEACHING_AGE_S: f64 = 50.0;
 
 /// Longest step of the integral, s.
@@ -97,13 +104,13 @@ const WANDER_M_S: f64 = 30.0;
 /// Longest step within which an acceleration counts as constant, s.
 const SMOOTH_STEP_S: f64 = 2.0;
 
-/// Largest acceleration between two epochs, m/s²: that of a vehicle.
+/// Largest acceleration of a vehicle between two epochs, m/s².
 const ACCELERATION_M_S2: f64 = 5.0;
 
-/// Largest change of speed while the rates contradict each other, m/s: that of a car.
+/// Largest change of speed of a car while the rates contradict each other, m/s.
 const FASTER_M_S: f32 = 40.0;
 
-/// Windows in which a straight line is looked for, s.
+/// Lengths of the windows that are tested for a drift, s.
 const WINDOWS_S: [f32; 3] = [20.0, 30.0, WINDOW_S as f32];
 
 /// Smallest drift of the position, relative to `HPL + VPL`.
@@ -112,7 +119,7 @@ const LEVEL_SHARE: f32 = 0.25;
 /// Smallest drift of the position and of the clock, m. The position has three components.
 const FLOORS_M: [f32; 2] = [4.0, 2.0];
 
-/// An epoch whose successors are compared with it.
+/// An epoch with which later ones are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Mark {
     /// Time since the origin, s.
@@ -131,7 +138,7 @@ struct Moment {
     drift_m_s: f64,
 }
 
-/// Integral of the rates since the first of the epochs that are compared, and that epoch.
+/// Integral of the rates since the origin, the first of the compared epochs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Path {
     origin_s: f64,
@@ -174,18 +181,18 @@ impl Motion {
         }
     }
 
-    /// Forgets the epochs so far, but not what their spread was.
+    /// Forgets the epochs so far, but not their spread.
     pub fn restart(&mut self) {
         self.marks.clear();
         (self.last, self.path) = (None, None);
         self.oscillator.restart();
     }
 
-    /// Compares an epoch that passed its own test with those before it. Returns the contradiction.
+    /// Compares an epoch that passed its test with earlier ones. Returns the contradiction.
     ///
-    /// An epoch without position or levels is not compared, and one without range rates only in its
-    /// clock. If its rates contradict
-    /// each other, the position is compared with the last one that had a velocity.
+    /// An epoch without position or levels is not compared. If it has no range rates, only its
+    /// clock is compared. If its rates contradict each other, its position is compared with the
+    /// last one that had a velocity.
     pub fn judge<const N: usize>(
         &mut self,
         time_s: f64,
@@ -208,7 +215,7 @@ impl Motion {
         let clock_m = self.clock_m(&solution.clocks_m, &report.used)?;
         let velocity_m_s = earth_fixed(solution.position, velocity.east_north_up_m_s);
         let drift_m_s = velocity.drift_m_s;
-        // With rates the clock is compared with their drift.
+        // An epoch with rates is compared with their drift instead.
         self.oscillator.restart();
         let now = Moment { time_s, position: solution.position, level_m, clock_m, velocity_m_s, drift_m_s };
         let last = self.last.replace(now)?;
@@ -230,7 +237,8 @@ impl Motion {
         self.drift(time_s, &discrepancy)
     }
 
-    /// Compares a position whose rates contradict each other with the last one that had a velocity.
+    /// Compares a position whose rates contradict each other with the last position that had a
+    /// velocity.
     fn without_velocity(&self, time_s: f64, position: Ecef, level_m: f32) -> Option<Alert> {
         let last = self.last.as_ref()?;
         let elapsed_s = time_s - last.time_s;
@@ -247,7 +255,8 @@ impl Motion {
         alert(!(away_m.norm_squared() <= bound_m * bound_m), false)
     }
 
-    /// Returns the clock of the constellation that is compared, m. Another one begins anew.
+    /// Returns the clock of the constellation that is compared, m. If that constellation is gone,
+    /// the comparison begins anew with another one.
     fn clock_m(
         &mut self,
         clocks_m: &[Option<f64>; Constellation::COUNT],
@@ -294,7 +303,8 @@ impl Motion {
         })
     }
 
-    /// Returns the contradiction between a discrepancy and a mark that is beyond both levels.
+    /// Returns the contradiction if a discrepancy differs from that of a mark by more than both
+    /// levels.
     fn leap(&mut self, time_s: f64, now: &Discrepancy) -> Option<Alert> {
         let now_s = self.since_origin_s(time_s)?;
         while self.marks.front().is_some_and(|mark| now_s - mark.time_s > WINDOW_S as f32) {
@@ -310,7 +320,7 @@ impl Motion {
     }
 
     /// Returns the contradiction of a change along a straight line, and learns from an epoch
-    /// without one.
+    /// without a contradiction.
     fn drift(&mut self, time_s: f64, now: &Discrepancy) -> Option<Alert> {
         let now_s = self.since_origin_s(time_s)?;
         let contradiction = self.line(now_s, now);
@@ -328,8 +338,8 @@ impl Motion {
         let marks = || self.marks.iter().filter(|mark| now_s - mark.time_s <= window_s);
         let oldest = marks().next()?;
         let (age_s, count) = (now_s - oldest.time_s, marks().count());
-        // No mark may be missing, because a leap in a gap between marks would look like a straight
-        // line.
+        // No mark may be missing, because a leap between two distant marks would look like a
+        // straight line.
         let is_full = count as f32 * SPACING_S as f32 >= window_s;
         if !is_full || age_s <= window_s - 1.2 * SPACING_S as f32 {
             return None;
@@ -356,15 +366,15 @@ impl Motion {
         Some((time_s - self.path.as_ref()?.origin_s) as f32)
     }
 
-    /// Returns the oldest mark and its age, s, if that is at least [`TEACHING_AGE_S`].
+    /// Returns the oldest mark and its age, s, if the age is at least [`TEACHING_AGE_S`].
     fn oldest(&self, now_s: f32) -> Option<(&Mark, f32)> {
         let oldest = self.marks.front()?;
         let age_s = now_s - oldest.time_s;
         (age_s >= TEACHING_AGE_S as f32).then_some((oldest, age_s))
     }
 
-    /// Makes the epoch a mark if the last one is old enough. An epoch without contradiction then
-    /// also teaches the spread.
+    /// Makes the epoch a mark if the last mark is old enough. The spread then also learns from an
+    /// epoch without a contradiction.
     fn mark(&mut self, now_s: f32, now: &Discrepancy, is_teaching: bool) {
         if self.marks.back().is_some_and(|mark| now_s - mark.time_s < SPACING_S as f32) {
             return;

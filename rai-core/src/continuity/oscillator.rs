@@ -1,7 +1,7 @@
-//! Receiver clock against its own past, for receivers without range rates.
+//! Comparison of a receiver clock with its past, for receivers without range rates.
 //!
 //! ```text
-//! i = b_k − b_{k−1} − ḋ Δt, less whole milliseconds
+//! i = b_k − b_{k−1} − ḋ Δt, minus whole milliseconds
 //! ḋ ← ḋ + ½ i/Δt
 //! a leap     |i| > L_k + L_{k−1} + min(8 s, m)        Δt up to a minute
 //!            |i| > L_k + L_{k−1} + 30 m/s Δt          Δt up to 15 minutes
@@ -12,25 +12,26 @@
 //! |---|---|---|
 //! | `b` | receiver clock times the speed of light, of one constellation | m |
 //! | `ḋ` | drift, learned from the clock | m/s |
-//! | `i` | innovation: what the drift does not explain | m |
+//! | `i` | innovation: the change of the clock that the drift does not explain | m |
 //! | `L` | `HPL + VPL` of an epoch | m |
-//! | `s` | mean of `|i|` of the epochs so far, each counted as `3 s` at most | m |
+//! | `s` | mean of `|i|` over the epochs so far; each counts as at most `3 s` | m |
 //!
-//! A second receiver, a repeater and most counterfeit skies have another clock, farther away than
-//! an oscillator moves. A poor oscillator, or a receiver that steers its clock, widens its own
-//! bound; the limit `m` keeps what widens it by force from hiding a leap. Its second part is six
-//! times the random walk of an ordinary quartz (`h₋₂ = 2e-20/s`). Receivers shift their clocks by
-//! whole milliseconds on purpose.
+//! With a second receiver, a repeater or most counterfeit signals, the clock changes by more than
+//! an oscillator can. A poor oscillator, or a receiver that steers its clock, increases `s` and so
+//! its bound. The limit `m` prevents an attacker from increasing it until a leap passes. The second
+//! part of `m` is six times the random walk of an ordinary quartz (`h₋₂ = 2e-20/s`). Steps by whole
+//! milliseconds are ignored, because receivers make them on purpose.
 //!
-//! A leap begins anew at the new clock, so that it is one alert, and an agreement must follow it.
+//! After a leap the comparison begins anew at the new clock, so that one leap causes one alert. An
+//! agreement is then required.
 //!
-//! **Limits.** Nothing is compared before [`LEARNED`] innovations. A clock that is drawn off slowly
-//! teaches its drift, and is not noticed without range rates.
+//! **Limits.** Nothing is compared before [`LEARNED`] innovations. If an attack draws the clock off
+//! slowly, the drift follows, and nothing is detected without range rates.
 
 use crate::frame::SPEED_OF_LIGHT_M_S;
 use crate::numeric::sqrt;
 
-/// Longest step within which the learned drift holds, s.
+/// Longest step for which the learned drift is used, s.
 const LONGEST_STEP_S: f32 = 60.0;
 
 /// Longest gap across which a clock is compared, s.
@@ -39,23 +40,23 @@ const LONGEST_GAP_S: f32 = 900.0;
 /// Largest departure of a quartz from its last drift, m/s: 0.1 ppm.
 const WANDER_M_S: f32 = 30.0;
 
-/// Share of an innovation that changes the drift: the noise of a range is as large as the random
-/// walk of an ordinary oscillator in some seconds.
+/// Share of an innovation by which the drift changes. In some seconds, the random walk of an
+/// ordinary oscillator is as large as the noise of a range.
 const GAIN: f32 = 0.5;
 
-/// Number of innovations from which the spread is known.
+/// Number of innovations after which the spread is known.
 const LEARNED: u16 = 24;
 
-/// Number of innovations whose mean the spread becomes.
+/// Number of innovations over which the spread is averaged.
 const MEMORY: u16 = 120;
 
-/// Ratio of the largest innovation that teaches to the mean, dimensionless.
+/// Ratio to the mean at which a new innovation is cut off, dimensionless.
 const TEACHING_BOUND: f32 = 3.0;
 
 /// Ratio of the bound to the mean, dimensionless.
 const SPREADS: f32 = 8.0;
 
-/// Largest part of the bound that is learned, m, if the time between epochs is short.
+/// Largest learned part of the bound if the time between epochs is short, m.
 const MOST_LEARNED_M: f32 = 150.0;
 
 /// Six times the random walk of a quartz in one second, m.
@@ -72,13 +73,14 @@ struct Reading {
     level_m: f32,
 }
 
-/// The clock of a receiver, followed by itself.
+/// State of the comparison of a receiver clock with its past.
 #[derive(Clone, Debug)]
 pub(super) struct Oscillator {
     last: Option<Reading>,
     drift_m_s: Option<f32>,
-    /// Mean of the absolute innovations, m, and their number.
+    /// Mean of the absolute innovations, m.
     spread_m: f32,
+    /// Number of innovations, up to [`MEMORY`].
     count: u16,
 }
 
@@ -95,7 +97,7 @@ impl Oscillator {
         (self.last, self.drift_m_s) = (None, None);
     }
 
-    /// Returns true if a clock leaps from where its past leads. `level_m` is `HPL + VPL`.
+    /// Returns true if a clock leaps from the prediction by its past. `level_m` is `HPL + VPL`.
     #[inline(never)]
     pub(super) fn leaps(&mut self, time_s: f64, clock_m: f64, level_m: f32) -> bool {
         let Some(last) = self.last.replace(Reading { time_s, clock_m, level_m }) else { return false };
@@ -128,8 +130,8 @@ impl Oscillator {
         false
     }
 
-    /// Adds an innovation to the spread, m; before the spread is known, `most_m` at most. One that
-    /// is not finite teaches nothing.
+    /// Adds an innovation to the spread, m, unless it is infinite or NaN. Before the spread is
+    /// known, it counts as at most `most_m`.
     fn learn(&mut self, innovation_m: f32, most_m: f32) {
         let is_known = self.count >= LEARNED;
         let most_m = if is_known { TEACHING_BOUND * self.spread_m } else { most_m };
@@ -141,7 +143,7 @@ impl Oscillator {
     }
 }
 
-/// Returns a step of the clock less its whole milliseconds, m.
+/// Returns a step of the clock minus its whole milliseconds, m.
 fn within_a_millisecond(step_m: f64) -> f32 {
     let is_short = step_m.abs() <= 0.5 * MILLISECOND_M;
     (if is_short { step_m } else { step_m - whole_milliseconds_m(step_m) }) as f32

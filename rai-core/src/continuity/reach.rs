@@ -1,24 +1,26 @@
-//! Reach: can a receiver have moved from one position to another, and is it expected there?
+//! Reach: can a receiver have moved from one position to another, and can it be expected there?
 //!
 //! **After a silence** longer than the time to alert, the first position must be where the receiver
-//! can be expected: within `(1.5 u + 10 m/s) Δt` of the anchor, `u` the last speed. A position
-//! farther away must first agree for as long as the way to it takes at `v`: ten minutes of silence
-//! would otherwise make a place 300 km away good enough at once.
+//! can be expected. This is within `(1.5 u + 10 m/s) Δt` of the anchor, where `u` is the last
+//! speed. If a position is farther away, the epochs must first agree for as long as the way takes
+//! at the speed `v`. Otherwise, after ten minutes of silence, a position 300 km away would be
+//! protected at once.
 
 use crate::frame::Ecef;
 use crate::numeric::sqrt;
 use crate::report::ProtectionLevels;
 
-/// Speed that is expected of a receiver beyond its last one, m/s, and the factor on that.
+/// Expected speed of a receiver: a sum of the first number, m/s, and the last speed times the
+/// second, dimensionless.
 const EXPECTED_M_S: (f64, f64) = (10.0, 1.5);
 
-/// Speed that is expected of a receiver whose velocity was never known, m/s.
+/// Last speed of a receiver whose velocity was never known, m/s.
 const UNKNOWN_SPEED_M_S: f64 = 50.0;
 
 /// Largest variation of the delay from an epoch to the caller's clock, s.
 pub const DELAY_S: f64 = 1.0;
 
-/// Time of an epoch, by both clocks.
+/// Time of an epoch by its tag and, if there is one, by the caller's clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Instant {
     pub(super) epoch_s: f64,
@@ -26,7 +28,7 @@ pub(super) struct Instant {
 }
 
 impl Instant {
-    /// Returns the time since an earlier instant, s; 0 if it goes back.
+    /// Returns the time since an earlier instant, s; 0 if the time goes back.
     // Not inlined, so that its many callers share one copy.
     #[inline(never)]
     pub(super) fn since_s(self, earlier: Self) -> f64 {
@@ -48,8 +50,8 @@ pub(super) struct BoundedPosition {
 }
 
 impl BoundedPosition {
-    /// Returns true if a receiver can have moved from there to here. A NaN distance is beyond
-    /// reach.
+    /// Returns true if a receiver can have moved from `from` to this position. A NaN distance is
+    /// beyond reach.
     pub(super) fn is_within_reach_of(&self, from: &Self, max_speed_m_s: f64) -> bool {
         let way_m = max_speed_m_s * self.instant.since_s(from.instant);
         let climb_m = (self.height_m - from.height_m).abs();
@@ -63,9 +65,9 @@ impl BoundedPosition {
         across_m(self.position - from.position, 0.0)
     }
 
-    /// Returns how long this position must agree after a silence, s: 0 if the receiver is expected
-    /// here, otherwise the time of the way at the highest speed. `speed_m_s` is that at the earlier
-    /// position, if it is known.
+    /// Returns how long the epochs must agree after a silence, s: 0 if the receiver is expected
+    /// here, otherwise the time that the way takes at the highest speed. `speed_m_s` is the speed
+    /// at the earlier position, if it is known.
     pub(super) fn wait_s(&self, from: &Self, speed_m_s: Option<f64>, max_speed_m_s: f64) -> f64 {
         let speed_m_s = speed_m_s.unwrap_or(UNKNOWN_SPEED_M_S);
         let (beyond_m_s, factor) = EXPECTED_M_S;
@@ -73,13 +75,14 @@ impl BoundedPosition {
         if self.is_within_reach_of(from, expected_m_s) {
             return 0.0;
         }
-        // A highest speed of zero makes the wait infinite or NaN, which the age of an anchor ends.
+        // If the highest speed is zero, the wait is infinite or NaN. It ends when the anchor is
+        // forgotten.
         self.distance_m(from) / max_speed_m_s
     }
 }
 
-/// Returns the horizontal part of the way between two points, m. Metres suffice, because levels are
-/// no smaller.
+/// Returns the horizontal part of the way between two points, m. An accuracy of metres suffices,
+/// because levels are no smaller.
 fn across_m(way: Ecef, climb_m: f64) -> f64 {
     let [x, y, z, climb] = [way.x_m, way.y_m, way.z_m, climb_m].map(|length_m| length_m as f32);
     let squared = x * x + y * y + z * z - climb * climb;

@@ -1,4 +1,4 @@
-//! Tangent frame in single precision, for models of the air and for elevations.
+//! Tangent frame in single precision, for models of the atmosphere and for elevations.
 
 use nalgebra::Vector3;
 
@@ -7,8 +7,7 @@ use crate::numeric::absolute::{Absolute, Grid};
 
 /// The tangent frame at a point in single precision: axes to 3e-7, height to 1 cm.
 ///
-/// It suffices for models of the air and for elevations, and costs a tenth of a
-/// [`LocalFrame`](super::LocalFrame) on a processor that emulates doubles.
+/// On a processor that emulates doubles it costs a tenth of a [`LocalFrame`](super::LocalFrame).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LocalAxes {
@@ -18,7 +17,7 @@ pub struct LocalAxes {
 
 impl LocalAxes {
     /// Returns the axes at an earth-fixed point; see [`LocalFrame::at`](super::LocalFrame::at) for
-    /// points without one.
+    /// points without axes.
     pub fn at(point: Ecef) -> Self {
         let position = Vector3::new(point.x_m as f32, point.y_m as f32, point.z_m as f32);
         match Directions::at(&position) {
@@ -33,12 +32,12 @@ impl LocalAxes {
         [[axes.m11, axes.m12, axes.m13], [axes.m21, axes.m22, axes.m23], [axes.m31, axes.m32, axes.m33]]
     }
 
-    /// Returns height of the origin above the ellipsoid, m; unspecified beyond 100,000 km.
+    /// Returns the height of the origin above the ellipsoid, m; unspecified beyond 100,000 km.
     pub fn height_m(&self) -> f32 {
         self.height_m
     }
 
-    /// Returns sine of the origin's geodetic latitude.
+    /// Returns the sine of the origin's geodetic latitude.
     pub fn sin_latitude(&self) -> f32 {
         self.directions.sin_latitude
     }
@@ -50,14 +49,15 @@ impl LocalAxes {
     }
 }
 
-/// Returns the height above the ellipsoid, m, from the distance to the centre:
+/// Returns the height above the ellipsoid, m:
 ///
 /// ```text
 /// h = (R − r)(1 − 2 f² s² (1 − s²))      r = a/√(1 + e'² s²)      s = z/R
 /// ```
 ///
-/// `R − a` is exact before it is rounded, and `r − a` is a series, so that no digits are lost. The
-/// factor turns a height along the radius into one along the vertical.
+/// `R` is the distance to the centre, `r` that of the ellipsoid in the same direction, `e'` its
+/// second eccentricity. `R − a` is exact before rounding, and `r − a` is a series, so that no
+/// digits are lost. The factor converts a height along the radius to one along the vertical.
 fn height_m(point: Ecef) -> f32 {
     const SQUARED: f32 = (ECCENTRICITY_SQUARED / (1.0 - ECCENTRICITY_SQUARED)) as f32;
     const TURNED: f32 = (2.0 * FLATTENING * FLATTENING) as f32;

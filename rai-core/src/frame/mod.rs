@@ -1,4 +1,4 @@
-//! Coordinate frames. A coordinate's frame is its type; no other file knows WGS 84.
+//! Coordinate frames, one type for each. No other module depends on WGS 84.
 //!
 //! | type | axes | origin |
 //! |---|---|---|
@@ -6,7 +6,7 @@
 //! | [`Geodetic`] | latitude, longitude in radians, height in metres | ellipsoid |
 //! | [`Enu`] | east, north, up in metres (or a unit vector) | a [`LocalFrame`] |
 //!
-//! [`LocalFrame::rotate`] is the only way to an [`Enu`].
+//! Only [`LocalFrame::rotate`] converts to an [`Enu`].
 //!
 //! Assumes the WGS 84 ellipsoid; the ellipsoids of the other systems differ by less than 0.1 mm at
 //! the surface. References: [WGS84], [Bowring1985] for the latitude.
@@ -85,12 +85,12 @@ impl Ecef {
         Self { x_m, y_m, z_m }
     }
 
-    /// Returns distance from the centre of the earth, m.
+    /// Returns the distance from the centre of the earth, m.
     pub fn radius_m(self) -> f64 {
         libm::sqrt(self.x_m * self.x_m + self.y_m * self.y_m + self.z_m * self.z_m)
     }
 
-    /// Returns Straight-line distance to another point, m.
+    /// Returns the straight-line distance to another point, m.
     pub fn distance_m(self, other: Self) -> f64 {
         (other - self).radius_m()
     }
@@ -160,14 +160,14 @@ pub struct Enu {
 }
 
 impl Enu {
-    /// Returns length of the horizontal part, in the unit of the components.
+    /// Returns the length of the horizontal part, in the unit of the components.
     pub fn horizontal(self) -> f64 {
         libm::sqrt(self.east * self.east + self.north * self.north)
     }
 }
 
-/// The directions east, north and up at a point, by the sines and cosines of its geodetic latitude
-/// and longitude.
+/// The directions east, north and up at a point, stored as the sines and cosines of its geodetic
+/// latitude and longitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Directions<T> {
@@ -181,12 +181,12 @@ impl<T: Real> Directions<T> {
     /// Returns the directions at an earth-fixed point and its distance to the axis, m; see
     /// [`LocalFrame::at`].
     ///
-    /// `None` if no direction is up.
+    /// Returns `None` near the centre of the earth, where up is undefined.
     // Not inlined, so that its callers share one copy.
     #[inline(never)]
     fn at(point: &Vector3<T>) -> Option<(Self, T)> {
         let radius = dot(point, point).sqrt_approx();
-        // NaN and infinity leave here too, because they are within no bounds.
+        // NaN and infinity also return here, because they are not within the bounds.
         if !(radius >= T::narrow(1e3) && radius <= T::narrow(1e15)) {
             return None;
         }
@@ -231,10 +231,10 @@ pub struct LocalFrame {
 impl LocalFrame {
     /// Returns the frame at an earth-fixed point.
     ///
-    /// Latitude by one step of [Bowring1985] (error below 1e-11 rad from the ground to 30,000 km),
-    /// with square roots only, no trigonometric function. On the earth's axis the longitude is 0.
-    /// Within 1 km of the centre no direction is up, so that the frame is that of latitude 0,
-    /// longitude 0.
+    /// The latitude comes from one step of [Bowring1985] (error below 1e-11 rad from the ground to
+    /// 30,000 km). It needs square roots but no trigonometric function. On the earth's axis the
+    /// longitude is 0. Within 1 km of the centre, where up is undefined, the frame is that of
+    /// latitude 0, longitude 0.
     ///
     /// [Bowring1985]: crate#references
     pub fn at(point: Ecef) -> Self {
@@ -258,12 +258,12 @@ impl LocalFrame {
         }
     }
 
-    /// Returns height of the origin above the ellipsoid, m.
+    /// Returns the height of the origin above the ellipsoid, m.
     pub fn height_m(&self) -> f64 {
         self.height_m
     }
 
-    /// Returns sine of the origin's geodetic latitude.
+    /// Returns the sine of the origin's geodetic latitude.
     #[cfg(feature = "unstable")]
     pub fn sin_latitude(&self) -> f64 {
         self.directions.sin_latitude
@@ -292,8 +292,8 @@ impl LocalFrame {
     }
 }
 
-/// Returns the sine and cosine of the geodetic latitude, from the distance to the axis, the height
-/// over the equator and the distance to the centre, m.
+/// Returns the sine and cosine of the geodetic latitude. The arguments are the distances to the
+/// axis, to the equatorial plane (northwards) and to the centre, m.
 fn latitude<T: Real>(axial: T, z: T, radius: T) -> (T, T) {
     const SECOND_ECCENTRICITY_SQUARED: f64 = ECCENTRICITY_SQUARED / (1.0 - ECCENTRICITY_SQUARED);
     let [semi_major, semi_minor] = [SEMI_MAJOR_AXIS_M, SEMI_MINOR_AXIS_M].map(T::narrow);
@@ -320,10 +320,10 @@ pub(crate) struct LineOfSight<T: Real> {
     pub(crate) direction: Vector3<T>,
 }
 
-/// A receiver's position in a scalar for directions.
+/// A receiver's position and axes, in the scalar for directions.
 ///
-/// A range must be right to a millimetre in 26,000 km ([`Absolute`]). A direction that is right to
-/// 1e-7 moves no residual, nor do the 40 m of the earth's rotation with as many digits.
+/// A range must be accurate to a millimetre in 26,000 km ([`Absolute`]). Single precision, accurate
+/// to 1e-7, suffices for directions and for the 40 m of the earth's rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LinearisationPoint<T: Real> {
     point: Ecef,
@@ -358,10 +358,10 @@ impl<T: Real> LinearisationPoint<T> {
 
     /// Returns the line of sight to a satellite that sent its signal from `satellite`.
     ///
-    /// The satellite's coordinates are those of the earth-fixed frame at transmission. While the
-    /// signal travels, the earth turns; to first order in the angle this adds
-    /// `ω/c (x_s y_r − y_s x_r)` to the range (second order: 0.3 mm). The difference of the
-    /// positions gives the same product as the satellite's position.
+    /// The satellite's coordinates are in the earth-fixed frame at transmission. While the signal
+    /// travels, the earth turns. To first order in the angle this adds `ω/c (x_s y_r − y_s x_r)` to
+    /// the range (second order: 0.3 mm). The code uses `s − r` in place of `s`, which gives the
+    /// same product.
     pub(crate) fn sight(&self, satellite: Ecef) -> LineOfSight<T> {
         let [x, y, z] = coordinates::<T>(satellite);
         let [here_x, here_y, here_z] = self.place;

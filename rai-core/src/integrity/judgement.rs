@@ -20,9 +20,9 @@ pub struct Test<T> {
 /// The test without the clock forecast and the known height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WithoutAiding<T> {
-    /// Neither takes part.
+    /// Neither of them takes part in the solution.
     Always,
-    /// The satellites cannot be tested without them.
+    /// Without them the satellites cannot be tested.
     Untested,
     /// The test of the satellites alone.
     Tested(Test<T>),
@@ -48,7 +48,7 @@ pub struct Judgement<T> {
 }
 
 impl<T: Real> Judgement<T> {
-    /// Returns the protection levels: the larger of those with and without the forecast.
+    /// Returns the protection levels: the larger of those with and without the aiding rows.
     pub fn levels(&self) -> Option<ProtectionLevels> {
         let levels = self.test.ok()?.levels;
         Some(match &self.without_aiding {

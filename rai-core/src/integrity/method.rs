@@ -20,27 +20,28 @@ use super::raim::isolation::parity;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Method {
-    /// Every set of one row, then of two, then of three, within [`super::AUTOMATIC_SETS`]; beyond,
-    /// the largest w-test.
+    /// Compares every set of one row, then of two, then of three. If these are more than
+    /// [`super::AUTOMATIC_SETS`], it works like [`Self::Baarda`].
     Auto,
-    /// The largest w-test, repeatedly.
+    /// Leaves out the row with the largest w-test, repeatedly.
     Baarda,
     /// Searches in parity space. Needs the feature `searches`.
     Parity(parity::Isolation),
-    /// Consensus of disjoint subsets. Needs the feature `searches`.
+    /// Consensus of disjoint subsets of the satellites. Needs the feature `searches`.
     Ransac,
     /// Solution separation over all monitored fault modes: ARAIM. Needs the feature `araim`.
     Araim,
 }
 
 impl Method {
-    /// Returns true if a clock forecast or a known height may take a row: ARAIM has no fault mode
-    /// for them.
+    /// Returns true if a clock forecast or a known height may be a row. ARAIM has no fault mode for
+    /// them.
     pub fn allows_aiding(self) -> bool {
         !self.uses_ism()
     }
 
-    /// Returns true if sigmas are those of an integrity support message, and not the expected ones.
+    /// Returns true if the sigmas come from an integrity support message instead of the error
+    /// model.
     pub(crate) fn uses_ism(self) -> bool {
         self == Self::Araim
     }

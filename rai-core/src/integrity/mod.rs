@@ -5,23 +5,22 @@
 //! fix ─► test ─► (search, leave out, test again) ─► is it the only explanation? ─► judgement
 //! ```
 //!
-//! Within this module, [`judge`] and its search are the only places that distinguish one [`Method`]
-//! from another. Outside, the method also decides on aiding rows and sigmas. A [`Judgement`] is the
-//! method's result; the monitor derives the verdict from it ([`crate::monitor`]).
+//! Within this module, only [`judge`] and its search distinguish one [`Method`] from another.
+//! Outside, the method also decides on aiding rows and sigmas. The result is a [`Judgement`], from
+//! which the monitor derives the verdict ([`crate::monitor`]).
 //!
 //! **A clock forecast or a known height as one more row** adds redundancy, so that four satellites
-//! can be tested. But a forecast comes from earlier epochs and is not independent of the receiver,
-//! and a stated height may be wrong for as long as somebody states it. If the satellites can be
-//! tested without these rows, the tests with and without them must both pass, and the larger
-//! protection levels are reported.
+//! can be tested. But a forecast comes from earlier epochs of the same receiver, and a known height
+//! may be wrong in every epoch. If the satellites can be tested without these rows, the tests with
+//! and without them must both pass. The larger protection levels are then reported.
 //!
-//! Such a row is a row like any other. It takes a degree of freedom and is a candidate of every
-//! search, and its slope enters the levels. With `h = (0, 0, 1)`, `w = 1/σ_h²` and the covariance
-//! `P` of the position with the height, it has the redundancy `r = 1 − w P_UU`, the gain `g = P h`
-//! and the slopes `√(w/r) √(P_EU² + P_NU²)` and `√(w/r) P_UU`. The levels therefore bound an error
-//! of the height of any size that the test misses, as they bound that of a satellite, but not
-//! errors of both at once. Before any method searches, the row alone is left out if the test then
-//! passes and no exclusion of a satellite fits nearly as well.
+//! Such a row is treated like a satellite's. It adds a degree of freedom, every search may leave it
+//! out, and its slope enters the levels. The row of a height has `h = (0, 0, 1)` and `w = 1/σ_h²`.
+//! With the covariance `P` of the position, height included, its redundancy is `r = 1 − w P_UU` and
+//! its gain `g = P h`. Its slopes are `√(w/r) √(P_EU² + P_NU²)` and `√(w/r) P_UU`. The levels
+//! therefore bound the effect of a height error of any size that the test misses. They do not bound
+//! an error of the height and of a satellite at once. Before any method searches, the row alone is
+//! left out if the test then passes and no exclusion of a satellite fits nearly as well.
 
 pub mod araim;
 mod judgement;
@@ -83,7 +82,7 @@ pub struct Criteria<'c, T> {
 pub struct MethodScratch<T: Real> {
     /// Subsets of [`Method::Ransac`].
     pub subsets: ransac::Subsets,
-    /// Made at the first use, so that this large value is made in place and not on the stack first.
+    /// Initialised at the first use, in place, because the value is large for the stack.
     #[cfg(feature = "araim")]
     araim: Option<araim::AraimScratch<T>>,
     #[cfg(not(feature = "araim"))]
@@ -110,7 +109,7 @@ impl<T: Real> MethodScratch<T> {
         }
     }
 
-    // Not inlined, so that the stack of the initialisation is free during the judging.
+    // Not inlined, so that the stack of the initialisation is free during [`judge`].
     #[cfg(feature = "araim")]
     #[inline(never)]
     fn araim(&mut self) -> &mut araim::AraimScratch<T> {
@@ -141,7 +140,7 @@ impl<T: Real> Criteria<'_, T> {
 ///
 /// `forecast` is the row of a predicted clock, if there is one. A caller that knows orbits passes
 /// `rates`, which distinguish wrong time tags from faulty satellites
-/// ([`raim::hypotheses::time_tag`]). `solution` ends as the solution without the rows of
+/// ([`raim::hypotheses::time_tag`]). Afterwards, `solution` is solved without the rows of
 /// [`Judgement::excluded`].
 pub fn judge<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -159,7 +158,7 @@ pub fn judge<T: Real>(
     judge_by_residuals(solution, epoch, forecast, criteria, search, rates, &mut scratch.subsets)
 }
 
-// Not inlined, because ARAIM has the deepest stack of all and needs nothing of this frame.
+// Not inlined, because ARAIM has the deepest stack and does not need this frame.
 #[inline(never)]
 fn judge_by_residuals<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -175,8 +174,8 @@ fn judge_by_residuals<T: Real>(
     let mut test = criteria.test(solution.snapshot(), epoch.shared());
     let mut exclusion = Exclusion::passed();
     let mut searched = false;
-    // With τ1 under every policy, because a wrong time may move the position more than the fault of
-    // a satellite that the policy tolerates.
+    // The time test uses `τ1` under every policy: a wrong time may move the position farther than
+    // the satellite faults that a policy tolerates.
     let is_odd = test.is_ok() && is_suspicious(solution.snapshot(), &criteria.thresholds);
     if test.as_ref().is_ok_and(|test| test.detection.fault()) {
         let jump = aiding().find_map(|row| jump(solution, row, &criteria.thresholds));
@@ -200,7 +199,7 @@ fn judge_by_residuals<T: Real>(
             exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::Ambiguous);
         }
     }
-    // After a rough search, a result with exclusions is checked at the next point, which is better.
+    // After a rough search, a result with exclusions is checked at the next, more accurate point.
     let is_asked = search != Search::Rough || exclusion.outcome == ExclusionOutcome::Passed;
     let is_good = test.is_ok() && !matches!(exclusion.outcome, ExclusionOutcome::NotIsolated(_));
     if is_asked && is_good && constellation_shift::shows(solution.snapshot(), &criteria.thresholds) {
@@ -246,7 +245,7 @@ fn judge_by_residuals<T: Real>(
     judgement
 }
 
-/// Returns the row of a known height, which stands behind the satellites and touches no clock.
+/// Returns the row of a known height. It comes after the satellites and depends on no clock.
 pub(crate) fn height_row<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Option<usize> {
     if !cfg!(feature = "aiding") {
         return None;
@@ -256,7 +255,7 @@ pub(crate) fn height_row<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<
     Some(satellites + behind.iter().position(|row| row.clock.is_none())?)
 }
 
-/// Tests a solution without its aiding rows; the solution ends as it began.
+/// Tests a solution without its aiding rows, and then restores them.
 #[inline(never)]
 fn without_aids<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -274,7 +273,7 @@ fn without_aids<T: Real>(
         return WithoutAiding::Untested;
     }
     let test = criteria.test(solution.snapshot(), epoch.shared());
-    // This cannot fail, because the solution with these rows existed before.
+    // This cannot fail, because these rows were solved before.
     let _ = solution.take_back(&taking_part);
     test.map_or(WithoutAiding::Untested, WithoutAiding::Tested)
 }

@@ -19,12 +19,13 @@ use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::SatelliteId;
 
-/// Most sets that [`Method::Auto`] compares: all of up to three of 40 rows, some 0.9 million
-/// instructions in `f32` on a Cortex-M4F. Beyond, the largest w-test costs a hundredth.
+/// Largest number of sets that [`Method::Auto`] compares: all sets of up to three of 40 rows, some
+/// 0.9 million instructions in `f32` on a Cortex-M4F. If there are more sets, sequential exclusion
+/// by w-test is used, at a hundredth of the cost.
 pub const AUTOMATIC_SETS: usize = parity::MAX_SETS;
 
-/// Sum of squares of a gross fault: ten thousand sigmas, some tens of kilometres. If it moves the
-/// position by `d`, the linearised ranges are off by `d²/2ρ`, metres.
+/// SSE above which a fault is gross: ten thousand sigmas, some tens of kilometres. If such a fault
+/// moves the position by `d`, the linearised ranges are wrong by `d²/2ρ`, which is metres.
 const GROSS_SSE: f64 = 1e8;
 
 /// Permitted search after a detected fault.
@@ -34,8 +35,8 @@ pub enum Search<'s> {
     Anew,
     /// Search about an inaccurate point and accept the result provisionally.
     ///
-    /// The separability check, as expensive as the search, runs from a better point, where the
-    /// satellites are [`Self::Known`].
+    /// The separability check is as expensive as the search. It therefore runs only at a better
+    /// point, where the satellites are [`Self::Known`].
     Rough,
     /// Leave out the satellites that a search about another point found, and search for no others.
     Known(&'s [SatelliteId]),
@@ -43,8 +44,8 @@ pub enum Search<'s> {
 
 /// Searches for the faulty satellites and leaves them out.
 ///
-/// A separate function, as are its branches, so that an epoch without a fault does not pay for the
-/// stack of the searches, and each search only for its own.
+/// Neither this function nor its branches are inlined. An epoch without a fault thus needs no stack
+/// for a search, and each search only its own.
 #[inline(never)]
 pub(super) fn isolate<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -58,16 +59,16 @@ pub(super) fn isolate<T: Real>(
         let listed = epoch.observations().iter().enumerate();
         let equations = solution.snapshot().equations();
         let takes_part = |index: usize| equations.get(index).is_some_and(|row| row.weight > T::zero());
-        // A system that is kept out has no rows to leave out.
+        // The rows of a system that is kept out are left out already.
         let known = listed
             .filter(|(index, observation)| satellites.contains(&observation.satellite) && takes_part(*index));
         let rows: Vec<usize, MAX_EXCLUDED> = gather(known.map(|(index, _)| index));
         return leave_out(solution, &rows, thresholds);
     }
     if solution.snapshot().sse() > T::narrow(GROSS_SSE) {
-        // A gross fault distorts the linearised comparison of sets, beyond recognition at one
-        // millisecond. Leaving out the worst row and solving again about another point is robust
-        // against it.
+        // A gross fault distorts the linearised comparison of sets; a range error of one
+        // millisecond (300 km) makes it useless. Leaving out the worst row and solving again about
+        // another point avoids this.
         return exclude_sequentially(solution, thresholds);
     }
     match criteria.method {
@@ -78,16 +79,17 @@ pub(super) fn isolate<T: Real>(
         }
         #[cfg(feature = "searches")]
         Method::Ransac => ransac::exclude_in(solution, epoch, thresholds, subsets),
-        // A monitor refuses them.
+        // [`Method::built_in`] refuses these methods before.
         #[cfg(not(feature = "searches"))]
         Method::Parity(_) | Method::Ransac => Exclusion::not_isolated(Unidentified::NoSet),
-        // ARAIM excludes by its own tests.
+        // Only `Baarda` gets here: `judge` handles ARAIM, and a build without it refuses the
+        // method.
         Method::Baarda | Method::Araim => exclude_sequentially(solution, thresholds),
     }
 }
 
-/// Isolates by every set if sets can be distinguished at all, or by the largest w-test if they are
-/// too many.
+/// Compares every set of up to `dof/2` rows, the most that can be identified. If these are too
+/// many, excludes sequentially by w-test.
 fn isolate_within_budget<T: Real>(
     solution: &mut impl Excludable<T>,
     thresholds: &Thresholds<'_>,
@@ -100,11 +102,11 @@ fn isolate_within_budget<T: Real>(
     parity::exclude(parity::Isolation::Grouping, solution, thresholds, &limits)
 }
 
-/// Returns the exclusion of an aiding row alone, if it explains everything and no satellite does
-/// nearly as well.
+/// Returns the exclusion of an aiding row alone, if the rest then passes and no exclusion of a
+/// satellite explains nearly as much.
 ///
-/// This comes before any method: a jump of a millisecond shows in every satellite's test, and
-/// methods that leave out all rows that correlate with the worst would leave out healthy ones.
+/// It is tried before any method: a clock jump of a millisecond shows in every satellite's test. A
+/// method that leaves out all rows that correlate with the worst would then leave out healthy ones.
 pub(super) fn jump<T: Real>(
     solution: &mut impl Excludable<T>,
     row: usize,
@@ -117,7 +119,7 @@ pub(super) fn jump<T: Real>(
     if Detection::passes(solution.snapshot(), thresholds) && separable(solution, &jump, thresholds) {
         return Some(jump);
     }
-    // These rows determined a position a moment ago.
+    // This cannot fail, because these rows were solved before.
     let _ = solution.take_back(&[row]);
     None
 }

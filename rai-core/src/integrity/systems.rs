@@ -1,8 +1,8 @@
-//! Whole systems that are left out: one that is found broken, and those that are kept out because
-//! they were found broken again and again.
+//! Systems that are left out as a whole: one that is found broken in this epoch, and those that are
+//! kept out because of earlier epochs.
 //!
-//! Levels are those of the remaining satellites. They bound one more faulty satellite among these,
-//! as after any other exclusion.
+//! The levels are those of the remaining satellites. They bound the effect of one more faulty
+//! satellite among these, as after any other exclusion.
 
 use heapless::Vec;
 
@@ -21,9 +21,10 @@ use crate::least_squares::{Excludable, RowFit, Snapshot};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 
-/// Leaves out the one system without which all others agree, if no few satellites explain a fault.
+/// Leaves out the one system without which all others agree. Called if no exclusion of single
+/// satellites explains a fault.
 ///
-/// Otherwise judgement and solution stay as they are.
+/// If there is no such system, judgement and solution do not change.
 #[cold]
 #[inline(never)]
 pub(super) fn leave_out_broken<T: Real>(
@@ -41,7 +42,7 @@ pub(super) fn leave_out_broken<T: Real>(
     let found = broken_system::find(solution, epoch.observations().len(), &criteria.thresholds);
     let found = found.filter(|found| !is_of_time(solution, epoch, found, criteria, rates));
     let Some(found) = found.filter(|found| solution.leave_out_all(found.rows).is_ok()) else {
-        // These rows were left out a moment ago.
+        // This cannot fail, because these rows were left out before.
         let _ = solution.set_aside(&before);
         return;
     };
@@ -79,9 +80,9 @@ fn is_of_time<T: Real>(
 pub(crate) struct KeptOut {
     /// The systems, a bit for each id.
     systems: u8,
-    /// Their rows.
+    /// Bit set of their rows.
     rows: u64,
-    /// True if all satellites would agree with them.
+    /// True if all satellites agree, those of these systems included.
     pub(crate) agrees: bool,
 }
 
@@ -89,9 +90,9 @@ impl KeptOut {
     /// No system is kept out.
     pub(crate) const NONE: Self = Self { systems: 0, rows: 0, agrees: false };
 
-    /// Leaves out the satellites of systems, a bit for each id.
+    /// Leaves out the satellites of `systems`, a bit for each id.
     ///
-    /// If the others determine no position, all satellites stay.
+    /// If the others determine no position, no satellite is left out.
     #[cold]
     #[inline(never)]
     pub(crate) fn of<T: Real>(
@@ -113,7 +114,7 @@ impl KeptOut {
         }
     }
 
-    /// Names the systems in a judgement of the others.
+    /// Lists the systems in a judgement of the others.
     pub(crate) fn describe<T: Real>(self, judgement: &mut Judgement<T>) {
         if self.rows != 0 {
             judgement.name_system(self.systems, self.rows);
@@ -122,7 +123,7 @@ impl KeptOut {
 }
 
 impl<T: Real> Judgement<T> {
-    /// Iterates over the satellites that were left out for themselves, and not with their system.
+    /// Iterates over the satellites that were left out one by one, not with their system.
     ///
     /// `satellites` is the number of rows that are satellites.
     pub(crate) fn single_exclusions<'j>(
@@ -135,7 +136,7 @@ impl<T: Real> Judgement<T> {
         rows.filter(|(row, _)| row.clock.is_none_or(|system| self.lost_systems >> (system as u8) & 1 == 0))
     }
 
-    /// Adds systems, a bit for each id, and as many of their rows as there is room for.
+    /// Adds systems, a bit for each id, and as many of their rows as there is capacity for.
     fn name_system(&mut self, systems: u8, rows: u64) {
         self.lost_systems |= systems;
         for index in members(rows) {

@@ -1,4 +1,4 @@
-//! Misfit that a distance causes: linearised ranges about a point are wrong far away from it.
+//! Misfit by curvature: far away from their linearisation point, linearised ranges are wrong.
 //!
 //! ```text
 //! SSE ≤ noise + 32 Σw (d²/2ρ)²
@@ -7,14 +7,15 @@
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | `SSE` | weighted sum of squares about the present point | – |
-//! | `noise` | bound of what the noise of the ranges contributes | – |
+//! | `noise` | upper bound on the contribution of noise to `SSE` | – |
 //! | `w` | weights of the rows | m⁻² |
 //! | `d` | correction from the present point | m |
 //! | `ρ` | distance of the nearest satellite | m |
 //!
-//! If rows agree about a point at a distance `D`, their ranges are off by `D²/2ρ` at most about the
-//! present point, and `D` is at most `2d`. This gives `SSE ≤ 16 Σw (d²/2ρ)²` and the noise. A
-//! larger SSE proves that the rows contradict each other everywhere.
+//! Suppose that the rows agree about another point, at a distance `D`. Linearised about the present
+//! point, their ranges are then wrong by at most `D²/2ρ`, and `D` is at most `2d`. This gives
+//! `SSE ≤ 16 Σw (d²/2ρ)²` plus noise; the equation allows twice as much. A larger SSE proves that
+//! the rows contradict each other everywhere.
 
 use nalgebra::Vector3;
 
@@ -29,6 +30,6 @@ const NEAREST_M: f64 = 1.9e7;
 pub(crate) fn may_explain<T: Real>(sse: T, noise: f64, rows: &[Row<T>], correction_m: &Vector3<T>) -> bool {
     let weights = rows.iter().fold(T::zero(), |sum, row| sum + row.weight);
     let bent_m = dot(correction_m, correction_m) * T::narrow(0.5 / NEAREST_M);
-    // NaN fails this comparison, so that they may agree.
+    // NaN fails this comparison and returns true.
     !(sse > T::narrow(noise) + T::narrow(32.0) * weights * bent_m * bent_m)
 }

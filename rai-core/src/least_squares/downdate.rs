@@ -1,45 +1,46 @@
-//! Downdate: the solution of a snapshot without a set of rows, by algebra.
+//! Downdate: the solution of a snapshot without a set of rows, derived from the solution with all
+//! rows.
 //!
-//! With sigma-normalised residuals `r_i = √w_i v_i`, gains `A_i = √w_i g_i`, and the block `S_EE`
-//! of the projection matrix that belongs to the set `E`,
+//! Let `u_i = √w_i v_i` be the normalised residuals and `A_i = √w_i g_i` the gains. `S_EE` is the
+//! block of the projection matrix that belongs to the set `E`. Then
 //!
 //! ```text
 //! S_ij  = δ_ij − (√w_i d_i)·(√w_j g_j) − [c_i = c_j] √(w_i/W_c) √(w_j/W_c)
-//! SSE_E = SSE − r_Eᵀ S_EE⁻¹ r_E        dof_E = dof − |E|
-//! x_E   = x − A_E S_EE⁻¹ r_E           P_E   = P + A_E S_EE⁻¹ A_Eᵀ
-//! r'_i  = r_i − S_iE S_EE⁻¹ r_E        (residual of a row that stays)
+//! SSE_E = SSE − u_Eᵀ S_EE⁻¹ u_E        dof_E = dof − |E|
+//! x_E   = x − A_E S_EE⁻¹ u_E           P_E   = P + A_E S_EE⁻¹ A_Eᵀ
+//! u'_i  = u_i − S_iE S_EE⁻¹ u_E        (residual of a row that stays)
 //! ```
 //!
-//! A set grows row by row. With `s = S_Ek`, `u = S_EE⁻¹ s`, the redundancy `p = S_kk − s·u` that
-//! row `k` keeps and its residual `q = r_k − r_E·u` without `E`,
+//! A set grows row by row. Let `s = S_Ek` and `m = S_EE⁻¹ s`. Without `E`, row `k` has the
+//! redundancy `p = S_kk − s·m` and the residual `q = u_k − u_E·m`. Then
 //!
 //! ```text
-//! S_E'E'⁻¹ = S_EE⁻¹ + t tᵀ / p,   t = (u, −1)        explained' = explained + q²/p
+//! S_E'E'⁻¹ = S_EE⁻¹ + t tᵀ / p,   t = (m, −1)        explained' = explained + q²/p
 //! ```
 //!
-//! so that one row costs a division, and the squared w-test of `k` without `E` is `q²/p`.
+//! Each row thus costs one division, and the squared w-test of `k` without `E` is `q²/p`.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `r_i` | [`NormalisedRow::residual`] | – |
+//! | `u_i` | [`NormalisedRow::residual`] | – |
 //! | `S_ii` | [`NormalisedRow::redundancy`] | – |
-//! | `r_Eᵀ S_EE⁻¹ r_E` | [`ExclusionSet::explained`] | – |
+//! | `u_Eᵀ S_EE⁻¹ u_E` | [`ExclusionSet::explained`] | – |
 //! | `x_E`, `P_E` | [`ExclusionSet::correction`], [`ExclusionSet::covariance`] | m, m² |
 //!
-//! A set is refused if the smallest eigenvalue of `S_EE` is below [`Real::UNTESTABLE`], because its
-//! rows then cannot be distinguished or are needed for a position. A set that empties a
-//! constellation is such a set.
+//! A set is refused if the smallest eigenvalue of `S_EE` is below [`Real::UNTESTABLE`]: its rows
+//! then cannot be distinguished, or are needed for a position. This includes every set that empties
+//! a constellation.
 //!
-//! A search over pairs with the same third row `k` projects `k` out of all other rows first: with
-//! `a_i = S_ik/√S_kk` each row keeps the residual `r_i − a_i r_k/√S_kk` and the products
-//! `S_ij − a_i a_j` (`ReducedRow::without`).
+//! A search over pairs with the same third row `k` first projects `k` out of all other rows
+//! (`ReducedRow::without`). With `a_i = S_ik/√S_kk` each row then has the residual
+//! `u_i − a_i u_k/√S_kk` and the products `S_ij − a_i a_j`.
 //!
-//! In parity space `S_ij = p_i·p_j` and `r_i = p·p_i`, so that the rows here are the parity vectors
-//! up to a rotation that no test sees. No n×n matrix is stored. Each row costs 48 bytes in `f32`,
-//! another 16 while triples are compared, and about 10 instructions for each `S_ij`.
+//! In parity space `S_ij = p_i·p_j` and `u_i = p·p_i`. The rows here therefore represent the parity
+//! vectors, up to a rotation that changes no test. No n×n matrix is stored. Each row takes 48 bytes
+//! in `f32`, and another 16 while triples are compared. Each `S_ij` takes about 10 instructions.
 //!
-//! The algebra is linear: if the fix was linearised elsewhere, solve again without the set before
-//! the position is used.
+//! A downdate keeps the linearisation point. If it is far from the new position, solve again
+//! without the set before the position is used.
 
 use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};
@@ -53,12 +54,12 @@ use crate::numeric::space::{
 };
 use crate::report::MAX_EXCLUDED;
 
-/// A row in units of its sigma, with the terms that its products with other rows need.
+/// A row in units of its sigma, with the terms for its products with other rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalisedRow<T: Real> {
     /// Index in the epoch.
     pub index: usize,
-    /// `r_i`, dimensionless.
+    /// `u_i`, dimensionless.
     pub residual: T,
     /// `S_ii`, dimensionless.
     pub redundancy: T,
@@ -68,15 +69,15 @@ pub struct NormalisedRow<T: Real> {
     root: T,
 }
 
-/// Terms of a row that its products with many others need.
+/// Terms of a row for its products with many others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct CouplingTerms<T: Real> {
     /// `√w_i d_i`.
     design: Vector3<T>,
-    /// `1/(σ_i W_c)`; times the root of another row's weight it is the term that two rows share by
-    /// their clock. 0 without a clock.
+    /// `1/(σ_i W_c)`. Multiplied by `√w_j` of another row of the clock, it is the clock term of
+    /// `S_ij`. 0 without a clock.
     level: T,
-    /// Number of its clock, or [`NO_CLOCK`], so that one comparison of bytes suffices.
+    /// Number of its clock, or [`NO_CLOCK`]. Comparing two rows thus takes one comparison of bytes.
     clock: u8,
 }
 
@@ -84,7 +85,7 @@ struct CouplingTerms<T: Real> {
 const NO_CLOCK: u8 = u8::MAX;
 
 impl<T: Real> CouplingTerms<T> {
-    /// Returns `S_ij` of two rows, less the product `a_i a_j` of a row that was projected out.
+    /// Returns `S_ij` of two rows, minus the product `a_i a_j` for a row that was projected out.
     fn coupling(&self, other: &NormalisedRow<T>, projected: T) -> T {
         let shared =
             if self.clock == other.coupling_terms.clock { self.level * other.root } else { T::zero() };
@@ -124,9 +125,9 @@ impl<T: Real> NormalisedRow<T> {
     }
 }
 
-/// A row beside a set under comparison: as in the snapshot, or with another row projected out.
+/// A row in the comparison of sets: as in the snapshot, or with another row projected out.
 ///
-/// It stores only what differs from the row, because there are as many as rows.
+/// It stores only the differences to the row, because there is one for each row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReducedRow<'r, T: Real> {
     row: &'r NormalisedRow<T>,
@@ -136,7 +137,7 @@ pub(crate) struct ReducedRow<'r, T: Real> {
     projected: T,
 }
 
-/// Capacity for one reduced row per row.
+/// One reduced row for each row.
 pub(crate) type ReducedRows<'r, T> = Vec<ReducedRow<'r, T>, MAX_ROWS>;
 
 impl<'r, T: Real> ReducedRow<'r, T> {
@@ -147,7 +148,7 @@ impl<'r, T: Real> ReducedRow<'r, T> {
 
     /// Returns the row with another row projected out.
     ///
-    /// `root` is the square root of the other row's redundancy, taken once for all rows.
+    /// `root` is the square root of the other row's redundancy, computed once for all rows.
     pub(crate) fn without(row: &'r NormalisedRow<T>, gone: &NormalisedRow<T>, root: T) -> Self {
         let projected = gone.projection(row) / root;
         Self {
@@ -158,16 +159,17 @@ impl<'r, T: Real> ReducedRow<'r, T> {
         }
     }
 
-    /// Returns the row beside a column of the design that is estimated with the position.
+    /// Returns the row with one more column of the design projected out, which is estimated
+    /// together with the position.
     ///
-    /// `projected` is the column's product with the row in parity space, `residual` the column's
-    /// own residual.
+    /// `projected` is the column's product with the row in parity space, `residual` that with the
+    /// parity vector.
     pub(crate) fn beside(row: &'r NormalisedRow<T>, projected: T, residual: T) -> Self {
         let redundancy = row.redundancy - projected * projected;
         Self { row, residual: row.residual - projected * residual, redundancy, projected }
     }
 
-    /// Returns index in the epoch.
+    /// Returns the index in the epoch.
     pub(crate) fn index(&self) -> usize {
         self.row.index
     }
@@ -183,24 +185,24 @@ impl<'r, T: Real> ReducedRow<'r, T> {
     }
 }
 
-/// The first row of a pair, with the terms that are the same for all second rows. Passed by value,
-/// so that it stays in registers.
+/// The first row of a pair, with the terms that are the same for all second rows. It is passed by
+/// value, so that it stays in registers.
 pub(crate) struct PairCandidate<T: Real> {
     coupling_terms: CouplingTerms<T>,
     /// `a_i`.
     projected: T,
-    /// Decrease of SSE without this row and those before it.
+    /// Decrease of SSE without this row and the earlier rows of the set.
     explained: T,
-    /// Decrease by which another row surely does not reach the bar.
+    /// Further decrease that a second row must reach for the set to reach the bar, minus rounding.
     lacking: T,
     /// `1/S_ii`.
     share: T,
-    /// `r_i/S_ii`.
+    /// `u_i/S_ii`.
     bias: T,
 }
 
 impl<T: Real> PairCandidate<T> {
-    /// Returns the terms of a row beside rows that explain `explained` already.
+    /// Returns the terms of a row in a set whose earlier rows explain `explained`.
     pub(crate) fn new(explained: T, standing: &ReducedRow<'_, T>) -> Self {
         let share = standing.redundancy.recip();
         Self {
@@ -215,19 +217,19 @@ impl<T: Real> PairCandidate<T> {
 
     /// Sets the decrease of SSE that a set must reach.
     pub(crate) fn set_bar(&mut self, bar: T) {
-        // Less by more than all roundings of the comparison.
+        // The margin exceeds all roundings of the comparison.
         let rounding = T::narrow(4.0) * T::default_epsilon() * bar;
         self.lacking = bar - self.explained - rounding;
     }
 
-    /// Returns the decrease of SSE without this row, those before it and another one: the squared
-    /// w-test of each, one after the other. `None` if it is surely below the bar, which a product
-    /// finds out for nearly all sets, without a division.
+    /// Returns the decrease of SSE without the earlier rows, this row and another one. Returns
+    /// `None` if it is surely below the bar; for nearly all sets a product shows this, without a
+    /// division.
     pub(crate) fn explains_with(&self, other: &ReducedRow<'_, T>) -> Option<T> {
         let coupling = self.coupling_terms.coupling(other.row, self.projected * other.projected);
         let residual = other.residual - coupling * self.bias;
         let redundancy = other.redundancy - coupling * coupling * self.share;
-        // NaN fails this comparison, so that it is compared with the bar itself.
+        // NaN fails this comparison, so that the sum below is compared with the bar itself.
         if residual * residual < self.lacking * redundancy {
             return None;
         }
@@ -245,7 +247,7 @@ pub type NormalisedRows<T> = Vec<NormalisedRow<T>, MAX_ROWS>;
 
 /// Writes the rows of a snapshot that take part and can be tested, in the order of the epoch.
 ///
-/// Any other row is untestable in every set. The caller provides the memory, because a returned
+/// All other rows are untestable in every set. The caller provides the memory, because a returned
 /// vector would be on the stack twice.
 pub fn testable_rows<T: Real>(snapshot: &Snapshot<'_, T>, rows: &mut NormalisedRows<T>) {
     rows.clear();
@@ -261,16 +263,16 @@ pub fn testable_rows<T: Real>(snapshot: &Snapshot<'_, T>, rows: &mut NormalisedR
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExclusionSet<T: Real> {
     rows: Vec<NormalisedRow<T>, MAX_EXCLUDED>,
-    /// `S_EE`, padded by an identity; its lower triangle.
+    /// Lower triangle of `S_EE`, padded by an identity.
     projection: Matrix3<T>,
-    /// `S_EE⁻¹`, padded by zeros; its lower triangle.
+    /// Lower triangle of `S_EE⁻¹`, padded by zeros.
     inverse: Matrix3<T>,
-    /// `S_EE⁻¹ r_E`, padded by zeros.
+    /// `S_EE⁻¹ u_E`, padded by zeros.
     solved: Vector3<T>,
     explained: T,
 }
 
-// One row or column of the three-by-three blocks for each row of a set.
+// The blocks of a set are 3×3: one row and column for each of its rows.
 const _: () = assert!(MAX_EXCLUDED == 3);
 
 impl<T: Real> Default for ExclusionSet<T> {
@@ -291,8 +293,8 @@ impl<T: Real> ExclusionSet<T> {
         }
     }
 
-    /// Returns the set of these rows of a snapshot, or `None` if it is refused, or a row is not
-    /// testable or listed twice.
+    /// Returns the set of these rows of a snapshot. Returns `None` if the set is refused, or if a
+    /// row is untestable or listed twice.
     pub fn of(snapshot: &Snapshot<'_, T>, set: &[usize]) -> Option<Self> {
         let mut rows = Vec::new();
         testable_rows(snapshot, &mut rows);
@@ -317,7 +319,7 @@ impl<T: Real> ExclusionSet<T> {
 
     /// Adds one row to the set. Returns `None` without a change if the row is refused or the set is
     /// full.
-    // In place and not inlined, because a set is large and several of one search would be on the
+    // In place and not inlined, because a set is large, and a search would have several on the
     // stack at once.
     #[inline(never)]
     pub(crate) fn grow(&mut self, row: &NormalisedRow<T>) -> Option<()> {
@@ -329,8 +331,8 @@ impl<T: Real> ExclusionSet<T> {
         let mut projection = self.projection;
         add_outer_product(&mut projection, &unit, &couplings);
         add_outer_product(&mut projection, &unit, &scaled(row.redundancy - T::one(), &unit));
-        // The smaller set passed: by interlacing only one eigenvalue can be below the bound, and
-        // the sign of the determinant decides.
+        // All eigenvalues of the smaller set are above the bound. By interlacing only one of the
+        // larger set can be below it, so that the sign of the determinant decides.
         let mut shifted = projection;
         shifted.m11 -= T::UNTESTABLE;
         shifted.m22 -= T::UNTESTABLE;
@@ -348,8 +350,8 @@ impl<T: Real> ExclusionSet<T> {
         Some(())
     }
 
-    /// Returns the squared w-test of a row without this set: the decrease of SSE if the row is left
-    /// out too.
+    /// Returns the squared w-test of a row without this set, which is the further decrease of SSE
+    /// if the row is left out too.
     ///
     /// 0 if no redundancy is left.
     pub fn explains_more(&self, row: &NormalisedRow<T>) -> T {
@@ -366,7 +368,7 @@ impl<T: Real> ExclusionSet<T> {
         couplings.into()
     }
 
-    /// Returns `u`, and what remains of a row without this set.
+    /// Returns `m`, and the remainder of a row without this set.
     fn left_to(&self, row: &NormalisedRow<T>, couplings: &Vector3<T>) -> (Vector3<T>, Remainder<T>) {
         let gains = symmetric_product(&self.inverse, couplings);
         let left = Remainder {
@@ -388,7 +390,7 @@ impl<T: Real> ExclusionSet<T> {
 
     /// Returns the SSE of the remaining rows, summed from their residuals.
     ///
-    /// `SSE − explained` would cancel in `f32` after a fault of some kilometres.
+    /// After a fault of some kilometres `SSE − explained` would cancel in `f32`.
     pub fn sse(&self, rows: &[NormalisedRow<T>]) -> T {
         let stays = |row: &&NormalisedRow<T>| self.rows.iter().all(|member| member.index != row.index);
         rows.iter().filter(stays).fold(T::zero(), |sum, row| {
@@ -397,17 +399,17 @@ impl<T: Real> ExclusionSet<T> {
         })
     }
 
-    /// Returns degrees of freedom without the set.
+    /// Returns the degrees of freedom without the set.
     pub fn dof(&self, snapshot: &Snapshot<'_, T>) -> usize {
         snapshot.dof().saturating_sub(self.rows.len())
     }
 
-    /// Returns correction of the position without the set, east, north, up, m.
+    /// Returns the correction of the position without the set, east, north, up, m.
     pub fn correction(&self, snapshot: &Snapshot<'_, T>) -> Vector3<T> {
         difference(&snapshot.correction(), &product(&self.gains(), &self.solved))
     }
 
-    /// Returns covariance of that correction, m².
+    /// Returns the covariance of that correction, m².
     pub fn covariance(&self, snapshot: &Snapshot<'_, T>) -> Matrix3<T> {
         let gains = self.gains();
         let mut inverse = self.inverse;
@@ -426,7 +428,7 @@ impl<T: Real> ExclusionSet<T> {
     }
 }
 
-/// Remainder of a row without a set.
+/// Redundancy `p` and residual `q` of a row without a set.
 struct Remainder<T> {
     redundancy: T,
     residual: T,

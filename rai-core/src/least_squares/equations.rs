@@ -6,17 +6,17 @@
 //! |---|---|---|
 //! | `LOS_i` | unit vector receiver → satellite, east, north, up | – |
 //! | `h_i` | `design` | – |
-//! | `y_i` | `residual`, measured minus predicted range, less the constellation's reference | m |
+//! | `y_i` | `residual`, measured minus predicted range, minus the constellation's reference | m |
 //! | `w_i = 1/σ_i²` | `weight`; 0 leaves the row out | 1/m² |
 //! | `x` | correction of the position, east, north, up | m |
 //! | `b_c` | receiver clock of constellation `c` times the speed of light | m |
 //!
 //! A receiver clock can be 3e8 m while the residuals are metres. Each constellation's first
-//! residual, rounded to [`Real::Absolute`], is therefore subtracted, and the rows contain the
-//! differences, which are small enough for `f32`.
+//! residual, rounded to [`Real::Absolute`], is therefore its reference and is subtracted from all.
+//! The differences are small enough for `f32`.
 //!
-//! An aiding row is a row like any other: a predicted clock has `h = 0`, a known height
-//! `h = (0, 0, 1)` and no clock.
+//! Aiding rows have the same form: a predicted clock has `h = 0`, a known height `h = (0, 0, 1)`
+//! and no clock.
 
 use core::fmt;
 
@@ -35,19 +35,19 @@ const UNIT_SQUARED: core::ops::RangeInclusive<f64> = 0.999 * 0.999..=1.001 * 1.0
 
 /// Capacity for the equations of one epoch, and for the rows of the searches.
 ///
-/// Sets of them fit one word. On a microcontroller, or if the feature `satellites-48` is off, it is
-/// [`crate::single::CAPACITY`], because memory is scarce.
+/// A set of rows then fits a 64-bit word. On a microcontroller, or if the feature `satellites-48`
+/// is off, it is [`crate::single::CAPACITY`], because memory is scarce.
 pub const MAX_ROWS: usize =
     if cfg!(feature = "satellites-48") && cfg!(not(target_os = "none")) { 64 } else { CAPACITY };
 
 /// One equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<T> {
-    /// Constellation of the receiver clock that the row touches; `None` for a height.
+    /// Constellation of the receiver clock that the row depends on; `None` for a height.
     pub clock: Option<Constellation>,
     /// Partial derivative of the range with respect to the position, east, north, up.
     pub design: Vector3<T>,
-    /// Measured minus predicted, less the reference of its clock, m.
+    /// Measured minus predicted value, minus the reference of its clock, m.
     pub residual: T,
     /// Standard deviation, m.
     pub sigma: T,
@@ -68,8 +68,8 @@ impl<T: Real> Row<T> {
         }
         let weight = (sigma * sigma).recip();
         // If the weight overflowed or underflowed, the row would silently have infinite or no
-        // weight. The sign bit is tested and not `sigma > 0`, because the compiler would compare
-        // the double before it was rounded, by a library call on a Cortex-M4F.
+        // weight. The test reads the sign bit instead of `sigma > 0`: the compiler would compare
+        // the double before rounding, by a library call on a Cortex-M4F.
         if !(sigma.is_sign_positive() && weight > T::zero() && weight.is_finite()) {
             return Err(RowError::Sigma);
         }
@@ -81,7 +81,7 @@ impl<T: Real> Row<T> {
         Self::new(None, Vector3::z(), T::narrow(residual_m), T::narrow(sigma_m))
     }
 
-    /// Leaves the row out of everything computed from now on.
+    /// Leaves the row out of all further computations.
     pub(crate) fn leave_out(&mut self) {
         self.weight = T::zero();
     }
@@ -121,12 +121,12 @@ impl fmt::Display for RowError {
 impl core::error::Error for RowError {}
 
 /// Offset that is subtracted from the residuals of each constellation: its first residual, rounded,
-/// or its clock about a point nearby.
+/// or its clock at a nearby point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct References<T: Real>([Option<T::Absolute>; Constellation::COUNT]);
 
 impl<T: Real> References<T> {
-    /// Returns the references of no rows.
+    /// Returns references without rows.
     pub(crate) const fn none() -> Self {
         Self([None; Constellation::COUNT])
     }
@@ -161,7 +161,7 @@ impl<T: Real> References<T> {
     ) -> Result<Row<T>, RowError> {
         let longer = T::Absolute::of(range_m).less(sight.distance.whole);
         let reference = self.of(constellation).unwrap_or(longer);
-        // Small terms are subtracted last, because the scalar's digits then suffice.
+        // Small terms are subtracted last, when the scalar's digits suffice.
         let residual = longer.less(reference).narrow() - (sight.distance.rest + sight.rotation);
         let design = scaled(-T::one(), &sight.direction);
         let row = Row::new(Some(constellation), design, residual, T::narrow(sigma_m))?;
@@ -169,7 +169,8 @@ impl<T: Real> References<T> {
         Ok(row)
     }
 
-    /// Returns the row of a predicted clock, on the same scale as the constellation's residuals.
+    /// Returns the row of a predicted clock. `residual_m` has the same zero as the constellation's
+    /// residuals before their reference is subtracted.
     pub(crate) fn clock(
         &mut self,
         constellation: Constellation,
@@ -203,7 +204,7 @@ impl<T: Real> References<T> {
     ) -> Result<Row<T>, RowError> {
         let (shortest, longest) = (T::narrow(*UNIT_SQUARED.start()), T::narrow(*UNIT_SQUARED.end()));
         let squared = dot(line_of_sight, line_of_sight);
-        // NaN is within no bounds.
+        // NaN is not within the bounds.
         if !(squared >= shortest && squared <= longest) {
             return Err(RowError::LineOfSight);
         }
@@ -275,7 +276,8 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         self.add(|references| references.rate(constellation, line_of_sight, residual_m_s, sigma_m_s))
     }
 
-    /// Adds a predicted clock of a constellation, on the same scale as its residuals.
+    /// Adds a predicted clock of a constellation. `residual_m` has the same zero as the
+    /// constellation's residuals before their reference is subtracted.
     ///
     /// # Errors
     /// As [`Self::satellite`].
@@ -296,9 +298,9 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         self.add(|_| Row::height(residual_m, sigma_m))
     }
 
-    /// Replaces all equations by those that `write` makes relative to the references.
+    /// Replaces all equations by those that `write` forms relative to the references.
     ///
-    /// Returns `None` if `write` stops early or makes more than `N`.
+    /// Returns `None` if `write` stops early or forms more than `N`.
     pub(crate) fn refill(
         &mut self,
         write: impl FnOnce(&mut References<T>, &mut dyn FnMut(Row<T>) -> Option<()>) -> Option<()>,
@@ -308,7 +310,7 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         write(references, &mut |row| rows.push(row).ok())
     }
 
-    /// Adds a row that is made relative to the references.
+    /// Adds a row that `make` forms relative to the references.
     fn add(
         &mut self,
         make: impl FnOnce(&mut References<T>) -> Result<Row<T>, RowError>,

@@ -1,10 +1,10 @@
-//! The one interface of all searches: a solved epoch whose rows can be left out and taken back.
+//! The interface that all searches use: a solved epoch whose rows can be left out and taken back.
 
 use super::{Snapshot, SnapshotError};
 use crate::bit_set::members;
 use crate::numeric::real::Real;
 
-/// A solved epoch from which rows can be left out and to which they can be given back.
+/// A solved epoch whose rows can be left out and taken back.
 ///
 /// A [`Snapshot`] stays linearised about its point. A [`Fix`](super::fix::Fix) linearises again
 /// after an exclusion that moves the position far.
@@ -18,13 +18,13 @@ pub trait Excludable<T: Real> {
     /// The remaining rows must determine a position; otherwise nothing changes.
     fn leave_out(&mut self, index: usize) -> Result<(), SnapshotError>;
 
-    /// Leaves out all rows of a bit set, which take part until then, and solves again.
+    /// Leaves out all rows of a bit set, all of which take part so far, and solves again.
     ///
     /// # Errors
     /// As [`Self::leave_out`].
     fn leave_out_all(&mut self, rows: u64) -> Result<(), SnapshotError>;
 
-    /// Takes rows back, all at once and about the same point, so that exclusions of one epoch can
+    /// Takes rows back, all at once. The point stays the same, so that exclusions of one epoch can
     /// be compared.
     ///
     /// # Errors
@@ -34,14 +34,14 @@ pub trait Excludable<T: Real> {
     /// Takes back all rows that [`Self::leave_out_all`] left out.
     fn take_back_all(&mut self, rows: u64);
 
-    /// Leaves rows out again that [`Self::take_back`] took back, which restores the solution before
-    /// it.
+    /// Leaves out again the rows that [`Self::take_back`] took back, which restores the earlier
+    /// solution.
     ///
     /// # Errors
     /// As [`Self::leave_out`].
     fn set_aside(&mut self, rows: &[usize]) -> Result<(), SnapshotError>;
 
-    /// Leaves out all rows of a bit set about the present point, even if the position moves far.
+    /// Leaves out all rows of a bit set without linearising again, even if the position moves far.
     ///
     /// # Errors
     /// As [`Self::leave_out`].
@@ -66,7 +66,7 @@ impl<T: Real> Excludable<T> for Snapshot<'_, T> {
     }
 
     fn take_back_all(&mut self, rows: u64) {
-        // These rows were solved before, so that they can be solved again.
+        // This cannot fail, because these rows were solved before.
         let _ = self.restore(members(rows));
     }
 

@@ -12,8 +12,8 @@
 //! | `p` | linearisation point | m |
 //!
 //! A correction of length `d` leaves a linearisation error of `d²/2ρ`: 2.5 cm after 1 km, 3 µm
-//! after 10 m. A pass with a correction below 10 m is therefore the last one, and the test needs no
-//! further solve.
+//! after 10 m. If a correction is below 10 m, its pass is therefore the last one, and the global
+//! test uses its solution.
 //!
 //! From the centre of the earth the fix converges in five or six passes, from the last position in
 //! one or two.
@@ -33,12 +33,13 @@ use crate::numeric::space::dot;
 /// Correction below which a pass is the last one, m.
 const CONVERGED_M: f64 = 10.0;
 
-/// Change of the position above which an exclusion is solved again from there, m.
+/// Change of the position above which the solution after an exclusion is linearised again, m.
 const RELINEARISE_M: f64 = 300.0;
 
-/// Distance of a clock from its reference above which the residuals of `f32` lose a centimetre, m.
+/// Distance of a clock from its reference above which `f32` residuals lose a centimetre, m.
 ///
-/// It is that large if the first satellite of a constellation was left out because of its error.
+/// The distance is that large only if a constellation's first satellite, its reference, was left
+/// out because of its error.
 const REFERENCE_M: f64 = 1e5;
 
 /// Maximum number of passes: twice the six that suffice from the centre of the earth.
@@ -71,8 +72,8 @@ impl core::error::Error for FixError {}
 impl<T: Real, const N: usize> Workspace<T, N> {
     /// Solves an epoch from a start near the position, or from [`Ecef::CENTRE`].
     ///
-    /// A start far from the truth may not converge. The centre of the earth is equally far from all
-    /// places, so that it is the second start if the first fails.
+    /// From a start far from the truth the fix may not converge. A second try then starts at the
+    /// centre of the earth, which is equally far from all places.
     ///
     /// # Errors
     /// [`FixError`] names what is missing.
@@ -81,7 +82,7 @@ impl<T: Real, const N: usize> Workspace<T, N> {
     }
 }
 
-/// A converged position together with the linearised epoch it came from.
+/// A converged position, together with the linearised epoch that determined it.
 #[derive(Debug)]
 pub struct Fix<'r, T: Real> {
     aided: Aided<'r>,
@@ -91,7 +92,7 @@ pub struct Fix<'r, T: Real> {
 }
 
 impl<'r, T: Real> Fix<'r, T> {
-    /// Works like [`Workspace::fix`], with a clock forecast beside the epoch.
+    /// Works like [`Workspace::fix`], from an epoch with a clock forecast.
     pub(crate) fn about<const N: usize>(
         workspace: &'r mut Workspace<T, N>,
         aided: Aided<'r>,
@@ -108,7 +109,7 @@ impl<'r, T: Real> Fix<'r, T> {
         Ok(Self { aided, linearisation, snapshot: workspace.lend() })
     }
 
-    /// Returns the row of a clock forecast, or of a clock that the epoch came with.
+    /// Returns the row of a clock forecast, or of a clock among the epoch's aiding.
     pub fn clock_row(&self) -> Option<usize> {
         let is_clock = |aiding: &Aiding| matches!(aiding, Aiding::Clock { .. });
         Some(self.aided.observations().len() + self.aided.aiding().position(is_clock)?)
@@ -132,8 +133,8 @@ impl<'r, T: Real> Fix<'r, T> {
         rows.fold(0, |set, (index, row)| if row.weight > T::zero() { set } else { set | bit(index) })
     }
 
-    /// Solves again from the new position if a change of the rows moved it far from the
-    /// linearisation point, or if the rows are far from the references of their residuals.
+    /// Solves again from the new position in two cases: a change of the rows moved it far from the
+    /// linearisation point, or a clock is far from the reference of its residuals.
     fn follow(&mut self) -> Result<(), SnapshotError> {
         let is_near = is_within(&self.snapshot.correction(), RELINEARISE_M);
         if is_near && !self.snapshot.is_far_from_references(REFERENCE_M) {
@@ -155,7 +156,7 @@ impl<'r, T: Real> Fix<'r, T> {
 
     /// Restores rows that were solved before, about the same point.
     fn restore(&mut self, left_out: u64) {
-        // These rows were formed and solved before, so that it succeeds.
+        // This succeeds, because these rows were formed and solved before.
         let references = References::none();
         let _ = rewrite(&mut self.snapshot, references, &self.aided, &self.linearisation, left_out);
     }
@@ -203,8 +204,8 @@ impl<T: Real> Excludable<T> for Fix<'_, T> {
     }
 }
 
-/// Returns true if a correction is no longer than a limit, m. Its length is the same in every frame
-/// and needs no double.
+/// Returns true if the length of a correction does not exceed a limit, m. The length is the same in
+/// every frame and needs no double.
 fn is_within<T: Real>(correction: &Vector3<T>, limit_m: f64) -> bool {
     dot(correction, correction) <= T::narrow(limit_m * limit_m)
 }
@@ -224,7 +225,7 @@ fn converge<T: Real>(
             return Ok(linearisation);
         }
         point = linearisation.beside(&correction);
-        // A NaN position leaves here too.
+        // A NaN position also returns here.
         if !(point.radius_m() < MAX_RADIUS_M) {
             return Err(FixError::NotConverged);
         }
@@ -232,7 +233,8 @@ fn converge<T: Real>(
     Err(FixError::NotConverged)
 }
 
-/// Writes the equations about another point, relative to references, without the rows of a set.
+/// Writes the equations about another point, relative to `references`. The rows of a set are left
+/// out.
 fn rewrite<T: Real>(
     snapshot: &mut Snapshot<'_, T>,
     references: References<T>,
@@ -254,8 +256,8 @@ fn rewrite<T: Real>(
 
 /// Writes the equations of an epoch about a point: row `i` is observation `i`, aiding rows follow.
 ///
-/// Returns `None` if a row cannot be formed, as at a point that coincides with a satellite, so that
-/// rows never move up.
+/// Returns `None` if a row cannot be formed, because the point coincides with a satellite. Skipping
+/// the row would shift the indices of the others.
 fn write<T: Real>(
     references: &mut References<T>,
     aided: &Aided<'_>,

@@ -1,4 +1,4 @@
-//! Means of the rows of each clock, by which centring eliminates the clocks.
+//! Means over the rows of each clock. Centring subtracts them, which eliminates the clocks.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -7,7 +7,7 @@ use crate::numeric::real::Real;
 use crate::numeric::space::{difference, dot, plus_scaled, scaled, symmetric_product, trace, zero};
 use crate::satellite::Constellation;
 
-/// Weighted means of the rows that touch one clock.
+/// Weighted means of the rows that depend on one clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ClockMeans<T: Real> {
     pub(super) count: usize,
@@ -53,7 +53,7 @@ impl<T: Real> ClockMeans<T> {
     }
 }
 
-/// Index of the rows that touch no clock, after the constellations.
+/// Index of the rows that depend on no clock, after the constellations.
 const CLOCKLESS: usize = Constellation::COUNT;
 
 /// Returns the index of a row's clock.
@@ -61,8 +61,8 @@ fn place<T>(row: &Row<T>) -> usize {
     row.clock.map_or(CLOCKLESS, |clock| clock as usize)
 }
 
-/// Means of all constellations, and the count of rows without a clock, whose means are 0 because
-/// they are not centred.
+/// Means of all constellations, and the count of rows without a clock. The means of the latter are
+/// 0, so that these rows are not centred.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MeansByClock<T: Real>([ClockMeans<T>; CLOCKLESS + 1]);
 
@@ -82,8 +82,7 @@ impl<T: Real> MeansByClock<T> {
     #[inline]
     pub(super) fn fill<'r>(&mut self, rows: impl Iterator<Item = &'r Row<T>>, weight: impl Fn(&Row<T>) -> T) {
         *self = Self::empty();
-        // Rows of a constellation are mostly adjacent: while they are, their sums stay in
-        // registers.
+        // The rows of a constellation are mostly adjacent, so that their sums stay in registers.
         let (mut here, mut sums) = (CLOCKLESS, ClockMeans::empty());
         for (row, weight) in rows.map(|row| (row, weight(row))).filter(|&(_, weight)| weight > T::zero()) {
             let place = place(row);
@@ -129,7 +128,7 @@ impl<T: Real> MeansByClock<T> {
         self.0.get(clock as usize).filter(|group| group.count > 0)
     }
 
-    /// Returns an accessor for the means of each requested row; 0 for a clock without rows.
+    /// Returns an accessor to the means of each requested row's clock; 0 for a clock without rows.
     pub(super) fn of_rows(&self) -> MeansOfRow<'_, T> {
         MeansOfRow { groups: self, place: CLOCKLESS, group: self.get(CLOCKLESS) }
     }
@@ -143,19 +142,19 @@ impl<T: Real> MeansByClock<T> {
         self.0.iter().map(|group| group.count).sum()
     }
 
-    /// Returns a bound on the trace of `(HᵀH)⁻¹`, clocks included, that needs no unweighted
+    /// Returns an upper bound on the trace of `(HᵀH)⁻¹`, clocks included. It needs no unweighted
     /// geometry.
     ///
-    /// No weight is above the sum of all, so that the trace is at most that sum times the trace of
-    /// the weighted covariance. There `h̄_c P h̄_cᵀ` of a clock is at most the trace of `P`,
-    /// because no mean of unit vectors is longer than 1.
+    /// No weight exceeds the sum of all weights, so that the trace is at most this sum times the
+    /// trace of the weighted covariance. In the latter, each clock's `h̄_c P h̄_cᵀ` is at most the
+    /// trace of `P`, because a mean of unit vectors is no longer than 1.
     pub(super) fn largest_trace(&self, covariance: &Matrix3<T>) -> T {
         let sum = |of: fn(&ClockMeans<T>) -> T| self.0.iter().fold(T::zero(), |sum, group| sum + of(group));
         let positions = T::narrow((Constellation::COUNT + 1) as f64) * trace(covariance);
         sum(|group| group.weight) * (sum(|group| group.variance) + positions)
     }
 
-    /// Returns trace of the covariance of all unknowns, clocks included.
+    /// Returns the trace of the covariance of all unknowns, clocks included.
     pub(super) fn trace(&self, covariance: &Matrix3<T>) -> T {
         let clocks = self
             .of_clocks()
@@ -164,8 +163,8 @@ impl<T: Real> MeansByClock<T> {
     }
 }
 
-/// Means of the current row's clock. Rows of a constellation are mostly adjacent: while they are,
-/// the means stay in registers.
+/// Means of the current row's clock. The rows of a constellation are mostly adjacent, so that the
+/// means stay in registers.
 pub(super) struct MeansOfRow<'g, T: Real> {
     groups: &'g MeansByClock<T>,
     place: usize,

@@ -1,8 +1,8 @@
 //! Weighted least squares of one linearised epoch by a single 3×3 solve.
 //!
-//! Each range touches exactly one receiver clock, so clocks need no columns: centring the rows of
-//! each constellation eliminates them. With the weighted means `h̄_c`, `ȳ_c` over the rows of
-//! constellation `c` (`W_c = Σ w_i`),
+//! Each range depends on exactly one receiver clock, so that centring the rows of each
+//! constellation eliminates the columns of the clocks. Let `h̄_c`, `ȳ_c` be the weighted means over
+//! the rows of constellation `c`, and `W_c = Σ w_i` their weight. Then
 //!
 //! ```text
 //! d_i = h_i − h̄_c      z_i = y_i − ȳ_c
@@ -21,15 +21,15 @@
 //! | `w_i / r_i` | [`RowFit::test_weight`] | 1/m² |
 //! | `SSE` | [`Snapshot::sse`] | – |
 //!
-//! The result equals least squares with 3 + C columns in `x`, `v`, `S` and the gain, to rounding.
-//! Centring also makes `f32` safe, because it removes the clocks and their size.
+//! Up to rounding, `x`, `v`, `S` and the gain equal those of least squares with 3 + C columns.
+//! Centring also makes `f32` sufficient, because it removes the clocks, which can be large.
 //!
-//! A row of weight 0 is left out: it contributes nothing, keeps its index, and its residual is the
-//! range minus what the other rows predict. No n×n matrix is stored; [`Snapshot::projection`]
-//! computes `S_ij` on demand.
+//! A row of weight 0 is left out. It contributes nothing and keeps its index. Its residual is the
+//! range minus the prediction from the other rows. No n×n matrix is stored;
+//! [`Snapshot::projection`] computes `S_ij` on demand.
 //!
-//! A [`Workspace`] owns the memory of the equations and lends them as a [`Snapshot`]. A snapshot is
-//! always solved, also after rows are left out or taken back.
+//! A [`Workspace`] owns the memory of the equations and lends it as a [`Snapshot`], which is always
+//! solved. If rows are left out or taken back, it is solved again.
 //!
 //! | module | content |
 //! |---|---|
@@ -39,8 +39,9 @@
 //! | [`Excludable`] | the interface of all searches |
 //!
 //! Cost on a Cortex-M4F in `f32`, for 20 satellites of two constellations: 2,900 instructions for a
-//! solve with all that its tests need, 1,800 to leave a row out of it. References: [Baarda1968] for
-//! the redundancy numbers; the elimination of nuisance columns is the Frisch–Waugh–Lovell theorem.
+//! solve with all quantities that its tests need, 1,800 for leaving one more row out. References:
+//! [Baarda1968] for the redundancy numbers; the elimination of nuisance columns is the
+//! Frisch–Waugh–Lovell theorem.
 //!
 //! [Baarda1968]: crate#references
 
@@ -101,11 +102,11 @@ pub struct RowFit<T: Real> {
     pub gain: Vector3<T>,
     /// Residual `v_i`, m.
     pub residual: T,
-    /// Redundancy number `r_i`, the share of a bias that shows in the row's own residual,
-    /// dimensionless.
+    /// Redundancy number `r_i`, dimensionless: the share of a row's bias that its own residual
+    /// shows.
     pub redundancy: T,
-    /// `w_i / r_i`, 1/m², the factor from squared residuals to squared w-tests and from squared
-    /// gains to squared slopes.
+    /// `w_i / r_i`, 1/m². Multiplied by it, a squared residual becomes the squared w-test, and a
+    /// squared gain the squared slope.
     ///
     /// 0 for a row that cannot be tested or is left out.
     pub test_weight: T,
@@ -117,8 +118,8 @@ impl<T: Real> RowFit<T> {
         self.residual * self.test_weight.sqrt()
     }
 
-    /// Returns the squared w-test without a root, which is the decrease of SSE if the row is left
-    /// out.
+    /// Returns the squared w-test, which needs no root. It is the decrease of SSE if the row is
+    /// left out.
     pub fn w_squared(&self) -> T {
         self.residual * self.residual * self.test_weight
     }
@@ -152,7 +153,7 @@ struct Solved<T: Real> {
 }
 
 impl<T: Real> Solved<T> {
-    /// Returns the solution of no rows.
+    /// Returns a solution without rows.
     fn none() -> Self {
         Self { estimate: Estimate::none(), statistics: Statistics::none() }
     }
@@ -171,8 +172,8 @@ impl<T: Real> Solved<T> {
 }
 
 impl<T: Real> Snapshot<'_, T> {
-    /// Leaves one more row out, in place: by algebra on the solution, or by solving again if
-    /// algebra would lose precision.
+    /// Leaves one more row out, in place: by a downdate of the solution, or by solving again if a
+    /// downdate would lose precision.
     ///
     /// # Errors
     /// As [`Workspace::solve`]; the snapshot is then unchanged.
@@ -241,11 +242,12 @@ impl<T: Real> Snapshot<'_, T> {
         self.solved.solve(self.rows, self.fits)
     }
 
-    /// Overwrites the equations, as many as there are, relative to references, and solves them.
+    /// Overwrites all equations, in the same number, by rows relative to `references`, and solves
+    /// them.
     ///
     /// # Errors
-    /// As [`Workspace::solve`], and [`SnapshotError::Singular`] if `write` stops early. The rows
-    /// are then the new ones and their fits are unspecified, so that the caller must write again.
+    /// As [`Workspace::solve`], and [`SnapshotError::Singular`] if `write` stops early. The fits of
+    /// the new rows are then unspecified, so that the caller must write again.
     pub(crate) fn rewrite(
         &mut self,
         references: References<T>,
@@ -291,12 +293,12 @@ impl<T: Real> Snapshot<'_, T> {
         self.solved.estimate.correction
     }
 
-    /// Returns covariance of the correction, m².
+    /// Returns the covariance of the correction, m².
     pub fn covariance(&self) -> &Matrix3<T> {
         &self.solved.estimate.covariance
     }
 
-    /// Returns weighted sum of squared residuals, dimensionless.
+    /// Returns the weighted sum of squared residuals, dimensionless.
     pub fn sse(&self) -> T {
         self.solved.statistics.sse
     }
@@ -311,7 +313,8 @@ impl<T: Real> Snapshot<'_, T> {
         self.solved.estimate.used
     }
 
-    /// Returns degrees of freedom: rows that take part, less 3, less the clocks among them.
+    /// Returns the degrees of freedom: the number of rows that take part, minus 3, minus the number
+    /// of their clocks.
     pub fn dof(&self) -> usize {
         self.solved.estimate.dof
     }
@@ -324,13 +327,13 @@ impl<T: Real> Snapshot<'_, T> {
         Some(self.reference_m(constellation)? + self.relative_clock(constellation)?.widen())
     }
 
-    /// Returns a clock less its reference, m.
+    /// Returns a clock minus its reference, m.
     fn relative_clock(&self, constellation: Constellation) -> Option<T> {
         let group = self.solved.estimate.groups.of_clock(constellation)?;
         Some(group.residual - dot(&group.design, &self.solved.estimate.correction))
     }
 
-    /// Returns true if a clock is farther from its reference than this, m, so that residuals lose
+    /// Returns true if a clock is farther from its reference than `limit_m`, so that residuals lose
     /// digits.
     pub(crate) fn is_far_from_references(&self, limit_m: f64) -> bool {
         let limit = T::narrow(limit_m);
@@ -339,12 +342,11 @@ impl<T: Real> Snapshot<'_, T> {
         clocks.into_iter().any(|relative| !(relative.abs() <= limit))
     }
 
-    /// Returns the clocks of the rows that take part, as references of equations about a point
-    /// nearby.
+    /// Returns the clocks of the rows that take part, as references for equations about a nearby
+    /// point.
     ///
-    /// The first residual of a constellation is no such reference if its satellite is left out
-    /// because it is wrong by 100,000 km. After its subtraction the other residuals would be so
-    /// large that `f32` could not resolve metres.
+    /// A first residual that is wrong by 100,000 km is a bad reference, even if its row is left
+    /// out. Its subtraction makes the other residuals so large that `f32` cannot resolve metres.
     // Not inlined, so that it adds nothing to the stack of the solve that follows.
     #[inline(never)]
     pub(crate) fn clocks_as_references(&self) -> References<T> {
@@ -360,7 +362,7 @@ impl<T: Real> Snapshot<'_, T> {
         clocks
     }
 
-    /// Returns true if a row of a constellation takes part, which determines its clock.
+    /// Returns true if a row of a constellation takes part, so that its clock is determined.
     pub fn determines(&self, constellation: Constellation) -> bool {
         self.solved.estimate.determines(constellation)
     }
@@ -378,8 +380,8 @@ impl<T: Real> Snapshot<'_, T> {
         self.solved.estimate.level_variance(row)
     }
 
-    /// Returns element `S_ij` of the matrix that projects ranges on normalised residuals, or `None`
-    /// outside the epoch.
+    /// Returns element `S_ij` of the matrix that projects normalised ranges on normalised
+    /// residuals, or `None` outside the epoch.
     pub fn projection(&self, i: usize, j: usize) -> Option<T> {
         let (row_i, fit_i) = self.row(i)?;
         let (row_j, fit_j) = self.row(j)?;
@@ -396,7 +398,7 @@ impl<T: Real> Snapshot<'_, T> {
     /// Returns the horizontal and vertical dilution of precision of the unweighted geometry,
     /// dimensionless.
     pub fn dilutions(&self) -> (T, T) {
-        // A solved geometry is not singular, so that the default is never taken.
+        // A solved geometry is not singular, so that the default is never used.
         let geometry = Geometry::of(self.rows.iter());
         let covariance = geometry.map_or(self.solved.estimate.covariance, |geometry| geometry.covariance);
         ((covariance.m11 + covariance.m22).sqrt(), covariance.m33.sqrt())
@@ -405,9 +407,9 @@ impl<T: Real> Snapshot<'_, T> {
     /// Returns HDOP without one row: `√(HDOP² + (A_1i² + A_2i²)/S_ii)` of the unweighted geometry
     /// ([Lin2016] eq. 22).
     ///
-    /// Without the only satellite of a constellation its clock is no unknown, and HDOP stays. If
-    /// the geometry is singular without the row, HDOP is infinite. `None` for a row that takes no
-    /// part.
+    /// If the row is its constellation's only one, its clock disappears with it, and HDOP does not
+    /// change. If the geometry is singular without the row, HDOP is infinite. `None` for a row that
+    /// takes no part.
     ///
     /// [Lin2016]: crate#references
     pub fn hdop_without(&self, index: usize) -> Option<T> {

@@ -1,7 +1,7 @@
 //! One 3×3 solve over any rows; the equations are in the documentation of [`super`].
 //!
-//! A solve needs no memory beside its result, so that a search may solve for a subset of the rows,
-//! or for all but one, without a copy of them.
+//! A solve needs no memory except for its result. A search may therefore solve for a subset of the
+//! rows, or for all but one, without copying them.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -33,7 +33,7 @@ pub(crate) struct Estimate<T: Real> {
 }
 
 impl<T: Real> Estimate<T> {
-    /// Returns the estimate of no rows.
+    /// Returns an estimate without rows.
     pub(crate) fn none() -> Self {
         Self {
             groups: MeansByClock::empty(),
@@ -45,8 +45,7 @@ impl<T: Real> Estimate<T> {
         }
     }
 
-    /// Solves for the rows that take part, in place, so that nothing large is moved. On error the
-    /// contents are unspecified.
+    /// Solves for the rows that take part, in place. On error the contents are unspecified.
     ///
     /// # Errors
     /// As [`super::Workspace::solve`].
@@ -78,16 +77,16 @@ impl<T: Real> Estimate<T> {
         self.solve(members(set).filter_map(|index| rows.get(index)))
     }
 
-    /// Leaves a row out by its fit ([`super::downdate`]):
+    /// Leaves a row out by a downdate with its fit ([`super::downdate`]):
     ///
     /// ```text
     /// P' = P + w/r g gᵀ   x' = x − w v/r g   W' = W − w   h̄' = h̄ − w/W' d   ȳ' = ȳ − w/W' (y − ȳ)
     /// ```
     ///
-    /// With `w d·g ≤ 1 − r` and `w/W ≤ 1 − r` no variance grows by more than `1/r`.
+    /// Because `w d·g ≤ 1 − r` and `w/W ≤ 1 − r`, no variance grows by more than the factor `1/r`.
     ///
     /// Returns false without a change if this would lose precision: for a row that is hardly tested
-    /// or takes no part, for a gross fault, and for a geometry that might be hardly determined.
+    /// or takes no part, for a gross fault, and for a geometry that may be nearly singular.
     pub(super) fn leave_out(&mut self, row: &Row<T>, fit: &RowFit<T>) -> bool {
         let keeps_digits =
             fit.test_weight > T::zero() && !fit.is_hardly_tested() && fit.w_squared() < T::narrow(GROSS);
@@ -104,7 +103,7 @@ impl<T: Real> Estimate<T> {
         true
     }
 
-    /// Returns covariance of the correction, m².
+    /// Returns the covariance of the correction, m².
     pub(crate) fn covariance(&self) -> &Matrix3<T> {
         &self.covariance
     }
@@ -114,18 +113,18 @@ impl<T: Real> Estimate<T> {
         self.used
     }
 
-    /// Returns degrees of freedom.
+    /// Returns the degrees of freedom.
     pub(crate) fn dof(&self) -> usize {
         self.dof
     }
 
-    /// Returns true if a row of a constellation takes part, which determines its clock.
+    /// Returns true if a row of a constellation takes part, so that its clock is determined.
     pub(crate) fn determines(&self, clock: Constellation) -> bool {
         self.groups.of_clock(clock).is_some()
     }
 
-    /// Returns the variance `1/W_c` of the clock that a row touches for a known position, m²; 0 if
-    /// no row determines it.
+    /// Returns the variance `1/W_c`, m², that the clock of a row would have if the position were
+    /// known; 0 if no row determines it.
     pub(crate) fn level_variance(&self, row: &Row<T>) -> T {
         self.groups.of_row(row).variance
     }
@@ -156,8 +155,8 @@ impl<T: Real> Estimate<T> {
     }
 }
 
-/// Compares a row with the solution. The redundancy is then the unguarded difference `1 − w (…)`,
-/// and `test_weight` is 0 until the row is weighed.
+/// Compares a row with the solution. The redundancy is the raw difference `1 − w (…)`, and
+/// `test_weight` is 0 until [`RowFit::weigh`].
 #[inline]
 fn compare<T: Real>(
     row: &Row<T>,
@@ -191,7 +190,7 @@ impl<T: Real> RowFit<T> {
     }
 
     fn weigh_with_care(&mut self, row: &Row<T>, group: &ClockMeans<T>) {
-        // A lone satellite determines its clock, so that exactly nothing is left to test.
+        // A lone satellite determines its clock, so that its redundancy is exactly 0.
         let is_lone = row.clock.is_some() && group.count == 1 && row.weight > T::zero();
         // NaN counts as zero redundancy too.
         if is_lone || !(self.redundancy > T::zero()) {
@@ -226,7 +225,8 @@ impl<T: Real> Geometry<T> {
         let increase = if redundancy > T::UNTESTABLE {
             moved / redundancy
         } else if dot(&gain, &gain) > T::UNMOVED * T::UNMOVED {
-            // Without this row the position is undetermined, whichever coordinate is affected.
+            // Without this row the position is undetermined; HDOP is then infinite, whichever
+            // coordinate is affected.
             infinity()
         } else {
             T::zero()
@@ -235,7 +235,7 @@ impl<T: Real> Geometry<T> {
     }
 }
 
-/// Returns infinity in the scalar at hand.
+/// Returns infinity.
 pub(crate) fn infinity<T: Real>() -> T {
     T::narrow(f64::INFINITY)
 }
@@ -255,7 +255,7 @@ impl<T: Real> NormalEquations<T> {
     ) -> Self {
         let (mut normal, mut right_hand_side) = (zeros(), zero());
         let mut groups = groups.of_rows();
-        // A row without weight adds zeros, so that no branch is needed.
+        // No branch is needed, because a row without weight adds zeros.
         for row in rows {
             let group = groups.of(row);
             let centred = difference(&row.design, &group.design);

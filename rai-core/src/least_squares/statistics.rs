@@ -11,8 +11,8 @@ use super::RowFit;
 use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
 
-/// Redundancy number below which the subtraction from 1 loses digits, dimensionless. Above it,
-/// `f32` results are accurate to 0.5 %.
+/// Redundancy number below which its subtraction from 1 loses too many digits, dimensionless. Above
+/// it, `f32` results are accurate to 0.5 %.
 const HARDLY_TESTED: f64 = 0.1;
 
 /// Statistics of all rows.
@@ -20,7 +20,7 @@ const HARDLY_TESTED: f64 = 0.1;
 pub(crate) struct Statistics<T: Real> {
     /// Weighted sum of squared residuals, dimensionless.
     pub(crate) sse: T,
-    /// Worst of the testable rows; none if all w-tests are 0.
+    /// Worst of the testable rows, with the runner-up.
     pub(crate) worst: Worst<T>,
     /// Largest slopes of the testable rows.
     pub(crate) slopes: SquaredSlopes<T>,
@@ -29,13 +29,13 @@ pub(crate) struct Statistics<T: Real> {
 }
 
 impl<T: Real> Statistics<T> {
-    /// Returns the statistics of no rows.
+    /// Returns statistics without rows.
     pub(super) fn none() -> Self {
         Self { sse: T::zero(), worst: Worst::none(), slopes: SquaredSlopes::none(), all_are_tested: true }
     }
 
-    /// Adds one row, except for `all_are_tested`. A row that is left out has weight 0, so that it
-    /// adds nothing.
+    /// Adds one row to all fields but `all_are_tested`. A row that is left out has weight 0, so
+    /// that it adds nothing.
     #[inline]
     pub(super) fn add(&mut self, index: usize, row: &Row<T>, fit: &RowFit<T>) {
         let squared = fit.residual * fit.residual;
@@ -57,12 +57,12 @@ pub(crate) struct Worst<T> {
 }
 
 impl<T: Real> Worst<T> {
-    /// Returns the result of no rows.
+    /// Returns a result without rows.
     pub(crate) fn none() -> Self {
         Self { index: None, largest: T::zero(), runner_up: T::zero() }
     }
 
-    /// Takes one more squared w-test.
+    /// Adds one more squared w-test.
     #[inline]
     pub(crate) fn add(&mut self, index: usize, squared: T) {
         if squared > self.runner_up {
@@ -75,7 +75,7 @@ impl<T: Real> Worst<T> {
     }
 }
 
-/// Squared slopes, so that the largest is found without a root for each row.
+/// Squared slopes: their largest is found without a root for each row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SquaredSlopes<T> {
     /// Horizontal, m² per unit of `λ`.
@@ -85,12 +85,12 @@ pub(crate) struct SquaredSlopes<T> {
 }
 
 impl<T: Real> SquaredSlopes<T> {
-    /// Returns slopes below all others.
+    /// Returns slopes of zero.
     pub(crate) fn none() -> Self {
         Self { horizontal: T::zero(), vertical: T::zero() }
     }
 
-    /// Returns the larger of both, each component by itself.
+    /// Returns the larger horizontal and the larger vertical slope of two.
     #[inline]
     pub(crate) fn or(&self, other: &Self) -> Self {
         Self {
@@ -100,7 +100,8 @@ impl<T: Real> SquaredSlopes<T> {
     }
 }
 
-/// Returns the larger of two numbers by one comparison; a library call would also order NaN.
+/// Returns the larger of two numbers by one comparison. A library call needs more, because it also
+/// orders NaN.
 pub(crate) fn larger<T: Real>(a: T, b: T) -> T {
     if b > a { b } else { a }
 }
@@ -123,8 +124,8 @@ impl<T: Real> RowFit<T> {
         (self.gain.x * self.gain.x + self.gain.y * self.gain.y, self.gain.z * self.gain.z)
     }
 
-    /// Returns true if too little of 1 is left for the redundancy, or if it is NaN; false for a row
-    /// that is left out.
+    /// Returns true if the redundancy is below [`HARDLY_TESTED`] or NaN; false for a row that is
+    /// left out.
     pub(crate) fn is_hardly_tested(&self) -> bool {
         !(self.redundancy >= T::narrow(HARDLY_TESTED))
     }

@@ -1,4 +1,4 @@
-//! Memory for equations and their fits, which lends them solved or not at all.
+//! Memory for equations and their fits. It lends them only if they are solved.
 
 use heapless::Vec;
 use nalgebra::Vector3;
@@ -7,8 +7,8 @@ use super::{RowFit, Snapshot, SnapshotError, Solved};
 use crate::least_squares::equations::LinearEpoch;
 use crate::numeric::real::Real;
 
-/// Memory for at most `N` equations and their solution, reused from epoch to epoch so that nothing
-/// large is moved.
+/// Memory for at most `N` equations and their solution. It is reused from epoch to epoch, so that
+/// nothing large is moved.
 #[derive(Clone, Debug)]
 pub struct Workspace<T: Real, const N: usize> {
     equations: LinearEpoch<T, N>,
@@ -40,7 +40,7 @@ impl<T: Real, const N: usize> Workspace<T, N> {
         &self.equations
     }
 
-    /// Returns the equations, for adding to or replacing them.
+    /// Returns the equations, so that the caller can add or replace rows.
     pub fn equations_mut(&mut self) -> &mut LinearEpoch<T, N> {
         &mut self.equations
     }
@@ -48,7 +48,7 @@ impl<T: Real, const N: usize> Workspace<T, N> {
     /// Solves the equations.
     ///
     /// # Errors
-    /// [`SnapshotError::Insufficient`] with fewer rows than unknowns (without any, too),
+    /// [`SnapshotError::Insufficient`] if there are fewer rows than unknowns, or no rows;
     /// [`SnapshotError::Singular`] if the rows do not determine them.
     pub fn solve(&mut self) -> Result<Snapshot<'_, T>, SnapshotError> {
         self.solve_rows()?;
@@ -77,8 +77,8 @@ impl<T: Real, const N: usize> Workspace<T, N> {
     pub(crate) fn lend(&mut self) -> Snapshot<'_, T> {
         let Self { equations, fits, solved } = self;
         let (rows, references) = equations.parts_mut();
-        // Both vectors hold `N`, so that there is always capacity. A vector that is long enough is
-        // overwritten, which avoids a copy on the stack.
+        // Both vectors have the capacity `N`, so that a push never fails. A vector that is long
+        // enough is overwritten, which avoids a copy on the stack.
         fits.truncate(rows.len());
         while fits.len() < rows.len() && fits.push(RowFit::nothing()).is_ok() {}
         solved.fit_all(rows, fits);

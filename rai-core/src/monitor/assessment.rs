@@ -1,7 +1,7 @@
 //! The assessment: derives the verdict, the report and the update of the monitor from a judgement.
 //!
-//! The monitor stores `ratio = SSE/dof` of each epoch that passed. Their mean, about 1 if the
-//! sigmas are right, is the sigma check of the report.
+//! The monitor stores `ratio = SSE/dof` of each epoch that passed its test. The mean of these
+//! ratios is the sigma check of the report, about 1 if the sigmas are right.
 
 use super::description::{describe, known_height, residuals, suspects};
 use super::evidence::{Belief, residuals_of_all};
@@ -39,8 +39,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             other => other,
         };
         let passed = !matches!(judgement.outcome, ExclusionOutcome::NotIsolated(_));
-        // Under a policy above T1 a search can fail although its remaining rows pass. Such an epoch
-        // adds neither to the sigma check nor to the residuals.
+        // If the policy's threshold is above `τ1`, a search can fail although its remaining rows
+        // pass. Such an epoch adds neither to the sigma check nor to the residuals.
         let test = judgement.test.as_ref().ok().map(|test| test.detection);
         let ratio = test.filter(|test| passed && !test.fault());
         let ratio = ratio.map(|test| (test.sse.widen() / test.dof as f64) as f32);
@@ -48,7 +48,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let EpochOutcome { report, searched, update } = outcome;
         *update = Update {
             time_s: epoch.time_s(),
-            // A position under an alert is no start of the next fix.
+            // The next fix does not start from a position under an alert.
             start: (!matches!(verdict, Verdict::Alert(_))).then(|| fix.position()),
             ratio,
             evidence,
@@ -67,7 +67,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         report.sigma_check = self.sigma_check(ratio);
         describe(fix, epoch, verdict, judgement, report);
         if verdict == Verdict::Unavailable(Unavailable::Sigmas) {
-            // A level of refuted sigmas bounds nothing.
+            // If the sigmas are refuted, the level bounds nothing.
             report.protection = None;
         }
     }

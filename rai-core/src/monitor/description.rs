@@ -32,8 +32,8 @@ pub(super) fn residuals<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'
 
 /// Returns the excluded satellites with their biases in the final solution.
 ///
-/// A left-out row's residual is that of a prediction, which is the bias. An aiding row that was
-/// left out belongs to no satellite and is not listed.
+/// The residual of a left-out row is its range minus the prediction from the other rows, which
+/// estimates the bias. A left-out aiding row belongs to no satellite and is not listed.
 pub(super) fn suspects<T: Real>(
     judgement: &Judgement<T>,
     fix: &Fix<'_, T>,
@@ -53,7 +53,7 @@ pub(super) fn suspects<T: Real>(
     gather(listed)
 }
 
-/// Returns the known height of an epoch beside the satellites.
+/// Returns the comparison of an epoch's known height with its satellites.
 pub(super) fn known_height<T: Real>(
     judgement: &Judgement<T>,
     snapshot: &Snapshot<'_, T>,
@@ -61,15 +61,14 @@ pub(super) fn known_height<T: Real>(
 ) -> Option<HeightReport> {
     let (row, fit) = snapshot.row(height_row(snapshot, epoch)?)?;
     let is_used = row.weight > T::zero();
-    // The residual of a left-out row is that of a prediction already.
+    // The residual of a left-out row is already its difference to the prediction from the others.
     let share = if is_used { fit.redundancy } else { T::one() };
     let difference = if share >= T::UNTESTABLE { fit.residual / share } else { T::zero() };
     let is_needed = matches!(judgement.without_aiding, WithoutAiding::Untested);
     Some(HeightReport { is_used, is_needed, difference_m: difference.widen() })
 }
 
-/// Writes the report on a position, except for the excluded satellites and the sigma check, which
-/// are written already.
+/// Writes the report on a position. The excluded satellites and the sigma check are already in it.
 #[inline(never)]
 pub(super) fn describe<T: Real, const N: usize>(
     fix: &Fix<'_, T>,
@@ -83,7 +82,7 @@ pub(super) fn describe<T: Real, const N: usize>(
     report.used.clear();
     let mut squares = T::zero();
     for ((_, fit), observation) in used {
-        // Never full, because both hold `N`.
+        // Never full, because both have the capacity `N`.
         let _ = report.used.push(observation.satellite);
         squares += fit.residual * fit.residual;
     }
@@ -97,8 +96,8 @@ pub(super) fn describe<T: Real, const N: usize>(
     report.araim = judgement.araim;
 }
 
-/// Returns the global test, or the largest araim test compared with 1, unless the global test alone
-/// fails.
+/// Returns the global test; under ARAIM the largest of its tests compared with 1, unless the global
+/// test alone fails.
 fn statistic<T: Real>(test: &Test<T>, araim: Option<&AraimReport>) -> TestStatistic {
     let global = test.detection.statistic();
     match araim.filter(|araim| araim.ratio >= 1.0 || !test.detection.fault()) {

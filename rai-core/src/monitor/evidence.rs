@@ -15,30 +15,34 @@
 //! | `SSE_r`, `dof_r` | [`EpochResiduals::rest`]: the same of the satellites used | – |
 //! | `χ²_p(ν)/ν` | [`Residuals::ratio_at`] | – |
 //!
-//! A protection level assumes that one satellite at most is faulty and that the others have the
-//! errors of their sigmas. Exclusion alone cannot check the second assumption, because it removes
-//! the residuals that contradict it. Hence the sum contains them:
+//! A protection level assumes one faulty satellite at most. It also assumes that the errors of the
+//! others are as large as their sigmas state. Exclusion alone cannot check this second assumption,
+//! because it removes the residuals that contradict it. Therefore the sum contains the residuals of
+//! excluded satellites too:
 //!
 //! - The largest residual of the excluded satellites does not count, because a level allows for one
-//!   faulty satellite. Each of the others counts with [`MOST_EXCLUDED`] at most.
-//! - The satellites of a system that was left out as a whole do not count: it is one fault.
-//! - An epoch counts with [`MOST_RATIO`] times its degrees of freedom at most, so that a short
-//!   alert does not end all promises of a minute: among residuals as large as their sigmas, half of
-//!   the minute must contradict them.
-//! - A wrong time tag is no error of the ranges, so that an epoch with [`Unidentified::Time`] does
-//!   not count.
+//!   faulty satellite. Each of the other squares counts as at most [`MOST_EXCLUDED`].
+//! - The satellites of a system that was left out as a whole do not count, because they are one
+//!   fault.
+//! - The SSE of an epoch counts as at most [`MOST_RATIO`]·dof, so that a short alert does not block
+//!   a whole minute. If the ratio is 1 otherwise, half of a minute must contradict the sigmas to
+//!   refute them.
+//! - An epoch with [`Unidentified::Time`] does not count, because a wrong time tag is no error of
+//!   the ranges.
 //!
-//! An epoch that passes its own test without an exclusion never refutes the sigmas alone, because
-//! the bound of few degrees of freedom is above the threshold of the test.
+//! One epoch alone never refutes the sigmas if it passes its own test without an exclusion. The
+//! refutation bound of its degrees of freedom exceeds the threshold of that test for `P_fa` above
+//! 1e-7.
 //!
-//! **The rest after an exclusion.** The test's probability of false alarm is small, because it
-//! counts in every healthy epoch. A rest just below that threshold is far likelier to contain
-//! another fault than to be healthy, because one fault has been found: reflections come in groups.
-//! A healthy rest is refused in one of a hundred epochs that exclude satellites. Between simulated
-//! walls 138 of 170 errors beyond a level followed an exclusion whose rest fails this bound.
+//! **The rest after an exclusion.** The test's `P_fa` is small, because every healthy epoch risks a
+//! false alarm. After an exclusion one fault is certain, and reflections come in groups. A rest
+//! just below the threshold is then far likelier to contain another fault than to be healthy. Its
+//! bound is therefore lower, and refuses a healthy rest in one of a hundred epochs that exclude
+//! satellites. In simulated street canyons 170 errors exceeded a level. In 138 of these epochs
+//! satellites were excluded, and the rest fails this bound.
 //!
 //! Assumes that the epochs of a minute are independent. Multipath that repeats from epoch to epoch
-//! raises the ratio's spread, not its mean.
+//! increases the spread of the ratio, not its mean.
 
 use super::{EpochOutcome, Monitor};
 use crate::epoch::{EpochView, Observation};
@@ -51,21 +55,20 @@ use crate::numeric::sqrt;
 use crate::report::{Alert, Protected, Unavailable, Verdict};
 use crate::weighting::residuals::{RecentResiduals, Residuals};
 
-/// Length of one span, s.
+/// Length of one of the spans that make up the last minute, s.
 const SPAN_S: f32 = 6.0;
 
 /// Least ratio that refutes the sigmas, whatever the degrees of freedom.
 const REFUTED: f32 = 2.0;
 
-/// `Q⁻¹(1e-7)`: the ratio of right sigmas exceeds the bound of a refutation in one of ten million
-/// minutes.
+/// `Q⁻¹(1e-7)`, for the bound that refutes the sigmas. If the sigmas are right, the ratio exceeds
+/// it in one of ten million minutes.
 const REFUTED_QUANTILE: f32 = 5.199_338;
 
-/// `Q⁻¹(1e-3)`, of the bound from which levels are scaled.
+/// `Q⁻¹(1e-3)`, for the bound above which levels are scaled.
 const SCALED_QUANTILE: f32 = 3.090_232;
 
-/// `Q⁻¹(1e-2)`, of the bound on the rest after an exclusion: the significance that [Parity] uses
-/// beside faults.
+/// `Q⁻¹(1e-2)`, for the bound on the rest after an exclusion: the significance `α` of [Parity].
 ///
 /// [Parity]: crate#references
 const REST_QUANTILE: f32 = 2.326_348;
@@ -73,8 +76,8 @@ const REST_QUANTILE: f32 = 2.326_348;
 /// Largest square of an excluded satellite's residual over its sigma.
 const MOST_EXCLUDED: f32 = 25.0;
 
-/// Largest SSE/dof of one epoch. With it in one half of a minute and 1 in the other, the ratio is
-/// [`REFUTED`].
+/// Largest SSE/dof with which an epoch counts. If half of a minute has this value and the other
+/// half has 1, the ratio is [`REFUTED`].
 const MOST_RATIO: f32 = 3.0;
 
 /// Belief in the sigmas.
@@ -82,7 +85,7 @@ const MOST_RATIO: f32 = 3.0;
 pub(super) enum Belief {
     /// The residuals are no larger than the sigmas allow.
     Sound,
-    /// The residuals are larger, and levels grow by this factor.
+    /// The residuals are larger than the sigmas allow, and levels grow by this factor.
     Scaled(f32),
     /// The residuals contradict the sigmas.
     Refuted,
@@ -108,7 +111,7 @@ impl EpochResiduals {
 #[derive(Clone, Debug)]
 pub(super) struct Evidence {
     all: RecentResiduals,
-    /// Residuals of the epochs that excluded satellites, without these.
+    /// Residuals of the satellites used, in epochs that excluded others.
     rests: RecentResiduals,
 }
 
@@ -126,8 +129,8 @@ impl Evidence {
         self.rests.restart();
     }
 
-    /// Learns from an epoch. A time before the last span begins anew, and a NaN time is not
-    /// learned.
+    /// Adds an epoch. If its time is before the last span, the evidence begins anew. An epoch with
+    /// a NaN time is not added.
     pub(super) fn learn(&mut self, time_s: f64, latest: &EpochResiduals) {
         self.all.add(time_s, latest.all);
         if latest.excluded > 0 {
@@ -161,7 +164,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
         let EpochOutcome { report, update, .. } = outcome;
         if report.verdict == Verdict::Alert(Alert::Time) {
-            // A wrong time explains the alarms about it, in which it was not told from a fault.
+            // A wrong time also explains earlier alarms that looked like faults.
             self.evidence.restart();
         } else {
             self.evidence.learn(update.time_s, &update.evidence);
@@ -175,8 +178,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Returns the belief in the sigmas after an epoch with these residuals. Epochs that are judged
-    /// independently are no evidence against each other.
+    /// Returns the belief in the sigmas after an epoch with these residuals. If epochs are judged
+    /// independently, earlier ones are no evidence.
     pub(super) fn belief(&self, time_s: f64, latest: &EpochResiduals) -> Belief {
         match self.continuity_settings {
             Some(_) if cfg!(feature = "past") => self.evidence.belief(time_s, latest),
@@ -184,8 +187,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Returns true if a system that is kept out takes part, because the others alone determine no
-    /// position.
+    /// Returns true if a system that should be kept out takes part, because the others alone
+    /// determine no position.
     fn rests_on_kept_out(&self, fix: &Fix<'_, T>, epoch: &EpochView<'_>) -> bool {
         let systems = self.kept_out.systems();
         let is_kept_out = |seen: &Observation| systems >> (seen.satellite.constellation() as u8) & 1 != 0;
@@ -193,7 +196,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         systems != 0 && rows.any(|((row, _), seen)| row.weight > T::zero() && is_kept_out(seen))
     }
 
-    /// Returns the verdict on a protected epoch in the light of the evidence of those before it.
+    /// Returns the verdict on a protected epoch after comparing it with the evidence of earlier
+    /// epochs.
     pub(super) fn supported(
         &self,
         how: Protected,
@@ -214,7 +218,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let used =
             fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
         let doubtful = used.filter(|(_, observation)| self.named.contains(observation.satellite)).count();
-        // A doubtful satellite takes its degree of freedom with it.
+        // A doubtful satellite must not count as redundancy: its degree of freedom is subtracted.
         if !leaves_enough(usize::from(excluded.max(1)) + doubtful, fix.snapshot().dof()) {
             return Verdict::Unavailable(Unavailable::Redundancy);
         }
@@ -222,8 +226,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 }
 
-/// Returns the residuals of all satellites against a solution, of those used and of those excluded
-/// from it except for the largest; and the residuals of those used.
+/// Returns the residuals of the satellites used, and their sum with those of excluded satellites
+/// except for the largest.
 pub(super) fn residuals_of_all<T: Real>(
     judgement: &Judgement<T>,
     snapshot: &Snapshot<'_, T>,
@@ -242,7 +246,7 @@ pub(super) fn residuals_of_all<T: Real>(
     let dof = rest.dof + count.saturating_sub(1);
     let sse = rest.sse + sum - largest;
     let most = MOST_RATIO * dof as f32;
-    // An infinite or NaN sum is the largest.
+    // An infinite or NaN sum counts as the largest permitted one.
     let all = Residuals { sse: if sse < most { sse } else { most }, dof };
     let agrees = judgement.outcome == ExclusionOutcome::Isolated;
     EpochResiduals { all, rest, excluded: if agrees { count as u8 } else { 0 } }

@@ -1,5 +1,5 @@
-//! Memory of a known height: when a contradiction to the satellites is the height's own, and when
-//! it is that of two truths.
+//! Memory of a known height. It decides whether the height is wrong if it contradicts the
+//! satellites, or whether either may be wrong.
 //!
 //! ```text
 //! d = h − u                      known height minus that of the satellites alone
@@ -9,22 +9,23 @@
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `h`, `u` | of [`HeightReport::difference_m`] their difference | m |
-//! | `d₋₁` | `last`, of the epoch before | m |
+//! | `d = h − u` | [`HeightReport::difference_m`] | m |
+//! | `d₋₁` | difference of the epoch before, in `last` | m |
 //!
-//! The integrity module leaves a wrong height out, and the satellites then agree. This proves
-//! nothing if all satellites are counterfeit. What the height was before decides:
+//! The integrity module leaves out a height that contradicts the satellites, and the satellites
+//! then agree. This proves nothing if all satellites are counterfeit. The past of the height
+//! decides:
 //!
 //! | height | contradiction | verdict |
 //! |---|---|---|
 //! | never agreed for [`WEAK`] | any | that of the satellites |
 //! | agreed for [`WEAK`] | a step | that of the satellites: if the sky had stepped, its rates or the greatest speed would contradict |
-//! | agreed for [`WEAK`] | a drift | ambiguous, until they agree again or the height is silent for [`FORGOTTEN_S`] |
+//! | agreed for [`WEAK`] | a drift | ambiguous, until height and satellites agree again or no height comes for [`FORGOTTEN_S`] |
 //!
-//! A height that was left out supports no satellites that cannot be tested without it, until it has
-//! agreed for [`WEAK`] with satellites that can.
+//! If satellites can be tested only with a height that was left out before, they are not promised.
+//! The height must first agree for [`WEAK`] with satellites that can be tested without it.
 //!
-//! Limit: between epochs that are far apart a drift may look like a step. References: [TSO-C129a]
+//! Limit: if epochs are far apart, a drift may look like a step. References: [TSO-C129a]
 //! (a)(3)(xv), whose ramps of the altimeter must raise an alarm.
 //!
 //! [TSO-C129a]: crate#references
@@ -32,14 +33,15 @@
 use crate::continuity::WEAK;
 use crate::report::{Alert, HeightReport, Protected, Unavailable, Verdict};
 
-/// Longest time between two epochs with a height of one agreement, s.
+/// Longest gap between two epochs with a height that does not end an agreement, s.
 const FORGOTTEN_S: f64 = 60.0;
 
 /// Memory of a known height.
 #[derive(Clone, Debug)]
 pub(super) struct HeightMemory {
-    /// Epochs and seconds of the last agreement.
+    /// Number of epochs of the present agreement.
     epochs: u16,
+    /// Length of the present agreement, s.
     agreed_s: f32,
     /// Time of the last epoch with a height, s, and its difference, m.
     last: Option<(f64, f32)>,
@@ -48,12 +50,13 @@ pub(super) struct HeightMemory {
 }
 
 impl HeightMemory {
-    /// Returns the memory of no height.
+    /// Returns a memory without a height.
     pub(super) const fn new() -> Self {
         Self { epochs: 0, agreed_s: 0.0, last: None, is_doubtful: false }
     }
 
-    /// Returns the verdict on an epoch in the light of its height, and remembers it.
+    /// Returns the verdict on an epoch after comparing its height with earlier ones, and remembers
+    /// this height.
     pub(super) fn judge(&mut self, time_s: f64, height: &HeightReport, verdict: Verdict) -> Verdict {
         let difference_m = height.difference_m as f32;
         let before = self.last.replace((time_s, difference_m));
@@ -76,7 +79,7 @@ impl HeightMemory {
             return verdict;
         }
         if height.is_needed {
-            // Nothing but the height confirms these satellites, so that they do not confirm it.
+            // Only the height confirms these satellites, so that they cannot confirm the height.
             let is_promised = matches!(verdict, Verdict::Protected(_));
             let refused = Verdict::Unavailable(Unavailable::Redundancy);
             return if is_promised && self.is_doubtful { refused } else { verdict };

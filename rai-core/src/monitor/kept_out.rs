@@ -1,14 +1,15 @@
 //! Systems that were found broken again and again, and are kept out for a while.
 //!
-//! A system whose ranges jump half of the time costs a search in each of these epochs, and some of
-//! its jumps are too small to be isolated. After [`EXCLUSIONS`] exclusions it is left out before
-//! anything is tested, as if the receiver did not track it. It takes part again when it has agreed
+//! If the ranges of a system jump in half of the epochs, each of these needs a search. Some jumps
+//! are also too small to be isolated. After [`EXCLUSIONS`] exclusions the system is left out before
+//! anything is tested, as if the receiver did not track it. It takes part again after it has agreed
 //! with the others for [`WEAK`].
 
 use crate::continuity::WEAK;
 use crate::satellite::Constellation;
 
-/// Number of exclusions after which a system is kept out, unless it agreed for [`WEAK`] meanwhile.
+/// Number of exclusions after which a system is kept out, if it did not agree for [`WEAK`] between
+/// them.
 const EXCLUSIONS: u8 = 3;
 
 /// A system's exclusions, and its agreement since the last one.
@@ -24,7 +25,7 @@ impl Record {
 
     /// Adds an epoch in which the system agreed with the others.
     fn agree(&mut self, step_s: f32) {
-        // A time that goes back begins anew, as does a NaN time.
+        // If the time goes back or is NaN, the agreement begins anew.
         if self.epochs > 0 && step_s >= 0.0 {
             self.agreed_s += step_s;
         } else {
@@ -42,7 +43,7 @@ impl Record {
     }
 }
 
-/// An epoch as the systems are judged by it, each set a bit for each id.
+/// The systems of one epoch; each set has a bit for each id.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SystemsSeen {
     /// Systems left out as a whole because the others agree without them.
@@ -67,7 +68,7 @@ pub(super) struct KeptOutSystems {
 }
 
 impl KeptOutSystems {
-    /// Returns the record of no exclusion.
+    /// Returns records without an exclusion.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub(super) const fn new() -> Self {
@@ -88,7 +89,7 @@ impl KeptOutSystems {
         each.fold(0, |set, (id, record)| set | u8::from(record.exclusions >= EXCLUSIONS) << id)
     }
 
-    /// Learns from an epoch whose satellites agree, except for those that were left out.
+    /// Adds an epoch whose satellites agree, except for those that were left out.
     pub(super) fn learn(&mut self, time_s: f64, seen: SystemsSeen) {
         if !cfg!(feature = "hypotheses") {
             return;

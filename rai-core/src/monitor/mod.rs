@@ -8,12 +8,21 @@
 //!
 //! A [`Strategy`] selects the threshold and the isolation method. `τ1` is the threshold for `P_fa`,
 //! and no policy uses a lower one. The search compares every step with `τ1`, so that its result
-//! passes under any policy. Protection levels are those of the threshold in use.
+//! passes under any policy. Protection levels belong to the threshold in use.
 //!
-//! The state contains the last position, as the start of the next fix; a window of SSE/dof, which
-//! shows whether the sigmas are right; the residuals of the last minute and the satellites excluded
-//! lately, which take a promise back if they contradict it; with clock aiding, the receiver clocks
-//! of the epochs that passed; and the verdicts of the epochs before ([`crate::continuity`]).
+//! Between epochs the monitor stores:
+//!
+//! | field | content | use |
+//! |---|---|---|
+//! | `start` | last position | start of the next fix |
+//! | `ratios` | SSE/dof of tested epochs | sigma check |
+//! | `evidence`, `named` | residuals of the last minute; satellites excluded lately | withdraw a promise |
+//! | `kept_out` | systems that were broken again and again | are left out before the test |
+//! | `height`, `motion` | last known height; last positions | are compared with the next ones |
+//! | `continuity` | earlier verdicts ([`crate::continuity`]) | jumps, recovery after an alert |
+//! | `clocks` | with clock aiding, the receiver clocks of protected epochs | forecast |
+//! | `adaptation` | with adaptation, residuals of tested epochs | scale on the sigmas |
+//! | `subsets` | subsets of [`Method::Ransac`] | next search |
 //!
 //! References: [Yang2015] §1 for the order of the decisions, [Lin2016] §2 for detection and
 //! identification.
@@ -70,8 +79,8 @@ unstable! { pub use validated::ValidatedRequirements; }
 unstable! { pub use workspace::{EpochOutcome, MonitorWorkspace}; }
 
 /// Number of epochs over which SSE/dof is averaged. With 10 degrees of freedom and independent
-/// epochs the mean is then accurate to 6 %; multipath repeats from epoch to epoch and makes it
-/// worse.
+/// epochs the mean is accurate to 6 %. Multipath, which repeats from epoch to epoch, makes it less
+/// accurate.
 const SIGMA_CHECK_WINDOW: usize = 60;
 
 /// Integrity monitor for the positions of one receiver, at most `N` satellites at a time.
@@ -139,7 +148,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Forgets the residuals of the adaptation and the evidence against the sigmas, because the
+    /// Forgets the residuals of the adaptation and the evidence against the sigmas. Call it if the
     /// ranges are now made in another way or come from other satellites.
     pub fn forget_residuals(&mut self) {
         self.adaptation.restart();
@@ -156,15 +165,16 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.height = HeightMemory::new();
     }
 
-    /// Restarts the continuity after a gap longer than the time to alert. The next epoch must be
-    /// where the receiver can be expected, or agree for longer.
+    /// Restarts the continuity after a gap longer than the time to alert. The next position must be
+    /// where the receiver can be expected. Otherwise it is promised only after a longer agreement.
     pub fn interrupt(&mut self) {
         self.continuity.interrupt();
     }
 
     /// Judges one epoch, linearised at [`Self::start`], and learns from it.
     pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
-        // The subsets are exchanged while `self` is borrowed, and exchanged back.
+        // `judge_about` borrows `self`, so that the subsets move into `memory` for the call and
+        // back afterwards.
         let mut memory = MonitorWorkspace::new();
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
         self.judge_about(epoch, self.start, Search::Anew, None, &mut memory);
@@ -173,13 +183,13 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         memory.outcome.report
     }
 
-    /// Judges one epoch whose position is near `start`. With clock aiding, a forecast of a receiver
-    /// clock is one more row.
+    /// Judges one epoch whose position is near `start`. With clock aiding, the forecast of a
+    /// receiver clock adds a row.
     ///
-    /// Writes only to `memory`; a caller with a small stack can keep it in a static. The
-    /// [`EpochOutcome`] is in it. A caller that corrects ranges for the position may judge
-    /// linearised at several successive points, and learns once, from the last. A caller that knows
-    /// orbits passes `rates`: without them a wrong time tag counts as faulty satellites
+    /// Writes only to `memory`, which also contains the [`EpochOutcome`]; a caller with a small
+    /// stack can keep it in a static. A caller whose corrections depend on the position may judge
+    /// an epoch at several points in turn. It then learns once, from the last outcome. A caller
+    /// that knows orbits passes `rates`: without them a wrong time tag counts as faulty satellites
     /// ([`crate::integrity::raim::hypotheses::time_tag`]).
     #[cfg(feature = "unstable")]
     pub fn judge<'m>(
@@ -193,11 +203,12 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.judge_about(epoch, start, search, rates, memory)
     }
 
-    /// Makes the report's verdict final in the light of the epochs before. Then updates the state
-    /// as far as that verdict permits: the start of the next fix, the sigma check, and the clocks.
+    /// Makes the report's verdict final by comparing it with earlier epochs. Then updates the state
+    /// as far as that verdict permits.
     ///
-    /// `own_clock_s` is the arrival of the epoch by a clock that no signal can set, if the caller
-    /// has one. `velocity` is that of the epoch, or the reason why its range rates gave none.
+    /// `own_clock_s` is the arrival time of the epoch by a clock that no signal can set, if the
+    /// caller has one. `velocity` is the velocity in the epoch, or the reason why its range rates
+    /// determine none.
     #[cfg(feature = "unstable")]
     pub fn learn(
         &mut self,
@@ -208,7 +219,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.learn_from(outcome, own_clock_s, velocity);
     }
 
-    /// Judges an epoch, for [`Self::process`] and for those who judge step by step.
+    /// Judges an epoch, for [`Self::process`] and for `judge`.
     #[inline(never)]
     pub(crate) fn judge_about<'m>(
         &self,
@@ -222,7 +233,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let forecast = if is_aided { self.clocks.aiding(&epoch.view()) } else { None };
         let scale = self.scale(epoch.time_s());
         let MonitorWorkspace { workspace, scratch, outcome } = memory;
-        // Judged in place, because a copy would be on the stack below every search.
+        // Judged in place, because a copy would be on the stack during every search.
         match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
             Ok(fix) => {
                 let clock_row = fix.clock_row().filter(|_| cfg!(feature = "aiding"));
@@ -250,8 +261,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ) {
         self.remember(outcome);
         self.continue_from(outcome, own_clock_s, velocity);
-        // Only a protected epoch records its exclusions: those of an alert, or of the agreement
-        // that must follow it, may be wrong.
+        // Only a protected epoch records its exclusions. Those during an alert, or during the
+        // recovery after it, may be wrong.
         if matches!(outcome.report.verdict, Verdict::Protected(_)) {
             // The satellites of a system that is left out as a whole are not recorded one by one.
             let lost = outcome.report.excluded_constellations;
@@ -284,9 +295,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Applies continuity to an epoch.
     ///
-    /// A jump, a contradiction of the rates or of a height, and an unexpected place leave the
-    /// start, the sigma check, the clocks and the residuals as they were. The agreement that must
-    /// follow an alert leaves the clocks alone. The evidence against the sigmas has learned before.
+    /// After an alert of this step, or at an impossible place, the start, the sigma check, the
+    /// clocks and the residuals are not updated. During recovery only the clocks are not updated.
+    /// The evidence against the sigmas was updated earlier, by `remember`.
     fn continue_from(
         &mut self,
         outcome: &mut EpochOutcome<N>,
@@ -335,8 +346,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Returns the scale on all sigmas if the strategy adapts them.
     ///
-    /// It is at least 1 on sigmas of an integrity support message, because ten minutes of small
-    /// residuals say nothing about rare faults.
+    /// It is at least 1 for sigmas of an integrity support message, because ten minutes of small
+    /// residuals prove nothing about rare faults.
     fn scale(&self, time_s: f64) -> Option<f64> {
         let least = if self.strategy.method.uses_ism() { 1.0 } else { 0.0 };
         self.strategy.scales_sigmas().then(|| self.adaptation.scale(time_s).max(least))

@@ -1,14 +1,14 @@
 //! Satellites that were excluded lately, and that support no exclusion of others.
 //!
-//! An exclusion assumes that the remaining satellites are right. A satellite that was itself found
-//! faulty a moment ago is no witness, even if it agrees with the others now: between walls several
-//! late ranges agree with each other once a healthy satellite is left out. It counts again when it
-//! has agreed for [`WEAK`].
+//! An exclusion assumes that the remaining satellites are right. A satellite that was found faulty
+//! a moment ago cannot confirm this, even if it agrees with the others now. In a street canyon
+//! several reflected ranges agree with each other once a healthy satellite is left out. The
+//! satellite counts again after it has agreed for [`WEAK`].
 
 use crate::continuity::WEAK;
 use crate::satellite::SatelliteId;
 
-/// Most satellites that are remembered.
+/// Largest number of satellites that are remembered.
 const SATELLITES: usize = 8;
 
 /// A satellite, and its agreement since it was excluded.
@@ -23,14 +23,14 @@ struct Doubtful {
 #[derive(Clone, Debug)]
 pub(super) struct Named {
     places: [Option<Doubtful>; SATELLITES],
-    /// Place that the next satellite takes if none is free.
+    /// Place that was overwritten last because none was free.
     next: u8,
     /// Time of the last epoch whose satellites agreed, s.
     latest_s: f64,
 }
 
 impl Named {
-    /// Returns the memory of no exclusion.
+    /// Returns a memory without exclusions.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub(super) const fn new() -> Self {
@@ -47,7 +47,7 @@ impl Named {
         self.places.iter().all(Option::is_none)
     }
 
-    /// Remembers an excluded satellite; in turn each takes the place of another if none is free.
+    /// Remembers an excluded satellite. If no place is free, it overwrites the places in turn.
     pub(super) fn name(&mut self, satellite: SatelliteId) {
         let is_same = |place: &Option<Doubtful>| place.is_some_and(|known| known.satellite == satellite);
         let mut place = self.places.iter().position(is_same);
@@ -71,7 +71,7 @@ impl Named {
             let Some(doubtful) = place.as_mut().filter(|doubtful| used.contains(&doubtful.satellite)) else {
                 continue;
             };
-            // A time that goes back begins anew, as does a NaN time.
+            // If the time goes back or is NaN, the agreement begins anew.
             if doubtful.epochs > 0 && step_s >= 0.0 {
                 doubtful.agreed_s += step_s;
             } else {

@@ -20,8 +20,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Replaces the strategy.
     ///
-    /// A change of clock aiding forgets the clocks. A change of adaptation forgets the residuals,
-    /// as does one between expected sigmas and those of an integrity support message.
+    /// If clock aiding changes, the clocks are forgotten. If adaptation changes, the residuals are
+    /// forgotten. So they are if the sigmas change between expected ones and those of an integrity
+    /// support message.
     ///
     /// # Errors
     /// [`MethodError`] names the feature that the method needs and this build lacks; nothing
@@ -53,9 +54,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.continuity_settings.as_ref()
     }
 
-    /// Judges every epoch independently from now on: without jumps and without recovery.
+    /// Judges every epoch independently from now on: without detection of jumps and without
+    /// recovery.
     ///
-    /// Experiments that draw each epoch independently need it.
+    /// Experiments need it if they draw each epoch independently.
     #[cfg(feature = "unstable")]
     pub fn disable_continuity(&mut self) {
         self.continuity_settings = None;
@@ -66,7 +68,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ///
     /// An invalid message is ignored.
     pub fn set_ism(&mut self, ism: Ism) {
-        // NaN is no valid integrity support.
+        // A message with a NaN is invalid.
         if ism.is_valid() {
             self.ism = ism;
         }
@@ -88,7 +90,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         &self.validated
     }
 
-    /// Returns the start of the next fix: the last position, or that of [`Self::start_from`].
+    /// Returns the start of the next fix: the last position, or the point set by
+    /// [`Self::start_from`].
     pub fn start(&self) -> Ecef {
         self.start
     }

@@ -13,8 +13,8 @@ pub struct Strategy {
     pub method: Method,
     /// Quantity that a protection level bounds.
     pub levels: Levels,
-    /// True if the predicted receiver clock takes a row beside the satellites. Without the feature
-    /// `aiding` it has no effect.
+    /// True if the predicted receiver clock is one more row. Without the feature `aiding` it has no
+    /// effect.
     pub clock_aid: bool,
     /// True if the residuals of the last minutes scale the sigmas
     /// ([`crate::weighting::adaptation`]). Without the feature `aiding` it has no effect.
@@ -22,11 +22,11 @@ pub struct Strategy {
 }
 
 impl Strategy {
-    /// The classic threshold, the best exclusion within the work budget, levels that bound, no
-    /// aiding.
+    /// The classic threshold, the best exclusion within the work budget, levels that bound fault
+    /// and noise, no aiding.
     pub const DEFAULT: Self = Self { method: Method::Auto, ..Self::CLASSIC };
 
-    /// The classic threshold with sequential exclusion, levels that bound, no aiding.
+    /// The classic threshold, sequential exclusion, levels that bound fault and noise, no aiding.
     pub const CLASSIC: Self = Self {
         policy: Policy::T1,
         method: Method::Baarda,
@@ -35,7 +35,7 @@ impl Strategy {
         sigma_adapt: false,
     };
 
-    /// Returns true if a clock takes a row, which needs the feature `aiding`.
+    /// Returns true if a predicted clock is one more row, which needs the feature `aiding`.
     pub(super) const fn aids_with_clock(self) -> bool {
         cfg!(feature = "aiding") && self.clock_aid
     }

@@ -21,8 +21,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             (_, Err(NoThreshold::Redundancy)) => Verdict::Unavailable(Unavailable::Redundancy),
             (_, Err(NoThreshold::Risk)) => Verdict::Unavailable(Unavailable::Risk),
             (ExclusionOutcome::Isolated | ExclusionOutcome::Passed, Ok(test)) => {
-                // No row was left out, or only a forecast whose clock has jumped, which is no
-                // satellite's fault.
+                // If only a forecast was left out, its clock has jumped, and no satellite is
+                // faulty.
                 let reason = if none_excluded { Protected::Ok } else { Protected::Excluded };
                 match &judgement.araim {
                     Some(araim) => self.bounded_by_araim(reason, &test.levels, araim),
@@ -32,8 +32,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Returns true if the position would also be protected without the forecast: no clock is
-    /// learned from an epoch that only the forecast protects.
+    /// Returns true if the position would also be protected without the forecast. If only the
+    /// forecast protects an epoch, no clock is learned from it.
     pub(super) fn satellites_are_protected(&self, judgement: &Judgement<T>, verdict: Verdict) -> bool {
         let alone = match &judgement.without_aiding {
             WithoutAiding::Always => true,
@@ -48,8 +48,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Returns the verdict on satellites that agree, by comparing their protection levels with the
     /// limits.
     ///
-    /// A policy other than `T1` fills the whole limit on purpose, and exceeds it only if the
-    /// evidence of the last minute has scaled the levels.
+    /// A policy other than `T1` chooses the threshold so that the level is within its share of the
+    /// limit. Shared errors, a possible time error and scaling come on top and may use the rest of
+    /// the limit.
     fn bounded(&self, reason: Protected, levels: &ProtectionLevels) -> Verdict {
         let ProtectionLevels { hpl_m, vpl_m } = *levels;
         let fraction = self.validated.requirements.guard_fraction;
@@ -69,8 +70,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Works like [`Self::bounded`] for ARAIM, which has two more limits and whose levels may fill
-    /// the alert limits.
+    /// Works like [`Self::bounded`] for ARAIM, which has two more limits. Its levels may reach the
+    /// alert limits.
     fn bounded_by_araim(&self, reason: Protected, levels: &ProtectionLevels, araim: &AraimReport) -> Verdict {
         let Requirements { hal_m, val_m, allocation, .. } = &self.validated.requirements;
         // NaN fails this comparison.

@@ -12,8 +12,8 @@ use crate::weighting::residuals::Residuals;
 
 /// Memory for judging, which also holds the outcome.
 ///
-/// It keeps no state except for the subsets of satellites, which
-/// [`Method::Ransac`](super::Method::Ransac) keeps from epoch to epoch.
+/// Its only state from epoch to epoch are the subsets of satellites of
+/// [`Method::Ransac`](super::Method::Ransac).
 #[derive(Clone, Debug)]
 pub struct MonitorWorkspace<T: Real, const N: usize> {
     pub(super) workspace: Workspace<T, N>,
@@ -40,7 +40,8 @@ impl<T: Real, const N: usize> MonitorWorkspace<T, N> {
         &self.outcome
     }
 
-    /// Returns the outcome, for learning from it or for a caller that revises it.
+    /// Returns the outcome, for [`Monitor::learn`](super::Monitor::learn) or for a caller that
+    /// revises it.
     pub fn outcome_mut(&mut self) -> &mut EpochOutcome<N> {
         &mut self.outcome
     }
@@ -56,13 +57,13 @@ impl<T: Real, const N: usize> MonitorWorkspace<T, N> {
 pub struct EpochOutcome<const N: usize> {
     /// Report of the epoch.
     pub report: Report<N>,
-    /// True if faulty satellites were searched for, the expensive part.
+    /// True if faulty satellites were searched for, which is the expensive part.
     pub searched: bool,
     pub(super) update: Update,
 }
 
 impl<const N: usize> EpochOutcome<N> {
-    /// Returns the outcome of no epoch.
+    /// Returns an outcome without an epoch.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     fn nothing() -> Self {
@@ -72,8 +73,8 @@ impl<const N: usize> EpochOutcome<N> {
     /// Overrides the verdict by an alert whose reason is outside the ranges, before
     /// [`Monitor::learn`](super::Monitor::learn).
     ///
-    /// The position then has no levels and updates nothing. An epoch without a position, or under
-    /// an alert already, stays as it is.
+    /// The position then has no levels, and the epoch updates nothing. An outcome without a
+    /// position, or with an alert, does not change.
     pub fn override_alert(&mut self, reason: Alert) {
         if self.report.solution.is_some() && !matches!(self.report.verdict, Verdict::Alert(_)) {
             self.report.verdict = Verdict::Alert(reason);
@@ -85,8 +86,8 @@ impl<const N: usize> EpochOutcome<N> {
 
 impl<const N: usize> EpochOutcome<N> {
     /// Withdraws a promise for a reason outside the ranges, before
-    /// [`Monitor::learn`](super::Monitor::learn). The epoch then updates nothing. Any other verdict
-    /// stays.
+    /// [`Monitor::learn`](super::Monitor::learn). The epoch then updates nothing. A verdict other
+    /// than protected does not change.
     pub fn withdraw(&mut self, reason: Unavailable) {
         if matches!(self.report.verdict, Verdict::Protected(_)) {
             self.report.verdict = Verdict::Unavailable(reason);
@@ -99,17 +100,17 @@ impl<const N: usize> EpochOutcome<N> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Update {
     pub(super) time_s: f64,
-    /// Start of the next fix, from a position that is not under an alert.
+    /// Start of the next fix; `None` under an alert.
     pub(super) start: Option<Ecef>,
-    /// SSE/dof of a test that passed, because a detected fault has no information on sigma.
+    /// SSE/dof, if the test passed; with a detected fault it tells nothing about sigma.
     pub(super) ratio: Option<f32>,
-    /// Residuals of every tracked satellite, alarms included.
+    /// Residuals of every tracked satellite, also if the test fails.
     pub(super) evidence: EpochResiduals,
     /// True if sigmas scaled below 1 made the epoch fail its test.
     pub(super) is_refuting_scale: bool,
-    /// Clocks of satellites that were protected without a forecast.
+    /// Clocks, if the position is also protected without a forecast.
     pub(super) clocks: Option<SolvedClocks>,
-    /// Residuals of a test that passed, by the sigmas of the epoch.
+    /// Residuals over the sigmas of the epoch, if the test passed.
     pub(super) residuals: Option<Residuals>,
     /// Systems in view, and those left out.
     pub(super) systems: SystemsSeen,
@@ -130,7 +131,7 @@ impl Update {
         }
     }
 
-    /// Takes every effect back.
+    /// Removes every effect.
     // Compiled once for all callers.
     #[inline(never)]
     pub(super) fn clear(&mut self) {

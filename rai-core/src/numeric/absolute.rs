@@ -1,26 +1,26 @@
-//! Absolute lengths whose small differences a scalar computes with.
+//! Absolute lengths, whose small differences are computed exactly and then converted to a scalar.
 //!
-//! A range of 26,000 km must be right to a millimetre, twelve digits; its difference to the
-//! distance of the satellite needs seven. The companion of `f64` is a double. The companion of
-//! `f32`, on a processor that emulates doubles, is a whole multiple of 2⁻¹⁴ m: 64-bit integers add
-//! exactly, and multiply in five instructions where a double takes seventy.
+//! A range of 26,000 km must be accurate to a millimetre, which takes twelve digits. Its difference
+//! to the distance of the satellite takes seven. For the scalar `f64` an absolute length is a
+//! double. For `f32` it is a multiple of 2⁻¹⁴ m, a [`Grid`]. On a processor that emulates doubles,
+//! 64-bit integers add exactly and multiply in five instructions; a double takes seventy.
 //!
 //! ```text
 //! |v| = D + ρ        D ≈ √(v·v), computed in f32 and then taken as exact        ρ = (v·v − D²) / 2D
 //! ```
 //!
-//! `v·v − D²` is exact: its terms wrap round in 64 bits, their sum does not. The neglected part of
-//! `ρ` is `ρ²/2D`.
+//! `v·v − D²` is exact: its terms overflow 64 bits and wrap, but their sum fits. The neglected part
+//! of `ρ` is `ρ²/2D`.
 //!
 //! | symbol | where | unit |
 //! |---|---|---|
-//! | `D` | [`Length::whole`] | m, in steps of 1/8 m beside `f32` |
+//! | `D` | [`Length::whole`] | m, with `f32` in steps of 1/8 m |
 //! | `D`, rounded | [`Length::rounded`] | m |
-//! | `ρ` | [`Length::rest`] | m, beside `f32` below 8·10⁻⁷ of `D` |
+//! | `ρ` | [`Length::rest`] | m, with `f32` below 8·10⁻⁷ of `D` |
 //!
-//! Beside `f32` a coordinate is rounded by 31 µm at most, and `ρ²/2D` is below 2 µm for a satellite
-//! of any navigation system. Lengths up to [`Grid::LONGEST_M`] are right; longer ones give an
-//! unspecified value, without panic.
+//! With `f32` a coordinate is rounded by at most 31 µm, and `ρ²/2D` is below 2 µm for a satellite
+//! of any navigation system. Lengths up to [`Grid::LONGEST_M`] are computed correctly. Longer ones
+//! give an unspecified value, without panic.
 
 use core::fmt::Debug;
 
@@ -31,18 +31,18 @@ use super::sqrt;
 pub struct Length<A, T> {
     /// Large part, exact.
     pub whole: A,
-    /// Large part in the digits of the scalar, m.
+    /// Large part, rounded to the scalar, m.
     pub rounded: T,
     /// Small part, m.
     pub rest: T,
 }
 
-/// A coordinate or a range, m, beside a scalar `T`.
+/// A coordinate or a range, m, whose differences fit a scalar `T`.
 pub trait Absolute<T>: Copy + Debug + PartialEq {
-    /// Converts a number of metres. NaN, and values beyond all lengths, become the largest or the
-    /// smallest value.
+    /// Converts a number of metres. NaN and too large values become the largest or the smallest
+    /// value.
     fn of(metres: f64) -> Self;
-    /// Returns the difference to another.
+    /// Returns this length minus another.
     #[must_use]
     fn less(self, other: Self) -> Self;
     /// Returns the number of metres, exactly.
@@ -87,26 +87,27 @@ impl Absolute<f64> for f64 {
 pub struct Grid(i64);
 
 impl Grid {
-    /// Longest vector whose length is right, m: twice the largest distance of a satellite or a
-    /// receiver.
+    /// Longest vector whose length is computed correctly, m: twice the largest distance of a
+    /// satellite or a receiver.
     pub const LONGEST_M: f64 = 2e8;
 
-    /// Number of binary digits behind the point.
+    /// Number of binary digits after the point.
     const DIGITS: i32 = 14;
 
-    /// Largest number, beyond 10¹¹ m, so that sums of a few do not wrap.
+    /// Largest number, above 10¹¹ m. Sums of a few such numbers do not wrap.
     const LARGEST: i64 = 1 << 51;
 
-    /// Number of binary digits that a coordinate loses so that it fits 32 bits, and the number
-    /// behind the point that remain.
+    /// Number of binary digits that are removed from a coordinate so that it fits 32 bits.
     const COARSER: i32 = 11;
+    /// Number of binary digits after the point that then remain.
     const COARSE_DIGITS: i32 = Self::DIGITS - Self::COARSER;
     const COARSE_STEP_M: f32 = 1.0 / (1 << Self::COARSE_DIGITS) as f32;
 
-    /// Rounds a multiple of 2^−`digits` m to the nearest, halves upwards, for `digits` of 15 to 63.
+    /// Rounds a multiple of 2^−`digits` m to the nearest multiple, halves upwards, for `digits` of
+    /// 15 to 63.
     #[must_use]
     pub const fn of_multiple(units: i64, digits: u32) -> Self {
-        // All digits behind the grid's, except for one, which rounds.
+        // Removes all digits after the grid's, except for one, by which the number is rounded.
         let shift = digits.saturating_sub(Self::DIGITS as u32 + 1);
         Self((units.wrapping_shr(shift) + 1) >> 1)
     }
@@ -127,15 +128,15 @@ impl Absolute<f32> for Grid {
 
     fn widen(self) -> f64 {
         const BIAS: u32 = 1023;
-        /// Leading zeros of a number whose first bit is that of a mantissa.
+        /// Leading zeros of a number whose first bit is in the place of a mantissa's.
         const OF_MANTISSA: u32 = 11;
         let size = self.0.unsigned_abs();
         let zeros = size.leading_zeros();
         if size == 0 || zeros < OF_MANTISSA {
             return self.0 as f64 / f64::from(1 << Self::DIGITS);
         }
-        // All lengths are exact in a double, which is composed of its bits, because a conversion
-        // and a division are calls on this processor. The first bit of the mantissa adds 1 to the
+        // All lengths are exact in a double. It is composed of its bits, because a conversion and a
+        // division are library calls on this processor. The first bit of the mantissa adds 1 to the
         // exponent.
         let exponent = BIAS + 63 - 1 - Self::DIGITS as u32 - zeros;
         let bits = (size << (zeros - OF_MANTISSA)) + (u64::from(exponent) << 52);
@@ -144,8 +145,8 @@ impl Absolute<f32> for Grid {
 
     fn narrow(self) -> f32 {
         const STEP_M: f32 = 1.0 / (1 << Grid::DIGITS) as f32;
-        // In two words, which the processor converts: below 2³² m both exactly, so that one
-        // rounding remains.
+        // The processor converts two words. Below 2³² m both conversions are exact, so that only
+        // one rounding remains.
         const LOWER: u32 = 22;
         let upper = (self.0 >> LOWER) as i32 as f32 * (1 << LOWER) as f32;
         let lower = (self.0 & ((1 << LOWER) - 1)) as i32 as f32;
@@ -157,8 +158,8 @@ impl Absolute<f32> for Grid {
     }
 
     fn length(coordinates: [Self; 3]) -> Length<Self, f32> {
-        // Half of the digits suffice, because the lower ones are below a nanometre. 2D in the same
-        // unit, and both to metres.
+        // The upper half of the digits suffices, because the lower ones are below a nanometre.
+        // `SCALE` converts the quotient to metres.
         const LOWER: u32 = 31;
         const SCALE: f32 = (1_u64 << LOWER) as f32 / (1_u64 << (Grid::DIGITS + Grid::COARSER + 1)) as f32;
         let [x, y, z] = coordinates.map(coarse);
@@ -182,7 +183,7 @@ fn by_bits(metres: f64) -> i64 {
     let upper = (metres.to_bits() >> 32) as i32;
     let exponent = upper >> (MANTISSA_BITS - 32) & 0x7FF;
     let mantissa = metres.to_bits() & ((1 << MANTISSA_BITS) - 1) | 1 << MANTISSA_BITS;
-    // Digits behind the grid's, except for one, which rounds.
+    // Number of digits after the grid's, except for one, by which the number is rounded.
     let shift = BIAS + MANTISSA_BITS - Grid::DIGITS - 1 - exponent;
     let magnitude = match shift {
         // Infinity and NaN have the largest exponent.
@@ -194,19 +195,19 @@ fn by_bits(metres: f64) -> i64 {
     (magnitude ^ sign) - sign
 }
 
-/// Returns the same as [`by_bits`] with the doubles of a host, in fewer instructions.
+/// Returns the same as [`by_bits`], computed with doubles, in fewer instructions on a host.
 fn by_doubles(metres: f64) -> i64 {
-    /// The double below ½: a half itself would raise the number below ½ to 1.
+    /// The largest double below ½. Adding ½ itself would round this number up to 1.
     const BELOW_HALF: f64 = 0.5 - f64::EPSILON / 4.0;
     let units = metres * (1 << Grid::DIGITS) as f64;
-    // NaN leaves here, too.
+    // NaN also returns here.
     if !(units.abs() < Grid::LARGEST as f64) {
         return if metres.is_sign_negative() { -Grid::LARGEST } else { Grid::LARGEST };
     }
     (units + BELOW_HALF.copysign(units)) as i64
 }
 
-/// Returns a coordinate with as many digits as 32 bits hold, in units of 2⁻³ m.
+/// Returns a coordinate in units of 2⁻³ m, which fits 32 bits.
 fn coarse(Grid(value): Grid) -> f32 {
     (value >> Grid::COARSER) as i32 as f32
 }

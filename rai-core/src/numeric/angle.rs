@@ -1,5 +1,5 @@
-//! Angles for a processor that emulates doubles: that of a unit vector, to a trillionth of a turn,
-//! and the sine of a small one.
+//! Angles for a processor that emulates doubles: the angle of a unit vector, to a trillionth of a
+//! turn, and the sine of an angle.
 //!
 //! ```text
 //! folded into 0 … π/4, and turned back by the nearest of 17 known directions α_k = k π/64:
@@ -7,9 +7,9 @@
 //! a = α_k + s + s³ (1/6 + 3/40 s²)                         the cubic part in f32
 //! ```
 //!
-//! The neglected term, `5/112 s⁷`, is below 1e-12 rad, as is the rounding of the cubic part;
-//! together less than 10 µm on the ground. It costs a quarter of an arc tangent in doubles, and one
-//! multiplication where those take eleven.
+//! The neglected term, `5/112 s⁷`, is below 1e-12 rad, as is the rounding of the cubic part.
+//! Together they are less than 10 µm on the ground. The angle costs a quarter of an arc tangent in
+//! doubles.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -35,8 +35,8 @@ const DIRECTIONS: [(f64, f64, f64); 17] = [
     (0.785_398_163_397_448_3, 0.707_106_781_186_547_6, 0.707_106_781_186_547_6),
 ];
 
-/// Returns the sine of an angle of at most a quarter turn either way, within 2e-7; of a larger one
-/// that of a quarter turn.
+/// Returns the sine of an angle, accurate to 2e-7. A larger angle than a quarter turn, either way,
+/// counts as a quarter turn.
 ///
 /// ```text
 /// sin x = x (1 − x²/2·3 (1 − x²/4·5 (1 − x²/6·7 (1 − x²/8·9 (1 − x²/10·11)))))        the neglected terms are below 6e-8
@@ -64,7 +64,8 @@ pub fn of_unit_vector(sine: f64, cosine: f64) -> f64 {
 fn of_octant(sine: f64, cosine: f64) -> f64 {
     const PER_RADIAN: f32 = 64.0 / core::f32::consts::PI;
     let coarse = sine as f32;
-    // The arc sine to 3 mrad: either of two neighbours is near enough.
+    // The arc sine is accurate to 3 mrad, which suffices: either of two neighbouring directions is
+    // near enough.
     let nearest = coarse * (1.0 + 0.2215 * coarse * coarse) * PER_RADIAN + 0.5;
     let [.., last] = &DIRECTIONS;
     let &(angle, sine_k, cosine_k) = DIRECTIONS.get(nearest as usize).unwrap_or(last);

@@ -1,11 +1,12 @@
-//! Comparison of doubles by their bits, because each comparison of two is a call on a processor
-//! that emulates doubles.
+//! Comparison of doubles by their bits. On a processor that emulates doubles, an ordinary
+//! comparison is a library call.
 
 use core::ops::RangeInclusive;
 
-/// Returns true if a number lies between two that are not negative.
+/// Returns true if a number is within a range whose ends are not negative.
 ///
-/// Positive doubles have the order of their bits; negative numbers, infinity and NaN lie beyond.
+/// Positive doubles have the order of their bits. Those of negative numbers, infinity and NaN are
+/// above.
 pub fn is_within(value: f64, range: &RangeInclusive<f64>) -> bool {
     (range.start().to_bits()..=range.end().to_bits()).contains(&value.to_bits())
 }

@@ -1,11 +1,12 @@
-//! Cholesky factor of a small matrix, `M = L Lᵀ`, and solutions with it.
+//! Cholesky factor of a small matrix, `M = L Lᵀ`, and solutions by it.
 //!
 //! ```text
 //! L_ij = (M_ij − Σ_k<j L_ik L_jk) / L_jj        L_jj = √(M_jj − Σ_k<j L_jk²)
 //! ```
 //!
-//! Four rows, as for a position with one clock; a smaller matrix is bordered by ones on its
-//! diagonal. nalgebra has the same by views that can panic and that are compiled for each size.
+//! The matrix has four rows, as for a position with one clock; a smaller one is extended by ones on
+//! the diagonal. nalgebra's factorisation uses views, which can panic, and is compiled for each
+//! size.
 
 use super::real::Real;
 
@@ -15,15 +16,15 @@ pub(crate) const ORDER: usize = 4;
 /// A vector.
 pub(crate) type Vector<T> = [T; ORDER];
 
-/// A matrix by its rows; a symmetric one by its columns as well.
+/// A matrix by its rows, which are also the columns of a symmetric one.
 pub(crate) type Matrix<T> = [Vector<T>; ORDER];
 
 /// `L`, by its rows.
 pub(crate) struct Cholesky<T>(Matrix<T>);
 
 impl<T: Real> Cholesky<T> {
-    /// Factorises a symmetric matrix, of which the lower triangle is read. Returns `None` if it is
-    /// not positive definite.
+    /// Factorises a symmetric matrix; only the lower triangle is read. Returns `None` if the matrix
+    /// is not positive definite.
     pub(crate) fn new(matrix: &Matrix<T>) -> Option<Self> {
         let mut lower = [[T::zero(); ORDER]; ORDER];
         for (i, given) in matrix.iter().enumerate() {
@@ -34,7 +35,7 @@ impl<T: Real> Cholesky<T> {
                 *row.get_mut(j)? = left / entry(other, j);
             }
             let pivot = (0..i).fold(entry(given, i), |left, k| left - entry(row, k) * entry(row, k));
-            // NaN leaves here too.
+            // NaN also returns here.
             if !(pivot > T::zero()) {
                 return None;
             }
@@ -81,7 +82,7 @@ pub(crate) fn trace<T: Real>(matrix: &Matrix<T>) -> T {
     matrix.iter().enumerate().fold(T::zero(), |sum, (i, row)| sum + entry(row, i))
 }
 
-/// Returns `M v` of a symmetric matrix, by its columns.
+/// Returns `M v` for a symmetric matrix, column by column.
 pub(crate) fn product<T: Real>(matrix: &Matrix<T>, vector: &Vector<T>) -> Vector<T> {
     let mut product = [T::zero(); ORDER];
     for (column, &factor) in matrix.iter().zip(vector) {
@@ -92,7 +93,7 @@ pub(crate) fn product<T: Real>(matrix: &Matrix<T>, vector: &Vector<T>) -> Vector
     product
 }
 
-/// Returns `a·b`, by two independent sums.
+/// Returns `a·b`, as two independent sums.
 pub(crate) fn dot<T: Real>(a: &Vector<T>, b: &Vector<T>) -> T {
     let ([a0, a1, a2, a3], [b0, b1, b2, b3]) = (*a, *b);
     (a0 * b0 + a2 * b2) + (a1 * b1 + a3 * b3)

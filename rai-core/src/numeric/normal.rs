@@ -1,7 +1,7 @@
-//! The normal distribution far out in its upper tail.
+//! The upper tail of the normal distribution, also for very small probabilities.
 //!
 //! ```text
-//! Q(u)   = P(N(0, 1) > u) = exp(−u²/2) F(u)        F is smooth and slow: 0.5 … 0.4/u
+//! Q(u)   = P(N(0, 1) > u) = exp(−u²/2) F(u)        F is smooth and changes slowly: 0.5 … 0.4/u
 //! Q⁻¹(p) = u with Q(u) = p
 //! ```
 //!
@@ -11,14 +11,14 @@
 //! | `Q(u)` | [`Tail::probability`] | – |
 //! | `φ(u) = −dQ/du` | [`Tail::density`] | – |
 //!
-//! Protection levels are sums of such tails, of 1e-4 to 1e-9 each, so that the relative error
-//! counts. It is below 1e-6 in `f32` and below 1e-13 in `f64`, from 0.5 down to 1e-30, of both
-//! functions.
+//! Protection levels are sums of such tails, each of 1e-4 to 1e-9, so that the relative error
+//! matters. For both functions and probabilities from 0.5 down to 1e-30, it is below 1e-6 in `f32`
+//! and below 1e-13 in `f64`.
 //!
-//! In `f32`, `u²` would lose that: half an ulp of 66 is 4e-6. Therefore `u` is split into twelve
-//! leading bits, whose square is exact, and a rest. `F(u)(u + 3)` is a polynomial in
-//! `(u − 3)/(u + 3)` with a relative error of 4e-8. In `f64` it is libm's `erfc`. The inverse is
-//! [Wichura1988] in both, to seven and to sixteen digits.
+//! In `f32`, rounding `u²` would exceed this error: half a unit in the last place of 66 is 4e-6.
+//! Therefore `u` is split into twelve leading bits, whose square is exact, and a rest.
+//! `F(u)(u + 3)` is a polynomial in `(u − 3)/(u + 3)` with a relative error of 4e-8. In `f64`, `Q`
+//! is libm's `erfc`. The inverse is [Wichura1988] in both, to seven and to sixteen digits.
 //!
 //! References: [Wichura1988] (AS 241), [Cody1969] for the split.
 //!
@@ -30,8 +30,8 @@ use super::sqrt;
 
 pub use super::real::Tail;
 
-/// Returns `Q(u)` and `φ(u)` for `u ≥ 0`; below 0 as at 0, and 0.5 for NaN, the largest
-/// probability.
+/// Returns `Q(u)` and `φ(u)` for `u ≥ 0`. Negative numbers and NaN count as 0, which has the
+/// largest probability, 0.5.
 ///
 /// About 50 instructions on a Cortex-M4F in `f32`.
 #[inline]
@@ -39,7 +39,7 @@ pub fn tail<T: Real>(u: T) -> Tail<T> {
     T::normal_tail(if u > T::zero() { u } else { T::zero() })
 }
 
-/// Returns `Q⁻¹(p)`: 0 from 0.5 on, infinite for 0, negative numbers and NaN.
+/// Returns `Q⁻¹(p)`: 0 for `p ≥ 0.5`, infinite for 0, negative numbers and NaN.
 pub fn quantile<T: Real>(p: T) -> T {
     let half = T::narrow(0.5);
     if p >= half {
@@ -51,11 +51,11 @@ pub fn quantile<T: Real>(p: T) -> T {
     }
 }
 
-/// Largest argument with a normal single `Q`: beyond, it counts as 0, and is 2e-38.
+/// Argument above which `Q` counts as 0: it is 2e-38 there, the smallest normal single.
 const SINGLE_END: f32 = 12.875;
 
-/// `F(u)(u + 3)` by powers of `(u − 3)/(u + 3)`, for `u` up to 13.5: fitted to the least relative
-/// error.
+/// Coefficients of `F(u)(u + 3)` in powers of `(u − 3)/(u + 3)`, for `u` up to 13.5. They were
+/// fitted to the least relative error.
 const SCALED: [f32; 9] = [
     0.729_083_66,
     -0.509_332_24,
@@ -68,11 +68,11 @@ const SCALED: [f32; 9] = [
     -0.000_270_633_06,
 ];
 
-/// `exp(−r)` for `|r| ≤ ln 2/2`, likewise; relative error 2e-9.
+/// Coefficients of `exp(−r)` for `|r| ≤ ln 2/2`, fitted likewise; the relative error is 2e-9.
 const EXPONENTIAL: [f32; 7] =
     [1.0, -1.0, 0.499_999_9, -0.166_664_11, 0.041_668_29, -0.008_375_645, 0.001_383_580_2];
 
-/// `ln 2` in two parts, the first of few bits: times a whole number it is exact.
+/// `ln 2` in two parts. The first has few bits, so that its product with a whole number is exact.
 const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
 
 /// `1/√(2π)`.
@@ -89,7 +89,7 @@ pub(super) fn single_tail(u: f32) -> Tail<f32> {
     let count = doublings as f32;
     let [leading_ln, trailing_ln] = LN_2;
     let reduced = half - count * leading_ln - count * trailing_ln + rest;
-    // At most 120 doublings, so that the result is a normal number.
+    // There are at most 120 doublings, so that the result is a normal number.
     let scale = f32::from_bits((127 - doublings.min(126)) << 23);
     let exponential = polynomial(&EXPONENTIAL, reduced) * scale;
     let inverse = (u + 3.0).recip();
@@ -112,15 +112,17 @@ pub(super) fn double_tail(u: f64) -> Tail<f64> {
 /// [Wichura1988]: crate#references
 type Quotient<T, const N: usize, const D: usize> = ([T; N], [T; D]);
 
-/// Within 0.425 of one half, by the square of the distance; the others by `√(−ln p)`, up to 5 and
-/// beyond.
+/// For `p` within 0.425 of one half, in the square of the distance.
 const SINGLE_CENTRE: Quotient<f32, 4, 4> =
     ([3.387_132_7, 50.434_27, 159.291_13, 59.109_375], [1.0, 17.895_17, 78.757_76, 67.187_56]);
+/// For other `p`, in `√(−ln p)` up to 5.
 const SINGLE_TAIL: Quotient<f32, 4, 3> =
     ([1.423_437_3, 2.756_815_4, 1.306_728_5, 0.170_238_21], [1.0, 0.737_001_64, 0.120_211_33]);
+/// For other `p`, in `√(−ln p)` above 5.
 const SINGLE_FAR: Quotient<f32, 4, 3> =
     ([6.657_905, 3.081_226_3, 0.428_682_94, 0.017_337_203], [1.0, 0.241_978_94, 0.012_258_202]);
 
+/// Double-precision counterpart of [`SINGLE_CENTRE`].
 const DOUBLE_CENTRE: Quotient<f64, 8, 8> = (
     [
         3.387_132_872_796_366_6,
@@ -143,6 +145,7 @@ const DOUBLE_CENTRE: Quotient<f64, 8, 8> = (
         5.226_495_278_852_854e3,
     ],
 );
+/// Double-precision counterpart of [`SINGLE_TAIL`].
 const DOUBLE_TAIL: Quotient<f64, 8, 8> = (
     [
         1.423_437_110_749_683_5,
@@ -165,6 +168,7 @@ const DOUBLE_TAIL: Quotient<f64, 8, 8> = (
         1.050_750_071_644_416_9e-9,
     ],
 );
+/// Double-precision counterpart of [`SINGLE_FAR`].
 const DOUBLE_FAR: Quotient<f64, 8, 8> = (
     [
         6.657_904_643_501_103,
@@ -188,9 +192,9 @@ const DOUBLE_FAR: Quotient<f64, 8, 8> = (
     ],
 );
 
-/// Half the width of the central range, whose square it is compared with, and where the far range
-/// begins.
+/// Half the width of the central range.
 const CENTRE: f64 = 0.425;
+/// `√(−ln p)` above which the far range begins.
 const FAR: f64 = 5.0;
 
 /// Returns the quantile in single precision, `0 < p < 0.5`.

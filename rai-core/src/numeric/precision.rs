@@ -1,20 +1,20 @@
 //! Precision of the sums and integrals of a distribution, in each scalar.
 //!
-//! [`Real`](super::real::Real) has one as a constant; [`chi_square`](super::chi_square) computes by
-//! it.
+//! It is a constant of [`Real`](super::real::Real); [`chi_square`](super::chi_square) uses it.
 
 /// Limits of the sums in one scalar.
 #[derive(Clone, Copy, Debug)]
 pub struct Precision<T: 'static> {
-    /// Argument beyond which the asymptotic expansion applies.
+    /// Argument above which the asymptotic expansion is used.
     pub(super) asymptotic: T,
-    /// Relative size below which a term of the series is the last.
+    /// Relative size of a term below which the series ends.
     pub(super) rounding: T,
-    /// Relative square below which a Newton step is the last: the remaining error is smaller.
+    /// Relative square of a Newton step below which the iteration ends. The remaining error is
+    /// smaller.
     pub(super) settled: T,
-    /// Drop of the logarithmic density beyond which the tail is cut.
+    /// Decrease of the logarithmic density beyond which the tail is neglected.
     pub(super) drop: T,
-    /// Nodes and weights of Gauss–Legendre quadrature on [−1, 1], the positive half.
+    /// Nodes and weights of Gauss–Legendre quadrature on [−1, 1]; only the positive half.
     pub(super) rule: &'static [(T, T)],
 }
 

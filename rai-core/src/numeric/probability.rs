@@ -1,7 +1,7 @@
-//! Probabilities as a type, always given as tails.
+//! Probabilities as a type. They are always tails.
 //!
-//! A probability mixed up with a threshold is the costly error in integrity monitoring, and `1 − p`
-//! loses every significant digit. Therefore the type exists, and no complement.
+//! The type prevents that a probability is mistaken for a threshold. It has no complement, because
+//! `1 − p` loses the significant digits of `p`.
 
 /// A tail probability in the open interval (0, 0.5).
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]

@@ -1,15 +1,16 @@
-//! The scalar of everything that is linearised: `f32` or `f64`.
+//! The scalar of all linearised values: `f32` or `f64`.
 //!
 //! Absolute values (positions, ranges, times) are `f64` everywhere. Small differences, centred on
-//! their constellation's mean, are generic: the Cortex-M4F has `f32` in hardware and emulates `f64`
-//! at fifty times the cost. The constants define "zero" at each precision.
+//! their constellation's mean, are generic: the Cortex-M4F computes `f32` in hardware and emulates
+//! `f64` at fifty times the cost. The constants define which values count as zero in each
+//! precision.
 
 use nalgebra::RealField;
 
 use super::absolute::Absolute;
 use super::precision::Precision;
 
-/// The part of the normal distribution beyond a point `u`.
+/// Tail of the normal distribution at a point `u`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tail<T> {
     /// `Q(u)`.
@@ -18,16 +19,16 @@ pub struct Tail<T> {
     pub density: T,
 }
 
-/// A floating-point number that a snapshot can be solved in.
+/// A floating-point number in which a snapshot can be solved.
 pub trait Real: RealField + Copy {
-    /// Type of coordinates and ranges whose differences become small numbers of this scalar.
+    /// Type of coordinates and ranges; their small differences are converted to this scalar.
     type Absolute: Absolute<Self>;
 
     /// Redundancy number below which a satellite counts as untestable, dimensionless.
     const UNTESTABLE: Self;
     /// Gain below which a bias counts as not moving the position, m per m.
     const UNMOVED: Self;
-    /// Trace of `(HᵀH)⁻¹` (GDOP²) beyond which a geometry counts as singular, dimensionless.
+    /// Trace of `(HᵀH)⁻¹` (GDOP²) above which a geometry counts as singular, dimensionless.
     ///
     /// The smallest singular value of `H` is between `1/GDOP` and `√(3+C)/GDOP`.
     const SINGULAR: Self;

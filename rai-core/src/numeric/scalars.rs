@@ -1,4 +1,4 @@
-//! Single and double precision as scalars of what is linearised.
+//! Single and double precision as scalars of linearised values.
 
 use super::absolute::Grid;
 use super::angle::sine;
@@ -42,12 +42,12 @@ impl Real for f64 {
 impl Real for f32 {
     type Absolute = Grid;
 
-    // Some hundred units in the last place of the sums over 40 satellites that it is compared with.
+    // Some hundred units in the last place of sums over 40 satellites, with which it is compared.
     const UNTESTABLE: Self = 1e-5;
     const UNMOVED: Self = 1e-4;
     const SINGULAR: Self = 2e5;
-    // Accuracy of a w-test: two satellites alone with their clock have equal |w|, and differ by up
-    // to 8e-5 here.
+    // Accuracy of a w-test: the |w| of a constellation's only two satellites are equal, but
+    // computed they differ by up to 8e-5.
     const TIE: Self = 1e-3;
     const CHI_SQUARE: Precision<Self> = SINGLE;
 
@@ -66,7 +66,7 @@ impl Real for f32 {
         sqrt(self).recip()
     }
     fn sine_and_cosine(self) -> (Self, Self) {
-        // Excess of a quarter turn over its nearest number.
+        // Excess of a quarter turn over its nearest single.
         const BEYOND: f32 = -4.371_139e-8;
         (sine(self), sine(core::f32::consts::FRAC_PI_2 - self + BEYOND))
     }

@@ -1,9 +1,9 @@
 //! Sums and products of vectors in space, written out.
 //!
-//! nalgebra's operators are loops over a general shape. Compiled for speed they melt away; compiled
-//! for size each is a call through memory, three to five times as expensive as its arithmetic.
-//! Operations on every satellite or every mode use these functions instead, and are then as fast at
-//! `opt-level = "s"` as at `2`, in less flash.
+//! nalgebra's operators are loops over a general shape. If compiled for speed, they cost nothing.
+//! If compiled for size, each is a call through memory, three to five times as expensive as its
+//! arithmetic. Operations on every satellite or every mode use these functions instead. At
+//! `opt-level = "s"` they are as fast as at `2`, in less flash.
 //!
 //! ```text
 //! dot        a·b                 difference   a − b          product             M v
@@ -15,7 +15,7 @@
 //! add_outer_product  S + a bᵀ    add_outer_square  S + a aᵀ/f    add_whole_outer_product  M + a bᵀ
 //! ```
 //!
-//! A symmetric matrix is read and written in its lower triangle alone: six numbers stay in
+//! Of a symmetric matrix only the lower triangle is read and written: six numbers stay in
 //! registers, nine do not.
 
 use nalgebra::{Matrix3, Vector3};

@@ -1,34 +1,34 @@
-//! Adaptive sigmas: one scale on all of them, from the residuals of the last ten minutes.
+//! Adaptive sigmas: one scale for all sigmas, from the residuals of the last ten minutes.
 //!
 //! ```text
-//! s² = Σ SSE / χ²_α(Σ dof)         upper bound of the variance factor: it is larger with the probability α only
-//! scale = s, held within 0.5 and 3; 1 while Σ dof < 600
+//! s² = Σ SSE / χ²_α(Σ dof)         upper bound of the variance factor, which is larger with the probability α only
+//! scale = s, limited to 0.5 … 3; 1 as long as Σ dof < 600
 //! scale ≥ 1 unless SSE_m ≤ s² χ²_{1−α}(dof_m) in every minute m
 //! ```
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `SSE` | weighted sum of squared residuals of one epoch, with the weights of its own sigmas | – |
+//! | `SSE` | sum of squared residuals of one epoch, weighted by its sigmas before scaling | – |
 //! | `dof` | its degrees of freedom | – |
-//! | `χ²_α(ν)` | Wilson and Hilferty's cube of a normal one, accurate to 1e-4 from 600 degrees of freedom on | – |
+//! | `χ²_α(ν)` | quantile by Wilson and Hilferty, accurate to 1e-4 for at least 600 degrees of freedom | – |
 //! | `scale` | [`Adaptation::scale`] | – |
 //!
-//! Sums are kept for each of ten minutes. Only epochs that passed their test are learned: if sigmas
-//! are so small that no epoch passes, nothing is learned and the verdict stays an alert. If time
-//! goes back, or after a gap of ten minutes, the sums begin anew.
+//! There is one sum for each of ten minutes. Only epochs that passed their test are learned: if the
+//! sigmas are so small that no epoch passes, nothing is learned and the verdict remains an alert.
+//! If the time goes back, or after a gap of ten minutes, the sums begin anew.
 //!
-//! No scaled sigma is below that of the satellite's broadcast orbit and clock together with the
-//! residual error of the ionosphere model ([`Adaptation::sigma_m`]), because an error that stays
-//! for minutes leaves residuals that look like others. For the same reason the monitor allows no
-//! scale below 1 on sigmas of an integrity support message.
+//! Residuals cannot show an error that stays constant for minutes. Therefore no scaled sigma is
+//! below that of the satellite's broadcast orbit and clock, together with the residual error of the
+//! ionosphere model ([`Adaptation::sigma_m`]). For the same reason the monitor permits no scale
+//! below 1 for sigmas of an integrity support message.
 //!
-//! A scale below 1 is a promise of quiet. It holds only while each of the ten minutes agrees with
-//! it, so that one noisy minute is not averaged away; and the monitor begins anew
-//! ([`Adaptation::restart`]) once an epoch with such sigmas does not pass its test.
+//! A scale below 1 assumes that errors are unusually small. Each of the ten minutes must agree with
+//! it, so that one noisy minute is not averaged away. If an epoch with such sigmas does not pass
+//! its test, the monitor begins anew ([`Adaptation::restart`]).
 //!
 //! Assumes that the errors of ten minutes are independent. Multipath that repeats from epoch to
-//! epoch counts each time, and the bound is then tighter than its probability says; therefore the
-//! least scale is 0.5.
+//! epoch counts each time. The bound is then exceeded more often than with the probability `α`;
+//! therefore the least scale is 0.5.
 
 use super::ephemeris_sigma_m;
 use super::residuals::RecentResiduals;
@@ -46,8 +46,7 @@ pub const LEAST_DOF: u32 = 600;
 /// Bounds of the scale, dimensionless.
 pub const SCALES: core::ops::RangeInclusive<f64> = 0.5..=3.0;
 
-/// `Q⁻¹(α)` for `α` = 1e-3: the variance factor is larger than its bound in one of a thousand
-/// windows.
+/// `Q⁻¹(α)` for `α` = 1e-3: the variance factor exceeds its bound in one of a thousand windows.
 const CONFIDENCE: f32 = 3.090_232;
 
 /// Residuals of the last ten minutes.
@@ -88,7 +87,7 @@ impl Adaptation {
             return 1.0;
         }
         let factor = all.ratio() / all.ratio_at(-CONFIDENCE);
-        // A minute without residuals contradicts no scale.
+        // A minute without residuals does not contradict a scale.
         let contradicts =
             |minute: Residuals| minute.dof > 0 && minute.ratio() > factor * minute.ratio_at(CONFIDENCE);
         let is_quiet = factor < 1.0 && !self.minutes.at(time_s).any(contradicts);
@@ -99,7 +98,7 @@ impl Adaptation {
     /// Returns a scaled sigma, m.
     ///
     /// It is never below that of the satellite's orbit and clock together with `common_m`, the
-    /// shared part of the error, unless the sigma was below already.
+    /// shared part of the error. If `sigma_m` is already smaller, it is not reduced.
     pub fn sigma_m(scale: f64, satellite: SatelliteId, sigma_m: f64, common_m: f32) -> f64 {
         let orbit_m = ephemeris_sigma_m(satellite, 0.0);
         let floor_m = f64::from(sqrt(orbit_m * orbit_m + common_m * common_m)).min(sigma_m);

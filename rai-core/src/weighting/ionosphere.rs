@@ -1,11 +1,11 @@
-//! The residual error of the ionosphere's model on one frequency, divided into the part that all
-//! ranges share and the part of each range.
+//! The residual error of the ionosphere model on one frequency, divided into a part that all ranges
+//! share and a part of each range.
 //!
 //! ```text
 //! δI_i = F_i (v + g_E x_i + g_N y_i) + ε_i        F = 1/√(1 − (ρ cos el)²)        ρ = R/(R + h)
 //! slant        s_i = max(delay/5, F τ(φ_m)), twice F τ without coefficients
-//! v            one sigma max(s_i, 6 m F_i): levels alone
-//! g_E, g_N     one sigma s_i/(4000 km F_i) each: levels alone
+//! v            one sigma max(s_i, 6 m F_i): enters only the levels
+//! g_E, g_N     one sigma s_i/(4000 km F_i) each: enter only the levels
 //! ε_i          one sigma s_i − (3/4) F τ, which is F τ/4 unless the delay is large: noise of the range
 //! x_i = (R + h) e_i (1/F_i − ρ sin el)            y_i the same with n_i
 //! ```
@@ -15,47 +15,47 @@
 //! | `v` | vertical error above the receiver, equal for all ranges ([`SharedError::common_m`]) | m |
 //! | `g_E`, `g_N` | slopes of the vertical error to the east and the north ([`SharedError::slope_m`]) | – |
 //! | `ε_i` | [`IonosphereError::own_m`] | m |
-//! | `s_i` | [`IonosphereError::slant_m`]: all of it, one sigma | m |
+//! | `s_i` | [`IonosphereError::slant_m`]: the whole error, one sigma | m |
 //! | `F` | [`obliquity`] of a thin shell at `h` = 350 km | – |
 //! | `x_i`, `y_i` | distance from the receiver to the point where the path crosses the shell | m |
 //! | `e_i`, `n_i` | east and north of the line of sight | – |
-//! | `τ` | at the zenith: 9, 4.5, 6 m at geomagnetic latitudes below 20°, 55° and above | m |
+//! | `τ` | least error at the zenith: 9 m at geomagnetic latitudes up to 20°, 4.5 m up to 55°, 6 m above | m |
 //!
-//! **Why the shared part is no noise.** A test compares ranges with each other. An error that all
-//! of them share leaves little in the residuals. A sigma that contains it makes the test blind, so
-//! that satellites that were 60 m wrong passed. A level that counts it in the sigmas, and again as
-//! a shared error, counts it twice.
+//! **Why the shared part is not in the sigma.** A test compares ranges with each other. An error
+//! that all of them share leaves little in the residuals. If the sigma contains it, the test
+//! becomes insensitive: satellites that were 60 m wrong passed. And a level that contains it in the
+//! sigmas and again as a shared error counts it twice.
 //!
-//! **What is left of `v` in the residuals.** Above 5° of elevation the obliquity differs from
-//! `3.04 − 2.28 sin el` by 0.245 at most. The constant is part of the clock, and the sine part of
-//! the height. A quarter of `v` remains, and `F ≥ 1`, so that `F τ/4` covers it at one sigma.
+//! **The part of `v` in the residuals.** Above 5° of elevation the obliquity differs from
+//! `3.04 − 2.28 sin el` by at most 0.245. The clock absorbs the constant, and the height absorbs
+//! the sine. A quarter of `v` remains. As `F ≥ 1`, `F τ/4` covers it at one sigma.
 //!
-//! **What else `ε_i` covers.** After an offset and two slopes, the vertical delay near the equator
-//! scatters by 1 m on quiet days, and after a quadratic fit by 2 m on active ones
-//! ([Marini2021]). A quarter of `τ` is 2.2 m there. At middle latitudes it is 1.1 m, and in
-//! five recordings of two frequencies the scatter is 0.4 to 1.1 m rms, noise of the codes included.
+//! **Scatter that `ε_i` also covers.** Near the equator, the vertical delay scatters by 1 m about
+//! an offset and two slopes on quiet days. On active days it scatters by 2 m about a quadratic fit
+//! ([Marini2021]). A quarter of `τ` is 2.2 m there. At middle latitudes it is 1.1 m; in five
+//! recordings of two frequencies the scatter is 0.4 to 1.1 m rms, code noise included.
 //!
 //! **Slopes.** One sigma is `τ/4000 km`: 1.1 mm/km at middle latitudes and 2.2 mm/km near the
-//! equator, twice that without coefficients. Three sigmas near the equator are 6.7 and 13.5 mm/km;
-//! 13 mm/km bounds the slopes of a day in Brazil ([Chang2021]). In recordings of two frequencies
-//! the model's slopes are 0.2 to 1.0 mm/km rms in Denmark, France and on Diego Garcia, and 2.4
-//! mm/km in Japan, 2.8 mm/km at most.
+//! equator, and twice that without coefficients. Three sigmas near the equator are 6.7 mm/km,
+//! without coefficients 13.5 mm/km. In Brazil, 13 mm/km bounds the slopes of a day ([Chang2021]).
+//! In recordings of two frequencies the slopes of the model's error are 0.2 to 1.0 mm/km rms in
+//! Denmark, France and on Diego Garcia. In Japan they are 2.4 mm/km rms and at most 2.8 mm/km.
 //!
-//! **Offset.** Three sigmas are 27, 18 and 18 m at the zenith, the L1 delay of 166, 111 and 111
-//! TECU. Twice that without coefficients.
+//! **Offset.** At the zenith, three sigmas are 27 m near the equator and 18 m elsewhere. This is
+//! the L1 delay of 166 and 111 TECU. Without coefficients they are twice as large.
 //!
-//! **Large delays.** A model whose delay exceeds `5 F τ`, 139 TECU at middle latitudes, is no model
-//! of an ordinary day, or its coefficients are forged. Its error has any shape, so that the excess
-//! over `F τ` is noise of the range.
+//! **Large delays.** If a model's delay exceeds `5 F τ`, 139 TECU at middle latitudes, the day is
+//! not ordinary or the coefficients are forged. The error may then have any shape, so that the
+//! excess over `F τ` counts as noise of the range.
 //!
-//! The levels take the largest effect of the three shared errors within an ellipsoid of three
+//! The levels contain the largest effect of the three shared errors within an ellipsoid of three
 //! sigmas ([`crate::integrity::raim::shared_errors`]).
 //!
-//! **Limits.** The division holds if every range of the epoch is of one frequency. Beside
-//! ionosphere-free pairs, the error of a single range is an error of this range, and all of it is
-//! noise. So it is for ARAIM, whose subsets do not bound a shared error each. Plasma bubbles, with
-//! slopes of some hundred mm/km over some hundred kilometres, concern single satellites and are
-//! faults of these.
+//! **Limits.** The division is valid only if all ranges of the epoch are of one frequency. If
+//! others are ionosphere-free pairs, the error of a range of one frequency is not shared, and all
+//! of it is noise. So it is for ARAIM, whose subsets do not bound shared errors. Plasma bubbles
+//! have slopes of some hundred mm/km over some hundred kilometres. They affect single satellites
+//! and count as faults of these.
 //!
 //! [Marini2021]: crate#references
 //! [Chang2021]: crate#references
@@ -71,8 +71,8 @@ const RATIO_SQUARED: f32 = 0.898_665_4;
 /// `ρ`.
 const RATIO: f32 = 0.947_980_7;
 
-/// Radius of the shell, as a multiple of the distance over which a slope amounts to the error
-/// itself: 6728 km to 4000 km.
+/// Ratio of the radius of the shell, 6728 km, to 4000 km, the distance over which a slope amounts
+/// to the error itself.
 const SHELL: f32 = 6728.136 / 4000.0;
 
 /// Share of the error that differs from range to range.
@@ -81,10 +81,10 @@ const OWN: f32 = 0.25;
 /// Least sigma of the offset at the zenith, m.
 const LEAST_OFFSET_M: f32 = 6.0;
 
-/// Residual error of the ionosphere's model on one range, at one sigma.
+/// Residual error of the ionosphere model on one range, at one sigma.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IonosphereError {
-    /// All of it along the path, m.
+    /// The whole error along the path, m.
     pub slant_m: f32,
     /// Part that differs from range to range, m.
     pub own_m: f32,
@@ -96,11 +96,12 @@ impl IonosphereError {
     /// The error of a range that is free of the ionosphere.
     pub const NONE: Self = Self { slant_m: 0.0, own_m: 0.0, shared: SharedError::NONE };
 
-    /// Returns the error of the broadcast model on L1.
+    /// Returns the error of a range on L1 after correction by the broadcast model, if
+    /// `is_modelled`.
     ///
-    /// `delay_m` is the model's delay along the path, `geomagnetic_sc` the latitude of the pierce
-    /// point, in semicircles. The floor is that of [DO-229] appendix J. The model halves the delay,
-    /// rms ([Klobuchar1987]), so that twice the floor remains without it.
+    /// `delay_m` is the model's delay along the path, `geomagnetic_sc` the geomagnetic latitude of
+    /// the pierce point, in semicircles. The least error is that of [DO-229] appendix J. The model
+    /// halves the rms delay ([Klobuchar1987]), so that without it the error is twice the least one.
     ///
     /// [DO-229]: crate#references
     /// [Klobuchar1987]: crate#references
@@ -140,7 +141,7 @@ impl IonosphereError {
         }
     }
 
-    /// Returns the same error with all of it as noise of the range.
+    /// Returns the same error, all of it as noise of the range.
     #[must_use]
     pub fn undivided(self) -> Self {
         let shared = SharedError { common_m: self.slant_m, slope_m: 0.0 };
@@ -148,7 +149,8 @@ impl IonosphereError {
     }
 }
 
-/// Returns the ratio of a path through the ionosphere to the vertical one: a thin shell at 350 km.
+/// Returns the ratio of a path through the ionosphere to the vertical one, for a thin shell at 350
+/// km.
 pub fn obliquity(sin_elevation: f32) -> f32 {
     1.0 / cosine_at_shell(sin_elevation.clamp(0.0, 1.0))
 }

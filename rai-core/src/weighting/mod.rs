@@ -4,7 +4,7 @@
 //! ```text
 //! σ² = σ_eph² + a² σ_code² + (σ_trop / (sin el + 0.05))² + σ_iono²
 //! σ_code² = max(σ_0² + σ_mp²/sin²el, w² (σ_0² + σ_mp²))      w = 10^((42 − C/N0)/20), at least 1
-//! σ_iono  = a quarter of the model's residual error on one frequency, whose rest all ranges share
+//! σ_iono  = a quarter of the model's residual error on one frequency; all ranges share the rest
 //! ```
 //!
 //! | symbol | field | unit |
@@ -16,37 +16,36 @@
 //! | `σ_trop` | residual error of the tropospheric model at the zenith | m |
 //! | `σ_iono` | `ionosphere_m`, error of the ionospheric model that differs from range to range ([`ionosphere`]); 0 for the pair | m |
 //!
-//! For ARAIM ([`crate::integrity::araim`]) the orbit and clock error is that of an integrity
-//! support message, and the troposphere's model is that of [Blanch2015]:
+//! For ARAIM ([`crate::integrity::araim`]) the orbit and clock error comes from an integrity
+//! support message, and the troposphere model from [Blanch2015]:
 //!
 //! ```text
 //! C_int = URA² + σ_user² + σ_tropo²      C_acc the same with URE      σ_tropo = 0.12 · 1.001/√(0.002001 + sin²el)
 //! ```
 //!
-//! A receiver's own noise and multipath depend on the site of its antenna ([`UserModel`]):
+//! A receiver's noise and multipath depend on the site of its antenna ([`UserModel`]):
 //!
 //! ```text
 //! ground      σ_user² = a² σ_code²
-//! airborne    σ_user² = 0.4² + (0.34 + 0.40 e^(−el/14°))² + (0.018 + 40/(261 + el²))²     el in degrees, of the pair only
+//! airborne    σ_user² = 0.4² + (0.34 + 0.40 e^(−el/14°))² + (0.018 + 40/(261 + el²))²     el in degrees; for the pair only
 //! ```
 //!
-//! The second is [ED-259A]'s for smoothed ranges of two frequencies behind a certified antenna on a
-//! fuselage, with the residual ionosphere of the pair. An antenna on a roof or a car has two to
-//! five times the multipath, so that the airborne numbers are not valid there.
+//! The airborne model is from [ED-259A]: smoothed ranges of two frequencies, from a certified
+//! antenna on a fuselage, with the residual ionosphere of the pair. An antenna on a roof or a car
+//! has two to five times the multipath, so that these numbers are not valid there.
 //!
 //! The module receives no integrity support message: an [`Ism`] is a preset or comes from a
-//! command, and its documentation names it as such. If a satellite broadcasts a larger URA, the
-//! larger counts.
+//! command. If a satellite broadcasts a larger URA, the larger one counts.
 //!
-//! Under an open sky a signal is weak because it is low: elevation and strength describe the same
-//! error, so that the larger of the two counts. A high satellite with a weak signal is behind a
-//! roof or a tree.
+//! Under an open sky only signals of low satellites are weak. Elevation and strength then describe
+//! the same error, so that the larger of the two counts. If the signal of a high satellite is weak,
+//! a roof or a tree is in its path.
 //!
-//! Assumes independent errors. An integrity test depends on these numbers, so that they are on the
-//! large side, and the monitor reports how the residuals compare
+//! Assumes independent errors. An integrity test depends on these numbers, so that they are rather
+//! too large. The monitor reports how the residuals compare with them
 //! ([`crate::report::Report::sigma_check`]).
 //!
-//! A sigma is a model, computed in single precision.
+//! Sigmas are computed in single precision.
 //!
 //! [Blanch2015]: crate#references
 //! [ED-259A]: crate#references
@@ -59,10 +58,10 @@ pub mod shared;
 use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 
-/// Code noise at the zenith, m: a geodetic receiver's 0.3 m.
+/// Code noise at the zenith, m: that of a geodetic receiver.
 const CODE_NOISE_M: f32 = 0.3;
 
-/// Code multipath that grows towards the horizon, m at the zenith.
+/// Code multipath at the zenith, m. It grows towards the horizon.
 const MULTIPATH_M: f32 = 0.3;
 
 /// Tropospheric model error at the zenith, m ([DO-229] appendix A: 0.12 m).
@@ -70,37 +69,38 @@ const MULTIPATH_M: f32 = 0.3;
 /// [DO-229]: crate#references
 const TROPOSPHERE_M: f32 = 0.12;
 
-/// The largest error that a satellite in its normal state announces, m: SISA index 107, URA index 1
+/// Largest error that a satellite in its normal state broadcasts, m: SISA index 107, URA index 1
 /// and below.
 const NORMAL_PROMISE_M: f32 = 3.2;
 
-/// Carrier to noise density of a signal near the zenith in the open, at the weak end, dB-Hz.
+/// Carrier to noise density of a rather weak signal near the zenith, under an open sky, dB-Hz.
 ///
-/// Below it, a tracking loop's noise grows with the inverse root, and reflections are no longer
-/// weak beside the signal.
+/// Below it, the noise of a tracking loop grows with the inverse root, and reflections are no
+/// longer weak compared with the signal.
 const STRONG_DBHZ: f32 = 42.0;
 
-/// Sigma of every range while the position is unknown and nothing is corrected, m.
+/// Sigma of every range as long as the position is unknown and nothing is corrected, m.
 pub const COARSE_M: f32 = 30.0;
 
-/// One sigma of a group delay that the message does not contain, m: the inter-signal corrections
+/// One sigma of a group delay that the message does not contain, m. The inter-signal corrections
 /// that GPS and `BeiDou` publish in CNAV scatter by some nanoseconds.
 pub const UNCALIBRATED_DELAY_M: f32 = 2.0;
 
-/// One sigma of a range whose combination differs from most of its system's, m.
+/// One sigma of a range whose combination of carriers differs from that of most ranges of its
+/// system, m.
 ///
-/// A receiver's delay differs between carriers by some metres, and the combination amplifies it. If
-/// it is common to all satellites of a system, it is part of the clock; with mixed combinations it
-/// is an error of the few.
+/// A receiver's delay differs between carriers by some metres, and the combination amplifies this.
+/// If the difference is common to all satellites of a system, it is part of the clock. With mixed
+/// combinations it is an error of the few.
 pub const MIXED_CARRIERS_M: f32 = 10.0;
 
 /// Returns the standard deviation of a satellite's broadcast orbit and clock, m.
 ///
-/// `promised_m` is its broadcast URA or SISA. In the normal state that is the coarsest step of a
-/// scale, 2 to 3 m for all systems, while their errors differ by ten: 0.2 m for Galileo, 0.6 m for
-/// GPS and `BeiDou`-3, 1 to 2 m and more for `BeiDou`-2 ([Montenbruck2018]). The numbers here are
-/// at least twice these, because the test must hold on bad days. A satellite that broadcasts more
-/// than the normal state counts with that value.
+/// `promised_m` is its broadcast URA or SISA. In the normal state this is a coarse step of a scale,
+/// 2 to 3 m for all systems. The actual errors differ by a factor of ten: 0.2 m for Galileo, 0.6 m
+/// for GPS and `BeiDou`-3, 1 to 2 m and more for `BeiDou`-2 ([Montenbruck2018]). The numbers here
+/// are at least twice as large, because the test must also be valid on bad days. If a satellite
+/// broadcasts more than in the normal state, that value counts.
 ///
 /// [Montenbruck2018]: crate#references
 pub fn ephemeris_sigma_m(satellite: SatelliteId, promised_m: f32) -> f32 {
@@ -109,8 +109,8 @@ pub fn ephemeris_sigma_m(satellite: SatelliteId, promised_m: f32) -> f32 {
     }
     match (satellite.constellation(), satellite.number()) {
         (Constellation::Galileo, _) => 0.7,
-        // The second generation, whose ranges differ by some metres from the third's in many
-        // receivers.
+        // The second generation. In many receivers its ranges differ by some metres from those of
+        // the third.
         (Constellation::Beidou, ..=18) => 4.0,
         (Constellation::Gps | Constellation::Beidou, _) => 1.2,
         (Constellation::Glonass, _) => 3.0,
@@ -121,7 +121,7 @@ pub fn ephemeris_sigma_m(satellite: SatelliteId, promised_m: f32) -> f32 {
 pub fn noise_factor_from_cn0(cn0_dbhz: Option<f32>) -> f32 {
     const PER_DB: f32 = core::f32::consts::LN_10 / 20.0;
     match cn0_dbhz {
-        // A NaN strength counts as that of noise.
+        // A NaN strength counts as 0 dB-Hz.
         Some(cn0_dbhz) if !(cn0_dbhz >= STRONG_DBHZ) => {
             libm::expf(PER_DB * (STRONG_DBHZ - cn0_dbhz.max(0.0)))
         }
@@ -129,19 +129,19 @@ pub fn noise_factor_from_cn0(cn0_dbhz: Option<f32>) -> f32 {
     }
 }
 
-/// Returns the error of a range of one frequency that may come by way of a reflector, one sigma, m.
+/// Returns the error of a range of one frequency whose signal may be reflected, one sigma, m.
 ///
 /// ```text
 /// σ = 20 m (w² − e²), 0 to 14 m          e² = (σ_0² + σ_mp²/sin²el) / (σ_0² + σ_mp²)
 /// ```
 ///
-/// Under an open sky a low signal is weak, by `e²` in power at most. What is weaker than its
-/// elevation explains has a small antenna, or has lost its direct path to a wall or a roof. A
-/// reflection beside the direct path makes C/A code up to 12 m wrong ([Eissfeller2007]), and a
-/// reflection alone is late by all of its detour. On a car between tall buildings such signals are
-/// wrong by 7 m rms above 36 dB-Hz, 10 m down to 32 dB-Hz, and 28 m below. On two frequencies the
-/// combination amplifies noise and multipath threefold, which contains most of it. `weakness` is
-/// that of [`noise_factor_from_cn0`].
+/// Under an open sky the signal of a low satellite is weak, by at most `e²` in power. If a signal
+/// is weaker than its elevation explains, the antenna is small, or a wall or roof blocks the direct
+/// path. A reflection in addition to the direct path makes C/A code up to 12 m wrong
+/// ([Eissfeller2007]). A reflection alone is late by its whole detour. On a car between tall
+/// buildings the rms error is 7 m above 36 dB-Hz, 10 m down to 32 dB-Hz, and 28 m below. Ranges of
+/// two frequencies need no such term, because their noise and multipath are amplified threefold,
+/// which contains most of it. `weakness` is that of [`noise_factor_from_cn0`].
 ///
 /// [Eissfeller2007]: crate#references
 pub fn reflection_sigma_m(sin_elevation: f32, weakness: f32) -> f32 {
@@ -153,7 +153,7 @@ pub fn reflection_sigma_m(sin_elevation: f32, weakness: f32) -> f32 {
 
 /// Number of sigmas with which a shared range error enters the protection levels.
 ///
-/// The error is not noise: it stays for hours and does not average out.
+/// The error is not noise, because it stays for hours and does not average out.
 pub const COMMON_SIGMAS: f32 = 3.0;
 
 /// Integrity support parameters of one constellation.
@@ -192,15 +192,15 @@ impl IsmParameters {
     }
 }
 
-/// Model of the receiver's own noise and multipath.
+/// Model of the receiver's noise and multipath.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum UserModel {
-    /// An antenna on the ground, ranges that are not smoothed: the module's own numbers.
+    /// An antenna on the ground, and ranges that are not smoothed: the numbers of this module.
     Ground,
-    /// An antenna on an aircraft, ranges of two frequencies smoothed over 100 s; one frequency as
-    /// on the ground.
+    /// An antenna on an aircraft, and ranges of two frequencies smoothed over 100 s. Ranges of one
+    /// frequency count as on the ground.
     Airborne,
 }
 
@@ -215,7 +215,7 @@ pub struct Ism {
 }
 
 impl Ism {
-    /// The draft of ICAO Annex 10, June 2024. It gives `BeiDou` no URA, so that Galileo's is used
+    /// The draft of ICAO Annex 10, June 2024. It has no URA for `BeiDou`, so that Galileo's is used
     /// with the probabilities of the draft. Biases are 0.
     pub const ICAO: Self = Self {
         constellations: [
@@ -230,8 +230,8 @@ impl Ism {
     /// [`Self::ICAO`] aboard an aircraft.
     pub const ICAO_AIRBORNE: Self = Self { user: UserModel::Airborne, ..Self::ICAO };
 
-    /// Parameters of published studies: URA 1 m, URE 0.5 m, a bias of 0.75 m, GPS rarely lost as a
-    /// whole.
+    /// Parameters of published studies: URA 1 m, URE 0.5 m, a bias of 0.75 m, and a rare loss of
+    /// GPS as a whole.
     pub const RESEARCH: Self = Self {
         constellations: [
             IsmParameters::new([1.0, 0.5, 0.75, 1e-5, 1e-8]),
@@ -269,7 +269,7 @@ pub fn integrity_sigma_m(support: &IsmParameters, promised_m: f32, budget: &Erro
     sqrt(ura_m * ura_m + user_m2 + troposphere_m2)
 }
 
-/// Returns the receiver's own part, m².
+/// Returns the receiver's part of the variance, m².
 fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
     let is_pair = budget.noise_gain > 1.0;
     if cfg!(feature = "araim") && budget.user == UserModel::Airborne && is_pair {
@@ -282,7 +282,7 @@ fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
 /// Returns the noise, multipath and residual ionosphere of a pair aboard an aircraft, m²
 /// ([ED-259A]).
 ///
-/// A weak signal is noisier here too: as in [`code_m2`], the larger of the two counts.
+/// A weak signal is noisier here too. As in [`code_m2`], the larger of the two errors counts.
 ///
 /// [ED-259A]: crate#references
 fn airborne_m2(sin_elevation: f32, weakness: f32) -> f32 {
@@ -324,9 +324,9 @@ pub struct ErrorBudget {
     pub user: UserModel,
 }
 
-/// Returns standard deviation of the corrected range, m.
+/// Returns the standard deviation of the corrected range, m.
 pub fn sigma_m(budget: &ErrorBudget) -> f32 {
-    // Below 3° the model is not calibrated: the error stays that of 3°, where masks end.
+    // Below 3°, where masks end, the model is not calibrated, and the error of 3° is used.
     let sin_elevation = budget.sin_elevation.max(0.05);
     let troposphere_m = TROPOSPHERE_M / (sin_elevation + 0.05);
     sqrt(

@@ -1,10 +1,11 @@
-//! Squared residuals of the last spans of time, and the sums that right sigmas allow.
+//! Sums of squared residuals over the last spans of time, and the bounds on them if the sigmas are
+//! right.
 //!
 //! ```text
 //! χ²_p(ν) / ν = (1 − 2/(9ν) + z √(2/(9ν)))³        Wilson and Hilferty; z is the normal quantile of p
 //! ```
 //!
-//! The cube is accurate to 1e-4 from 600 degrees of freedom on, and to 2 % from 10 on.
+//! The cube is accurate to 1e-4 for at least 600 degrees of freedom, and to 2 % for at least 10.
 
 use crate::numeric::sqrt;
 
@@ -21,7 +22,7 @@ impl Residuals {
     /// The residuals of no epoch.
     pub(crate) const NONE: Self = Self { sse: 0.0, dof: 0 };
 
-    /// Returns the sum of both.
+    /// Returns the sum with another.
     pub(crate) fn plus(self, other: Self) -> Self {
         Self { sse: self.sse + other.sse, dof: self.dof.saturating_add(other.dof) }
     }
@@ -40,8 +41,8 @@ impl Residuals {
         root * root * root
     }
 
-    /// Returns the mean square if it is at or above `χ²_p(ν)/ν`, else 0; 0 without degrees of
-    /// freedom.
+    /// Returns the mean square if it is at least `χ²_p(ν)/ν`; otherwise, and without degrees of
+    /// freedom, 0.
     // Compiled once for all callers.
     #[inline(never)]
     pub(crate) fn excess(self, normal: f32) -> f32 {
@@ -51,7 +52,7 @@ impl Residuals {
     }
 }
 
-/// Number of spans that are kept.
+/// Number of spans that are stored.
 const SPANS: i32 = 10;
 
 /// Residuals of the last ten spans of time.
@@ -61,7 +62,7 @@ pub(crate) struct RecentResiduals {
     span_s: f32,
     /// Number of the latest span.
     latest: i32,
-    /// Sum of each span, at the remainder of its number.
+    /// Sum of each span. The index is the remainder of its number.
     spans: [Residuals; SPANS as usize],
 }
 
@@ -78,8 +79,8 @@ impl RecentResiduals {
         self.spans = [Residuals::NONE; SPANS as usize];
     }
 
-    /// Adds residuals. A time before the latest span begins anew. Residuals add nothing if the time
-    /// or the sum is NaN or infinite, or if the sum is negative.
+    /// Adds residuals. If the time is before the latest span, all sums begin anew. Residuals are
+    /// ignored if their time or sum is NaN or infinite, or if the sum is negative.
     #[inline(never)]
     pub(crate) fn add(&mut self, time_s: f64, residuals: Residuals) {
         // NaN fails this comparison.
@@ -87,7 +88,7 @@ impl RecentResiduals {
             return;
         }
         let Some(number) = self.number(time_s) else { return };
-        // As an unsigned number, a step back is a long one.
+        // As an unsigned number a step back is large, so that all spans are cleared.
         let step = number.wrapping_sub(self.latest).cast_unsigned();
         for back in (0..SPANS).take(step as usize) {
             self.put(number.wrapping_sub(back), |_| Residuals::NONE);
@@ -96,13 +97,14 @@ impl RecentResiduals {
         self.put(number, |sum| sum.plus(residuals));
     }
 
-    /// Returns the sum of the residuals that are recent at a time, and of others.
+    /// Returns the sum of the residuals that are recent at a time, and of `others`.
     #[inline(never)]
     pub(crate) fn sum_at(&self, time_s: f64, others: Residuals) -> Residuals {
         self.at(time_s).fold(others, Residuals::plus)
     }
 
-    /// Returns the residuals of the spans that are recent at a time, without those after it.
+    /// Iterates over the residuals of the spans that are recent at a time; later spans are not
+    /// recent.
     pub(crate) fn at(&self, time_s: f64) -> impl Iterator<Item = Residuals> {
         let now = self.number(time_s);
         let is_recent =

@@ -1,6 +1,6 @@
 //! Errors that all ranges of an epoch share.
 
-/// Part of the error of one range that all ranges of the epoch share, at one sigma.
+/// Part of one range's error that all ranges of the epoch share, at one sigma.
 ///
 /// It consists of three independent errors with one value each for the whole epoch: an offset, and
 /// slopes to the east and to the north ([`crate::integrity::raim::shared_errors`]).
@@ -9,7 +9,8 @@
 pub struct SharedError {
     /// Effect of the offset on the range, m.
     pub common_m: f32,
-    /// Effect of a slope on the range, m, for each unit of the line of sight in its direction.
+    /// Effect of a slope on the range, m per unit of the line of sight's component in its
+    /// direction.
     pub slope_m: f32,
 }
 

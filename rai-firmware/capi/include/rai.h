@@ -288,12 +288,12 @@
 #define RAI_REASON_SOURCE 38
 
 /**
- * Alert: the receiver clock moved otherwise than its measured drift.
+ * Alert: the receiver clock contradicts its measured drift.
  */
 #define RAI_REASON_CLOCK 39
 
 /**
- * Alert: the position moved otherwise than its measured velocity.
+ * Alert: the motion of the position contradicts its measured velocity.
  */
 #define RAI_REASON_TRACK 40
 

@@ -36,9 +36,9 @@ pub const RAI_REASON_SPOOFED: u8 = 36;
 pub const RAI_REASON_TIME: u8 = 37;
 /// Alert: epochs of another station or format came, and none of the receiver in use.
 pub const RAI_REASON_SOURCE: u8 = 38;
-/// Alert: the receiver clock moved otherwise than its measured drift.
+/// Alert: the receiver clock contradicts its measured drift.
 pub const RAI_REASON_CLOCK: u8 = 39;
-/// Alert: the position moved otherwise than its measured velocity.
+/// Alert: the motion of the position contradicts its measured velocity.
 pub const RAI_REASON_TRACK: u8 = 40;
 /// Unavailable: too few satellites for a position, or the fix did not converge.
 pub const RAI_REASON_NOFIX: u8 = 64;

@@ -1,9 +1,9 @@
 //! Judgement of an epoch by ARAIM, in the form of [`super::super::judge`].
 //!
-//! **One of two systems is never left out**, although the probabilities of the integrity support
-//! message may decide between them. Each of two systems explains the data by the other's fault, and
-//! a probability of faults describes a provider, not counterfeit signals. Only a third system
-//! decides, if it has two satellites: a lone one agrees with any place.
+//! **One of two systems is never left out**, although the integrity support message may make a
+//! fault of one likelier. A fault of either system explains the data, and the message describes the
+//! provider, not counterfeit signals. Only a third system with at least two satellites can decide,
+//! because a lone satellite agrees with any position.
 
 use heapless::Vec;
 
@@ -82,8 +82,8 @@ fn systems_of_several(epoch: &EpochView<'_>) -> u32 {
     several.count_ones()
 }
 
-/// Returns true if a wrong time of all ranges explains an alarm as well as the exclusion, which
-/// then is taken back.
+/// Returns true if a wrong time of all ranges explains an alarm as well as the exclusion. The
+/// exclusion is then taken back.
 #[inline(never)]
 fn blames_the_time<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -113,8 +113,8 @@ fn blames_the_time<T: Real>(
 
 /// Returns the integrity support data of each satellite of the epoch.
 ///
-/// The accuracy's variance is the row's with the URE in place of the URA. A row whose variance is
-/// below the URA's was made by another model, and its accuracy is its sigma.
+/// The variance for accuracy is the row's with the URE in place of the URA. If a row's sigma is
+/// below the URA, it comes from another model, and the sigma itself is the accuracy.
 #[inline(never)]
 fn priors<T: Real>(solution: &impl Excludable<T>, epoch: &EpochView<'_>, ism: &Ism) -> Vec<Prior<T>, ROOM> {
     let rows = solution.snapshot().equations();
@@ -162,19 +162,19 @@ fn judgement<T: Real>(
         AraimOutcome::Passed | AraimOutcome::NotIsolated | AraimOutcome::Ambiguous => 0,
     };
     let snapshot = solution.snapshot();
-    // At most [`MAX_EXCLUDED`] satellites of a constellation; the ARAIM part of the report names it
-    // as a whole.
+    // At most [`MAX_EXCLUDED`] satellites of a constellation are listed; the ARAIM part of the
+    // report names it as a whole.
     let excluded = members(excluded.unwrap_or(0)).filter_map(|index| {
         let (_, fit) = snapshot.row(index)?;
         Some(Excluded { index, w_test: fit.w_test() })
     });
     let levels = ProtectionLevels { hpl_m: finding.hpl_m().widen(), vpl_m: finding.vpl_m().widen() };
-    // Shared range errors (one frequency's ionosphere) are invisible to every test, so that they
-    // are added, as for every method.
+    // No test sees shared range errors (ionosphere on one frequency), so that they are added, as
+    // for every method.
     let levels = levels.plus(&shared_shift(snapshot, epoch.shared()));
-    // Unmonitored faults, which have probability 0 or are too unlikely, show only in the residuals.
-    // Then no level is valid, and the faulty satellite is unknown. Beyond the table no threshold is
-    // known.
+    // Only the global test detects unmonitored faults, which have probability 0 or are too
+    // unlikely. After such a fault no level is valid, and the faulty satellite is unknown. Beyond
+    // the table there is no threshold, and the test counts as passed.
     let (sse, dof) = (snapshot.sse(), snapshot.dof());
     let untested = Detection { sse, threshold: infinity(), dof };
     let detection = Detection::of(sse, dof, thresholds).unwrap_or(untested);

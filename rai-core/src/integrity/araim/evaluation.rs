@@ -1,7 +1,7 @@
-//! Evaluation of the modes of a set of satellites: tests, thresholds, levels.
+//! Evaluation of all modes of a set of satellites: tests, thresholds and levels.
 //!
-//! Modes that leave a singular geometry are found on the way. They count as unmonitored, which
-//! changes the number of modes and so all thresholds; the evaluation then runs once more.
+//! A mode may turn out to leave a singular geometry. It then counts as unmonitored, which changes
+//! the number of modes and so all thresholds. The evaluation then runs once more.
 
 use core::ops::ControlFlow;
 
@@ -18,7 +18,7 @@ use crate::numeric::normal::quantile;
 use crate::numeric::real::Real;
 use crate::numeric::space::{products, zero};
 
-/// Most passes for better references.
+/// Largest number of further passes with better references.
 const REFINEMENTS: usize = 2;
 
 /// Largest relative loss of a prior by rounding in single precision.
@@ -34,7 +34,7 @@ pub(super) enum Purpose {
 }
 
 impl<T: Real> MonitoredModes<'_, T> {
-    /// Judges the remaining rows without `gone`; `solutions` holds their solution.
+    /// Judges the rows that remain without `gone`; `solutions` contains their solution.
     pub(super) fn judge(
         &mut self,
         solutions: &mut SubsetSolutions<'_, T>,
@@ -75,8 +75,8 @@ struct Singular<T> {
     sets: Vec<RowSet, SINGULAR>,
 }
 
-/// Returns the root of a variance, or infinity for a negative or NaN one, which a very poor
-/// geometry can give.
+/// Returns the root of a variance. A very poor geometry can make the variance negative or NaN; the
+/// result is then infinite.
 fn deviation<T: Real>(variance: T) -> T {
     if variance >= T::zero() { variance.sqrt_approx() } else { infinity() }
 }
@@ -88,7 +88,7 @@ struct Evaluation<'p, 'a, 'v, T: Real> {
     remains: &'p RemainingRows,
     purpose: Purpose,
     modes: usize,
-    /// Number of modes evaluated, in this pass and those before.
+    /// Number of modes evaluated in all passes so far.
     taken: usize,
     skips_singular: bool,
     unmonitored_probability: T,
@@ -96,12 +96,12 @@ struct Evaluation<'p, 'a, 'v, T: Real> {
     axes: &'p mut [Axis<T>; 3],
     screen: Screen<T>,
     quantiles: QuantileCache<T>,
-    /// True if the screen lets modes pass.
+    /// True if the references were raised, so that the screen can dismiss modes.
     has_reference: bool,
     levels: [AxisLevel<T>; 3],
     squared_factors: Vector3<T>,
     accuracy_m: T,
-    /// Largest squared threshold of a likely mode, up, m².
+    /// Largest squared vertical threshold of a likely mode, m².
     threshold: T,
     likely: T,
     /// Largest squared separation over its squared threshold.
@@ -121,8 +121,8 @@ impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
     ) -> Self {
         let allocation = monitored.allocation;
         let phmi = monitored.modes.mandatory();
-        // With all satellites the modes that cannot be monitored are part of P_nm; after an
-        // exclusion they may all belong to this outcome.
+        // With all satellites, the modes that cannot be monitored are part of P_nm. After an
+        // exclusion, all of their risk may belong to this outcome.
         let newly = if remains.gone == 0 { T::zero() } else { count.unmonitorable };
         let left = (monitored.risk_share * (phmi - monitored.unmonitored_probability) - newly) / phmi;
         let two = T::one() + T::one();
@@ -130,7 +130,7 @@ impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
         let horizontal = left * T::narrow(allocation.integrity_horizontal) / two;
         let whole = solutions.whole();
         let bias = solutions.whole_bias();
-        // Both sides of a test.
+        // Each mode has a test on both sides.
         let modes = T::narrow(count.modes.max(1) as f64);
         let tests = two * modes;
         let horizontal_factor = quantile(T::narrow(allocation.alarm_horizontal) / (two * tests));
@@ -189,7 +189,7 @@ impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
         Some(self.finding())
     }
 
-    /// Evaluates singles and constellations first, because they give approximate levels.
+    /// Evaluates single satellites and constellations first, because they give approximate levels.
     fn walk(&mut self, is_first: bool) {
         let (monitored, remains) = (self.monitored, self.remains);
         let taken_before = self.taken;
@@ -208,7 +208,7 @@ impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
         }
     }
 
-    /// Raises the references after singles and constellations, before the other modes.
+    /// Raises the references after single satellites and constellations, before the other modes.
     fn refine_reference(&mut self) {
         self.raise_reference();
         self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::refine_reference);
@@ -225,7 +225,7 @@ impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
         Bounds { worst: self.worst * least, evenness: least / largest, effective, ..bounds }
     }
 
-    /// Raises the references to the distance at which one mode alone spends the risk.
+    /// Raises the references to the distance at which one mode alone uses up the risk.
     #[inline(never)]
     fn raise_reference(&mut self) {
         for axis in self.axes.iter_mut().filter(|axis| axis.is_open()) {
@@ -235,7 +235,7 @@ impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
         self.has_reference = true;
     }
 
-    /// Tests by squares, because few modes need the roots.
+    /// Evaluates one mode. The tests compare squares, because few modes need the roots.
     #[inline]
     fn take(&mut self, mode: &Mode<T>) {
         let Some(solution) = self.solutions.without(mode.hypothesis) else {
@@ -246,8 +246,8 @@ impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
         let thresholds = products(&solution.separation, &self.squared_factors);
         let distances = products(&solution.shift, &solution.shift);
         let worst = self.worst;
-        // A separation no worse than the worst so far cannot alarm anew. NaN fails this comparison,
-        // so that it counts as worse.
+        // Only a separation that is worse than the worst so far can raise the first alarm. NaN
+        // fails this comparison, so that it counts as worse.
         let is_worse = |distance: T, threshold: T| !(distance <= worst * threshold);
         if is_worse(distances.x, thresholds.x)
             || is_worse(distances.y, thresholds.y)
@@ -292,11 +292,12 @@ impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
     }
 
     fn may_be_likely(&self, probability: T) -> bool {
-        // The product of the odds is no smaller than that of the probabilities.
+        // This is a bound, because the product of the odds is no smaller than that of the
+        // probabilities.
         probability >= self.likely * self.monitored.modes.healthy()
     }
 
-    /// Adds the mode to the sums on which it may matter.
+    /// Adds the mode to the sum on each axis.
     #[inline(never)]
     fn add(
         &mut self,
@@ -315,7 +316,8 @@ impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
         up.add(&AxisMode::of(mode, thresholds.z, variance.z), bias.z);
     }
 
-    /// Adds the mode with its biases, which are computed only if a bound on them does not decide.
+    /// Adds the mode with its biases. They are computed only if a bound on them does not suffice to
+    /// dismiss the mode.
     #[inline(never)]
     fn add_biased(&mut self, mode: &Mode<T>, solution: &SubsetSolution<T>, thresholds: &Vector3<T>) {
         let bound = self.solutions.bias_bound();
@@ -334,7 +336,8 @@ impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
         }
         self.singular.modes += 1;
         self.singular.probability += mode.probability;
-        // Beyond the capacity it is charged to every outcome that meets it: more, never less.
+        // Beyond the capacity, every outcome that contains the mode charges its probability again,
+        // which is safe.
         let _ = self.singular.sets.push(taken & !self.remains.gone);
     }
 

@@ -1,5 +1,5 @@
-//! ARAIM: solution separation over all monitored fault modes, with protection levels that account
-//! for the whole risk.
+//! ARAIM: solution separation over all monitored fault modes. Its protection levels account for the
+//! whole risk.
 //!
 //! ```text
 //! alarm          |x_k − x| > T_k = K σ_ss,k     on any axis, for any monitored mode k
@@ -11,37 +11,39 @@
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `x`, `x_k` | position of all satellites, and without those of mode `k` | m |
+//! | `x`, `x_k` | position from all satellites, and from those that mode `k` leaves | m |
 //! | `σ_ss,k`, `σ_k` | standard deviations of `x_k − x`, and of `x_k` for integrity | m |
 //! | `b_k`, `p_k` | nominal bias of `x_k`, and prior probability of mode `k`; `k = 0` is no fault | m, – |
 //! | `PHMI`, `PHMI_H`, `PHMI_V` | permitted risk, and its shares ([`Allocation`]) | – |
-//! | `p_new` | prior probability of modes that an exclusion leaves unmonitored | – |
+//! | `p_new` | prior probability of modes that cannot be monitored after an exclusion | – |
 //! | `options` | number of exclusions that may be tried | – |
 //! | `M` | [`Finding::modes`] | – |
 //! | `P_nm` | [`Finding::unmonitored_probability`] | – |
 //! | `K` | [`Finding::factors`] | – |
 //! | `L` | [`Finding::levels_m`], east, north, up | m |
-//! | largest `T_k`, up, of the likely modes | [`Finding::effective_monitor_threshold_m`] | m |
+//! | largest vertical `T_k` of the likely modes | [`Finding::effective_monitor_threshold_m`] | m |
 //! | `σ_acc`, up | [`Finding::accuracy_m`] | m |
 //!
-//! Three steps: [`modes`] chooses the monitored fault modes, [`subsets`] computes the position
-//! without each mode, [`levels`] sums the risk. After an alarm, exclusions are tried one after
-//! another: satellites, then constellations, in ascending order of the SSE that remains. The first
-//! set that agrees is taken, unless another explains the data as well
-//! ([`AraimOutcome::Ambiguous`]). Every outcome, with or without an exclusion, has its share of the
-//! risk, so that the risk includes a wrong exclusion. An epoch must also pass the global test of
-//! [`super::raim::detection`], which alone sees unmonitored faults.
+//! There are three steps: [`modes`] chooses the monitored fault modes, [`subsets`] computes the
+//! position without each mode, [`levels`] sums the risk.
+//!
+//! After an alarm, exclusions are tried one after another: satellites, then constellations, in
+//! ascending order of the remaining SSE ([`exclusion`]). The first set that agrees is used, unless
+//! another explains the data as well ([`AraimOutcome::Ambiguous`]). Every outcome, with or without
+//! an exclusion, has its share of the risk, so that the risk includes a wrong exclusion. An epoch
+//! must also pass the global test of [`super::raim::detection`], because only this test detects
+//! unmonitored faults.
 //!
 //! Unlike the levels of [`super::raim`], these also cover several faults and the loss of a
-//! constellation, with the risk of each accounted for. They are as good as the priors and sigmas
-//! that they are given ([`crate::weighting`]).
+//! constellation. They are only as good as the priors and sigmas on which they are based
+//! ([`crate::weighting`]).
 //!
 //! Cost on a Cortex-M4F in `f32`: 350 to 1,100 instructions for each monitored mode, tests and
-//! levels together, the more the fewer modes there are. Most modes are dismissed by a bound, at 150
-//! instructions each, and the others are solved. Nothing is stored for each mode. Limits: [`ROWS`]
-//! rows, [`MAX_MODES`] modes; beyond, [`AraimError`].
+//! levels together, and fewer if there are many modes. A bound dismisses most modes, at 150
+//! instructions each; the others are solved. Nothing is stored for each mode. With more than
+//! [`ROWS`] rows or [`MAX_MODES`] modes the result is an [`AraimError`].
 //!
-//! References: [Blanch2015]. Where the paper leaves a choice, that of [MAAST] is used.
+//! References: [Blanch2015]. If the paper leaves a choice, that of [MAAST] is used.
 //!
 //! [Blanch2015]: crate#references
 //! [MAAST]: crate#references
@@ -76,7 +78,7 @@ use crate::satellite::Constellation;
 /// Maximum number of modes that are monitored at once.
 pub const MAX_MODES: usize = 1024;
 
-/// A solved epoch as ARAIM reads it.
+/// View of a solved epoch: the input of ARAIM.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'v, T: Real> {
     /// The equations; weight 0 for a row that is left out.
@@ -112,17 +114,17 @@ pub struct Prior<T> {
     pub fault: T,
 }
 
-/// Priors of the satellites, which are the first rows, and of their constellations.
+/// Priors of the satellites and of their constellations.
 #[derive(Clone, Copy, Debug)]
 pub struct Priors<'p, T> {
-    /// Priors of each satellite, in the order of the rows; later rows are aiding rows that never
-    /// fail.
+    /// Priors of the satellites, which are the first rows, in their order. Later rows are aiding
+    /// rows, which never fail.
     pub satellites: &'p [Prior<T>],
     /// Probability that a constellation as a whole is faulty, in [0, 0.5).
     pub constellations: [T; Constellation::COUNT],
 }
 
-/// Reason why ARAIM gives no result.
+/// Reason why ARAIM has no result.
 ///
 /// `repr(u32)`, so that a `Result` with it is copied word by word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,37 +152,38 @@ impl fmt::Display for AraimError {
 
 impl core::error::Error for AraimError {}
 
-/// Result of solution separation for one set of satellites.
+/// Result of solution separation for one set of satellites, such as all in view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding<T> {
     /// Number of monitored modes.
     pub modes: usize,
-    /// Probability of unmonitored faults, including modes that an exclusion leaves unmonitored.
+    /// Probability of unmonitored faults, including modes that cannot be monitored after an
+    /// exclusion.
     pub unmonitored_probability: T,
     /// Thresholds in units of the separation's sigma, east, north, up.
     pub factors: [T; 3],
-    /// Protection levels, east, north, up, m; infinite if the unmonitored faults spend the risk.
+    /// Protection levels, east, north, up, m; infinite if the unmonitored faults use up the risk.
     pub levels_m: [T; 3],
-    /// The largest threshold of a likely mode, up, m.
+    /// Largest vertical threshold of a likely mode, m.
     pub effective_monitor_threshold_m: T,
     /// Standard deviation of the height for accuracy, m.
     pub accuracy_m: T,
-    /// The largest separation over its threshold.
+    /// Largest ratio of a separation to its threshold, dimensionless.
     pub ratio: T,
     /// The mode with the largest share in each level.
     pub dominant: [Hypothesis; 3],
-    /// True if any solution is beyond its threshold.
+    /// True if any separation exceeds its threshold.
     pub alarm: bool,
 }
 
 impl<T: Real> Finding<T> {
-    /// Returns horizontal protection level, m.
+    /// Returns the horizontal protection level, m.
     pub fn hpl_m(&self) -> T {
         let [east, north, _] = self.levels_m;
         (east * east + north * north).sqrt()
     }
 
-    /// Returns vertical protection level, m.
+    /// Returns the vertical protection level, m.
     pub fn vpl_m(&self) -> T {
         let [.., up] = self.levels_m;
         up

@@ -1,4 +1,4 @@
-//! Modes that are monitored: which leave a solution, and how many there are.
+//! Modes that are monitored: which of them leave a solution, and how many there are.
 
 use core::ops::ControlFlow;
 
@@ -20,7 +20,7 @@ pub(super) struct MonitoredModes<'a, T: Real> {
     pub(super) allocation: &'a Allocation,
     /// `ρ`, the share of the risk.
     pub(super) risk_share: T,
-    /// Rows whose loss leaves a singular geometry.
+    /// Sets of rows whose loss leaves a singular geometry.
     pub(super) singular: Vec<RowSet, SINGULAR>,
     /// `P_nm` with all satellites in view.
     pub(super) unmonitored_probability: T,
@@ -46,13 +46,14 @@ impl<'a, T: Real> MonitoredModes<'a, T> {
         self.leaves_enough(taken, 0) && !self.singular.contains(&taken)
     }
 
-    /// Returns true if the remaining satellites determine position and clocks, and `more` exceed
-    /// that.
+    /// Returns true if at least `more` satellites remain in addition to those that position and
+    /// clocks need.
     // Not inlined, so that its many callers share one copy.
     #[inline(never)]
     pub(super) fn leaves_enough(&self, taken: RowSet, more: u32) -> bool {
         let left = (self.modes.satellites & !taken).count_ones();
-        // Mostly enough for a clock of every constellation.
+        // Mostly there are enough for a clock of every constellation, which is the cheaper
+        // comparison.
         left >= 3 + Constellation::COUNT as u32 + more || left >= 3 + self.clocks_left(taken) + more
     }
 
@@ -86,7 +87,7 @@ impl<'a, T: Real> MonitoredModes<'a, T> {
 pub(super) struct ModeCount<T> {
     pub(super) modes: usize,
     pub(super) unmonitorable: T,
-    /// True if modes with a singular geometry are excluded already.
+    /// True if modes with a singular geometry are already excluded.
     pub(super) singular: bool,
 }
 
@@ -94,7 +95,7 @@ pub(super) struct ModeCount<T> {
 struct ModeCounter<'w, 'a, T: Real> {
     monitored: &'w MonitoredModes<'a, T>,
     gone: RowSet,
-    /// Number of satellites that any mode may take.
+    /// Number of satellites that may be lost, whichever they are.
     ample: usize,
     count: ModeCount<T>,
 }

@@ -1,8 +1,8 @@
 //! Protection levels: how large can the position error be while the test passes?
 //!
 //! A bias `b` of satellite `i` adds `b²r_i/σ_i²` to the non-centrality of SSE and moves the
-//! position by `b A_i`. The bias that is missed with probability `P_md` has the non-centrality
-//! `λ(dof, P_fa, P_md)`; with the noise `σ` on the position
+//! position by `b w_i g_i`. The bias that is missed with probability `P_md` has the non-centrality
+//! `λ(dof, P_fa, P_md)`. With the noise `σ` of the position,
 //!
 //! ```text
 //! slope_h,i = √(w_i (g_iE² + g_iN²) / r_i)     slope_v,i = √w_i |g_iU| / √r_i         s: the largest
@@ -15,47 +15,58 @@
 //! | `slope_h`, `slope_v` | [`Slopes`] | m per unit of `√λ` |
 //! | `σ` | [`PositionSigma`]: `σ_U`, and horizontally the longer semi-axis | m |
 //! | `k = Q⁻¹(P_md)` | [`KFactors`] | – |
-//! | `k'`, `K` | [`KFactors`]: `Q⁻¹(P/2)` vertically, `√(2 ln 1/P)` horizontally, with `P_md` and `P_ff` | – |
+//! | `k'` | [`KFactors`]: `Q⁻¹(P_md/2)` vertically, `√(2 ln 1/P_md)` horizontally | – |
+//! | `K` | [`KFactors`]: the same of `P_ff` | – |
+//! | `P_ff` | probability that the error exceeds the level without a fault | – |
 //! | `HPL`, `VPL` | [`ProtectionLevels`] | m |
 //!
-//! **Proof of the bound.** Along the fault's direction in parity space the test sees `b + noise`,
-//! and the position, independently, `s b + σ noise` (`b` in units of `√λ`). Up to the bias `√λ` the
-//! probability of a miss is at most `Q(b − (√λ − k))`; beyond, it is below `P_md` alone. A miss and
-//! an error above the level are two independent normal tails, whose product lies in a half-plane
-//! through the corner (`√λ − k`, level). Turned by `tan θ = σ/s` the bias cancels in its distance,
-//! and `Q(k') = P_md` remains for any bias. `√(s² + σ²)` is the standard deviation of the position
-//! without that satellite. The papers' level is the limit of `σ → 0`: it bounds the mean error of
-//! the worst missed bias, and an error beyond it is up to 84 times likelier than `P_md` at 1e-3,
-//! and 36,000 times at 1e-6.
+//! **Proof of the bound.** Let `b` be the root of the bias's non-centrality, so that `b = √λ` is
+//! missed with the probability `P_md`. Along the bias's direction in parity space the test sees
+//! `X = b + noise`. Independently, the error of the position is `Y = s b + σ noise`.
 //!
-//! **Shared errors** of all ranges, which no test sees, add to each level
+//! - If `b > √λ`, a miss alone is less likely than `P_md`.
+//! - If `b ≤ √λ`, a miss is at most as likely as `X < √λ − k`. A miss with an error above the level
+//!   is then at most as likely as the quadrant `X < √λ − k`, `Y > PL`.
+//! - This quadrant lies in the half-plane `Y − s X > PL − s (√λ − k) = k' √(s² + σ²)`. For any
+//!   bias, `Y − s X` has mean 0 and standard deviation `√(s² + σ²)`. So the half-plane has the
+//!   probability `Q(k')`.
+//! - Vertically, errors of both signs add up to `2 Q(k') = P_md`. Horizontally, the error may have
+//!   any direction, and `k'` is that of a circular distribution.
+//!
+//! `√(s² + σ²)` is also the standard deviation of the position without that satellite. The papers'
+//! level is the limit for `σ → 0` and bounds only the mean error under the worst missed bias. An
+//! error beyond it is up to 84 times likelier than `P_md = 1e-3`, and 36,000 times likelier than
+//! `P_md = 1e-6`.
+//!
+//! **Shared errors** of all ranges add to each level, because no test sees them
 //! ([`super::shared_errors`]).
 //!
-//! A satellite without redundancy has slope 0 if it does not move the position (the lone satellite
-//! of a constellation), else an infinite one. By the identity
-//! `HDOP_i² − HDOP² = (A_1i² + A_2i²)/S_ii` the change of HDOP bounds the same thing for a common
-//! sigma ([Lin2016] eq. 22–26).
+//! A satellite without redundancy has slope 0 if it does not move the position, as a
+//! constellation's lone satellite. Otherwise its slope is infinite. If all sigmas are equal,
+//! [Lin2016] (eq. 22–26) computes the same horizontal slope from the change of HDOP without the
+//! satellite: `slope_h,i = σ_i √(HDOP_i² − HDOP²)`.
 //!
-//! **Hardly tested rows.** `r_i` is a difference to 1. If little is left, single precision is too
-//! coarse: a slope would be up to a fifth too small. Below a redundancy of 0.1 both are therefore
-//! computed from the prediction of this row by the other rows, where nothing cancels. With `P`,
-//! `d_i` and `W_c` of the others, `q_i = 1/W_c + d_i·P d_i` is the variance of their prediction,
+//! **Hardly tested rows.** `r_i` is computed as 1 minus a sum. If `r_i` is small, rounding in
+//! single precision makes the slope up to 20 % too small. Below 0.1, `r_i` and the slope are
+//! therefore computed from the other rows' prediction of this row, where nothing cancels. With `P`,
+//! `d_i` and `W_c` of the other rows, this prediction has the variance `q_i = 1/W_c + d_i·P d_i`,
 //! and
 //!
 //! ```text
 //! r_i = 1 / (1 + w_i q_i)                      slope_i² = w_i r_i |P d_i|²
 //! ```
 //!
-//! Slopes below 100 m, protection levels of some 700 m, are then understated by 3 % at most in
-//! `f32`, and rarely by more than 0.1 %; the guard on the alert limit is 5 %.
+//! In `f32`, slopes below 100 m (levels up to some 700 m) are then understated by at most 3 %, and
+//! rarely by more than 0.1 %. The guard on the alert limit is 5 %.
 //!
-//! **Not monotone.** Without a satellite the position is less well known, by just the square of its
-//! slope (`P_h` without `i` is `P_h + slope_h,i²`), and every other one is less well tested. Yet
-//! the protection level may shrink, even with the same `λ`: the satellite that is hardest to test
-//! takes the largest slope with it, and `λ` also falls with the degrees of freedom.
+//! **Not monotone.** Without a satellite the position is less accurate: its horizontal variance
+//! `P_h` grows to `P_h + slope_h,i²`. The other satellites are also tested less well. Yet the
+//! protection level may shrink: if the satellite with the largest slope is left out, this slope no
+//! longer counts. `λ` also decreases with the degrees of freedom.
 //!
-//! The level bounds the worst bias of a single satellite. It is not an ARAIM protection level
-//! ([`crate::integrity::araim`]). References: [Yang2015] eq. 6–8, [Lin2016] eq. 21–26, [Brown1992].
+//! The level bounds the effect of the worst bias of a single satellite. It is not an ARAIM
+//! protection level ([`crate::integrity::araim`]). References: [Yang2015] eq. 6–8, [Lin2016] eq.
+//! 21–26, [Brown1992].
 //!
 //! [Lin2016]: crate#references
 //! [Yang2015]: crate#references
@@ -73,7 +84,7 @@ use crate::numeric::real::Real;
 use crate::numeric::space::dot;
 use crate::report::ProtectionLevels;
 
-/// Largest effect of a row's bias on the position per unit of its effect on the test.
+/// Effect of a row's bias on the position, per unit of its effect on the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slopes<T> {
     /// Horizontal, m per unit of `√λ`.
@@ -103,8 +114,7 @@ fn untestable<T: Real>(row: &Row<T>, fit: &RowFit<T>) -> SquaredSlopes<T> {
     SquaredSlopes { horizontal: slope(horizontal), vertical: slope(vertical) }
 }
 
-/// Returns true if the subtraction from 1 loses digits of a row's redundancy, although other rows
-/// predict it.
+/// Returns true if rounding spoils the redundancy of a row that other rows can predict.
 fn is_hardly_tested<T: Real>(snapshot: &Snapshot<'_, T>, row: &Row<T>, fit: &RowFit<T>) -> bool {
     let shares_clock = |other: &Row<T>| other.clock == row.clock && other.weight > T::zero();
     row.weight > T::zero()
@@ -113,8 +123,8 @@ fn is_hardly_tested<T: Real>(snapshot: &Snapshot<'_, T>, row: &Row<T>, fit: &Row
         && (row.clock.is_none() || snapshot.rows().filter(|(other, _)| shares_clock(other)).count() > 1)
 }
 
-/// Returns the squared slopes of a row from its prediction by the others, or `None` if it is
-/// untestable.
+/// Returns the squared slopes of a row, computed from the others' prediction of it, or `None` if it
+/// is untestable.
 fn by_the_others<T: Real>(snapshot: &Snapshot<'_, T>, index: usize) -> Option<SquaredSlopes<T>> {
     let (row, _) = snapshot.row(index)?;
     let rows = snapshot.equations();
@@ -161,7 +171,7 @@ impl<T: Real> Slopes<T> {
     }
 
     /// Returns the papers' protection levels for a non-centrality `λ`
-    /// ([`crate::integrity::raim::detection::threshold::Thresholds::lambda`]), if these slopes are
+    /// ([`crate::integrity::raim::detection::threshold::Thresholds::lambda`]). These slopes must be
     /// the largest.
     pub fn protect(&self, lambda: f64) -> ProtectionLevels {
         let root = T::narrow(lambda).sqrt_approx();
@@ -241,7 +251,7 @@ impl<T: Real> KFactors<T> {
 
 /// Inputs of the protection levels: largest slopes and noise.
 ///
-/// They turn a threshold into levels, and alert limits into a threshold.
+/// They convert a threshold to levels, and alert limits to a threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelInputs<'f, T> {
     /// The largest slopes.
@@ -251,7 +261,7 @@ pub struct LevelInputs<'f, T> {
 }
 
 impl<T> LevelInputs<'_, T> {
-    /// Returns the inputs for faults alone, with these largest slopes: for the papers' level.
+    /// Returns the inputs of the papers' level, which needs no noise, with these largest slopes.
     pub const fn to_faults(slopes: Slopes<T>) -> Self {
         Self { slopes, noise: None }
     }
@@ -283,10 +293,10 @@ impl<'f, T: Real> LevelInputs<'f, T> {
         }
     }
 
-    /// Returns the protection levels against a fault that is not a satellite's, with these slopes
+    /// Returns the protection levels against a fault other than a satellite's, with these slopes
     /// and a w-test of `shown`.
     ///
-    /// The non-centrality is that of `shown + k` standard deviations.
+    /// The root of the non-centrality is `shown + k`.
     pub(crate) fn protect_against(
         self,
         slopes: Slopes<T>,
@@ -322,13 +332,13 @@ pub fn noncentrality_at(limit_m: f64, slope_m: f64) -> f64 {
     if ratio > 0.0 { (ratio * ratio).min(LARGEST) } else { 0.0 }
 }
 
-/// Returns `√δ = (f AL − k' √(s² + σ²)) / s + k`, squared; 0 if the limit is too small for any
-/// threshold.
+/// Returns the non-centrality `((limit − k' √(s² + σ²)) / s + k)²`; 0 if the limit is too small for
+/// any threshold.
 fn noncentrality_within<T: Real>(limit_m: f64, slope: T, noise: Option<(T, T, AxisKFactors<T>)>) -> f64 {
     let Some((sigma, detection, axis)) = noise else { return noncentrality_at(limit_m, slope.widen()) };
     let limit = T::narrow(limit_m);
     let spread = axis.missed * (slope * slope + sigma * sigma).sqrt_approx();
-    // NaN fails these comparisons, so that nothing is available; nor is it with an infinite slope.
+    // NaN fails these comparisons. It then returns 0, as for an infinite slope.
     let suffices = limit >= spread - detection * slope && limit >= axis.fault_free * sigma;
     if !(suffices && slope.is_finite()) {
         return 0.0;
@@ -337,7 +347,7 @@ fn noncentrality_within<T: Real>(limit_m: f64, slope: T, noise: Option<(T, T, Ax
     (root * root).widen().min(LARGEST)
 }
 
-/// Returns the largest change of HDOP from leaving out one satellite, `max √(HDOP_i² − HDOP²)`,
+/// Returns the largest increase of HDOP without one satellite, `max √(HDOP_i² − HDOP²)`,
 /// dimensionless.
 pub fn largest_hdop_change<T: Real>(snapshot: &Snapshot<'_, T>) -> T {
     let (hdop, _) = snapshot.dilutions();

@@ -6,7 +6,7 @@
 //! | [`isolation`] | Which satellites are faulty? |
 //! | [`hypotheses`] | Does another set of satellites, a shifted constellation or a wrong time explain the residuals as well? |
 //! | [`levels`] | How large can the position error be while the test passes? |
-//! | [`shared_errors`] | How far do errors of all ranges move the position? |
+//! | [`shared_errors`] | How far do errors that all ranges share move the position? |
 
 pub mod detection;
 pub mod hypotheses;

@@ -1,8 +1,8 @@
 //! Errors that all ranges share: how far do they move the position?
 //!
-//! The residual error of an ionosphere's model is nearly the same error in all ranges. Clocks and
-//! position absorb most of it, and no test sees that. It is an offset and two slopes, each with one
-//! value for the whole epoch ([`crate::weighting::ionosphere`]):
+//! The residual error of an ionosphere model is nearly the same in all ranges. Clocks and position
+//! absorb most of it, and no test sees that part. It consists of an offset and two slopes, each
+//! with one value for the whole epoch ([`crate::weighting::ionosphere`]):
 //!
 //! ```text
 //! d_0 = Σ_i w_i g_i m_i        d_E = Σ_i w_i g_i k_i e_i        d_N = Σ_i w_i g_i k_i n_i
@@ -11,14 +11,14 @@
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `w_i g_i` | weight and gain of the row: what its range moves the position by, per metre | – |
+//! | `w_i g_i` | weight times gain of the row: displacement of the position per metre of its range | – |
 //! | `m_i`, `k_i` | [`SharedError::common_m`], [`SharedError::slope_m`] | m at one sigma |
 //! | `e_i`, `n_i` | line of sight, `−h_i` | – |
 //! | 3 | [`COMMON_SIGMAS`] | – |
 //!
-//! The three values lie in an ellipsoid of three sigmas. The largest move of the position in a
-//! direction `u` is then `3 √(uᵀ D u)`. It counts as a bias that adds to the level of noise and
-//! fault, because it averages out neither over satellites nor over time.
+//! The three values are assumed to lie in an ellipsoid of three sigmas. The largest displacement of
+//! the position in the direction of a unit vector `a` is then `3 √(aᵀ D a)`. It is added to the
+//! level as a bias, because it averages out neither over satellites nor over time.
 
 use nalgebra::Vector3;
 
@@ -51,7 +51,7 @@ pub fn shared_shift<T: Real>(snapshot: &Snapshot<'_, T>, shared: &[SharedError])
     largest_shift(&[offset, east, north])
 }
 
-/// Returns the largest sum of these moves within the ellipsoid.
+/// Returns the largest sum of these displacements within the ellipsoid.
 fn largest_shift<T: Real>(moves: &[Vector3<T>]) -> ProtectionLevels {
     let mut squares = zeros();
     for moved in moves {

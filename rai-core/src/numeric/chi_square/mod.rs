@@ -1,5 +1,5 @@
-//! Non-central χ² where tables end: its quantile, its non-centrality, and where it crosses the
-//! central density.
+//! Non-central χ² beyond the tables: its quantile, its non-centrality, and the point where its
+//! density crosses the central one.
 //!
 //! ```text
 //! quantile        G(τ; ν, δ) = p            solved for τ
@@ -7,9 +7,9 @@
 //! crossing        g(τ; ν, δ) = κ f(τ; ν)    solved for τ
 //! ```
 //!
-//! Everything is done in the roots `r = √t` and `m = √δ`, where the distribution is nearly normal
-//! with unit variance whatever the size of `δ`, and all rests on one function, the growth of
-//! Bessel's series:
+//! All computations use the roots `r = √t` and `m = √δ`. In `r` the distribution is nearly normal
+//! with unit variance for any `δ`. Everything follows from one function, the growth of Bessel's
+//! series:
 //!
 //! ```text
 //! L(z)    = ln ₀F₁(; ν/2; z²/4) = lnΓ(v+1) − v ln(z/2) + ln I_v(z),    v = ν/2 − 1
@@ -19,22 +19,21 @@
 //! g/f     = exp(L(√(δt)) − δ/2)
 //! ```
 //!
-//! `L` is summed as a power series up to a moderate `z`, and comes from Debye's uniform expansion
-//! beyond: `v ≤ 29` needs no other case, `v = −1/2` included. What is integrated or compared is
-//! always `L(z) − z`, so nothing overflows and nothing cancels at `δ = 1e7`.
+//! `L` is summed as a power series up to a moderate `z`, and computed by Debye's uniform expansion
+//! above. `v ≤ 29` needs no other case, `v = −1/2` included. Only `L(z) − z` is integrated or
+//! compared. So nothing overflows, and nothing cancels at `δ = 1e7`.
 //!
 //! | symbol | name | unit |
 //! |---|---|---|
 //! | `ν` | `dof` | degrees of freedom, 1 to 60 |
 //! | `τ`, `t` | `statistic` | dimensionless: a sum of squares in units of sigma² |
 //! | `δ`, `λ` | `noncentrality` | dimensionless: a squared bias in units of sigma² |
-//! | `r`, `m` | `root`, `mean` | square roots of the two |
+//! | `r`, `m` | `root`, `mean` | square roots of `t` and `δ` |
 //! | `p` | `tail` | probability |
 //! | `ln κ` | `ln_weight` | dimensionless: logarithm of the cost of a false alarm over that of a missed detection |
 //!
-//! Limits: non-centralities are held within [`SMALLEST`] and [`LARGEST`], below and beyond which
-//! thresholds no longer tell anything. The lower tail is meant for `p < 1/2`, as [`Probability`]
-//! is.
+//! Limits: non-centralities are clamped to [`SMALLEST`] and [`LARGEST`], outside which thresholds
+//! have no meaning. The lower tail is for `p < 1/2`, as is [`Probability`].
 //!
 //! References: [Yang2015] eq. 9–12, [Sankaran1963], [DLMF] 10.41, 25.4.30 of [Abramowitz1964].
 //!
@@ -46,10 +45,10 @@
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 
-/// The largest number of degrees of freedom that is computed or kept in tables.
+/// The largest number of degrees of freedom, here and in the tables.
 pub const MAX_DOF: usize = 60;
 
-/// Smallest non-centrality that differs from none: `τ` changes by less than 1e-9, relatively.
+/// Smallest non-centrality that differs from 0. It changes `τ` by less than 1e-9, relatively.
 pub const SMALLEST: f64 = 1e-9;
 
 /// Largest non-centrality: a bias of a million sigma.
@@ -61,10 +60,10 @@ const SMALLEST_ROOT: f64 = 1e-15;
 /// Smallest probability, within the range of `f32`.
 const SMALLEST_TAIL: f64 = 1e-37;
 
-/// Most terms of the power series: about `z/2 + 5√z + 10` are needed.
+/// Largest number of terms of the power series; about `z/2 + 5√z + 10` are needed.
 const MAX_TERMS: usize = 100;
 
-/// Most Newton steps; one to four are usual.
+/// Largest number of Newton steps; one to four are usual.
 const MAX_STEPS: usize = 40;
 
 /// Longest Newton step, in `ln r` and in `m`.
@@ -88,7 +87,7 @@ struct Growth<T> {
     value: T,
     /// `L(z) − z`, which does not cancel.
     excess: T,
-    /// `dL/dz`; from the expansion accurate to 5e-4, enough for a direction.
+    /// `dL/dz`. From the expansion it is accurate to 5e-4, which suffices for a Newton step.
     slope: T,
 }
 
@@ -102,7 +101,7 @@ struct LowerTail<T> {
     by_mean: T,
 }
 
-/// A power of the statistic over its expectation, with nearly this normal distribution.
+/// A power of the statistic over its expectation, which nearly has this normal distribution.
 struct NearlyNormal<T> {
     expectation: T,
     power: T,
@@ -117,7 +116,7 @@ impl<T: Real> ChiSquare<T> {
             return None;
         }
         let half = dof as f64 / 2.0;
-        // Γ(60/2) = 8.8e30 still fits a single.
+        // The largest, Γ(60/2) = 8.8e30, fits a single.
         let (mut gamma, mut factor) =
             if dof.is_multiple_of(2) { (T::one(), T::one()) } else { (T::pi().sqrt(), T::narrow(0.5)) };
         while factor < T::narrow(half) {
@@ -127,11 +126,12 @@ impl<T: Real> ChiSquare<T> {
         Some(Self { dof: T::narrow(dof as f64), order: T::narrow(half - 1.0), ln_gamma: gamma.ln() })
     }
 
-    /// Returns the statistic below which a bias of this non-centrality stays with the probability
-    /// `tail`.
+    /// Returns `τ`: under a bias of this non-centrality, the statistic is below it with the
+    /// probability `tail`.
     ///
-    /// Relative error below 3e-11 (`f64`), 3e-5 (`f32`); increases with both arguments. One
-    /// integral is usual in `f32`, three in `f64`: 4,200 and 970,000 instructions on a Cortex-M4F.
+    /// The result increases with both arguments. Its relative error is below 3e-11 (`f64`), 3e-5
+    /// (`f32`). One integral is usual in `f32`, three in `f64`: 4,200 and 970,000 instructions on a
+    /// Cortex-M4F.
     pub fn quantile(&self, tail: Probability, noncentrality: f64) -> T {
         let ln_tail = ln(tail);
         let mean = T::narrow(bounded(noncentrality)).sqrt();
@@ -139,8 +139,8 @@ impl<T: Real> ChiSquare<T> {
         let mut root = self.root_guess(ln_tail, mean).max(T::narrow(SMALLEST_ROOT));
         for _ in 0..MAX_STEPS {
             let tail = self.lower_tail(root, mean);
-            // In ln r the tail is a straight line for small r, and concave, so that Newton's method
-            // converges from any start.
+            // As a function of ln r, `ln G` is concave, and a straight line for small r. Newton's
+            // method therefore converges from any start.
             let step = ((ln_tail - tail.ln_probability) / (tail.by_root * root)).clamp(-longest, longest);
             root = (root * step.exp()).max(T::narrow(SMALLEST_ROOT));
             if step * step * root.max(T::one()) < T::CHI_SQUARE.settled {
@@ -150,10 +150,10 @@ impl<T: Real> ChiSquare<T> {
         root * root
     }
 
-    /// Returns the non-centrality of the bias that stays below `statistic` with the probability
-    /// `tail`; 0 if even no bias does so less often.
+    /// Returns the non-centrality of the bias under which SSE is below `statistic` with the
+    /// probability `tail`. Returns 0 if this probability is smaller even without a bias.
     ///
-    /// A NaN statistic counts as the largest, which is the safe side. Relative error below 3e-11
+    /// A NaN statistic counts as the largest, which is safe. The relative error is below 3e-11
     /// (`f64`), 3e-5 (`f32`). One integral is usual in `f32`, three in `f64`: 4,500 and 1,000,000
     /// instructions on a Cortex-M4F.
     pub fn noncentrality(&self, statistic: f64, tail: Probability) -> T {
@@ -165,7 +165,8 @@ impl<T: Real> ChiSquare<T> {
             let tail = self.lower_tail(root, mean);
             let step = ((tail.ln_probability - ln_tail) / tail.by_mean).clamp(-longest, longest);
             mean += step;
-            // The tail is concave in m, so that a step never passes a root from above.
+            // The tail is concave in m. If a step leads below 0, there is therefore no positive
+            // root.
             if !(mean > T::zero()) {
                 return T::zero();
             }
@@ -176,13 +177,14 @@ impl<T: Real> ChiSquare<T> {
         mean * mean
     }
 
-    /// Returns the statistic at which a bias of this non-centrality is `κ` times as likely as none,
-    /// `κ` given by its logarithm.
+    /// Returns the statistic at which a bias of this non-centrality is `κ` times as likely as none;
+    /// `ln_weight` is `ln κ`.
     ///
-    /// With `κ = 1` the densities cross there, and `P_F + P_M` is smallest; as the non-centrality
-    /// vanishes the crossing goes to `ν`. 0 if the densities do not cross, because the bias is then
-    /// likelier everywhere. Relative error below 3e-11 (`f64`), 3e-5 (`f32`). Two to four values of
-    /// `L`, no integral: 840 instructions on a Cortex-M4F in `f32`.
+    /// With `κ = 1` the densities cross there, and `P_F + P_M` is smallest. For small
+    /// non-centralities the crossing approaches `ν`. If the densities do not cross, the bias is
+    /// likelier everywhere, and the result is 0. The relative error is below 3e-11 (`f64`), 3e-5
+    /// (`f32`). Two to four values of `L` and no integral are needed: 840 instructions on a
+    /// Cortex-M4F in `f32`.
     pub fn crossing(&self, noncentrality: f64, ln_weight: f64) -> T {
         let noncentrality = bounded(noncentrality);
         let target = noncentrality / 2.0 + ln_weight;
@@ -190,8 +192,8 @@ impl<T: Real> ChiSquare<T> {
             return T::zero();
         }
         let (target, noncentrality) = (T::narrow(target), T::narrow(noncentrality));
-        // Exact at both ends: τ → ν and τ → δ/4. L is convex, so that Newton's method converges
-        // from any start.
+        // The start is exact at both ends: τ → ν and τ → δ/4. L is convex, so that Newton's method
+        // converges from any start.
         let mut argument = (target * (self.dof + self.dof + target)).sqrt();
         for _ in 0..MAX_STEPS {
             let Growth { value, slope, .. } = self.growth(argument);
@@ -209,7 +211,8 @@ impl<T: Real> ChiSquare<T> {
         let growth = self.growth(mean * root);
         let height = self.ln_density(root, mean, growth.excess);
         let steepness = (self.dof - T::one()) / root + mean * growth.slope - root;
-        // The density falls off downwards at least like `steepness u + u²/2`.
+        // Below the root, the logarithmic density decreases at least by `steepness u + u²/2` over
+        // `u`.
         let fall = T::CHI_SQUARE.drop + T::CHI_SQUARE.drop;
         let reach = (steepness * steepness + fall).sqrt();
         let width = if steepness > T::zero() { fall / (reach + steepness) } else { reach - steepness };
@@ -241,13 +244,13 @@ impl<T: Real> ChiSquare<T> {
             + excess
     }
 
-    /// Returns `L(z)`; relative error 1e-15 (`f64`) where summed, `|error|` below 3e-10 where
-    /// expanded.
+    /// Returns `L(z)`. In `f64` the relative error of the series is 1e-15, the absolute error of
+    /// the expansion below 3e-10.
     fn growth(&self, argument: T) -> Growth<T> {
         if argument > T::CHI_SQUARE.asymptotic { self.expanded(argument) } else { self.summed(argument) }
     }
 
-    /// Sums `₀F₁ − 1 = Σ_{k≥1} (z²/4)^k / (k! (ν/2)_k)`: positive terms only.
+    /// Sums `₀F₁ − 1 = Σ_{k≥1} (z²/4)^k / (k! (ν/2)_k)`, which has positive terms only.
     fn summed(&self, argument: T) -> Growth<T> {
         let quarter = argument * argument * T::narrow(0.25);
         let (mut number, mut term) = (T::one(), T::one());
@@ -269,7 +272,7 @@ impl<T: Real> ChiSquare<T> {
     /// Evaluates Debye's expansion with four terms, [DLMF] 10.41.3, in `s = √(v² + z²)` and
     /// `w = v²/s²`.
     ///
-    /// It is even in `v`, so that it also holds for `v = −1/2`.
+    /// It is even in `v`, so that it is also valid for `v = −1/2`.
     ///
     /// [DLMF]: crate#references
     fn expanded(&self, argument: T) -> Growth<T> {
@@ -308,8 +311,8 @@ impl<T: Real> ChiSquare<T> {
         }
     }
 
-    /// Returns an approximate root of the quantile: by a normal power, or if that fails by the
-    /// leading term of the tail at 0.
+    /// Returns an approximate root of the quantile: from the power that is nearly normal, or if
+    /// this fails, from the leading term of the tail at 0.
     fn root_guess(&self, ln_tail: T, mean: T) -> T {
         let normal = self.nearly_normal(mean);
         let powered = normal.centre - normal_quantile(ln_tail) * normal.deviation;
@@ -321,8 +324,8 @@ impl<T: Real> ChiSquare<T> {
         (leading / self.dof).exp().min(normal.expectation.sqrt())
     }
 
-    /// Returns an approximate root of the non-centrality: a normal one with unit variance, twice
-    /// corrected by the normal power.
+    /// Returns an approximate root of the non-centrality. It assumes a normal distribution of unit
+    /// variance, and is twice corrected by the power that is nearly normal.
     fn mean_guess(&self, ln_tail: T, root: T) -> T {
         let quantile = normal_quantile(ln_tail);
         let shifted = root + quantile;
@@ -349,8 +352,8 @@ fn polynomial<T: Real, const N: usize>(coefficients: &[f64; N], argument: T) -> 
     coefficients.iter().rev().fold(T::zero(), |sum, &next| sum * argument + T::narrow(next))
 }
 
-/// Returns `base` to an exponent, for starting values: two functions that are linked already, while
-/// the library's has 1.4 KiB more.
+/// Returns `base` to an exponent, for starting values. The two functions are linked anyway; the
+/// library's power would take another 1.4 KiB.
 fn power<T: Real>(base: T, exponent: T) -> T {
     (exponent * base.ln()).exp()
 }
@@ -365,7 +368,7 @@ fn ln<T: Real>(tail: Probability) -> T {
     T::narrow(tail.get().max(SMALLEST_TAIL)).ln()
 }
 
-/// Returns the upper quantile of the normal distribution, accurate to 4.5e-4: for starting values
+/// Returns the upper quantile of the normal distribution, for starting values, accurate to 4.5e-4
 /// ([Abramowitz1964] 26.2.23).
 ///
 /// [Abramowitz1964]: crate#references

@@ -1,26 +1,26 @@
 //! Exclusion after an alarm: the satellite or the constellation without which the others agree.
 //!
-//! Candidates leave at least one satellite more than unknowns. Satellites come first, then
-//! constellations, each in ascending weighted SSE of the remaining rows; the first that does not
-//! alarm is taken. Each is judged by all modes that were chosen with all satellites in view,
-//! restricted to the remaining ones, so that a wrong exclusion is within the risk.
+//! A candidate must leave at least one satellite more than unknowns. Satellites are tried first,
+//! then constellations, each in ascending order of the remaining weighted SSE. The first that does
+//! not alarm is left out. It is judged by the modes that were chosen before the exclusion,
+//! restricted to the remaining satellites. So the risk includes a wrong exclusion.
 //!
-//! Without one of two satellites of a constellation, the clock takes whatever the other measures.
-//! Therefore leaving out either of them counts as leaving out their constellation. Nothing is left
-//! out if two satellites explain the data equally, or two constellations of which one has two
-//! satellites ([`rivals`]).
+//! If one of a constellation's two satellites is left out, its clock follows any error of the
+//! other. Leaving out either of them therefore counts as leaving out their constellation. Nothing
+//! is left out if two candidates explain the data equally well. The same applies if the candidate
+//! is one of only two constellations and has two satellites ([`rivals`]).
 //!
-//! Judging a candidate costs as much as judging the epoch, so that at most one satellite and one
-//! constellation are judged. Most candidates need no judgement, because another satellite is still
-//! so far off that its own test alarms. That test is algebra on the all-in-view solution:
+//! Judging a candidate is as expensive as judging the epoch, so that at most one satellite and one
+//! constellation are judged. Most candidates need no judgement, because without them the test of
+//! another single satellite still alarms. That test follows from the all-in-view solution:
 //!
 //! ```text
 //! contradicted    |A_k v_k| > (1 + margin) K |A_k| √κ_kk     on any axis, for any single satellite k that remains
 //! ```
 //!
-//! with `A_k`, `v_k`, `κ_kk` without the candidate ([`super::subsets`]). `K` is that of the modes
-//! with all satellites. The candidate's `K` is no larger, because it has no more modes, so that a
-//! contradiction here is an alarm there.
+//! `A_k`, `v_k`, `κ_kk` are without the candidate ([`super::subsets`]), `K` is that of all
+//! satellites. The candidate has no more modes and so no larger `K`. A contradiction here is
+//! therefore also an alarm of the full judgement.
 //!
 //! References: [MAAST] for the order and the shares.
 //!
@@ -49,19 +49,18 @@ use crate::satellite::Constellation;
 pub enum AraimOutcome<T> {
     /// No test alarms.
     Passed,
-    /// A test alarms; without the satellite or constellation below, which was left out, no test
-    /// does.
+    /// A test alarms. A satellite or constellation was left out, and without it no test alarms.
     Excluded {
         /// The satellite or the constellation.
         excluded: Hypothesis,
-        /// Rows of it.
+        /// Bit set of its rows.
         rows: u64,
-        /// Finding without it.
+        /// Result without it.
         finding: Finding<T>,
     },
-    /// A test alarms with every single satellite or constellation left out, or exclusion is off.
+    /// A test alarms, and no permitted exclusion ends the alarm, or exclusion is off.
     NotIsolated,
-    /// A test alarms, and several exclusions explain that equally.
+    /// A test alarms, and several exclusions explain this equally well.
     Ambiguous,
 }
 
@@ -72,16 +71,16 @@ pub struct AraimJudgement<T> {
     pub options: usize,
     /// Share of the risk of each outcome.
     pub risk_share: T,
-    /// Finding with all satellites.
+    /// Result with all satellites.
     pub whole: Finding<T>,
     /// Result after an alarm, if any.
     pub outcome: AraimOutcome<T>,
 }
 
-/// Prior probability below which a constellation is not among the options.
+/// Prior probability below which a constellation is not a candidate.
 const OPTIONAL: f64 = 1e-7;
 
-/// Scratch memory for each row and each term. It keeps no state.
+/// Scratch memory for rows and terms, without state between epochs.
 #[derive(Clone, Debug)]
 pub struct AraimScratch<T: Real> {
     odds: PriorOdds<T>,
@@ -114,7 +113,7 @@ impl<T: Real> AraimScratch<T> {
 /// Judges an epoch, and leaves out the faulty satellite or constellation.
 ///
 /// # Errors
-/// [`AraimError`] if a declared bound is exceeded; no level is valid then.
+/// [`AraimError`] if a capacity is exceeded or a prior is invalid. No level is valid then.
 pub fn judge<T: Real>(
     epoch: &mut impl Excludable<T>,
     priors: &Priors<'_, T>,
@@ -123,7 +122,7 @@ pub fn judge<T: Real>(
     judge_in(epoch, priors, allocation, &mut AraimScratch::new())
 }
 
-/// Works like [`judge`], with scratch memory of a caller with a small stack.
+/// Works like [`judge`], with the scratch memory of a caller whose stack is small.
 ///
 /// # Errors
 /// As [`judge`].
@@ -164,9 +163,9 @@ pub fn judge_in<T: Real>(
     Ok(judged)
 }
 
-/// Range of sigmas and biases, m. Beyond it no integrity support is plausible, and fourth powers
-/// overflow; as for a range ([`crate::epoch::Epoch::push`]).
+/// Smallest plausible sigma, m, as for a range ([`crate::epoch::Epoch::push`]).
 const LEAST_M: f64 = 1e-3;
+/// Largest plausible sigma, accuracy or bias, m. Fourth powers of larger numbers overflow.
 const LARGEST_M: f64 = 1e6;
 
 /// Chooses the modes of an epoch.
@@ -220,7 +219,7 @@ impl ExclusionOptions {
     fn of<T: Real>(monitored: &MonitoredModes<'_, T>, faults: &[T; Constellation::COUNT]) -> Self {
         let modes = &monitored.modes;
         let is_option = |(&size, &fault): (&usize, &T)| {
-            // A lone satellite is its constellation, which is one option.
+            // A lone satellite and its constellation are one option.
             size > 1 && fault > T::narrow(OPTIONAL)
         };
         let each = modes.sizes.iter().zip(faults).map(is_option).enumerate();
@@ -228,13 +227,13 @@ impl ExclusionOptions {
         Self { satellites: modes.satellites, constellations }
     }
 
-    /// Iterates over the constellations among them.
+    /// Iterates over the constellations among the options.
     fn constellations(&self) -> impl Iterator<Item = Hypothesis> {
         let bits = (0..Constellation::COUNT).map(|id| 1 << id);
         bits.filter(|bit| self.constellations & bit != 0).map(Hypothesis::of_constellations)
     }
 
-    /// Replaces two satellites that are alone in their constellation by that constellation.
+    /// If a constellation has only two satellites, replaces them by the constellation.
     fn with_pairs_as_one<T: Real>(mut self, monitored: &MonitoredModes<'_, T>) -> Self {
         for (id, members) in monitored.modes.members.iter().enumerate() {
             if count_of(members & self.satellites) == 2 {
@@ -250,13 +249,13 @@ impl ExclusionOptions {
     }
 }
 
-/// Relative margin of a squared test over its squared threshold, above the effect of rounding.
+/// Relative margin of a squared test over its squared threshold. It exceeds the effect of rounding.
 const MARGIN: f64 = 1e-2;
 
-/// Most options that are judged: the best satellite, then the best constellation.
+/// Largest number of options that are judged: the best satellite, then the best constellation.
 ///
-/// Each costs nearly as much as the epoch itself. Data that these do not explain contain several
-/// faults, which is an alert. A second satellite would be one that fits worse than the first.
+/// Each is nearly as expensive as the epoch itself. If neither explains the data, there are several
+/// faults, which is an alert. A second satellite would explain the data less well than the first.
 const MOST_TRIED: usize = 2;
 
 /// Judges one option after another.
@@ -299,15 +298,15 @@ fn exclude<T: Real>(
 #[derive(Clone, Copy, Debug)]
 struct Choice {
     option: Hypothesis,
-    /// True if another option explains the data equally.
+    /// True if another option explains the data equally well.
     is_rivalled: bool,
 }
 
 /// Returns the option that leaves the smallest SSE, of those that no single satellite contradicts.
 ///
 /// A fault of tens of kilometres moves the position so far that healthy satellites seem to
-/// contradict each other. An option counts if that distance explains the contradiction
-/// ([`curvature`]).
+/// contradict each other. If this distance may explain the contradiction, the option is not
+/// dismissed ([`curvature`]).
 ///
 /// [`curvature`]: crate::least_squares::curvature
 #[inline(never)]
@@ -321,7 +320,7 @@ fn next<T: Real>(
 ) -> Option<Choice> {
     let mut solutions = SubsetSolutions::of(view, &mut solving.own);
     solutions.prepare_without_biases(priors);
-    // In single precision no smaller difference of two sums is known.
+    // Single precision resolves no smaller difference of two sums.
     let tie = view.sse * T::TIE;
     let singles = monitored.singles();
     let mut agreeing = |option: Hypothesis, limit: Option<T>| {
@@ -339,7 +338,7 @@ fn next<T: Real>(
     if let Some(best) = rivals::best(satellites, tie, &mut agreeing) {
         return Some(best);
     }
-    // The prior probabilities of constellations differ, so that their sums need not.
+    // Constellations need no margin between their sums, because their prior probabilities differ.
     let best = rivals::best(left.constellations(), T::zero(), &mut agreeing)?;
     let is_rivalled = best.is_rivalled || rivals::is_pair_beside_one(monitored, best.option);
     Some(Choice { is_rivalled, ..best })

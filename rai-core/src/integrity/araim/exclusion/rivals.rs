@@ -1,4 +1,4 @@
-//! Rivals: options that explain the data as well as the best one does.
+//! Rivals: options that explain the data as well as the best one.
 
 use super::Choice;
 use crate::bit_set::count_of;
@@ -6,10 +6,11 @@ use crate::integrity::araim::modes::Hypothesis;
 use crate::integrity::araim::monitored::MonitoredModes;
 use crate::numeric::real::Real;
 
-/// Returns the option with the smallest SSE. It is rivalled if another one's is larger by at most
-/// `tie`.
+/// Returns the option with the smallest SSE. It is rivalled if the SSE of another one is larger by
+/// at most `tie`.
 ///
-/// `agreeing` returns an option with its SSE if that is below a limit and nothing contradicts it.
+/// `agreeing` returns an option with its SSE, if this is below a limit and nothing contradicts the
+/// option.
 pub(super) fn best<T: Real>(
     options: impl Iterator<Item = Hypothesis>,
     tie: T,
@@ -28,10 +29,11 @@ pub(super) fn best<T: Real>(
     best.map(|(_, choice)| choice)
 }
 
-/// Returns true if the option is a constellation of two satellites, and one other is in view.
+/// Returns true if the option is a constellation of two satellites, and only one other
+/// constellation is in view.
 ///
-/// Two satellites agree on any place, so that each constellation explains the data by the other's
-/// fault. Only a third constellation could decide.
+/// Two satellites agree on any position, so that a fault of either constellation explains the data.
+/// Only a third constellation could decide.
 pub(super) fn is_pair_beside_one<T: Real>(monitored: &MonitoredModes<'_, T>, option: Hypothesis) -> bool {
     let in_view = monitored.modes.members.iter().filter(|members| **members != 0).count();
     count_of(monitored.modes.taken_by(option)) == 2 && in_view == 2

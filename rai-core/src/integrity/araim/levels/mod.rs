@@ -1,5 +1,5 @@
-//! Protection levels of ARAIM: the distance that bounds the error under all fault modes, except for
-//! the risk.
+//! Protection levels of ARAIM: the distance that the error exceeds, under all fault modes together,
+//! with the permitted risk.
 //!
 //! ```text
 //! 2 Q((L − b_0)/σ_0) + Σ_k p_k Q((L − T_k − b_k)/σ_k) = R          Q of 0 and below counts as 1
@@ -12,15 +12,19 @@
 //! | `1/σ_k` | [`Term::inverse_sigma`] | 1/m |
 //! | `p_k` | [`Term::probability`] | – |
 //!
-//! [`root`] solves it. The result is a distance at which the sum was at most `R`, and at most 0.1
-//! mm beyond the root.
+//! [`root`] solves this for `L`. At the resulting distance the sum is at most `R`. The distance
+//! exceeds the root by at most 0.1 mm.
 //!
-//! A few dozen of hundreds of modes matter. Terms are classified at a distance below the root (the
-//! *reference*). A term whose bound `½ p exp(−u²/2)` is far below `R` is clear and not evaluated;
-//! all clear terms together are charged a fixed share of `R`. A small term is frozen, which means
-//! that it is charged its value at the reference. The others stay. `Q` falls, so that all of this
-//! is on the safe side. If the final bound on the frozen terms' cost is too large, the modes are
-//! evaluated once more with a better reference.
+//! Of hundreds of modes a few dozen matter. Terms are classified at a distance below the root, the
+//! *reference*:
+//!
+//! - A term is *clear* if its bound `½ p exp(−u²/2)` is far below `R`. It is not evaluated. All
+//!   clear terms together are charged a fixed share of `R`.
+//! - A small term is *frozen*: its value at the reference is charged.
+//! - The others stay in the sum.
+//!
+//! All of this is safe, because `Q` decreases with the distance. If the frozen terms may increase
+//! the level by too much, the modes are evaluated once more with a better reference.
 //!
 //! References: [Blanch2015], [MAAST] `compute_protection_level`.
 //!
@@ -39,11 +43,11 @@ use crate::least_squares::infinity;
 use crate::numeric::normal::{quantile, tail};
 use crate::numeric::real::Real;
 
-/// Most terms that stay; beyond, the smallest are frozen.
+/// Largest number of terms that stay. If there are more, the smallest are frozen.
 const TERMS: usize = 48;
 
-/// Returns the share of `R` that all clear terms together are charged; in single precision 2e-4
-/// more, which is 0.1 mm of a level for a `σ` of 2 m.
+/// Returns the share of `R` that is charged for all clear terms together. In single precision it is
+/// larger by 2e-4, which increases a level by 0.1 mm for a `σ` of 2 m.
 fn clear<T: Real>() -> T {
     T::narrow(1e-6) + T::narrow(1.7e3) * T::default_epsilon()
 }
@@ -51,8 +55,8 @@ fn clear<T: Real>() -> T {
 /// Share of `R` below which a term is frozen.
 const FROZEN: f64 = 1e-5;
 
-/// Tolerated increase of a level by the frozen terms, m; in single precision 2.4 mm more, and 4e-5
-/// of the level.
+/// Tolerated increase of a level by the frozen terms, m. In single precision it is larger by 2.4 mm
+/// and 4e-5 of the level.
 const TOLERANCE_M: f64 = 3e-4;
 
 /// Term of one mode in the sum.
@@ -84,7 +88,7 @@ impl<T: Real> AxisMode<T> {
     }
 }
 
-/// The risk of an axis, and its clear bound.
+/// The risk of an axis, and the bound below which its terms are clear.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AxisRisk<T> {
     risk: T,
@@ -116,7 +120,7 @@ pub(super) struct Axis<T> {
     reference_m: T,
 }
 
-/// The latest quantiles, because both horizontal axes need the same ones.
+/// The two latest quantiles. Both horizontal axes need the same ones.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct QuantileCache<T> {
     latest: (T, T),
@@ -124,7 +128,7 @@ pub(super) struct QuantileCache<T> {
 }
 
 impl<T: Real> QuantileCache<T> {
-    /// Returns the cache with the median alone.
+    /// Returns the cache with the median only.
     pub(super) fn none() -> Self {
         let median = (T::narrow(0.5), T::zero());
         Self { latest: median, before: median }
@@ -147,19 +151,20 @@ struct TermValue<T> {
     slope: T,
 }
 
-/// A level with a distance below the root.
+/// A level, and a distance below the root of its sum.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AxisLevel<T> {
     /// Distance at which the sum is at most the risk, m.
     pub(super) distance_m: T,
-    /// A distance below the root.
+    /// A distance below the root, m.
     pub(super) below_m: T,
-    /// Mode with the largest term; [`Hypothesis::NONE`] if that is the noise of all satellites.
+    /// Mode with the largest term; [`Hypothesis::NONE`] if the noise of all satellites is the
+    /// largest term.
     pub(super) dominant: Hypothesis,
 }
 
 impl<T: Real> AxisLevel<T> {
-    /// Returns the level without risk to spend.
+    /// Returns the level of an axis without risk, which is infinite.
     pub(super) fn none() -> Self {
         Self { distance_m: infinity(), below_m: T::zero(), dominant: Hypothesis::NONE }
     }
@@ -170,7 +175,7 @@ impl<T: Real> Axis<T> {
     #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
     #[inline(always)]
     pub(super) fn closed() -> Self {
-        // Zeros throughout would also be written over the capacity for the terms.
+        // If all fields were zero, the compiler would also clear the capacity for the terms.
         Self {
             risk: T::zero(),
             terms: Vec::new(),
@@ -197,7 +202,7 @@ impl<T: Real> Axis<T> {
         if !self.is_open() {
             return;
         }
-        // The empty list has capacity for the first.
+        // Never full, because the list is empty.
         let _ = self.terms.push(Term {
             probability: T::one() + T::one(),
             offset_m: bias_m,
@@ -207,16 +212,15 @@ impl<T: Real> Axis<T> {
         self.restart(T::zero());
     }
 
-    /// Returns true if there is risk to spend.
+    /// Returns true if the axis has risk to allot.
     pub(super) fn is_open(&self) -> bool {
         self.risk > T::zero()
     }
 
-    /// Returns true if a mode with at most this bias is so far below the reference that its term is
-    /// clear.
+    /// Returns true if the term of a mode with at most this bias is clear at the reference.
     ///
-    /// The condition is `T + √C ≤ m` with `C = u²σ²`, without a root: `m² − T² − C ≥ 0` and its
-    /// square `≥ 4 T² C`.
+    /// The condition is `T + √C ≤ m` with `C = u²σ²`. Without a root it is `m² − T² − C ≥ 0`, with
+    /// a square of at least `4 T² C`.
     #[inline]
     pub(super) fn is_clear(&self, mode: &AxisMode<T>, bias_m: T) -> bool {
         let margin = self.reference_m - bias_m;
@@ -259,11 +263,11 @@ impl<T: Real> Axis<T> {
             self.bar *= T::narrow(4.0);
             self.freeze_small_terms();
         }
-        // The loop above made a free place.
+        // Never full, because the loop above freed a place.
         let _ = self.terms.push(term);
     }
 
-    /// Freezes the terms below the bar; the first term stays.
+    /// Freezes the terms below the bar, except for the first one.
     fn freeze_small_terms(&mut self) {
         let (mut frozen, mut is_first) = (self.frozen, true);
         let (reference_m, bar) = (self.reference_m, self.bar);
@@ -278,14 +282,15 @@ impl<T: Real> Axis<T> {
         self.frozen = frozen;
     }
 
-    /// Raises the reference to the distance at which one mode alone spends the risk, and freezes
+    /// Raises the reference to the distance at which one mode alone uses up the risk, and freezes
     /// small terms.
     pub(super) fn raise_reference(&mut self, quantiles: &mut QuantileCache<T>) {
         let lowest_m = self.lowest(quantiles);
         self.refer(lowest_m);
     }
 
-    /// Raises the reference by the modes so far, because more modes only raise the root.
+    /// Raises the reference to the level of the modes so far, because further modes only raise the
+    /// root.
     pub(super) fn refine_reference(&mut self) {
         let below_m = self.level().below_m;
         self.refer(below_m);
@@ -332,10 +337,12 @@ impl<T: Real> Axis<T> {
         AxisLevel { below_m, ..level }
     }
 
-    /// Returns true if another pass with a better reference is worth it.
+    /// Returns true if the frozen terms may increase a level by more than the tolerance, so that
+    /// another pass with a better reference is worthwhile.
     pub(super) fn exceeds_tolerance(level: &AxisLevel<T>) -> bool {
         if !level.distance_m.is_finite() {
-            // The frozen terms alone spend the risk. Without risk nothing is known of the root.
+            // The frozen terms alone use up the risk, or the axis has no risk. In the latter case
+            // nothing is known about the root.
             return level.below_m > T::zero();
         }
         let single = T::default_epsilon() * (T::narrow(2e4) + T::narrow(300.0) * level.distance_m);

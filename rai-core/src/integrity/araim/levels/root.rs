@@ -1,26 +1,28 @@
-//! Root of the sum: Newton's method on `ln f`, held in a bracket.
+//! Root of the sum `f`: Newton's method on `ln f`, within a bracket.
 //!
-//! The sum never rises with the distance, so that each evaluation moves one end of the bracket. A
-//! *plateau* is a range of distances on which it hardly falls, because the geometry of some modes
-//! is far poorer than that of the others. There the slope predicts nothing:
+//! The sum never increases with the distance, so that each evaluation moves one end of the bracket.
+//! A *plateau* is a range of distances over which the sum hardly decreases. It occurs if the
+//! geometry of some modes is far poorer than that of the others. There the slope predicts nothing,
+//! so that there are further rules:
 //!
 //! | point | rule |
 //! |---|---|
 //! | below the root, no upper end yet | the step at most doubles the distance |
 //! | below the root | the step is at least a length that doubles with each step |
-//! | step beyond the bracket | bisection |
+//! | the step leads out of the bracket | bisection |
 //! | step 12 and every second one after it | bisection |
 
 use super::{Axis, AxisLevel, Hypothesis, TermValue};
 use crate::numeric::real::Real;
 
-/// Most steps to the root; three to six are usual.
+/// Largest number of steps to the root; three to six are usual.
 const MAX_STEPS: usize = 120;
 
-/// Step from which on every second step bisects, so that the bracket is halved.
+/// Step from which every second step bisects, so that the bracket is halved.
 const BISECTED: usize = 12;
 
-/// Share of a level that the frozen terms may cost before the root without them is solved for.
+/// Share of a level by which frozen terms may increase it. If they do so by more, the root without
+/// them is computed too.
 const LARGE_SLACK: f64 = 1e-2;
 
 /// Returns the step below which the iteration ends, m: 0.1 mm, in single precision 0.6 mm.
@@ -31,7 +33,7 @@ fn settled_m<T: Real>() -> T {
 /// Value of the sum at a distance.
 struct RiskSum<T> {
     value: T,
-    /// Rate at which the sum falls, 1/m.
+    /// Rate at which the sum decreases, 1/m.
     slope: T,
     /// Mode of the largest term.
     dominant: Hypothesis,
@@ -40,7 +42,7 @@ struct RiskSum<T> {
 /// A distance at which the sum is at most the risk.
 struct Root<T> {
     distance_m: T,
-    /// Rate at which the sum falls there, 1/m.
+    /// Rate at which the sum decreases there, 1/m.
     slope: T,
     dominant: Hypothesis,
 }
@@ -53,19 +55,20 @@ struct Bracket<T> {
 }
 
 impl<T: Real> Axis<T> {
-    /// Returns the level, and a distance below the root of all terms at their true values.
+    /// Returns the level, and a distance below the root that all terms would have with their true
+    /// values.
     #[inline(never)]
     pub(super) fn level(&self) -> AxisLevel<T> {
         let root = self.root(self.frozen);
         if let Some(Root { distance_m, slope, dominant }) = root {
-            // The sum is convex beyond every offset: without the frozen terms it would reach the
-            // risk no earlier than here.
+            // Beyond every offset the sum is convex. Without the frozen terms its root would
+            // therefore be no smaller than `distance_m − slack_m`.
             let slack_m = self.frozen / slope;
             if slack_m <= T::narrow(LARGE_SLACK) * distance_m {
                 return AxisLevel { distance_m, below_m: before(distance_m - slack_m), dominant };
             }
         }
-        // On a plateau the slope says nothing of the frozen terms' cost.
+        // On a plateau the slope does not show the effect of the frozen terms.
         let below_m = self.root(T::zero()).map_or(T::zero(), |root| before(root.distance_m));
         match root {
             Some(Root { distance_m, dominant, .. }) => AxisLevel { distance_m, below_m, dominant },
@@ -73,8 +76,8 @@ impl<T: Real> Axis<T> {
         }
     }
 
-    /// Returns the root with a charge for the terms that are not kept, starting at the reference,
-    /// or `None` if the charge spends the risk.
+    /// Returns the root with a charge for the terms outside the sum, starting at the reference.
+    /// Returns `None` if the charge uses up the risk.
     #[inline(never)]
     fn root(&self, charge: T) -> Option<Root<T>> {
         if charge >= self.risk {
@@ -91,7 +94,7 @@ impl<T: Real> Axis<T> {
             if value <= self.risk {
                 root = Some(Root { distance_m: at_m, slope, dominant });
                 bracket.high_m = Some(at_m);
-                // If the sum does not fall, the step is infinite or NaN.
+                // If the sum does not decrease, the step is infinite or NaN.
                 if step_m.abs() <= settled || at_m - bracket.low_m <= settled {
                     break;
                 }
@@ -126,15 +129,14 @@ impl<T: Real> Axis<T> {
     }
 }
 
-/// Returns a distance that is below the root by more than the iteration's accuracy, m, and not
-/// negative.
+/// Returns a distance below the root by more than the iteration's accuracy, m, but not negative.
 fn before<T: Real>(root_m: T) -> T {
     let below_m = root_m - T::narrow(2.0) * settled_m::<T>();
     if below_m > T::zero() { below_m } else { T::zero() }
 }
 
 impl<T: Real> Bracket<T> {
-    /// Returns the middle; twice the distance while the upper end is unknown.
+    /// Returns the middle, or twice the lower end if the upper one is unknown.
     fn middle(&self, least_m: T) -> T {
         match self.high_m {
             Some(high_m) => (self.low_m + high_m) / T::narrow(2.0),
@@ -142,9 +144,9 @@ impl<T: Real> Bracket<T> {
         }
     }
 
-    /// Returns the end of Newton's step if the rules allow it, else the middle.
+    /// Returns the end of Newton's step if the rules permit it, otherwise the middle.
     fn next(&self, at_m: T, step_m: T, least_m: T) -> T {
-        // From below, the step ends before the root where `ln f` is convex.
+        // From below, a step ends before the root if `ln f` is convex.
         let is_short = step_m >= T::zero() && step_m < least_m;
         let wanted_m = at_m + if is_short { least_m } else { step_m };
         let middle_m = self.middle(least_m);

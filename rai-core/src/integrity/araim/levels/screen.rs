@@ -1,4 +1,4 @@
-//! Screen: modes that are below the levels on every axis need no evaluation one by one.
+//! Screen: dismisses modes whose terms are clear on every axis.
 
 use nalgebra::Vector3;
 
@@ -9,13 +9,13 @@ use crate::least_squares::infinity;
 use crate::numeric::real::Real;
 use crate::numeric::space::{difference, magnitudes, products};
 
-/// A distance beyond every level whose square is finite in single precision, m.
+/// A distance beyond every level, m. Its square is finite in single precision.
 const FAR_M: f64 = 1e12;
 
 /// `λ` of [`Bounds`]: about `u σ/T` of modes that nearly matter.
 const LAMBDA: f64 = 1.5;
 
-/// The screen: [`Axis::is_clear`] on all three axes at once.
+/// The screen: [`Axis::is_clear`] for all three axes at once.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct Screen<T> {
     references_m: Vector3<T>,
@@ -43,8 +43,7 @@ impl<T: Real> Screen<T> {
         }
     }
 
-    /// Returns the bounds for modes with at most this probability, `limits` being the squares of
-    /// `K`.
+    /// Returns the bounds for modes with at most this probability; `limits` are the squares of `K`.
     pub(in super::super) fn bounds(&self, ln_probability: T, limits: &Vector3<T>) -> Bounds<T> {
         let far = T::narrow(FAR_M);
         let near = |reference_m: T| if reference_m < far { reference_m } else { far };
@@ -92,13 +91,13 @@ impl<T: Real> Screen<T> {
         variance: &Vector3<T>,
         bias_m: &Vector3<T>,
     ) -> bool {
-        // The square keeps the sign, so that a negative margin leaves a negative rest.
+        // The square keeps the sign, so that a negative margin remains negative.
         let margins = difference(&self.references_m, bias_m);
         let margins = products(&margins, &magnitudes(&margins));
         self.clears(mode, thresholds, variance, &margins)
     }
 
-    /// Compares with the squares of the margins up to the references.
+    /// Works like [`Self::is_clear`], with the squares of the margins below the references.
     #[inline]
     fn clears(
         &self,

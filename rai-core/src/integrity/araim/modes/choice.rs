@@ -1,5 +1,6 @@
-//! Choice of the cut: gathers the odds of every satellite and constellation, and sums probability
-//! by size, from the largest sets on, until the share of unmonitored faults is used up.
+//! Choice of the cut between monitored and unmonitored modes. It gathers the odds of every
+//! satellite and constellation. Then it sums the probability by size, beginning with the largest
+//! sets, until the share of unmonitored faults is used up.
 
 use core::ops::{ControlFlow, Range};
 
@@ -138,7 +139,7 @@ impl<'r, T: Real> Modes<'r, T> {
         crate::bounded::gather(self.events())
     }
 
-    /// Sets `p_0` and the limit of simultaneous events. Returns the probability of more.
+    /// Sets `p_0` and the limit of simultaneous events. Returns the probability of more events.
     pub(super) fn count_events(&mut self, of_satellites: Simultaneous<T>, limit: T) -> T {
         let mut simultaneous = of_satellites;
         let mut count = count_of(self.fallible);
@@ -174,7 +175,7 @@ impl<'r, T: Real> Modes<'r, T> {
                 add_to(&mut sums, size, probability);
             }
         }
-        // No combination takes more satellites than there are.
+        // No combination takes more satellites than there are rows.
         let mut unmonitored_probability = tail;
         let cut = sums.iter().enumerate().take(self.odds.len() + 1).rev().find(|&(_, &sum)| {
             let fits = unmonitored_probability + sum <= share;

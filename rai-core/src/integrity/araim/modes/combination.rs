@@ -22,7 +22,7 @@ pub(super) struct Combination<T> {
     pub(super) events: RowSet,
     pub(super) rows: RowSet,
     pub(super) size: usize,
-    /// The only constellation that is touched; [`NONE`] if there are several.
+    /// The only constellation that is affected; [`NONE`] if there are several.
     pub(super) constellation: usize,
     pub(super) odds: T,
     pub(super) bare: T,
@@ -49,7 +49,8 @@ impl<T: Real> Combination<T> {
     }
 
     pub(super) fn with(&self, event: &Event<T>) -> Self {
-        // A satellite is in a constellation or not, so that sets are nested or disjoint.
+        // A satellite is in a constellation or not, so that the sets of two events are nested or
+        // disjoint.
         let apart = self.rows & event.rows == 0;
         Self {
             events: self.events | event.bit,
@@ -67,7 +68,7 @@ impl<T: Real> Combination<T> {
     }
 }
 
-/// Probabilities of 0, 1, 2, 3 and of more simultaneous events: sums of positive terms.
+/// Probabilities of 0, 1, 2, 3 and more simultaneous events, as sums of positive terms.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simultaneous<T> {
     pub(super) none: T,
@@ -96,7 +97,7 @@ impl<T: Real> Simultaneous<T> {
     }
 }
 
-/// Visits every combination of a number of events, the last in the order first.
+/// Visits every combination of a number of events, in descending order.
 #[inline(never)]
 pub(super) fn combinations_backwards<T: Real>(
     events: &[Event<T>],

@@ -1,5 +1,5 @@
-//! Consolidation of faults into a constellation's loss, and the remaining probability by the number
-//! of satellites taken.
+//! Consolidation: counts rare faults within a constellation with its loss. The other probabilities
+//! are summed by the number of satellites taken.
 
 use core::ops::ControlFlow;
 
@@ -13,17 +13,17 @@ use crate::satellite::Constellation;
 pub(super) type ProbabilityBySize<T> = [T; ROWS + 1];
 
 impl<T: Real> Modes<'_, T> {
-    /// Returns the constellation whose loss a combination is consolidated into.
+    /// Returns the constellation with whose loss a combination is counted, if any.
     #[inline]
     pub(super) fn consolidates(&self, combination: &Combination<T>, probability: T) -> Option<usize> {
         let odds = *self.constellations.get(combination.constellation)?;
-        // A loss with probability 0 fails this comparison, so that it takes no faults over.
+        // If the loss has probability 0, this comparison fails, so that nothing is counted with it.
         let rare = probability < self.consolidation * (self.healthy * odds);
         (rare && !combination.is_whole_constellation()).then_some(combination.constellation)
     }
 
-    /// Sums the probability of combinations that are not mandatory, single losses apart, and the
-    /// consolidated probability.
+    /// Sums the probability of combinations that are not mandatory, except for single losses, and
+    /// the consolidated probability.
     #[inline(never)]
     pub(super) fn sum_one_by_one(&mut self, sums: &mut ProbabilityBySize<T>) {
         let events = self.gathered();
@@ -44,7 +44,7 @@ impl<T: Real> Modes<'_, T> {
         self.added = added;
     }
 
-    /// Works like [`Self::sum_one_by_one`] for homogeneous constellations: all pairs of one are
+    /// Works like [`Self::sum_one_by_one`] for homogeneous constellations: of each, all pairs are
     /// consolidated or none, and no pair is mandatory. Returns `None` for others; the sums are then
     /// unspecified.
     #[inline(never)]
@@ -67,7 +67,7 @@ impl<T: Real> Modes<'_, T> {
         let largest = |list: T, odds: T| if odds > list { odds } else { list };
         let of_satellites = alike.iter().fold(T::zero(), |most, alike| largest(most, alike.largest));
         let of_losses = self.constellations.into_iter().fold(T::zero(), largest);
-        // No pair is likelier than the likeliest event twice.
+        // No pair is likelier than the squared odds of the likeliest event.
         let most = largest(of_satellites, of_losses);
         if self.healthy * (most * most) > self.mandatory {
             return None;
@@ -75,7 +75,7 @@ impl<T: Real> Modes<'_, T> {
         let mut added = [T::zero(); Constellation::COUNT];
         let losses = self.constellations;
         for (id, (here, &loss)) in alike.iter().zip(&losses).enumerate() {
-            // No satellite of it can fail.
+            // Neither a satellite nor the constellation can fail.
             if !(here.sum > T::zero() || loss > T::zero()) {
                 continue;
             }
@@ -84,7 +84,7 @@ impl<T: Real> Modes<'_, T> {
             if is_below(here.least, here.largest)? && here.sum > T::zero() {
                 return None;
             }
-            // Pairs of its satellites, and its loss with one of them.
+            // Pairs of satellites, and the loss of the constellation with one of its satellites.
             let pair = is_below(here.least * here.least, here.largest * here.largest)?;
             let nested = is_below(here.least * loss, here.largest * loss)?;
             let (pairs, with_loss) = (self.healthy * here.pairs(), self.healthy * (loss * here.sum));
@@ -124,7 +124,7 @@ pub(super) fn add_to<T: Real>(sums: &mut ProbabilityBySize<T>, size: usize, prob
     }
 }
 
-/// Odds of one constellation's satellites.
+/// Sums and limits of the odds of one constellation's satellites.
 #[derive(Clone, Copy)]
 pub(super) struct OddsRange<T> {
     sum: T,
@@ -159,8 +159,7 @@ impl<T: Real> OddsRange<T> {
     }
 }
 
-/// Returns true if all of some numbers are below a bar, by the least and the largest; `None` if
-/// only some are.
+/// Returns true if all numbers from `least` to `largest` are below a bar, `None` if only some are.
 fn is_all_below<T: Real>(least: T, largest: T, bar: T) -> Option<bool> {
     if largest < bar {
         Some(true)

@@ -1,4 +1,4 @@
-//! Choice of the monitored fault modes: combinations of events with their probabilities.
+//! Choice of the monitored fault modes, which are combinations of events with their probabilities.
 //!
 //! ```text
 //! p_k  = p_0 Π P_e/(1 − P_e)      over the events of the combination          p_0 = Π (1 − P_e)
@@ -13,20 +13,24 @@
 //! | `P_nm` | [`Modes::unmonitored_probability`] | – |
 //!
 //! An event is a fault of one satellite, or of all satellites of one constellation. Combinations of
-//! 1 to `r` events are listed, `r` being 2, or 3 if more than 2 events are too likely to be
-//! unmonitored. A combination that lies wholly inside a constellation and is far less likely than
-//! the loss of that constellation is counted with the latter (consolidation). Of the others, every
-//! one that alone would break the requirement is monitored. Then, from the smallest set of
-//! satellites to the largest, as many are monitored as bring `P_nm` down to its share.
+//! 1 to `r` events are listed. `r` is 2, or 3 if more than 2 events are too likely to be
+//! unmonitored. The combinations are treated in this order:
 //!
-//! Several combinations may take the same satellites: a constellation with or without one of its
-//! satellites, or a lone satellite with or without its constellation. A [`Mode`] is a set of
-//! satellites, with the probability of all monitored combinations that take just these. It is
-//! written as whole constellations and as rows of the others, as the algebra leaves them out.
+//! 1. If a combination is within one constellation and far less likely than the loss of that
+//!    constellation, it is counted with the loss (consolidation).
+//! 2. If a combination alone would break the requirement, it is monitored.
+//! 3. The others are monitored from the smallest set of satellites to the largest, until `P_nm` is
+//!    within its share.
 //!
-//! Nothing is stored for each mode, so that the modes are visited as often as needed. Sums run over
-//! the *unmonitored* combinations, from the rarest on, so that single precision suffices. At most
-//! three simultaneous events are considered.
+//! Several combinations may take the same satellites: for example, the loss of a constellation with
+//! or without the fault of one of its satellites. A [`Mode`] is a set of satellites, with the
+//! probability of all monitored combinations that take just these. It consists of whole
+//! constellations and of rows of the others, because the solution without it is computed in this
+//! form.
+//!
+//! Nothing is stored for each mode; the modes are visited again if needed. Sums are over the
+//! *unmonitored* combinations, beginning with the rarest, so that single precision suffices. At
+//! most three simultaneous events are considered.
 //!
 //! References: [MAAST] `determine_subsets`, [Blanch2015].
 //!
@@ -66,11 +70,11 @@ struct ConstellationLoss<T> {
     rows: RowSet,
     size: usize,
     odds: T,
-    /// Probability with the consolidated faults.
+    /// Probability, consolidated faults included.
     probability: T,
 }
 
-/// End of the monitored combinations among those that are not mandatory.
+/// Cut: the last monitored combination among those that are not mandatory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cutoff {
     /// Number of satellites of the last monitored combination; smaller combinations are all
@@ -90,11 +94,11 @@ pub(super) type PriorOdds<T> = Vec<FaultOdds<T>, ROOM>;
 pub(super) struct Modes<'r, T: Real> {
     odds: &'r [FaultOdds<T>],
     constellations: [T; Constellation::COUNT],
-    /// The likeliest of the rows.
+    /// Odds of the likeliest row.
     likeliest: FaultOdds<T>,
     /// Smallest of the rows' odds.
     rarest_odds: T,
-    /// Rows of each constellation, all satellites in view.
+    /// Rows of each constellation before an exclusion.
     pub(super) members: [RowSet; Constellation::COUNT],
     /// Number of these rows.
     pub(super) sizes: [usize; Constellation::COUNT],
@@ -110,9 +114,10 @@ pub(super) struct Modes<'r, T: Real> {
     mandatory: T,
     consolidation: T,
     cutoff: Cutoff,
-    /// Constellations whose loss stands for every fault within, a bit for each id.
+    /// Constellations with whose loss every combination of it and one satellite is counted, a bit
+    /// for each id.
     consolidates_all: u8,
-    /// Constellations whose loss stands for every pair within, a bit for each id.
+    /// Constellations with whose loss every pair of their satellites is counted, a bit for each id.
     consolidates_pairs: u8,
     /// True if at most two events are listed and constellations are homogeneous, so that the
     /// monitored pairs depend only on [`Self::consolidates_pairs`] and on the cut.
@@ -125,11 +130,10 @@ impl<'r, T: Real> Modes<'r, T> {
     /// Chooses the modes for satellites `(constellation, P_sat)` in the order of their rows and for
     /// the constellations' `P_const`.
     ///
-    /// A row without a satellite is an aiding row that never fails, and an event with probability 0
-    /// does not exist.
+    /// `None` is an aiding row, which never fails. Events with probability 0 are not listed.
     ///
     /// # Errors
-    /// [`AraimError`] beyond the capacity, and for a probability outside [0, 0.5).
+    /// [`AraimError`] if there are too many rows, or for a probability outside [0, 0.5).
     pub(super) fn choose(
         &mut self,
         satellites: impl Iterator<Item = Option<(Constellation, T)>>,
@@ -171,7 +175,7 @@ impl<'r, T: Real> Modes<'r, T> {
         }
     }
 
-    /// Returns the probability of a constellation's loss, with the consolidated faults.
+    /// Returns the probability of a constellation's loss, consolidated faults included.
     fn loss(&self, id: usize) -> T {
         let odds = self.constellations.get(id).copied().unwrap_or_else(T::zero);
         if odds > T::zero() { self.healthy * odds + self.added_to(id) } else { T::zero() }
@@ -179,8 +183,8 @@ impl<'r, T: Real> Modes<'r, T> {
 
     /// Returns the loss of one constellation if no other combination takes just its satellites.
     ///
-    /// They are then more than can fail at once, and a satellite's fault beside the loss is
-    /// consolidated or one event too many.
+    /// This is so under two conditions: they are more than can fail one by one, and the loss
+    /// together with one satellite's fault is consolidated or exceeds the limit of events.
     fn sole_loss(&self, lost: usize, gone: RowSet) -> Option<ConstellationLoss<T>> {
         if gone != 0 || !lost.is_power_of_two() {
             return None;
@@ -243,8 +247,8 @@ impl<'r, T: Real> Modes<'r, T> {
         probability > T::zero() && self.is_monitored(&combination, probability)
     }
 
-    /// Returns the satellites that are not the only remaining ones of their constellation without
-    /// `gone`.
+    /// Returns the satellites that, without `gone`, are not the only remaining ones of their
+    /// constellation.
     pub(super) fn not_alone(&self, gone: RowSet) -> RowSet {
         let left = self.members.iter().map(|members| members & !gone);
         left.filter(|left| !left.is_power_of_two()).fold(0, |set, left| set | left)
@@ -253,8 +257,8 @@ impl<'r, T: Real> Modes<'r, T> {
     /// Returns a set of events as a combination.
     fn combination(&self, events: RowSet) -> Combination<T> {
         let mut combination = Combination::empty();
-        // By its lowest bit and not by its index, because this runs for every cause and would need
-        // the bit again.
+        // The loop uses the lowest bit and not its index, because it is run for every cause and
+        // needs the bit too.
         let mut left = events & ROW_EVENTS;
         while left != 0 {
             let lowest = left & left.wrapping_neg();
@@ -280,8 +284,8 @@ impl<'r, T: Real> Modes<'r, T> {
 
     /// Visits the modes of the remaining satellites with a number of rows and constellations.
     ///
-    /// `was_monitorable` decides for the rows of a combination, all satellites in view, whether it
-    /// counts. The code of the walk is large, so that all visitors share one.
+    /// `was_monitorable` returns true if a combination, given by its rows before an exclusion,
+    /// counts. The code of the walk is large, so that all visitors share one copy.
     #[inline(never)]
     pub(super) fn visit(
         &self,
@@ -307,8 +311,8 @@ impl<'r, T: Real> Modes<'r, T> {
         ControlFlow::Continue(())
     }
 
-    /// Returns the largest bare product of probabilities, without `p_0`, among the monitored
-    /// combinations of a mode.
+    /// Returns the largest product of fault probabilities among the monitored combinations of a
+    /// mode. It does not contain the probability that the other events do not occur.
     #[inline(never)]
     pub(super) fn prior(
         &self,
@@ -339,8 +343,8 @@ impl<'r, T: Real> Modes<'r, T> {
         largest
     }
 
-    /// Returns the probability above which monitoring a mode is mandatory, because it alone would
-    /// break the requirement.
+    /// Returns the probability above which a mode must be monitored, because it alone would break
+    /// the requirement.
     pub(super) fn mandatory(&self) -> T {
         self.mandatory
     }
@@ -350,7 +354,7 @@ impl<'r, T: Real> Modes<'r, T> {
         self.healthy
     }
 
-    /// Returns the rows that a hypothesis takes, all satellites in view.
+    /// Returns the rows that a hypothesis takes, before an exclusion.
     // Not inlined, so that its many callers share one copy.
     #[inline(never)]
     pub(super) fn taken_by(&self, hypothesis: Hypothesis) -> RowSet {
@@ -379,15 +383,15 @@ impl<'r, T: Real> Modes<'r, T> {
         let left = self.limit.saturating_sub(count_of(chosen));
         for (id, (&odds, &rows)) in self.constellations.iter().zip(&self.members).enumerate() {
             if odds > T::zero() && rows & !room == 0 {
-                // They are too many to fail one by one, so that only the loss of the constellation
+                // If the rows are too many to fail one by one, only the loss of the constellation
                 // takes them.
                 let is_forced = count_of(rows & lost_rows) > left;
                 *if is_forced { &mut forced } else { &mut pool } |= event(id);
             }
         }
         if self.limit == 2 {
-            // The loss of a constellation with one of its satellites is counted with the loss
-            // already.
+            // The loss of a constellation together with one of its satellites is already counted
+            // with the loss.
             for (id, &rows) in self.members.iter().enumerate() {
                 if forced & event(id) != 0 && self.consolidates_all >> id & 1 != 0 {
                     pool &= !rows;

@@ -1,17 +1,17 @@
-//! Sets of rows and of events, as words, and the hypotheses made of them.
+//! Sets of rows and of events, as bits of a word, and the hypotheses made of them.
 
 pub(super) use crate::bit_set::above;
 pub(in crate::integrity::araim) use crate::bit_set::members;
 use crate::least_squares::equations::MAX_ROWS;
 use crate::satellite::Constellation;
 
-/// Most rows of an epoch: rows and constellations together fit one word.
+/// Largest number of rows of an epoch: rows and constellations together fit one word.
 pub const ROWS: usize = RowSet::BITS as usize - Constellation::COUNT;
 
-/// Capacity for rows: as many, or fewer on targets whose epochs have fewer.
+/// Capacity for rows: [`ROWS`], or fewer on targets with smaller epochs.
 pub(in crate::integrity::araim) const ROOM: usize = if MAX_ROWS < ROWS { MAX_ROWS } else { ROWS };
 
-/// Most simultaneous events.
+/// Largest number of simultaneous events.
 pub(in crate::integrity::araim) const EVENTS: usize = 3;
 
 /// A set of rows, or of events: rows by their index, constellations above them.
@@ -27,7 +27,7 @@ pub(super) fn event(constellation: usize) -> RowSet {
     1u64.checked_shl((ROWS + constellation) as u32).unwrap_or(0)
 }
 
-/// Returns the events of some constellations, which are given by a bit for each id.
+/// Returns the events of constellations, given by a bit for each id.
 pub(super) fn losses(constellations: usize) -> RowSet {
     let ids = (0..Constellation::COUNT).filter(|id| constellations >> id & 1 != 0);
     ids.fold(0, |events, id| events | event(id))
@@ -71,7 +71,7 @@ impl Hypothesis {
         Self::of(0, [index, NONE, NONE])
     }
 
-    /// Adds another row behind those of a hypothesis with at most one row.
+    /// Adds another row to a hypothesis with at most one row.
     #[inline]
     pub(super) fn and(mut self, index: usize) -> Self {
         let [first, second, _] = &mut self.rows;
@@ -84,8 +84,8 @@ impl Hypothesis {
         Self { constellations, ..Self::NONE }
     }
 
-    /// Returns true for a pair of rows and no constellations whose first row is the first of
-    /// another hypothesis of rows alone.
+    /// Returns true for a pair of rows without constellations, if another hypothesis without
+    /// constellations has the same first row.
     #[inline]
     pub(in crate::integrity::araim) fn is_pair_after(self, other: Self) -> bool {
         let ([first, second, third], [of_other, ..]) = (self.rows, other.rows);
@@ -100,16 +100,16 @@ impl Hypothesis {
 
 /// Index in place of a missing row.
 pub(super) const NONE: usize = Hypothesis::NO_ROW as usize;
-/// Returns true if a combination is listed after another of as many events: in the order of words,
-/// satellites first.
+/// Returns true if a combination is listed after another one of as many events. The order is that
+/// of the words, satellites first.
 pub(super) fn is_listed_after(events: RowSet, other: RowSet) -> bool {
     let differing = events ^ other;
     let first = differing & differing.wrapping_neg();
     other & first != 0
 }
 
-/// Iterates over every set of at most `most` of some events: the empty set first, and each before
-/// those that extend it.
+/// Iterates over every set of at most `most` events of a pool. The empty set is first, and each set
+/// comes before those that extend it.
 pub(super) fn subsets(pool: RowSet, most: u32) -> impl Iterator<Item = RowSet> {
     let lowest = |set: RowSet| set & set.wrapping_neg();
     core::iter::successors(Some(0), move |&last: &RowSet| {
@@ -117,7 +117,7 @@ pub(super) fn subsets(pool: RowSet, most: u32) -> impl Iterator<Item = RowSet> {
         if behind != 0 && set.count_ones() < most {
             return Some(set | lowest(behind));
         }
-        // Replaces the last event by the next one, or drops it and replaces the one before.
+        // Replaces the last event by the next one, or removes it and replaces the one before.
         while set != 0 {
             behind = pool & above_all(set);
             set &= !highest(set);

@@ -1,5 +1,5 @@
-//! Nominal biases: the largest effect that they can have together, exact where it matters and
-//! bounded elsewhere.
+//! Nominal biases: the largest effect that they can have together. It is computed exactly only if a
+//! bound does not suffice.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -17,8 +17,8 @@ use crate::numeric::space::{
 use crate::satellite::Constellation;
 
 impl<T: Real> SubsetSolutions<'_, T> {
-    /// Sets a bound on each row's `Σ |M_ji| b_i`: `w_i b_ji` is a projection, so that
-    /// `Σ w_i b_ji² = b_jj`.
+    /// Sets a bound on each row's `Σ |M_ji| b_i`. It uses `Σ w_i b_ji² = b_jj`, because `w_i b_ji`
+    /// is a projection.
     pub(super) fn spread_biases(&mut self, priors: &[Prior<T>]) {
         let rows = self.view.rows.iter().zip(priors);
         let squared = |(row, prior): (&Row<T>, &Prior<T>)| row.weight * prior.bias_m * prior.bias_m;
@@ -37,7 +37,7 @@ impl<T: Real> SubsetSolutions<'_, T> {
         self.summed_bias(&NOTHING, &identity(), &[zero(); GROUPS])
     }
 
-    /// Returns the bias without one row, all constellations in view, m.
+    /// Returns the bias without one row if no constellation is lost, m.
     pub(super) fn bias_without(&self, index: usize, column: &Vector3<T>, point: &KernelRow<T>) -> Vector3<T> {
         let mut steps = [zero(); GROUPS];
         if let Some(step) = steps.get_mut(point.group) {
@@ -48,8 +48,8 @@ impl<T: Real> SubsetSolutions<'_, T> {
         self.summed_bias(&[index, NONE, NONE], &turn, &steps)
     }
 
-    /// Returns a bound on the bias of the mode solved last, if one is cheap: for rows of all
-    /// constellations.
+    /// Returns a bound on the bias of the mode solved last, or `None` if a bound would be
+    /// expensive: for triples and lost constellations.
     #[inline]
     pub(in crate::integrity::araim) fn bias_bound(&self) -> Option<Vector3<T>> {
         if let Some((_, bias)) = &self.direct {
@@ -82,7 +82,7 @@ impl<T: Real> SubsetSolutions<'_, T> {
                 *step = plus_scaled(step, group.level, column);
             }
         };
-        // Columns of A B⁻¹ from those of the elimination, the last row first.
+        // Columns of A B⁻¹ from those of the elimination, beginning with the last row.
         let mut columns = [zero(); 3];
         let [of_first, of_second, of_third] = &mut columns;
         let point = |index: usize| self.point_here(index).map(|point| (point.design, point.group));
@@ -112,7 +112,7 @@ impl<T: Real> SubsetSolutions<'_, T> {
     }
 
     /// Returns `Σ w_i b_i |Z P'd_i + s_c|` over the remaining rows, without the constellations that
-    /// the kernel has lost.
+    /// the kernel has lost; `Z` is `turn`, `s_c` are `steps`.
     #[inline(never)]
     fn summed_bias(&self, out: &[usize; 3], turn: &Matrix3<T>, steps: &[Vector3<T>; GROUPS]) -> Vector3<T> {
         let (turned, constellations) =
@@ -147,7 +147,7 @@ fn share<T: Real>(
     step: Option<&Vector3<T>>,
     own: &IntegrityRow<T>,
 ) -> Vector3<T> {
-    // Every group has its step.
+    // Never taken, because every group has a step.
     let Some(step) = step else { return zero() };
     let axis = |first: T, second: T, third: T, step: T| {
         (first * lever.x + (second * lever.y + (third * lever.z + step))).abs() * own.weighted_bias

@@ -1,7 +1,7 @@
-//! Bounds that dismiss the modes without an effect, which are most of them.
+//! Bounds that dismiss most modes, because they have no effect.
 //!
 //! ```text
-//! test         |x_E − x|² ≤ Cov_ss v_Eᵀ κ_EE⁻¹ v_E  on any axis       of one row the same on all of them, and exact
+//! test         |x_E − x|² ≤ Cov_ss v_Eᵀ κ_EE⁻¹ v_E  on any axis       for one row exact, with the same factor on all axes
 //! level        (T + u σ)² ≤ (1 + λ) K² σ_ss² + (1 + 1/λ) u² σ²       for any λ > 0
 //! bias         b ≤ b_first + |c| s,   (m − b)² ≥ (m − b_first)² − 2 (m − b_first) |c| s
 //! ```
@@ -13,9 +13,9 @@
 //! | `c` | a row's column `A/B` | – |
 //! | `s ≥ Σ \|M_ji\| b_i` | [`RowContribution::spread`] | m |
 //!
-//! The variances of modes that have all but one row in common differ by squares of that row's
-//! column. The bound on a level is linear in both variances, so that it takes a few operations for
-//! each axis, and no root. If the bounds do not decide, the mode is solved.
+//! If modes have all but one row in common, their variances differ by squares of that row's column.
+//! The bound on a level is linear in both variances. It therefore takes a few operations for each
+//! axis, and no root. If the bounds do not dismiss a mode, it is solved.
 
 use nalgebra::Vector3;
 
@@ -34,23 +34,22 @@ use crate::numeric::space::{diagonal, difference, dot, magnitudes, products, sca
 pub(in crate::integrity::araim) struct Bounds<T: Real> {
     /// Factors on the separation's variance, for east and north, and for up.
     pub(in crate::integrity::araim) separation: [T; 2],
-    /// Factors on the variance, likewise.
+    /// Factors on the variance, for east and north, and for up.
     pub(in crate::integrity::araim) variance: [T; 2],
     pub(in crate::integrity::araim) references_m: Vector3<T>,
     /// Largest `|x_k − x|²/σ_ss²` that is no worse than an earlier one.
     pub(in crate::integrity::araim) worst: T,
-    /// Ratio by which the largest of a row's tests may exceed the smallest, because their `K`
-    /// differ.
+    /// Smallest over largest squared `K`: the ratio by which a row's tests on the axes differ.
     pub(in crate::integrity::araim) evenness: T,
-    /// Largest `σ_ss²`, up, that does not count as a threshold of a likely mode, m².
+    /// Largest vertical `σ_ss²` that cannot raise the effective monitor threshold, m².
     pub(in crate::integrity::araim) effective: T,
 }
 
 /// Common part of modes that differ in one row.
 struct SharedMargins<T: Real> {
-    /// Margins that remain for that row's squares, m².
+    /// Margins that remain for the squares of the differing row, m².
     margins: Vector3<T>,
-    /// Decrease of the margins by a bias of that row, m² per m.
+    /// Decrease of the margins by a bias of the differing row, m² per m.
     slopes: Vector3<T>,
 }
 
@@ -74,17 +73,18 @@ impl<T: Real> Bounds<T> {
 /// Contribution of a row to the variances of a mode.
 struct RowContribution<T: Real> {
     column: Vector3<T>,
-    /// Remainders of its own `B_jj` and `κ_jj`.
+    /// Remainder of its `B_jj`, m².
     pivot: T,
+    /// Remainder of its `κ_jj`, m².
     kappa: T,
-    /// Twice `κ` with the earlier rows, times their column.
+    /// Twice `κ` with the earlier row, times that row's column.
     cross: Vector3<T>,
     /// Bound `s` on the biases, m.
     spread: T,
 }
 
 impl<T: Real> RowContribution<T> {
-    /// Returns true if the mode is clear on all axes.
+    /// Returns true if the term of the mode is clear on all axes.
     #[inline]
     fn is_clear(&self, bounds: &Bounds<T>, base: &SharedMargins<T>) -> bool {
         let [of_separation, vertical_of_separation] = bounds.separation;
@@ -102,8 +102,8 @@ impl<T: Real> RowContribution<T> {
 }
 
 impl<T: Real> SubsetSolutions<'_, T> {
-    /// Returns the modes that may have an effect, of modes that take one row each beside the common
-    /// ones.
+    /// Screens modes that take the common rows and one more row each. Returns the further rows of
+    /// those that may have an effect.
     #[inline(never)]
     pub(in crate::integrity::araim) fn screen(
         &mut self,
@@ -117,7 +117,8 @@ impl<T: Real> SubsetSolutions<'_, T> {
         if common == Hypothesis::NONE {
             return self.screen_singles(rows, bounds);
         }
-        // Thresholds of likely pairs count even if they are large.
+        // The thresholds of likely pairs must be computed, because they may raise the effective
+        // monitor threshold.
         if bounds.effective.is_finite() {
             return rows;
         }
@@ -138,7 +139,7 @@ impl<T: Real> SubsetSolutions<'_, T> {
         self.left_of(rows, |row, fit, own| {
             let squared = fit.residual * fit.residual;
             if !(squared <= worst * own.kappa) {
-                // Later rows are compared with this one, if its visit has an effect.
+                // Later rows are compared with this one, if visiting it changes `worst`.
                 if own.kappa > T::zero() && dot(&fit.gain, &fit.gain) > T::zero() {
                     worst = squared / own.kappa * bounds.evenness;
                 }
@@ -157,7 +158,7 @@ impl<T: Real> SubsetSolutions<'_, T> {
         })
     }
 
-    /// Screens rows beside another one.
+    /// Screens pairs with the same first row.
     fn screen_pairs(&self, first: &FirstRow<T>, rows: RowSet, bounds: &Bounds<T>) -> RowSet {
         let base = bounds.beyond(&first.solution, &first.bias);
         let inverse = first.point.kappa.recip();

@@ -1,8 +1,8 @@
-//! A mode that leaves a poor geometry, solved directly row by row.
+//! Direct solution, row by row, of a mode that leaves a poor geometry.
 //!
-//! Leaving rows out by algebra subtracts from 1: with a redundancy of 1 % single precision keeps
-//! five digits, with 1e-5 two. Rotating the remaining rows one after another into a triangle
-//! (Givens) loses as many digits as the dilution of precision has, not its square:
+//! Elimination subtracts from 1: at a redundancy of 1 % single precision retains five digits, at
+//! 1e-5 two. Instead, the remaining rows are rotated into a triangle, one after another (Givens).
+//! This loses as many digits as the dilution of precision has, not as many as its square:
 //!
 //! ```text
 //! R from rows √w_i (d_i − d̄_c)        U = R⁻¹       P_E = U Uᵀ      x_E − x = U Qᵀ√w v
@@ -22,8 +22,8 @@ use crate::numeric::space::{
 };
 use crate::satellite::Constellation;
 
-/// `w_max` times the trace of a covariance beyond which a geometry counts as singular: the smallest
-/// eigenvalue of its normal matrix is then about 1e-8.
+/// Largest weight times trace of the covariance above which a geometry counts as singular. The
+/// smallest eigenvalue of its normal matrix is then about 1e-8.
 const SINGULAR: f64 = 1e8;
 
 /// Rows rotated into a triangle, with their residuals.
@@ -53,7 +53,7 @@ impl<T: Real> Triangle<T> {
     }
 }
 
-/// Rotates two rows so that the second is zero in a column.
+/// Rotates two rows so that the second one becomes zero in a column.
 #[inline(never)]
 fn turn<T: Real>(column: usize, top: &Turned<T>, below: &Turned<T>) -> [Turned<T>; 2] {
     let [(top, right), (row, residual)] = [*top, *below];

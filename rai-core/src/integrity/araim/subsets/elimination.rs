@@ -1,4 +1,5 @@
-//! Elimination: rows left out of a kernel one after another.
+//! Elimination: leaves rows out of a kernel, one after another. The equations are in the
+//! documentation of [`super`].
 
 use nalgebra::Vector3;
 
@@ -45,7 +46,7 @@ impl<T: Real> KernelRow<T> {
     }
 }
 
-/// Terms of one row for its `b` and `κ` with any other.
+/// Terms of one row from which its `b` and `κ` with any other row follow.
 #[derive(Clone, Copy, Debug)]
 struct RowCoupling<T: Real> {
     design: Vector3<T>,
@@ -67,7 +68,7 @@ impl<T: Real> RowCoupling<T> {
     }
 }
 
-/// First row left out, and the solution without it.
+/// First row that is left out, and the solution without it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FirstRow<T: Real> {
     pub(super) point: KernelRow<T>,
@@ -80,7 +81,7 @@ pub(super) struct FirstRow<T: Real> {
     pub(super) solution: SubsetSolution<T>,
 }
 
-/// Second row left out, after the first, and the solution without both.
+/// Second row that is left out, and the solution without both.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SecondRow<T: Real> {
     point: KernelRow<T>,
@@ -95,7 +96,7 @@ impl<T: Real> SecondRow<T> {
     }
 }
 
-/// Remainder of a row after the first.
+/// Remainder of a row without the first.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RowBesideFirst<T: Real> {
     coupling: T,
@@ -128,7 +129,7 @@ impl<T: Real> RowBesideFirst<T> {
     }
 }
 
-/// Values of the row left out last that a bias needs: a single row, or a pair's second.
+/// Values for the bias of the row that was left out last: a single row, or the second of a pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LastRow<T: Real> {
     pub(super) column: Vector3<T>,
@@ -136,7 +137,7 @@ pub(super) struct LastRow<T: Real> {
     pub(super) spread: T,
 }
 
-/// Values of the third row that a bias needs.
+/// Values of the third row for the bias.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ThirdRow<T: Real> {
     pub(super) factors: [T; 2],
@@ -145,7 +146,7 @@ pub(super) struct ThirdRow<T: Real> {
     pub(super) group: usize,
 }
 
-/// Test of a row: `A_k v_k` is the change of the position without it.
+/// Test of a row: without it the position changes by its column times its residual.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RowTest<T: Real> {
     column: Vector3<T>,
@@ -154,7 +155,7 @@ pub(super) struct RowTest<T: Real> {
 }
 
 impl<T: Real> RowTest<T> {
-    /// Returns true if the position moves by more than its threshold on any axis.
+    /// Returns true if the change of the position exceeds its threshold on any axis.
     #[inline]
     pub(super) fn exceeds(&self, limits: &Vector3<T>) -> bool {
         let squared = self.residual * self.residual;
@@ -170,7 +171,7 @@ impl<T: Real> RowTest<T> {
 }
 
 impl<T: Real> SubsetSolutions<'_, T> {
-    /// Returns the test of a row without the first row, all constellations in view.
+    /// Returns the test of a row without the first row, if no constellation is lost.
     #[inline]
     pub(super) fn left_by_first(&self, index: usize) -> Option<RowTest<T>> {
         let (first, point) = (self.first.as_ref()?, self.point(index)?);
@@ -186,7 +187,8 @@ impl<T: Real> SubsetSolutions<'_, T> {
         is_sound.then_some(RowTest { column: point.gain, residual: point.residual, kappa: point.kappa })
     }
 
-    /// Returns a row of the view in the kernel of all satellites, or `None` if it takes no part.
+    /// Returns a row of the view in the kernel of all satellites, or `None` if there is no such
+    /// row.
     #[inline]
     pub(super) fn point(&self, index: usize) -> Option<KernelRow<T>> {
         let (row, fit) = self.view.rows.get(index).zip(self.view.fits.get(index))?;
@@ -272,7 +274,7 @@ impl<T: Real> SubsetSolutions<'_, T> {
         RowCoupling { design: point.design, share: point.share, towards, groups }
     }
 
-    /// Returns the remainder of another row after the first.
+    /// Returns the remainder of another row without the first.
     #[inline]
     pub(super) fn beside(
         first: &FirstRow<T>,
@@ -302,8 +304,8 @@ impl<T: Real> SubsetSolutions<'_, T> {
         })
     }
 
-    /// Returns the solution without a pair whose first row is left out already, all constellations
-    /// in view, so that no lag remains.
+    /// Returns the solution without a pair whose first row is already left out. No constellation is
+    /// lost, so that the lag is 0.
     #[allow(clippy::inline_always, reason = "called in one place, once for every mode")]
     #[inline(always)]
     pub(super) fn leave_out_pair(&mut self, pair: Hypothesis) -> Option<SubsetSolution<T>> {

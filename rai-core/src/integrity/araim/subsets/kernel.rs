@@ -1,5 +1,5 @@
-//! Sums over constellations, and the solution without some of them, from which rows are then left
-//! out.
+//! Sums over each constellation, and the solution without some of them. Rows are then left out of
+//! this solution.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -11,7 +11,7 @@ use crate::numeric::space::{
 };
 use crate::satellite::Constellation;
 
-/// Number of constellations, and one more for rows that touch no clock.
+/// Number of constellations, and one more group for rows that depend on no clock.
 pub(in crate::integrity::araim) const GROUPS: usize = Constellation::COUNT + 1;
 /// Sums over one constellation.
 #[derive(Clone, Copy, Debug)]
@@ -58,14 +58,14 @@ pub(super) struct Kernel<T: Real> {
     pub(super) solution: SubsetSolution<T>,
 }
 
-/// Returns the least remainder of 1 for algebra: below, single precision keeps less than five
-/// digits; 1e-9 in double precision.
+/// Returns the least remainder of 1 with which elimination is used. Below it, single precision
+/// retains less than five digits. In double precision it is 1e-9.
 pub(super) fn hardly_left<T: Real>() -> T {
     let digits = T::default_epsilon() * T::narrow(2e5);
     if digits > T::UNTESTABLE { digits } else { T::UNTESTABLE }
 }
 
-/// Returns the diagonal of `A M Aᵀ`, `M` symmetric.
+/// Returns the diagonal of `A M Aᵀ` for a symmetric `M`.
 #[inline(never)]
 pub(super) fn diagonal_of<T: Real>(a: &Matrix3<T>, m: &Matrix3<T>) -> Vector3<T> {
     let ([p1, p2, p3], [a1, a2, a3]) = (columns(&matrix_product(a, m)), columns(a));

@@ -1,5 +1,5 @@
-//! The position without a mode's satellites, by algebra on the one 3×3 solve: its uncertainty, and
-//! its separation from the all-in-view position.
+//! The position without a mode's satellites, its uncertainty, and its separation from the
+//! all-in-view position. All of them are derived from the one 3×3 solve.
 //!
 //! ```text
 //! constellations X     P' = (N − N_X)⁻¹    T = P' − P    D' = D − D_X    x' − x = −P' Σ_X w_i d_i v_i
@@ -23,13 +23,12 @@
 //! | `x_E − x` | [`SubsetSolution::shift`] | m |
 //! | `Σ |S_qi| b_i` | [`SubsetSolutions::bias`] | m |
 //!
-//! Rows are left out one after another, each from the remainder of the rows before it
-//! (elimination): a single costs about 70 operations, a pair another 90, and the part of a first
-//! row that its pairs share is computed once. `C_acc` need not be proportional to `C`. Of modes
-//! that differ in one row, those without an effect are dismissed before ([`bounds`]). Only the bias
-//! is a sum over all rows, and it is computed only if a bound on it does not decide.
+//! Rows are left out one after another (elimination). A single row takes about 70 operations, a
+//! pair another 90. The part that all pairs with the same first row share is computed once. `C_acc`
+//! need not be proportional to `C`. Modes without an effect are dismissed before ([`bounds`]). Only
+//! the bias is a sum over all rows. It is computed only if a bound on it does not suffice.
 //!
-//! Assumes that a set leaves at least one row of every constellation that it does not name.
+//! Assumes that a mode leaves at least one row of every constellation that is not lost as a whole.
 //! References: [Blanch2015], [`crate::least_squares::downdate`] for the elimination.
 //!
 //! [Blanch2015]: crate#references
@@ -78,7 +77,7 @@ pub(super) struct IntegrityRow<T> {
     /// Bound on `Σ_i |M_ji| b_i`, m; 0 without biases.
     spread: T,
 }
-/// Solutions without modes; intermediate results of neighbouring modes are kept.
+/// Solutions without each mode. Intermediate results are stored for the next modes.
 pub(super) struct SubsetSolutions<'v, T: Real> {
     view: View<'v, T>,
     own: &'v mut Vec<IntegrityRow<T>, ROOM>,
@@ -89,22 +88,23 @@ pub(super) struct SubsetSolutions<'v, T: Real> {
     /// Bias of the all-in-view solution, m.
     whole_bias: Vector3<T>,
     kernel: Kernel<T>,
-    /// Mode that the following fields belong to.
+    /// Mode to which the following fields belong.
     at: Hypothesis,
-    /// True if the kernel keeps enough digits for leaving rows out of it.
+    /// True if the kernel has enough digits for leaving rows out of it.
     is_sound: bool,
-    /// Solution and bias of a mode that was solved directly, because algebra would cost too many
-    /// digits.
+    /// Solution and bias of a mode that was solved directly, because elimination would lose too
+    /// many digits.
     direct: Option<(SubsetSolution<T>, Vector3<T>)>,
     first: Option<FirstRow<T>>,
-    /// The single row or the pair that was solved last.
+    /// Values of the single row or the pair that was solved last.
     last: LastRow<T>,
-    /// Second row of a pair, kept for triples.
+    /// Second row of a pair, stored for triples.
     second: Option<SecondRow<T>>,
     third: Option<ThirdRow<T>>,
 }
 impl<'v, T: Real> SubsetSolutions<'v, T> {
-    /// Returns the solutions of a view, which must be prepared in place, because they are large.
+    /// Returns the solutions of a view. Call [`Self::prepare`] before use; it works in place,
+    /// because they are large.
     #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
     #[inline(always)]
     pub(super) fn of(view: View<'v, T>, own: &'v mut Vec<IntegrityRow<T>, ROOM>) -> Self {
@@ -165,7 +165,7 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
                 weighted_bias: weight * bias,
                 spread: T::zero(),
             };
-            // Never full, because the view holds no more rows than the capacity.
+            // Never full, because the view has no more rows than the capacity.
             let _ = self.own.push(own);
             biases += own.weighted_bias;
             if weight > largest_weight {
@@ -198,7 +198,7 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
         biases > T::zero()
     }
 
-    /// Computes the kernel of all satellites, and each row's `κ_jj` there.
+    /// Computes the kernel of all satellites, and each row's `κ_jj` in it.
     fn describe_whole(&mut self) {
         self.kernel.regain_all(self.view.covariance, &self.total_dispersion);
         self.kernel.complete(&self.groups);
@@ -226,8 +226,8 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
         self.whole_bias
     }
 
-    /// Returns the all-in-view solution: variances, with the accuracy's in place of the
-    /// separation's.
+    /// Returns the all-in-view solution: its variance, and in `separation` its variance for
+    /// accuracy.
     pub(super) fn whole(&self) -> SubsetSolution<T> {
         let covariance = self.view.covariance;
         SubsetSolution {
@@ -253,7 +253,7 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
     pub(super) fn without(&mut self, hypothesis: Hypothesis) -> Option<SubsetSolution<T>> {
         let by_algebra = if self.first.is_some() && hypothesis.is_pair_after(self.at) {
             self.at = hypothesis;
-            // The pair differs from the one that was kept for its triples.
+            // The stored second row belongs to another pair.
             self.second = None;
             self.leave_out_pair(hypothesis)
         } else {
@@ -269,7 +269,8 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
         self.direct.as_ref().map(|(solution, _)| *solution)
     }
 
-    /// Returns the solution without a mode by algebra, or `None` if it would cost too many digits.
+    /// Returns the solution without a mode by elimination, or `None` if this would lose too many
+    /// digits.
     #[inline(never)]
     fn by_algebra(&mut self, hypothesis: Hypothesis) -> Option<SubsetSolution<T>> {
         let [first, second, third] = hypothesis.slots();
@@ -298,7 +299,7 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
             return self.leave_out_pair(hypothesis);
         }
         if third >= ROWS {
-            // The pair differs from the one that was kept for its triples.
+            // The stored second row belongs to another pair.
             self.second = None;
             let taken = self.leave_out_second(second)?;
             self.last = taken.last();
@@ -310,7 +311,7 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
         self.leave_out_third(third)
     }
 
-    /// Leaves one row out of all satellites, from which pairs with it are then solved.
+    /// Leaves the first row of a hypothesis out. Pairs with it are then solved from the result.
     #[inline(never)]
     fn enter_first(&mut self, hypothesis: Hypothesis) {
         if self.at.constellations != hypothesis.constellations {
@@ -366,11 +367,11 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
         kernel.is_complete = false;
         Some(())
     }
-    /// Returns true if the test of any single row alarms without a hypothesis, `limits` being the
+    /// Returns true if the test of any single row alarms without a hypothesis; `limits` are the
     /// squares of `K`.
     ///
-    /// The hypothesis is one row or constellations. Rows whose loss would leave too poor a geometry
-    /// for algebra are not tested.
+    /// The hypothesis is one row, or constellations. Rows whose loss would leave too poor a
+    /// geometry for elimination are not tested.
     #[inline(never)]
     pub(super) fn contradict(
         &mut self,
@@ -380,8 +381,8 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
     ) -> bool {
         let is_of_row = hypothesis.rows().next().is_some();
         if is_of_row {
-            // The solution without a lone row does not store that row, from which the others are
-            // tested here.
+            // [`Self::by_algebra`] does not store a single row, which the tests of the others need
+            // here.
             self.enter_first(hypothesis);
             if self.first.is_none() {
                 return false;
@@ -396,20 +397,19 @@ impl<'v, T: Real> SubsetSolutions<'v, T> {
         })
     }
 
-    /// Returns true if the rows without a hypothesis, whose weighted SSE is `sse` about the present
-    /// point, may agree about their own: the distance alone may explain their contradiction.
+    /// Returns true if the rows without a hypothesis may agree about another point. `sse` is their
+    /// weighted SSE about the present point, which the distance alone may explain.
     #[cold]
     #[inline(never)]
     pub(super) fn may_agree_elsewhere(&mut self, hypothesis: Hypothesis, sse: T) -> bool {
-        /// Sum of squares that noise of 36 degrees of freedom exceeds once in 360 epochs.
+        /// SSE that noise of 36 degrees of freedom exceeds once in 360 epochs.
         const NOISE: f64 = 64.0;
         let rows = self.view.rows;
         self.by_algebra(hypothesis)
             .is_none_or(|without| curvature::may_explain(sse, NOISE, rows, &without.shift))
     }
 
-    /// Returns the weighted SSE of the remaining rows without one row, or without one
-    /// constellation.
+    /// Returns the weighted SSE without one row, or without one constellation.
     pub(super) fn sse_without(&mut self, sse: T, hypothesis: Hypothesis) -> Option<T> {
         if let Some(index) = hypothesis.rows().next() {
             let point = self.point(index)?;

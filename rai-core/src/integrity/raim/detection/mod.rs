@@ -10,9 +10,9 @@
 //!
 //! [`Detection::fault`] is the only comparison of a sum of squares with a threshold.
 //!
-//! Assumes independent Gaussian errors. Blind to a bias common to a constellation (its clock
-//! absorbs it) and to a fault of a constellation's lone satellite. References: [Yang2015] §1,
-//! [Lin2016] §2.2.
+//! Assumes independent Gaussian errors. The test does not see a bias common to a constellation,
+//! which its clock absorbs, nor a fault of a constellation's lone satellite. References: [Yang2015]
+//! §1, [Lin2016] §2.2.
 //!
 //! [Yang2015]: crate#references
 //! [Lin2016]: crate#references

@@ -7,24 +7,24 @@
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
-//! | `s`, `t` | systems with two satellites or more, of which at least three are in view | – |
+//! | `s`, `t` | systems with at least two satellites; at least three such systems must be in view | – |
 //! | `SSE_s`, `dof_s` | sum of squares and degrees of freedom without the system | – |
 //! | `τ1`, `T_d` | thresholds of the global test and of the w-test | – |
 //!
-//! A system whose orbits or time are wrong has more wrong satellites than a search may leave out,
-//! and sets of them explain the data equally. If one system alone is wrong, all others pass the
-//! test without it. Another system is then blamed only if its own exclusion passes and that of the
-//! wrong one does not, which is no likelier than a false alarm.
+//! If the orbits or the time of a system are wrong, more satellites are wrong than a search may
+//! leave out. Several sets of them then explain the data equally well. If only one system is wrong,
+//! all others pass the test without it. A healthy system is blamed only if its exclusion passes and
+//! that of the wrong system fails. This is no likelier than a false alarm.
 //!
-//! **Cost.** A solution that moved far is solved again about its own point, as expensive as a fix.
-//! The second solution is skipped if the misfit about the present point is larger than a distance
-//! can cause ([`curvature`]).
+//! **Cost.** If leaving out a system moves the position far, the solution is linearised again,
+//! which is as expensive as a fix. This is skipped if the misfit about the present point is larger
+//! than the distance can cause ([`curvature`]).
 //!
-//! **Two systems.** Each explains the data by the other's fault, whatever their sizes, so that none
-//! is left out. A lone satellite agrees with any place and is no system here.
+//! **Two systems.** With two systems, whatever their sizes, a fault of either explains the data, so
+//! that none is left out. A lone satellite agrees with any position and does not count as a system.
 //!
-//! **Limits.** The majority is believed: two systems that are counterfeit in agreement exclude a
-//! third, genuine one.
+//! **Limits.** The majority is believed: two counterfeit systems that agree with each other exclude
+//! a third, genuine one.
 
 use crate::bit_set::{bit, count_of};
 use crate::integrity::raim::detection::Detection;
@@ -37,7 +37,8 @@ use crate::satellite::Constellation;
 /// Least number of systems that contradict each other before one of them can be blamed.
 const LEAST_SYSTEMS: usize = 3;
 
-/// Least degrees of freedom without the system: as many as rows may have been tried before.
+/// Least degrees of freedom without the system: as many as the rows that an exclusion may have left
+/// out.
 const LEAST_DOF: usize = MAX_EXCLUDED;
 
 /// A system without which all others agree.
@@ -45,16 +46,16 @@ const LEAST_DOF: usize = MAX_EXCLUDED;
 pub(crate) struct BrokenSystem<T> {
     /// The system.
     pub(crate) constellation: Constellation,
-    /// Its rows.
+    /// Bit set of its rows.
     pub(crate) rows: u64,
-    /// Sum of squares without them.
+    /// SSE without these rows.
     pub(crate) left: T,
 }
 
 /// Returns the system without which all others agree, if it is the only one.
 ///
-/// `satellites` is the number of rows that are satellites. The solution ends with the rows that it
-/// has now.
+/// `satellites` is the number of rows that are satellites. Afterwards, the solution has the same
+/// rows as before.
 pub(crate) fn find<T: Real>(
     solution: &mut impl Excludable<T>,
     satellites: usize,
@@ -69,7 +70,7 @@ pub(crate) fn find<T: Real>(
     let mut found: Option<BrokenSystem<T>> = None;
     let mut least_rival: Option<T> = None;
     for (constellation, rows) in Constellation::ALL.into_iter().zip(systems) {
-        // Others that determine no position confirm nothing, and are no rivals either.
+        // If the others determine no position, they confirm nothing, and the system is no rival.
         if rows == 0 || solution.set_aside_all(rows).is_err() {
             continue;
         }
@@ -97,9 +98,9 @@ pub(crate) fn find<T: Real>(
     found.filter(is_apart)
 }
 
-/// Returns true if the rows may agree about a point that is nearer to the solution.
+/// Returns true if the rows may agree when linearised about the solution.
 fn may_agree<T: Real>(snapshot: &Snapshot<'_, T>) -> bool {
-    /// Sum of squares beyond every threshold.
+    /// SSE above every threshold.
     const NOISE: f64 = 1e4;
     curvature::may_explain(snapshot.sse(), NOISE, snapshot.equations(), &snapshot.correction())
 }

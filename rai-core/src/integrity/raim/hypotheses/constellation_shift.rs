@@ -2,8 +2,8 @@
 //! as well as an exclusion?
 //!
 //! All satellites of a constellation can be wrong at once, by orbits that agree with each other.
-//! The hypothesis has three more unknowns and splits the snapshot into two independent parts: with
-//! the sums over the rows of the constellation and over all others
+//! The hypothesis has three more unknowns, the position of that constellation. It splits the
+//! snapshot into two independent parts: the rows `s` of the constellation and all others, `o`.
 //!
 //! ```text
 //! N_s = Σ_s w d dᵀ    N_o = N − N_s        u_s = Σ_s w d v = −u_o        (v are orthogonal to what was solved for)
@@ -12,20 +12,22 @@
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
-//! | `d`, `v`, `w` | centred design, residual, weight of a row, as in [`crate::least_squares`] | –, m, 1/m² |
+//! | `d`, `v`, `w` | centred design, residual and weight of a row, as in [`crate::least_squares`] | –, m, 1/m² |
 //! | `q_s`, `q_o` | offset from the common position to that of the constellation, and to that of all others | m |
 //!
 //! An exclusion may leave satellites that agree on a wrong position. If a shift explains the data
-//! as well, the exclusion therefore does not prove which satellites are wrong. Residuals that pass
-//! the global test show a shift if it explains more than `τ1(3) + 2 ln 100`. Noise alone does that
-//! with about a hundredth of `P_fa` for each split, because the tail of `χ²` with three degrees of
-//! freedom falls by `e^(−Δ/2)` or little less over `Δ`. The probability of a false alarm is thus
-//! that of the global test. At `τ1(3)` itself the splits would add up to one `P_fa` each.
+//! as well, the exclusion therefore does not prove which satellites are wrong.
 //!
-//! **Limits.** With two constellations the shifted one cannot be identified; with three that is not
-//! attempted. Four satellites or fewer of one constellation always agree on some position and
-//! clock. They are a rival for the exclusion of others, if those agree without it, and for none of
-//! their own.
+//! Residuals that pass the global test show a shift if it explains more than `τ1(3) + 2 ln 100`.
+//! With noise alone, each split does so with about a hundredth of `P_fa`: over `Δ`, the tail of
+//! `χ²` with three degrees of freedom falls by nearly `e^(−Δ/2)`. The probability of a false alarm
+//! thus remains that of the global test. With the threshold `τ1(3)`, each split would add another
+//! `P_fa`.
+//!
+//! **Limits.** With two constellations the shifted one cannot be identified; with three this is not
+//! attempted. Up to four satellites of one constellation always agree on some position and clock.
+//! Their shift is therefore no rival for an exclusion among them. It is a rival for an exclusion of
+//! others, if all others agree without it.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -39,11 +41,11 @@ use crate::satellite::Constellation;
 /// Unknowns of a second position.
 const UNKNOWNS: usize = 3;
 
-/// Increase of the threshold that divides the probability of a false alarm by a hundred: 2 ln 100.
+/// Increase of the threshold, 2 ln 100, that divides the probability of a false alarm by a hundred.
 const RARER: f64 = 9.210_340_371_976_184;
 
-/// Returns true if a shifted constellation explains more of the residuals than noise and any row
-/// do.
+/// Returns true if a shifted constellation explains more of SSE than noise can, and more than any
+/// single row.
 pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
     if !cfg!(feature = "hypotheses") {
         return false;
@@ -58,10 +60,10 @@ pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds
     })
 }
 
-/// Returns true if a shift explains the residuals of a snapshot of all satellites as well as the
-/// exclusion of one row, or nearly as well as that of several.
+/// Returns true if a shift explains the residuals of all satellites as well as one excluded row, or
+/// nearly as well as several.
 ///
-/// `found` is the sum of squares without the excluded rows.
+/// `found` is the SSE without the excluded rows.
 pub(crate) fn rivals<T: Real>(
     snapshot: &Snapshot<'_, T>,
     excluded: &[usize],
@@ -74,8 +76,8 @@ pub(crate) fn rivals<T: Real>(
     let Some(w_test) = thresholds.w_test::<T>(snapshot.used()) else { return false };
     let most = if excluded.len() > 1 { found + w_test * w_test } else { found };
     any_split(snapshot, &|split| {
-        // Only tested parts count: any exclusion among satellites that always agree would have a
-        // shift as rival.
+        // An excluded row must be in a part that is tested. Otherwise a shift would rival any
+        // exclusion among satellites that always agree.
         let is_told =
             |&index: &usize| snapshot.row(index).is_some_and(|(row, _)| split.part(row).is_tested());
         let threshold = thresholds.tau1::<T>(split.dof()).filter(|_| excluded.iter().any(is_told));
@@ -83,7 +85,7 @@ pub(crate) fn rivals<T: Real>(
     })
 }
 
-/// Returns true if a predicate holds for any shifted constellation.
+/// Returns true if a predicate is true for the shift of any constellation.
 #[inline(never)]
 fn any_split<T: Real>(snapshot: &Snapshot<'_, T>, is_so: &dyn Fn(&Split<T>) -> bool) -> bool {
     let systems = || Constellation::ALL.into_iter().filter(|&system| snapshot.determines(system));
@@ -102,8 +104,8 @@ struct Split<T: Real> {
 }
 
 impl<T: Real> Split<T> {
-    /// Returns `None` if one part has no information on a position, or has rows enough for one that
-    /// they do not determine.
+    /// Returns `None` if one part has no more rows than clocks, or if it has rows enough for a
+    /// position but does not determine it.
     fn of(snapshot: &Snapshot<'_, T>, shifted: Constellation, clocks: usize) -> Option<Self> {
         let (mine, others) =
             (PositionPart::with_clocks(1), PositionPart::with_clocks(clocks.saturating_sub(1)));
@@ -123,7 +125,7 @@ impl<T: Real> Split<T> {
         self.mine.dof + self.others.dof
     }
 
-    /// Returns the remaining sum of squares.
+    /// Returns the SSE that the shift leaves.
     fn sse(&self, snapshot: &Snapshot<'_, T>) -> T {
         snapshot.rows().fold(T::zero(), |sum, (row, fit)| {
             let part = self.part(row);
@@ -159,8 +161,8 @@ impl<T: Real> PositionPart<T> {
         self.gradient = plus_scaled(&self.gradient, fit.residual, &weighted);
     }
 
-    /// Computes the position if there are rows enough to test it. Returns false if they determine
-    /// none, or determine only clocks.
+    /// Computes the position if there are rows enough to test it. Returns false if the rows do not
+    /// determine it, or determine only clocks.
     #[inline(never)]
     fn settle(&mut self) -> bool {
         if self.rows <= self.clocks {
@@ -170,13 +172,14 @@ impl<T: Real> PositionPart<T> {
         if self.dof == 0 {
             return true;
         }
-        // If the rows hardly determine it, any offset is worse than the best one and explains less.
+        // If the rows hardly determine the offset, the computed one explains less than the best
+        // one, which is safe.
         let place = invert(&self.normal).map(|covariance| symmetric_product(&covariance, &self.gradient));
         self.place = place.unwrap_or_else(|_| zero());
         place.is_ok()
     }
 
-    /// Returns true if its rows can contradict each other. Otherwise their residuals vanish for any
+    /// Returns true if the rows can contradict each other. Otherwise their residuals are 0 for any
     /// data.
     fn is_tested(&self) -> bool {
         self.dof > 0

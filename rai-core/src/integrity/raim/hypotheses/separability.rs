@@ -1,17 +1,19 @@
-//! Separability: does no other set of rows explain the data as well as the one that was left out?
+//! Separability: is the set of rows that was left out the only one that explains the data?
 //!
-//! The set that explains the data best may consist of healthy satellites: of one if two are
-//! strongly correlated, of several if few are left to contradict. Let a fault of row `j` have any
-//! size, and let `ρ` be any correlation. Then `w_i² − w_j²` exceeds `κ²` with a probability of at
-//! most `Q(κ)`. The proof takes `u = w_i − w_j` and `s = w_i + w_j`: the product `u s` needs
-//! `u ≥ κ²/((1+ρ)δ)`, which is `κ √2/√(1+ρ) ≥ κ` standard deviations from its mean at the most
-//! favourable δ.
+//! The set that explains the data best may consist of healthy satellites. One healthy satellite may
+//! do so if it is strongly correlated with the faulty one, several if few others remain to
+//! contradict them. Let `δ` be the mean of `w_j` under a fault of row `j`, of any size, and `ρ` the
+//! correlation of `w_i` and `w_j`. Then `w_i² − w_j²` exceeds `κ²` with a probability of at most
+//! `Q(κ)`. For the proof, let `a = w_i − w_j` and `b = w_i + w_j`. The product `a b` needs
+//! `a ≥ κ²/((1+ρ)δ)`. At the most favourable `δ` this is `κ √2/√(1+ρ) ≥ κ` standard deviations from
+//! the mean of `a`.
 //!
-//! [`separable`] therefore requires that every other set of as many rows or fewer explains less by
-//! `T_d²`, or fails the global test. A wrong exclusion is then no likelier than a false alarm. A
-//! subset of the set found is no rival, because leaving out more than the faulty rows is safe.
+//! A rival is another set with as many rows or fewer, without which the rest passes the global
+//! test. [`separable`] requires that every rival explains at least `T_d²` less. A wrong exclusion
+//! is then no likelier than a false alarm. A subset of the excluded set is no rival, because
+//! leaving out more than the faulty rows is safe.
 //!
-//! Work: all sets of up to as many of [`MAX_ROWS`] rows.
+//! Budget: the number of all sets of [`MAX_ROWS`] rows that are no larger than the exclusion.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -39,7 +41,7 @@ use crate::report::MAX_EXCLUDED;
 /// Returns true if no rival explains the data nearly as well as the exclusion: no other set of as
 /// many rows or fewer, and no shifted constellation.
 ///
-/// The rows are taken back together and left out again, so that `solution` ends as it began.
+/// The rows are taken back for the comparison and left out again.
 #[inline(never)]
 pub fn separable<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -56,8 +58,8 @@ pub fn separable<T: Real>(
     solution.set_aside(&set).is_ok() && unrivalled
 }
 
-/// Returns true if no other set of as many rows or fewer passes the global test with a sum of
-/// squares within `T_d²` of this one's.
+/// Returns true if the set has no rival: no other set, of as many rows or fewer, leaves a passing
+/// SSE that is less than `T_d²` larger.
 fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds: &Thresholds<'_>) -> bool {
     let mut rows = Vec::new();
     testable_rows(snapshot, &mut rows);
@@ -68,15 +70,15 @@ fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds:
     };
     let margin = threshold * threshold;
     let rival_test = RivalTest { snapshot, thresholds, rows: &rows, set, left: found.sse(&rows), margin };
-    // The sums at hand lose digits to gross faults. A set that explains less than this by them
-    // needs no closer test.
+    // Gross faults cost these sums digits, so that the bar has a margin. A set whose sum stays
+    // below the bar needs no exact test.
     let least = found.explained() - margin - snapshot.sse() * T::UNTESTABLE;
     let mut work = SetBudget::new(count_up_to(set.len(), MAX_ROWS));
     for size in 1..=set.len() {
         let mut has_rival = false;
         each_of_size(&rows, size, &mut work, least, &mut |_, rival| {
             has_rival |= rival.get(..size).is_some_and(|rival| rival_test.has(rival));
-            // One rival suffices, so that no other set is shown.
+            // One rival suffices: an infinite bar ends the search.
             if has_rival { infinity() } else { least }
         });
         if has_rival {
@@ -86,21 +88,21 @@ fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds:
     !work.cut
 }
 
-/// A set that was found, and the limits that its rivals must reach.
+/// The excluded set, and the limits that a rival must reach.
 struct RivalTest<'c, T: Real> {
     snapshot: &'c Snapshot<'c, T>,
     thresholds: &'c Thresholds<'c>,
     rows: &'c [NormalisedRow<T>],
     set: &'c [usize],
-    /// Sum of squares without the set.
+    /// SSE without the excluded set.
     left: T,
-    /// Largest excess of a rival's sum of squares.
+    /// Largest excess of the SSE without a rival over `left`.
     margin: T,
 }
 
 impl<T: Real> RivalTest<'_, T> {
-    /// Tests one set exactly. Never inlined, because few sets get here and the search over all must
-    /// stay small.
+    /// Tests one set exactly. Not inlined, because few sets get here, and the loop over all sets
+    /// must stay small.
     #[inline(never)]
     fn has(&self, rival: &[usize]) -> bool {
         if rival.iter().all(|row| self.set.contains(row)) {

@@ -1,8 +1,9 @@
 //! Time-tag hypothesis: does one wrong time of all ranges explain the data as well as an exclusion?
 //!
-//! A receiver that tags its ranges with a wrong time makes the module compare them with satellite
-//! positions at that time. Each range is then wrong by a multiple of its range rate. This is one
-//! more hypothesis beside "satellite `i` is faulty", and one more column in the design.
+//! If a receiver tags its ranges with a wrong time, the module compares them with satellite
+//! positions at that time. Each range is then wrong by its range rate times the time error. In
+//! addition to "satellite `i` is faulty" this is one more hypothesis, and one more column in the
+//! design.
 //!
 //! ```text
 //! y_i = h_i · x + b_c + ṙ_i δ + ε_i
@@ -12,40 +13,40 @@
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
-//! | `ṙ_i` | range rate of a receiver at rest ([`RangeRates`]) | m/s |
+//! | `ṙ_i` | range rate for a receiver at rest ([`RangeRates`]) | m/s |
 //! | `r̄_c` | its weighted mean over constellation `c`; `d`, `P`, `w`, `v` as in [`crate::least_squares`] | m/s |
 //! | `a_i` | part of the rates that neither position nor clocks explain | m/s |
-//! | `δ` | lateness of the tag | s |
+//! | `δ` | error of the tag, positive if it is late | s |
 //!
-//! In parity space the column is a line like that of a row: `√w_i a_i/√A` is its product with row
-//! `i`, and it is projected out of the rows like another row ([`crate::least_squares::downdate`]).
-//! An exclusion of `k` rows therefore has one more kind of rival: the time with 0 to `k − 1` rows.
-//! The rule for a rival is that of rows ([`super::separability`]), but beside one row with
-//! `Q⁻¹(P_md)` for `T_d`. A wrong time is then no likelier attributed to a satellite than a fault
-//! is missed, and a satellite is still distinguished if little redundancy lets the time explain a
-//! part of every fault.
+//! In parity space the column is a line like that of a row. Its product with row `i` is
+//! `√w_i a_i/√A`, and it is projected out of the rows like another row
+//! ([`crate::least_squares::downdate`]). An exclusion of `k` rows therefore has one more kind of
+//! rival: the time together with 0 to `k − 1` rows. A rival must explain nearly as much, as in
+//! [`super::separability`]. But if only one row was excluded, `Q⁻¹(P_md)` replaces `T_d`. A wrong
+//! time is then attributed to a satellite no more often than a fault is missed. With little
+//! redundancy the time explains a part of every fault, and the smaller margin still lets a
+//! satellite be identified.
 //!
-//! - If the time alone explains the data, and at least as well as one row, the tag is wrong
-//!   ([`TimeTagOutcome::Time`]).
-//! - If it explains nearly as much, or does so together with rows, the case is ambiguous
-//!   ([`TimeTagOutcome::Rows`]).
-//! - If no row was left out, but its own w-test `δ √A` is above the threshold of one test and above
-//!   that of every row, the tag is wrong. This test also applies to epochs that pass the global
-//!   test; it adds the false alarms of one more row.
-//! - If no row was left out and the test is below the threshold, the levels are enlarged, because a
-//!   wrong time moves the position up to three times as far as a satellite with the same test. They
+//! - The tag is wrong if the time alone explains the data: at least as well as the one excluded
+//!   row, or nearly as well as several ([`TimeTagOutcome::Time`]).
+//! - The case is ambiguous if the time explains nearly as much as the one excluded row, or explains
+//!   the data together with fewer rows ([`TimeTagOutcome::Rows`]).
+//! - Without an excluded row, the tag is wrong if the time's w-test, `δ √A`, is above its threshold
+//!   and above the w-test of every row. This test also applies to epochs that pass the global test.
+//!   It adds the false alarms of one more row.
+//! - If no row was excluded and the w-test is below its threshold, the levels are enlarged: with
+//!   the same w-test, a wrong time moves the position up to three times as far as a satellite. They
 //!   become at least `s_δ |δ √A| + k' √(s_δ² + σ²)` with `s_δ = |P Σ w_j d_j (ṙ_j − r̄_c)| / √A`
 //!   ([`crate::integrity::raim::levels`]). With correct tags this rarely exceeds a satellite's
 //!   level.
 //!
-//! The column holds while satellites move evenly: a range's acceleration is below 0.2 m/s², 4 mm in
-//! 0.2 s. An error in proportion to the receiver's own speed is part of the position and not tested
-//! here.
+//! The column assumes constant range rates: their change, below 0.2 m/s², amounts to 4 mm in 0.2 s.
+//! A wrong time also shifts the position of a moving receiver along its way. This part is not
+//! tested here.
 //!
-//! **Limits.** Range rates are expensive, so that the test is skipped while all residuals together
-//! have less than half of the squared threshold. Tags that differ between constellations belong to
-//! different epochs, or differ by less than the test sees. With little redundancy the time explains
-//! by chance as much as a satellite does.
+//! **Limits.** Range rates are expensive, so that the test is skipped if SSE is below half of the
+//! squared threshold. A time error of one constellation only is not tested. With little redundancy
+//! the time explains by chance as much as a satellite does.
 
 use heapless::Vec;
 
@@ -66,7 +67,7 @@ use crate::numeric::space::{dot, plus_scaled, product, zero};
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::{Constellation, SatelliteId};
 
-/// Source of range rates of a receiver at rest, m/s; `None` for a satellite without a known orbit.
+/// Source of range rates for a receiver at rest, m/s; `None` for a satellite without a known orbit.
 ///
 /// It is called only for epochs whose residuals are large enough for a wrong time
 /// ([`is_suspicious`]).
@@ -75,9 +76,9 @@ pub type RangeRates<'r> = dyn Fn(SatelliteId) -> Option<f32> + 'r;
 /// Returns true if the residuals may contain a wrong time that moves the position farther than a
 /// satellite does.
 ///
-/// Their sum of squares is then half of the squared threshold of its w-test, or fails the global
-/// test. At two thirds hardly a healthy epoch would be tested, and no level of the attacks was
-/// exceeded. But if most ranges change alike, a smaller wrong time moves a position beyond its
+/// SSE is then at least half of the squared threshold of a w-test, or fails the global test. With
+/// two thirds instead of half, hardly any healthy epoch would be tested, and no attack exceeded a
+/// level. But if most ranges change alike, a smaller wrong time moves the position beyond its
 /// level.
 pub(crate) fn is_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
     if !cfg!(feature = "hypotheses") {
@@ -96,13 +97,13 @@ fn least_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds
 /// Effect of a wrong time on an exclusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeTagOutcome<T> {
-    /// The exclusion stands.
+    /// A wrong time changes nothing about the exclusion.
     None,
     /// No row was left out, and a wrong time with this absolute w-test would move the position by
     /// these slopes.
     Shift(Slopes<T>, T),
-    /// Together with a wrong time other rows explain the data nearly as well, or the time nearly
-    /// does so alone.
+    /// Other rows together with a wrong time explain the data nearly as well, or the time alone
+    /// does so nearly.
     Rows,
     /// A wrong time alone explains the data.
     Time,
@@ -127,10 +128,10 @@ impl<T: Real> EpochRates<T> {
         Some(Self { of_rows })
     }
 
-    /// Compares a wrong time with an exclusion, whose rows are taken back for it and left out
-    /// again.
+    /// Compares a wrong time with an exclusion. Its rows are taken back for the comparison and left
+    /// out again.
     ///
-    /// If the time is to blame the rows stay, so that `solution` then ends with all of them.
+    /// If the time is wrong, they are not left out again.
     #[inline(never)]
     pub(crate) fn compare(
         &self,
@@ -144,7 +145,7 @@ impl<T: Real> EpochRates<T> {
             return TimeTagOutcome::None;
         }
         let doubt = self.doubt(solution.snapshot(), &set, thresholds, factors);
-        // These rows were solved before, so that they can be solved again.
+        // This should succeed, because the rest was solved before.
         if doubt != TimeTagOutcome::Time && !set.is_empty() && solution.set_aside(&set).is_err() {
             return TimeTagOutcome::Rows;
         }
@@ -153,12 +154,12 @@ impl<T: Real> EpochRates<T> {
 
     /// Returns true if the time alone explains a snapshot's residuals as well as an exclusion does.
     ///
-    /// `found` is the sum of squares without the rows of `gone`. Only for one row must the time
-    /// explain no less: with no row, and with a whole constellation, which takes as many unknowns
-    /// as it has rows, it need not be better.
+    /// `gone` is the number of excluded rows, `found` the SSE without them. If it is one row, the
+    /// time must explain at least as much. If it is none, or a whole constellation, the rest need
+    /// only pass with the time, because leaving out a constellation takes more unknowns.
     ///
-    /// Solution separation has its own tests, whose sigmas are larger than most errors: a margin on
-    /// sums of squares would reject exclusions that these tests distinguish.
+    /// There is no margin for ARAIM, whose sigmas are larger than most errors: with a margin on
+    /// SSE, exclusions would be rejected that its tests distinguish.
     pub(crate) fn rival(
         &self,
         snapshot: &Snapshot<'_, T>,
@@ -219,7 +220,7 @@ impl<T: Real> EpochRates<T> {
             };
         }
         let mut work = SetBudget::new(count_up_to(set.len().saturating_sub(1), MAX_ROWS));
-        // Sets that explain less than this beside the time are no rivals.
+        // A set that explains less than this in addition to the time is no rival.
         let least = left - found - margin;
         for size in 1..set.len() {
             let mut has_rival = false;
@@ -235,9 +236,9 @@ impl<T: Real> EpochRates<T> {
     }
 }
 
-/// Line of a wrong time in parity space.
+/// Column of a wrong time, as a line in parity space.
 pub(crate) struct TimeTagColumn<T: Real> {
-    /// Products with the rows, in their order.
+    /// Products with the testable rows, in their order.
     projected: Vec<T, MAX_ROWS>,
     /// W-test of the time: `δ √A`, dimensionless.
     residual: T,
@@ -246,10 +247,10 @@ pub(crate) struct TimeTagColumn<T: Real> {
 }
 
 impl<T: Real> TimeTagColumn<T> {
-    /// Returns `None` if position and clocks explain the rates, or if the scalar cannot hold them.
+    /// Returns `None` if position and clocks explain the rates, or if the scalar overflows.
     #[inline(never)]
     fn of(snapshot: &Snapshot<'_, T>, rates: &[T], rows: &[NormalisedRow<T>]) -> Option<Self> {
-        // Rows without a satellite, as a clock forecast, have rate 0.
+        // Aiding rows have the rate 0.
         let rated = || snapshot.rows().zip(rates.iter().copied().chain(core::iter::repeat(T::zero())));
         let used = || rated().filter(|((row, _), _)| row.weight > T::zero());
         let means = Constellation::ALL.map(|clock| {
@@ -275,7 +276,7 @@ impl<T: Real> TimeTagColumn<T> {
                 let left = left(row, fit, rate);
                 (square + row.weight * left * left, product + row.weight * left * fit.residual)
             });
-        // NaN leaves here too.
+        // NaN also returns here.
         if !(square > whole * T::UNTESTABLE && square.is_finite()) {
             return None;
         }
@@ -301,13 +302,13 @@ impl<T: Real> TimeTagColumn<T> {
         self.beside(rows).map(|(row, projected)| ReducedRow::beside(row, projected, self.residual))
     }
 
-    /// Iterates over the rows with their products with the column.
+    /// Iterates over the rows and their products with the column.
     fn beside<'r>(&self, rows: &'r [NormalisedRow<T>]) -> impl Iterator<Item = (&'r NormalisedRow<T>, T)> {
         rows.iter().zip(self.projected.iter().copied())
     }
 
-    /// Returns the sum of squares beside a wrong time, summed again: `SSE − δ² A` would cancel in
-    /// `f32` after a gross fault.
+    /// Returns the SSE that a wrong time leaves. It is summed again, because after a gross fault
+    /// `SSE − δ² A` would cancel in `f32`.
     fn sse(&self, rows: &NormalisedRows<T>) -> T {
         self.beside(rows).fold(T::zero(), |sum, (row, projected)| {
             let left = row.residual - projected * self.residual;

@@ -3,7 +3,7 @@
 //! ```text
 //! w_i = v_i √(w_i / r_i)         N(0, 1) without fault, mean √r_i b_i/σ_i under a bias b_i
 //! T_d = Q⁻¹(P_fa / 2n)           two-sided over n rows
-//! SSE without i = SSE − w_i²     so the largest |w| explains the data best
+//! SSE without i = SSE − w_i²     so that the row with the largest |w| explains the data best
 //! ```
 //!
 //! | symbol | field | unit |
@@ -12,9 +12,9 @@
 //! | `r_i` | [`RowFit::redundancy`](crate::least_squares::RowFit::redundancy) | – |
 //! | `b_i = v_i / r_i` | [`Suspect::bias_m`](crate::report::Suspect::bias_m) with standard deviation `σ_i/√r_i` | m |
 //!
-//! A row is identified if a fault was detected, `dof ≥ 2`, and its |w| is the largest, above `T_d`,
-//! and unique. It is left out and the rest tested again, until the test passes or no row can be
-//! identified.
+//! After a detected fault with `dof ≥ 2`, the row with the largest |w| is identified, if this is
+//! above `T_d` and unique. The row is left out and the rest tested again, until the test passes or
+//! no row can be identified.
 //!
 //! Departures from the papers: [Lin2016] prints `d_i > T_d` without the absolute value; [Chen2009]
 //! eq. 13 prints `ω_i/S_ii`, but the statistic is `ω_i²/S_ii`. References: [Baarda1968], [Lin2016]
@@ -56,7 +56,7 @@ pub fn identify<T: Real>(
     else {
         return Err(Unidentified::BelowThreshold);
     };
-    // NaN fails this comparison, so that it is never identified.
+    // NaN fails this comparison, so that no row is identified.
     if !(largest > threshold * threshold) {
         return Err(Unidentified::BelowThreshold);
     }
@@ -64,11 +64,11 @@ pub fn identify<T: Real>(
     if runner_up < largest * unique * unique { Ok(index) } else { Err(Unidentified::Ambiguous) }
 }
 
-/// Leaves out the worst row until the rest passes the global test, at most
-/// [`MAX_EXCLUDED`](crate::report::MAX_EXCLUDED) of them.
+/// Leaves out the worst row repeatedly until the rest passes the global test, at most
+/// [`MAX_EXCLUDED`](crate::report::MAX_EXCLUDED) rows.
 ///
-/// `solution` ends as the solution without the listed rows. A snapshot without redundancy cannot
-/// pass: it ends as [`ExclusionOutcome::NotIsolated`].
+/// Afterwards, `solution` is solved without the listed rows. A snapshot without redundancy cannot
+/// pass, so that the result is [`ExclusionOutcome::NotIsolated`].
 pub fn exclude_sequentially<T: Real>(
     solution: &mut impl Excludable<T>,
     thresholds: &Thresholds<'_>,

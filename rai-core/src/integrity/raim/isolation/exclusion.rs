@@ -1,7 +1,7 @@
-//! The vocabulary of exclusions: which rows were left out, and how it ended.
+//! The types of an exclusion: the rows that were left out, and the result.
 //!
-//! **Least redundancy.** `k` biases can be distinguished from any other `k` only where `2k` degrees
-//! of freedom show them: an exclusion of `k` rows must leave `k` of them ([`leaves_enough`]).
+//! **Least redundancy.** `2k` degrees of freedom are needed to distinguish `k` biases from `k`
+//! others. After an exclusion of `k` rows, `k` must therefore remain ([`leaves_enough`]).
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -19,15 +19,16 @@ use crate::report::MAX_EXCLUDED;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unidentified {
-    /// All |w| are equal, because fewer than two degrees of freedom exist.
+    /// There are too few degrees of freedom: fewer than two, or after the exclusion fewer than rows
+    /// left out.
     NoRedundancy,
     /// No |w| is large enough.
     BelowThreshold,
-    /// Several sets of rows explain the data nearly equally.
+    /// Several sets of rows explain the data nearly equally well.
     Ambiguous,
     /// No set of rows that may be left out explains the data.
     NoSet,
-    /// The declared work budget ended the search.
+    /// The search exceeded its work budget.
     Budget,
     /// A wrong time of all ranges explains the data.
     Time,
@@ -41,7 +42,7 @@ pub enum ExclusionOutcome {
     Passed,
     /// The remaining rows pass the test.
     Isolated,
-    /// The fault remains, with the reason why no row is identified.
+    /// The fault is not isolated, for this reason.
     NotIsolated(Unidentified),
 }
 
@@ -69,7 +70,7 @@ impl<T: Real> Exclusion<T> {
         Self { rows: Vec::new(), outcome: ExclusionOutcome::Passed }
     }
 
-    /// Returns the exclusion of no rows although there is a fault.
+    /// Returns the exclusion of no rows, although there is a fault.
     pub const fn not_isolated(reason: Unidentified) -> Self {
         Self { rows: Vec::new(), outcome: ExclusionOutcome::NotIsolated(reason) }
     }
@@ -84,7 +85,8 @@ pub fn leave_out<T: Real>(
     let mut rows = Vec::new();
     for &index in set {
         let w_test = solution.snapshot().row(index).map_or(T::zero(), |(_, fit)| fit.w_test());
-        // If no position is left, the test below applies to the rows left out so far.
+        // If no position is left without this row, the test below is of the solution without the
+        // earlier rows only.
         if solution.leave_out(index).is_err() || rows.push(Excluded { index, w_test }).is_err() {
             break;
         }

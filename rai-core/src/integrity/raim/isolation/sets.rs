@@ -1,14 +1,14 @@
-//! Enumeration of all sets of one, two or three rows, with the decrease of SSE without each.
+//! Enumeration of all sets of one, two or three rows, each with the decrease of SSE without it.
 //!
-//! Work: `n + n(n−1)/2 + n(n−1)(n−2)/6` sets, 10,700 for 40 rows. A set costs a dozen products,
-//! because a third row that is combined with many pairs is projected out of all rows first
+//! Work: `n + n(n−1)/2 + n(n−1)(n−2)/6` sets, 10,700 for 40 rows. A set takes a dozen products: a
+//! row that forms triples with many pairs is first projected out of all others
 //! ([`crate::least_squares::downdate`]).
 
 use crate::least_squares::downdate::{NormalisedRow, PairCandidate, ReducedRow, ReducedRows};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 
-/// Returns the number of sets of up to `largest` of `rows` rows; a set has at most
+/// Returns the number of sets of up to `largest` rows out of `rows`; a set has at most
 /// [`MAX_EXCLUDED`].
 pub const fn count_up_to(largest: usize, rows: usize) -> usize {
     let (ones, twos) = (rows, rows * rows.saturating_sub(1) / 2);
@@ -21,7 +21,7 @@ pub const fn count_up_to(largest: usize, rows: usize) -> usize {
     }
 }
 
-/// Budget of sets that may still be compared.
+/// Budget of a search: the number of sets that it may still compare.
 pub(in crate::integrity::raim) struct SetBudget {
     pub(in crate::integrity::raim) left: usize,
     /// True if more sets were needed than granted.
@@ -42,11 +42,11 @@ impl SetBudget {
     }
 }
 
-/// Shows each set of a size that explains at least the bar, in lexicographic order: its decrease of
-/// SSE and its rows.
+/// Calls `show` for each set of a size that decreases SSE by at least the bar, in lexicographic
+/// order, with this decrease and its rows.
 ///
-/// The callback returns the new bar. Few sets reach it, so that most cost one comparison.
-// Not inlined, so that the reduced rows are off the stack when the sets are used.
+/// The callback returns the new bar. Few sets reach it, so that most take one comparison.
+// Not inlined, so that the reduced rows are off the stack after the enumeration.
 #[inline(never)]
 pub(in crate::integrity::raim) fn each_of_size<T: Real>(
     rows: &[NormalisedRow<T>],
@@ -72,8 +72,8 @@ pub(in crate::integrity::raim) fn each_of_size<T: Real>(
     }
 }
 
-/// Shows the decrease of SSE of each set of one or two rows that explains at least the bar, for
-/// rows beside an estimated column.
+/// Works like [`each_of_size`] for sets of one or two rows from which one more estimated parameter
+/// was projected out. The callback receives only the decrease.
 // Not inlined, for the same reason.
 #[inline(never)]
 pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real>(
@@ -111,14 +111,14 @@ impl<T: Real> SetFilter<'_, T> {
     }
 }
 
-/// Writes reduced rows into a buffer that holds as many as there are.
+/// Writes reduced rows into a buffer, which has capacity for all.
 fn stand<'r, T: Real>(place: &mut ReducedRows<'r, T>, standings: impl Iterator<Item = ReducedRow<'r, T>>) {
     place.clear();
     standings.for_each(|standing| _ = place.push(standing));
 }
 
-/// Visits all pairs of rows, beside the row `gone` that is projected out already and explains
-/// `explained`.
+/// Visits all pairs of rows; if the row `gone` was projected out, each forms a triple with it.
+/// `explained` is the decrease of SSE without `gone`.
 // Not inlined, so that pairs and triples share one copy.
 #[inline(never)]
 fn pairs<T: Real>(
@@ -162,7 +162,7 @@ fn triples<'r, T: Real>(
     }
 }
 
-/// Iterates over each element with those after it; nested, it visits every combination once, in
+/// Iterates over each element with those after it. Nested calls visit every combination once, in
 /// lexicographic order.
 fn tails<E>(elements: &[E]) -> impl Iterator<Item = (&E, &[E])> {
     (0..elements.len()).filter_map(|first| elements.get(first..)?.split_first())

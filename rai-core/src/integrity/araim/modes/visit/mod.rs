@@ -1,4 +1,4 @@
-//! Walk through the modes: visits every set of satellites that a monitored combination takes, once.
+//! Walk through the modes: visits once every set of satellites that a monitored combination takes.
 
 mod pairs;
 
@@ -31,7 +31,7 @@ pub(in crate::integrity::araim) struct ModeBatch<T> {
     pub(in crate::integrity::araim) rows: RowSet,
     /// Number of satellites that each mode takes.
     pub(in crate::integrity::araim) taken: usize,
-    /// `p_k` of the likeliest, or more.
+    /// `p_k` of the likeliest mode, or more.
     pub(in crate::integrity::araim) probability: T,
     /// Logarithm of `probability`.
     pub(in crate::integrity::araim) ln_probability: T,
@@ -39,8 +39,8 @@ pub(in crate::integrity::araim) struct ModeBatch<T> {
 
 /// Receiver of the visited modes.
 pub(in crate::integrity::araim) trait Visitor<T> {
-    /// Returns the rows of those modes of a batch that must be visited one by one. The others are
-    /// finished.
+    /// Returns the rows of a batch whose modes must be visited one by one. The others are
+    /// dismissed.
     fn screen(&mut self, batch: &ModeBatch<T>) -> RowSet {
         batch.rows
     }
@@ -55,7 +55,7 @@ pub(in crate::integrity::araim) struct RemainingRows {
     members: [RowSet; Constellation::COUNT],
     /// Rows that are the only remaining ones of their constellation.
     alone: RowSet,
-    /// Rows of constellations that a few of them can empty.
+    /// Rows of constellations with so few rows that one mode can take all.
     few: RowSet,
     /// Constellations with remaining rows, a bit for each id.
     pub(super) in_view: usize,
@@ -84,19 +84,20 @@ pub(super) struct ModeWalk<'m, T: Real> {
     pub(super) gone: RowSet,
     /// Remaining rows of each constellation.
     pub(super) members: &'m [RowSet; Constellation::COUNT],
-    /// True if a few rows can empty a constellation.
+    /// True if one mode can take all rows of a constellation.
     has_few: bool,
-    /// Rows that a mode can name: of other constellations, and not alone in theirs.
+    /// Rows that a mode can take one by one: those of other constellations, unless they are the
+    /// only ones.
     pub(super) left: RowSet,
 }
 
 impl<'m, T: Real> ModeWalk<'m, T> {
-    /// Returns the walk of modes that lose these constellations, which are in view and no more than
-    /// the limit.
+    /// Returns the walk through the modes that lose these constellations. They must be in view and
+    /// no more than the limit.
     pub(super) fn without(modes: &'m Modes<T>, lost: usize, remains: &'m RemainingRows) -> Self {
         let RemainingRows { gone, members, alone, few, .. } = remains;
         let lost_rows = modes.rows_of(lost) & !gone;
-        // Without its only satellite a constellation is lost, which is another mode.
+        // Without its only satellite a constellation is lost, which belongs to another walk.
         let left = modes.fallible & !gone & !lost_rows & !alone;
         let lost_count = lost_rows.count_ones() as usize;
         Self { modes, lost, lost_rows, lost_count, gone: *gone, members, has_few: few & left != 0, left }
@@ -150,8 +151,8 @@ impl<'m, T: Real> ModeWalk<'m, T> {
         ControlFlow::Continue(())
     }
 
-    /// Returns the mode of these rows beside the constellations, or `None` if it is not monitored,
-    /// or is another mode.
+    /// Returns the mode of the lost constellations and these rows. Returns `None` if it is not
+    /// monitored, or if it belongs to another walk.
     #[inline]
     fn mode(
         &self,
@@ -163,8 +164,8 @@ impl<'m, T: Real> ModeWalk<'m, T> {
         if self.has_few && size > 1 && self.empties(chosen) {
             return None;
         }
-        // Without an exclusion only these events take just these rows, and beyond the limit of
-        // events no others do.
+        // Without an exclusion, only these events take just these rows. So it is at the limit of
+        // events.
         let is_sole = self.lost == 0 && (self.gone == 0 || size == self.modes.limit);
         let (probability, ln_probability) = if is_sole {
             self.sole(chosen, rows, size, was_monitorable)?
@@ -177,12 +178,13 @@ impl<'m, T: Real> ModeWalk<'m, T> {
         (probability > T::zero()).then_some(Mode { hypothesis, taken, probability, ln_probability })
     }
 
-    /// Returns true if some rows are all remaining ones of a constellation, which is another mode.
+    /// Returns true if the rows contain all remaining ones of a constellation, which is another
+    /// mode.
     fn empties(&self, chosen: RowSet) -> bool {
         self.members.iter().any(|&members| members & self.left != 0 && members & !chosen == 0)
     }
 
-    /// Returns the probability that each of these rows fails independently, and its logarithm.
+    /// Returns the probability that just these rows fail independently, and its logarithm.
     #[inline]
     fn sole(
         &self,
@@ -207,9 +209,10 @@ impl<'m, T: Real> ModeWalk<'m, T> {
         (watched && (self.gone == 0 || was_monitorable(chosen))).then_some((product, ln))
     }
 
-    /// Returns true if only the loss of these constellations takes just their satellites.
+    /// Returns true if no other combination takes just the satellites of the lost constellations.
     ///
-    /// They then have more satellites than can fail at once, and no more events are allowed.
+    /// This is so if they have more satellites than can fail at once, and their number is the limit
+    /// of events.
     fn has_one_cause(&self) -> bool {
         let limit = self.modes.limit;
         let is_large = |size: &usize| *size > limit;

@@ -1,9 +1,9 @@
-//! Pairs of events as sets, so that unmonitored pairs are never visited.
+//! Pairs of events, treated as sets of second events, so that unmonitored pairs are never visited.
 //!
-//! If constellations are homogeneous ([`super::super::Modes::is_regular`]), a pair of satellites is
-//! monitored unless both are in a constellation whose loss stands for it, or it comes after the
-//! cut. A constellation's loss with a satellite of another is monitored unless it comes after the
-//! cut. Each such pair is the only cause of its mode.
+//! This is possible if constellations are homogeneous ([`super::super::Modes::is_regular`]). A pair
+//! of satellites is then monitored, unless it comes after the cut or is counted with the loss of
+//! their constellation. A constellation's loss with a satellite of another one is monitored, unless
+//! it comes after the cut. Each such pair is the only cause of its mode.
 
 use core::cmp::Ordering;
 use core::ops::ControlFlow;
@@ -24,9 +24,9 @@ struct FirstEvent<T> {
     /// The first event alone.
     hypothesis: Hypothesis,
     event: RowSet,
-    /// Rows of the event with all satellites in view.
+    /// Rows of the event before an exclusion.
     rows: RowSet,
-    /// Number of rows that a pair with it takes, all satellites in view.
+    /// Number of rows that a pair with it takes before an exclusion.
     size: usize,
     /// Number of remaining rows that a pair with it takes.
     taken: usize,
@@ -39,7 +39,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
     /// Returns `None` if modes of two events must be visited one by one.
     pub(super) fn of(walk: &'w ModeWalk<'m, T>) -> Option<Self> {
         let lost = walk.lost;
-        // The last row of a constellation is lost with it as well as alone.
+        // The last row of a constellation can be lost with the constellation or alone.
         let is_alone = |(id, rows): (usize, &RowSet)| lost >> id & 1 != 0 && rows.is_power_of_two();
         let has_one_cause = !walk.members.iter().enumerate().any(is_alone);
         (walk.modes.is_regular && lost.count_ones() < 2 && has_one_cause).then_some(Self { walk })
@@ -66,8 +66,8 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         })
     }
 
-    /// Visits the singly monitored rows, without exclusions: none of them is consolidated into its
-    /// constellation's loss.
+    /// Visits the singly monitored rows, if no satellite is excluded. None of them is counted with
+    /// its constellation's loss.
     pub(super) fn visit_singles(&self, visitor: &mut dyn Visitor<T>) -> ControlFlow<()> {
         let modes = self.walk.modes;
         let rows = self.monitored_singles();
@@ -140,8 +140,8 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         })
     }
 
-    /// Returns the rows that are monitored in no pair with a row: those of its constellation, if
-    /// its loss stands for such pairs or both are all remaining rows of it.
+    /// Returns the rows with which a row forms no monitored pair: those of its constellation, if
+    /// such pairs are counted with its loss or take all of its rows.
     fn consolidated_with(&self, index: usize) -> RowSet {
         let ModeWalk { modes, members, .. } = self.walk;
         let fellows = modes

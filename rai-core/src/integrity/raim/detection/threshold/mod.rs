@@ -1,8 +1,8 @@
-//! Thresholds from committed tables: the value above which a statistic means a fault.
+//! Thresholds from committed tables: the values from which a statistic means a fault.
 //!
 //! ```text
 //! tau1(ν)    Q(tau1; ν) = Pfa                 global test: SSE ≥ tau1 detects
-//! lambda(ν)  G(tau1; ν, lambda) = Pmd         smallest fault, as non-centrality, that is missed with Pmd at most
+//! lambda(ν)  G(tau1; ν, lambda) = Pmd         smallest fault, as non-centrality, that is missed with at most Pmd
 //! T_d(n)     Q(T_d²; 1) = Pfa / n             w-test, two-sided, one of n
 //! ```
 //!
@@ -15,14 +15,14 @@
 //! | `T_d` | `w_test` | dimensionless: a residual in units of its sigma |
 //! | `ν` | `dof` | degrees of freedom |
 //!
-//! The table is generated (`cargo xtask tables`) and exact to 1e-12 relative. Nothing is
-//! interpolated between probabilities and nothing is extrapolated: a probability that is not in the
-//! table is an error that names the nearest one, and beyond a row's end the result is `None`.
-//! Without the feature `tables` only the probabilities of the phases of flight are there, and
-//! without `double-tables` rows end earlier and are in single precision.
+//! The tables are generated (`cargo xtask tables`) and accurate to 1e-12, relative. Nothing is
+//! interpolated or extrapolated. For a probability that is not in the tables, the error names the
+//! nearest one. Beyond the end of a row the result is `None`. Without the feature `tables` there
+//! are only the probabilities of the phases of flight. Without `double-tables` rows are shorter and
+//! in single precision.
 //!
-//! Thresholds that depend on the geometry are computed in
-//! [`chi_square`](crate::numeric::chi_square); [`policy`] chooses.
+//! [`chi_square`](crate::numeric::chi_square) computes thresholds that depend on the geometry;
+//! [`policy`] chooses among them.
 //!
 //! References: [Yang2015] §1–2, [Lin2016] eq. 12, 20, 24.
 //!
@@ -45,8 +45,8 @@ use rows::TableScalar;
 /// The largest number of simultaneous w-tests in the tables.
 pub const MAX_TESTS: usize = 64;
 
-/// Largest relative difference from a probability of the table that still counts as equal: decimal
-/// rounding, no more.
+/// Largest relative difference to a probability of the table that still counts as equal. It permits
+/// decimal rounding only.
 const SAME_PROBABILITY: f64 = 1e-9;
 
 /// Thresholds for one pair of probabilities, in the precision of the test.
@@ -112,7 +112,7 @@ impl Thresholds<'static> {
             .map_err(|nearest| ThresholdError::FalseAlarm { value: false_alarm, nearest })?;
         let miss = matching(&rows::MISSED_DETECTION, missed_detection)
             .map_err(|nearest| ThresholdError::MissedDetection { value: missed_detection, nearest })?;
-        // There are as many rows as probabilities, so that there is always one.
+        // There are as many rows as probabilities, so that the defaults are never used.
         let tau1 = rows::TAU1.get(alarm).map_or(&[][..], |row| row);
         let w_test = rows::W_TEST.get(alarm).map_or(&[][..], |row| row);
         let lambda = rows::LAMBDA.get(alarm).and_then(|rows| rows.get(miss)).map_or(&[][..], |row| row);
@@ -136,13 +136,13 @@ impl Thresholds<'_> {
         element(self.tau1, dof)
     }
 
-    /// Returns the non-centrality of the smallest fault that is missed with the required
-    /// probability at most, or `None` as above.
+    /// Returns the non-centrality of the smallest fault that is missed with at most the required
+    /// probability, or `None` as [`Self::tau1`].
     pub fn lambda<T: Real>(&self, dof: usize) -> Option<T> {
         element(self.lambda, dof)
     }
 
-    /// Returns the two-sided threshold of one of `tests` w-tests, or `None` for no test or beyond
+    /// Returns the two-sided threshold of each of `tests` w-tests, or `None` for 0 tests or beyond
     /// the row.
     pub fn w_test<T: Real>(&self, tests: usize) -> Option<T> {
         element(self.w_test, tests)

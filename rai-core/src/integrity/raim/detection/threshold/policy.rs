@@ -1,16 +1,17 @@
-//! Threshold policies: the position of the global test's threshold between two risks.
+//! Threshold policies: the choice of the global test's threshold between two risks.
 //!
 //! ```text
-//! δ      = min (f AL / max slope)²           horizontal, and vertical where a limit is set
-//! T1     Q(τ1; ν) = P_fa                     as low as false alarms allow: least risk to integrity
-//! T2     G(τ2; ν, δ) = P_md                  as high as missed detections allow: least risk to continuity
-//! T_OP   κ f(τ; ν) = g(τ; ν, δ)              least κ P_F + P_M, held between τ1 and τ2
+//! δ      = min (f AL / max slope)²           horizontal, and vertical if a limit is set
+//! T1     Q(τ1; ν) = P_fa                     as low as false alarms permit: least risk to integrity
+//! T2     G(τ2; ν, δ) = P_md                  as high as missed detections permit: least risk to continuity
+//! T_OP   κ f(τ; ν) = g(τ; ν, δ)              least κ P_F + P_M, limited to τ1 … τ2
 //! ```
 //!
-//! `f` and `g` are the densities of the statistic without a fault and with one that moves the
-//! position just to its share of the alert limit. A threshold meets both probabilities if
-//! `τ1 < τ2`, which is the same as `δ > λ(τ1)` and as `HPL < f HAL`; the code compares `δ > λ(τ1)`,
-//! which needs no quantile.
+//! `f(τ; ν)` is the density of SSE without a fault. `g` is its density with a fault that moves the
+//! position just by its share of the alert limit. `P_F` and `P_M` are the probabilities of false
+//! alarm and missed detection under `τ`. A threshold meets both probabilities if `τ1 < τ2`. This is
+//! equivalent to `δ > λ(τ1)` and, by the papers' level, to `HPL < f HAL`. The code compares
+//! `δ > λ(τ1)`, which needs no quantile.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -21,11 +22,11 @@
 //! | `κ` | [`Weights`] | dimensionless: cost of a false alarm over that of a missed detection |
 //! | `f` | `guard_fraction` | dimensionless |
 //!
-//! Departures from [Yang2015]: the text's `HAL (1 − f)` is the guard band, its formula and figures
-//! use `HAL f`, as here. A crossing above `τ2` is lowered to `τ2`, on which the paper is silent:
-//! `P_md` would be exceeded. The sum `P_F + P_M` is a cost, not a probability, since the two hold
-//! under different hypotheses; equal weights are the paper's, other ones its natural
-//! generalisation.
+//! Departures from [Yang2015]: its text has `HAL (1 − f)`, the guard band; its formula and figures
+//! use `HAL f`, as here. A crossing above `τ2` is lowered to `τ2`, because `P_md` would be
+//! exceeded; the paper does not treat this case. The sum `P_F + P_M` is a cost and not a
+//! probability, because the two belong to different hypotheses. The paper weighs them equally; `κ`
+//! generalises this.
 //!
 //! References: [Yang2015] §1–2.
 //!
@@ -87,7 +88,7 @@ pub struct ThresholdProblem<'t> {
     pub thresholds: Thresholds<'t>,
     /// Probability that a fault which matters is missed.
     pub missed_detection: Probability,
-    /// Weights that [`Policy::TOp`] minimises with.
+    /// Weights of the sum that [`Policy::TOp`] minimises.
     pub weights: Weights,
 }
 
@@ -99,9 +100,9 @@ pub struct PolicyThreshold {
     pub tau: f64,
     /// Non-centrality for the protection levels under this threshold, dimensionless.
     ///
-    /// For [`Policy::T2`] it equals [`ThresholdProblem::noncentrality`]: the protection level then
-    /// is its share of the alert limit, neither more nor less. The policy decides before whether
-    /// the limits are met, not a second comparison of the levels.
+    /// For [`Policy::T2`] it equals [`ThresholdProblem::noncentrality`], so that the protection
+    /// level equals its share of the alert limit. [`ThresholdProblem::threshold`] has then already
+    /// checked that the limits can be met.
     pub lambda: f64,
 }
 
@@ -144,9 +145,9 @@ pub enum Status {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Decision {
-    /// Lower bound, set by false alarms.
+    /// Lower bound `τ1`, set by false alarms.
     pub tau1: f64,
-    /// Upper bound, set by missed detections.
+    /// Upper bound `τ2`, set by missed detections.
     pub tau2: f64,
     /// Crossing of the densities without the bounds; 0 if they do not cross.
     pub tau_op_raw: f64,
@@ -165,8 +166,7 @@ pub fn range_threshold_m(tau: f64, dof: usize, sigma_m: f64) -> f64 {
 }
 
 impl<'t> ThresholdProblem<'t> {
-    /// Returns the problem that `requirements` pose for these level inputs; both risks weigh the
-    /// same.
+    /// Returns the problem for these requirements and level inputs, with equal weights.
     pub fn new<T: Real>(
         dof: usize,
         exposure: &LevelInputs<'_, T>,
@@ -186,11 +186,11 @@ impl<'t> ThresholdProblem<'t> {
         }
     }
 
-    /// Returns the threshold of one policy with no more work than it needs: none for `T1`, one
-    /// quantile for `T2`, one crossing and one non-centrality for `TOp`.
+    /// Returns the threshold of one policy. `T1` only reads the tables; `T2` needs one quantile,
+    /// `TOp` one crossing and one non-centrality.
     ///
-    /// `T1` is never refused for its risk, because its protection levels show whether the limits
-    /// are met.
+    /// `T1` is never refused with [`NoThreshold::Risk`], because its protection levels are compared
+    /// with the limits later.
     ///
     /// # Errors
     /// [`NoThreshold`] names what is missing.
@@ -241,10 +241,10 @@ impl<'t> ThresholdProblem<'t> {
         test.crossing(self.noncentrality, self.weights.ln_ratio).widen()
     }
 
-    /// Returns the crossing, held within the bounds.
+    /// Returns the crossing, limited to the bounds.
     ///
-    /// It is below `τ2` exactly if its own non-centrality is below the given one, so that the upper
-    /// bound itself is computed only if it applies.
+    /// The crossing is below `τ2` exactly if its non-centrality is below
+    /// [`ThresholdProblem::noncentrality`]. So `τ2` is computed only if it applies.
     fn optimal<T: Real>(&self, classic: PolicyThreshold, test: &ChiSquare<T>) -> PolicyThreshold {
         let tau = self.crossing(test);
         if tau <= classic.tau {

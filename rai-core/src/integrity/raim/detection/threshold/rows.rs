@@ -1,18 +1,24 @@
 //! Rows of the committed tables that a build contains.
 //!
-//! Without the feature `tables` they are those of the phases of flight, which all need the same two
-//! probabilities ([`crate::requirements`]). Without `double-tables` rows end at the capacity of
+//! Without the feature `tables` these are the rows of the phases of flight, which all need the same
+//! two probabilities ([`crate::requirements`]). Without `double-tables` rows end at the capacity of
 //! [`single`](crate::single) and are in its precision, because a build for `single` alone cannot
-//! use the rest. All rows take 26 KB of flash, short ones in single precision 10, one pair of these
-//! 0.8.
+//! use the rest.
+//!
+//! | features | flash |
+//! |---|---|
+//! | `tables`, `double-tables` | 26 KB |
+//! | `tables` | 10 KB |
+//! | neither | 0.8 KB |
 #![allow(clippy::indexing_slicing, reason = "while compiling, where an index beyond the end is an error")]
 
 use super::table;
 use crate::bounded::CAPACITY;
 use crate::numeric::probability::Probability;
 
-/// Length of the rows, in degrees of freedom and in tests.
+/// Length of the rows for one or more degrees of freedom.
 const DOF: usize = if cfg!(feature = "double-tables") { super::MAX_DOF } else { CAPACITY };
+/// Length of the rows for one or more w-tests.
 const TESTS: usize = if cfg!(feature = "double-tables") { super::MAX_TESTS } else { CAPACITY };
 
 #[cfg(feature = "tables")]
@@ -26,8 +32,9 @@ mod taken {
     use super::super::table;
     use crate::requirements;
 
-    /// Indices of the phases' probability of false alarm and of missed detection in the tables.
+    /// Index of the phases' probability of false alarm in the tables.
     pub(super) const ALARMS: [usize; 1] = [6];
+    /// Index of their probability of missed detection in the tables.
     pub(super) const MISSES: [usize; 1] = [0];
 
     const _: () =
@@ -42,8 +49,8 @@ use taken::{ALARMS, MISSES};
 pub(super) static FALSE_ALARM: [Probability; ALARMS.len()] = probabilities(&table::FALSE_ALARM, ALARMS);
 pub(super) static MISSED_DETECTION: [Probability; MISSES.len()] =
     probabilities(&table::MISSED_DETECTION, MISSES);
-/// Scalar of the rows. A test rounds its threshold to its own precision, so that a test in single
-/// precision gets the same from both.
+/// Scalar of the rows. A test rounds its threshold to its precision. With either scalar, a test in
+/// single precision therefore has the same threshold.
 #[cfg(not(feature = "double-tables"))]
 pub(super) type TableScalar = f32;
 /// Scalar of the rows.
@@ -70,7 +77,7 @@ const fn probabilities<const N: usize>(all: &[Probability], taken: [usize; N]) -
     probabilities
 }
 
-/// Returns the fronts of the selected rows.
+/// Returns the first elements of the selected rows.
 const fn fronts<const LONG: usize, const SHORT: usize, const N: usize>(
     rows: &[[f64; LONG]],
     taken: [usize; N],

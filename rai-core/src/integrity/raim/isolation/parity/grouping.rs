@@ -1,12 +1,12 @@
-//! Grouping: the best of all sets of one row, then of two, then of three, until one passes.
+//! Grouping: the best of all sets of one row, then of two, then of three, until the rest passes.
 //!
-//! The best set of a size is the one with the smallest `SSE_E`, the first in lexicographic order of
-//! equals. It finds two faults that hide behind a third, healthy row, which sequential isolation
-//! misses.
+//! The best set of a size has the smallest `SSE_E`; of equal sets it is the first in lexicographic
+//! order. Grouping finds two faults together that make a third, healthy row look worst. Sequential
+//! isolation fails there.
 //!
-//! Only the best set of a size is checked for refusal. If it is refused, the sets of that size are
-//! compared again below it. In `f32` on a Cortex-M4F all pairs of 20 rows take 14,400 instructions,
-//! all triples 78,800. If the budget is used up, the search ends without a result.
+//! [`ExclusionSet`] may refuse the best set of a size. The sets of that size that explain less are
+//! then compared again. In `f32` on a Cortex-M4F all pairs of 20 rows take 14,400 instructions, all
+//! triples 78,800. If the budget is used up, the search ends without a result.
 
 use super::{ParityFinding, ParitySearch, SearchLimits, search};
 use crate::integrity::raim::detection::threshold::Thresholds;
@@ -31,7 +31,7 @@ impl<T: Real> ParitySearch<'_, T> {
     pub(super) fn grouping(&self) -> ParityFinding<T> {
         let mut contest = GroupingSearch { rows: self.rows, work: SetBudget::new(self.limits.sets) };
         let sets = |contest: &GroupingSearch<'_, T>| self.limits.sets - contest.work.left;
-        // Without a degree of freedom every set would pass and none would be significant.
+        // At least one degree of freedom must remain, because otherwise every set would pass.
         let largest = self.limits.rows().min(self.snapshot.dof().saturating_sub(1));
         for size in 1..=largest {
             let best = contest.best_of_size(size);
@@ -52,7 +52,7 @@ struct GroupingSearch<'r, T: Real> {
     work: SetBudget,
 }
 
-/// A set by the indices of its rows, as many as its size says.
+/// A set by the indices of its rows, followed by unused zeros.
 #[derive(Clone, Copy)]
 struct SetCandidate<T> {
     explained: T,
@@ -62,8 +62,8 @@ struct SetCandidate<T> {
 impl<T: Real> GroupingSearch<'_, T> {
     /// Returns the best set of a size that is not refused.
     ///
-    /// The best set is rarely refused, so that it is cheaper to compare all sets again than to
-    /// check each leading one.
+    /// The best set is rarely refused. Comparing all sets again is therefore cheaper than checking
+    /// every set that leads for a while.
     fn best_of_size(&mut self, size: usize) -> Option<ExclusionSet<T>> {
         // Sets that explain at least this much were refused.
         let mut ceiling = infinity();

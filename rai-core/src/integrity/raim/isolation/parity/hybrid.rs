@@ -1,9 +1,9 @@
-//! Hybrid isolation: the cheap guess first, the search only if the guess fails.
+//! Hybrid isolation: simultaneous isolation first, a search only if it fails.
 //!
-//! The simultaneous set is taken if it is not empty, not too large, passes the test, and is
-//! **minimal**: no set with one row less passes. [Parity] does not state the last rule, but without
-//! it collinear rows are removed together with the faulty one, and its own rate for single faults
-//! cannot be reached (0.923 instead of 0.993).
+//! The simultaneous set is used if it is not empty, not too large, passes the test, and is
+//! **minimal**: no set with one row less passes. [Parity] does not state the last rule. But without
+//! it healthy rows that are nearly collinear with the faulty one are left out too. The paper's rate
+//! for single faults cannot then be reached (0.923 instead of 0.993).
 //!
 //! Otherwise sequential isolation is tried (method B); if that fails too, grouping (method C).
 //!
@@ -15,7 +15,7 @@ use crate::least_squares::Snapshot;
 use crate::least_squares::downdate::ExclusionSet;
 use crate::numeric::real::Real;
 
-/// Isolates simultaneously, else sequentially (method B).
+/// Isolates simultaneously, or else sequentially (method B).
 #[inline(never)]
 pub fn hybrid_without_grouping<T: Real>(
     snapshot: &Snapshot<'_, T>,
@@ -25,7 +25,7 @@ pub fn hybrid_without_grouping<T: Real>(
     search(snapshot, thresholds, limits, |search: &ParitySearch<'_, T>| search.hybrid_without_grouping())
 }
 
-/// Isolates simultaneously, else sequentially, else by grouping (method C).
+/// Isolates simultaneously, or else sequentially, or else by grouping (method C).
 #[inline(never)]
 pub fn hybrid<T: Real>(
     snapshot: &Snapshot<'_, T>,
@@ -60,7 +60,7 @@ impl<T: Real> ParitySearch<'_, T> {
 
     /// Returns the simultaneous set, or `None` if it is empty, larger than may be left out, or
     /// refused.
-    // Not inlined, nor is the next function, so that these large sets are off the stack in later
+    // Like the next function not inlined, so that these large sets are off the stack during later
     // searches.
     #[inline(never)]
     fn correlated_set(&self) -> Option<ExclusionSet<T>> {

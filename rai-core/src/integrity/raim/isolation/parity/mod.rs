@@ -1,16 +1,16 @@
 //! Parity space: isolation of several faults from one snapshot.
 //!
 //! The parity vector `p` is the part of the ranges that position and clocks do not explain. A bias
-//! of row `i` moves it along the line `p_i`; a set `E` of biases moves it within the plane of their
-//! lines, and the part outside is `SSE_E`. All four methods compare sets by `SSE_E` without solving
-//! again ([`crate::least_squares::downdate`]).
+//! of row `i` moves it along the line `p_i`. Biases of a set `E` move it within the plane of their
+//! lines. `SSE_E` is the squared length of the part of `p` outside this plane. All four methods
+//! compare sets by `SSE_E` without solving again ([`crate::least_squares::downdate`]).
 //!
 //! | method | rows identified | function |
 //! |---|---|---|
 //! | simultaneous (A) | all with `|ρ_i| ≥ ρ_T` at once | [`simultaneous`] |
 //! | sequential | the largest `|w|`, repeatedly, until the rest passes | [`sequential`] |
-//! | hybrid (B, C) | A if its set is minimal and the rest passes, else sequential (B), else grouping (C) | [`hybrid`] |
-//! | grouping (D) | of all sets of 1, 2, … rows the one with the smallest `SSE_E`, until that passes | [`grouping`] |
+//! | hybrid (B, C) | those of A if the set is minimal and the rest passes, else sequential (B), else grouping (C) | [`hybrid`] |
+//! | grouping (D) | of all sets of 1, 2, … rows the one with the smallest `SSE_E`, until the rest passes | [`grouping`] |
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -18,15 +18,14 @@
 //! | `τ1` | threshold of the global test for the degrees of freedom left | – |
 //! | `ρ_T` | threshold on the correlation | – |
 //!
-//! Work is bounded: [`SearchLimits::sets`] sets at most, [`MAX_SETS`] of them being every set of up
-//! to three of 40 rows. A search that is cut identifies no row and reports it
-//! ([`Unidentified::Budget`]).
+//! A search compares at most [`SearchLimits::sets`] sets; [`MAX_SETS`] is the number of all sets of
+//! up to three of 40 rows. If the budget is used up, the search identifies no row and reports
+//! [`Unidentified::Budget`].
 //!
-//! In `f32` the ranking of sets resolves differences of about 1e-6 of SSE. The test of the set
-//! found does not lose these digits, so that a wrong set is refused.
+//! In `f32` the ranking of sets resolves differences of about 1e-6 of SSE. The final test does not
+//! lose these digits, so that it refuses a wrong set.
 //!
-//! The searches are not inlined, because each takes 2.5 KiB of the stack and more, and in turn they
-//! share it.
+//! The searches are not inlined: each needs at least 2.5 KiB of stack, which they then use in turn.
 //!
 //! References: [Parity] and, for the global test, [Yang2015] §1.
 //!
@@ -73,31 +72,31 @@ const ALPHA: Probability = match Probability::new(0.01) {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum Isolation {
-    /// All rows whose correlation is large, at once.
+    /// Leaves out all rows whose correlation is large, at once.
     Simultaneous,
-    /// The worst row, repeatedly.
+    /// Leaves out the worst row, repeatedly.
     Sequential,
     /// Simultaneous, else sequential.
     HybridWithoutGrouping,
     /// Simultaneous, else sequential, else grouping.
     Hybrid,
-    /// Every set of one row, then of two, then of three.
+    /// Compares every set of one row, then of two, then of three.
     Grouping,
 }
 
 /// Limits of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SearchLimits {
-    /// Rows that may be left out; larger values mean [`MAX_EXCLUDED`].
+    /// Largest number of rows that may be left out; larger values mean [`MAX_EXCLUDED`].
     pub rows: usize,
-    /// Sets that may be tested before the search is cut.
+    /// Largest number of sets that the search may compare.
     pub sets: usize,
     /// Probability that the correlation of a healthy row exceeds its threshold.
     pub alpha: Probability,
 }
 
 impl SearchLimits {
-    /// Returns the limits of [Parity]: `α = 0.01`; up to [`MAX_EXCLUDED`] rows, with the work that
+    /// Returns the limits of [Parity]: `α = 0.01`, up to [`MAX_EXCLUDED`] rows, and the budget that
     /// 40 rows need.
     ///
     /// [Parity]: crate#references
@@ -113,8 +112,8 @@ impl SearchLimits {
 /// Result of a search with its cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParityFinding<T: Real> {
-    /// Set of rows without which the rest passes, empty if no fault was detected; or the reason why
-    /// there is none.
+    /// Set of rows without which the rest passes, or the reason why there is none. Empty if no
+    /// fault was detected.
     pub set: Result<ExclusionSet<T>, Unidentified>,
     /// Number of sets whose `SSE_E` was compared.
     pub sets: usize,
@@ -128,7 +127,7 @@ struct ParitySearch<'s, T: Real> {
     rows: &'s [NormalisedRow<T>],
 }
 
-/// Runs a search, or returns at once if no fault is detected or none can be isolated.
+/// Runs a search. Returns at once if no fault is detected or there is no redundancy.
 fn search<T: Real>(
     snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
@@ -157,7 +156,7 @@ impl<T: Real> ParitySearch<'_, T> {
     /// degrees of freedom.
     fn correlated(&self) -> impl Iterator<Item = &NormalisedRow<T>> {
         let threshold = correlation_threshold::<T>(self.limits.alpha, self.snapshot.dof());
-        // |ρ_i| ≥ ρ_T without a root: r_i² ≥ ρ_T² SSE S_ii.
+        // |ρ_i| ≥ ρ_T without a root: u_i² ≥ ρ_T² SSE S_ii.
         let bound = threshold.map(|threshold| threshold * threshold * self.snapshot.sse());
         self.rows.iter().filter(move |row| {
             bound.is_some_and(|bound| row.residual * row.residual >= bound * row.redundancy)
@@ -186,9 +185,9 @@ pub fn simultaneous<T: Real>(
 
 /// Isolates by one of the methods and leaves out the rows found.
 ///
-/// `solution` ends as the solution without the listed rows, solved and tested again. For every
-/// method [`ExclusionOutcome::Isolated`](super::exclusion::ExclusionOutcome::Isolated) means that
-/// the rest passes.
+/// Afterwards, `solution` is solved and tested without the listed rows. For every method
+/// [`ExclusionOutcome::Isolated`](super::exclusion::ExclusionOutcome::Isolated) means that the rest
+/// passes.
 pub fn exclude<T: Real>(
     method: Isolation,
     solution: &mut impl Excludable<T>,
@@ -216,7 +215,7 @@ fn indices<T: Real>(finding: ParityFinding<T>) -> Result<RowIndices, Unidentifie
     finding.set.map(|removal| gather(removal.rows().iter().map(|row| row.index)))
 }
 
-/// Returns the simultaneous set, empty if it has more rows than may be left out.
+/// Returns the simultaneous set, or an error if it has more rows than may be left out.
 fn all_at_once<T: Real>(
     snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,

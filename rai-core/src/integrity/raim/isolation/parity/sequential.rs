@@ -1,7 +1,7 @@
 //! Sequential isolation: leaves out the row with the largest |w| until the rest passes.
 //!
-//! `w²` of a row without the set so far is `q²/p` of [`crate::least_squares::downdate`]. Work: at
-//! most `n` sets for each row left out. Unlike
+//! Without the rows left out so far, a row's `w²` is `q²/p` of [`crate::least_squares::downdate`].
+//! Work: at most `n` sets for each row left out. Unlike
 //! [`crate::integrity::raim::isolation::baarda::exclude_sequentially`] it applies no threshold to
 //! |w|: [Parity] relies on the global test of the remaining rows.
 //!
@@ -39,8 +39,8 @@ impl<T: Real> ParitySearch<'_, T> {
         ParityFinding { set: Err(Unidentified::NoSet), sets }
     }
 
-    /// Adds the row of the largest |w| to the set, the first of equal ones. Returns `None` if it is
-    /// refused.
+    /// Adds the row with the largest |w| to the set, the first of equal ones. Returns `None` if it
+    /// is refused.
     fn leave_out_worst(&self, removal: &mut ExclusionSet<T>) -> Option<()> {
         let (mut worst, mut largest) = (None, T::zero());
         for row in self.rows {

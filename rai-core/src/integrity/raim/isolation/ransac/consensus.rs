@@ -1,11 +1,11 @@
-//! Consensus: the subset that the other satellites agree with, and the satellites that disagree.
+//! Consensus: the subset with which the other satellites agree, and the satellites that disagree.
 //!
-//! A subset's solution is that of its rows alone; the residuals of all others are then those of a
-//! prediction. A subset determines no clock of a constellation that it lacks. The residuals of that
-//! constellation are referred to their median, which up to half of them cannot move.
+//! A subset is solved alone, and predicts the ranges of all other rows. If it lacks a
+//! constellation, it does not determine that clock. The median of that constellation's residuals
+//! then replaces the clock; faults of fewer than half of them move it little.
 //!
-//! Among several inlier subsets the one with the fewest disagreements wins, then the one with the
-//! smallest sum of `min(z_i², T_r²)`, then the first. Cost: one solve for each subset.
+//! Among several inlier subsets the one with the fewest disagreements is chosen, then the one with
+//! the smallest sum of `min(z_i², T_r²)`, then the first. Cost: one solve for each subset.
 
 use core::fmt;
 
@@ -20,11 +20,11 @@ use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::Constellation;
 
-/// Largest position variance of a subset that still votes, in units of its mean range variance
+/// Largest position variance with which a subset is used, in units of its mean range variance
 /// (`PDOP²`).
 ///
-/// [Tian2024] leaves badly shaped subsets to the selection; beyond a PDOP of 1,000 no satellite
-/// would ever disagree.
+/// [Tian2024] relies on the selection to avoid badly shaped subsets. But above a PDOP of 1,000 no
+/// satellite would ever disagree.
 ///
 /// [Tian2024]: crate#references
 const MAX_DILUTION: f64 = 1e6;
@@ -35,7 +35,7 @@ const MAX_DILUTION: f64 = 1e6;
 pub enum NoConsensus {
     /// Fewer than two subsets, or a selection for other rows.
     TooFewSubsets,
-    /// Too many others disagree with each of them.
+    /// Too many other satellites disagree with each subset.
     NoInlier,
 }
 
@@ -70,7 +70,7 @@ pub(super) fn disagreement<T: Real>(rows: &[Row<T>], limits: &ConsensusLimits<'_
     limits.consensus.w_test(used).map(|threshold: T| threshold * threshold)
 }
 
-/// Lets each subset test the rows outside it.
+/// Tests the rows outside each subset with its solution.
 ///
 /// # Errors
 /// [`NoConsensus`] if no subset is an inlier.
@@ -97,7 +97,7 @@ pub fn consensus<T: Real>(
 /// Agreement of the rows outside a subset with its position.
 struct Vote<T> {
     against: usize,
-    /// Rows that disagree, as far as they may be left out.
+    /// Rows that disagree, up to the number that may be left out.
     rows: Vec<usize, MAX_EXCLUDED>,
     /// `Σ min(z², T_r²)`.
     misfit: T,
@@ -109,7 +109,7 @@ impl<T: Real> Vote<T> {
     }
 }
 
-/// Returns `None` if a subset gives no usable position.
+/// Returns the vote on a subset, or `None` if it determines no usable position.
 fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T) -> Option<Vote<T>> {
     let set = selection.set(subset);
     let mut solution = Estimate::none();
@@ -126,7 +126,7 @@ fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T
         }
         let level = row.clock.and_then(|clock| levels.get(clock as usize)).copied().flatten();
         let squared = deviation_squared(row, &solution, level.unwrap_or(T::zero()));
-        // NaN fails this comparison, so that it disagrees.
+        // NaN fails this comparison, so that the row disagrees.
         if squared < bound {
             vote.misfit += squared;
         } else {
@@ -138,7 +138,7 @@ fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T
     Some(vote)
 }
 
-/// Returns false for a position that a subset determines too badly.
+/// Returns false if the geometry of a subset is too bad for a vote.
 fn is_worth_a_vote<'r, T: Real>(members: impl Iterator<Item = &'r Row<T>>, solution: &Estimate<T>) -> bool {
     let members = members.filter(|row| row.weight > T::zero());
     let sum = members.fold(T::zero(), |sum, row| sum + row.sigma);
@@ -146,7 +146,8 @@ fn is_worth_a_vote<'r, T: Real>(members: impl Iterator<Item = &'r Row<T>>, solut
     solution.covariance().trace() <= mean * mean * T::narrow(MAX_DILUTION)
 }
 
-/// Returns `z_i²` of a row that is left out of a solution, its residual first referred to a level.
+/// Returns `z_i²` of a row that is left out of a solution, after subtracting `level` from its
+/// residual.
 #[inline(never)]
 pub(super) fn deviation_squared<T: Real>(row: &Row<T>, solution: &Estimate<T>, level: T) -> T {
     let fit = solution.fit(row);
@@ -155,8 +156,8 @@ pub(super) fn deviation_squared<T: Real>(row: &Row<T>, solution: &Estimate<T>, l
     residual * residual / variance
 }
 
-/// Returns the median of the residuals of a constellation that takes part in the epoch, but not in
-/// the solution.
+/// Returns the median of the residuals of a constellation that the epoch contains, but not the
+/// solution.
 #[inline(never)]
 fn median_without_clock<T: Real>(rows: &[Row<T>], solution: &Estimate<T>, clock: Constellation) -> Option<T> {
     if solution.determines(clock) {
@@ -168,8 +169,7 @@ fn median_without_clock<T: Real>(rows: &[Row<T>], solution: &Estimate<T>, clock:
     Some((ranked(&residuals, last / 2)? + ranked(&residuals, last.div_ceil(2))?) / T::narrow(2.0))
 }
 
-/// Returns the value with `rank` others before it, in ascending order, the first of equal ones
-/// first.
+/// Returns the value at `rank` (from 0) in ascending order.
 fn ranked<T: Real>(values: &[T], rank: usize) -> Option<T> {
     let before = |index: usize, value: T| {
         let earlier = values.iter().enumerate();

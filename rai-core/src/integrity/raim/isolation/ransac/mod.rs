@@ -2,13 +2,14 @@
 //! improved method).
 //!
 //! The satellites are dealt into `M = ⌊n/(3 + C)⌋` disjoint subsets of good geometry
-//! ([`Selection`]). Each subset gives a position, and each other satellite is compared with it. A
-//! fault spoils one subset; the others agree which satellite is faulty ([`consensus`]). A
-//! least-squares solution without these satellites then finds the small faults ([`refine`]).
+//! ([`Selection`]). Each subset determines a position, with which every other satellite is
+//! compared. A fault spoils one subset only, and the others show which satellite is faulty
+//! ([`consensus`]). A least-squares solution without the faulty satellites then finds small faults
+//! ([`refine`]).
 //!
 //! ```text
 //! x_k from subset k      v_i = y_i − h_i x_k      s_i² = σ_i² + h_i Cov_k h_iᵀ      z_i = |v_i| / s_i
-//! subset k is an inlier when at most k_max = min(3, M − 1) of the others have z_i ≥ T_r
+//! subset k is an inlier if at most k_max = min(3, M − 1) of the others have z_i ≥ T_r
 //! T_r = Q⁻¹(p_r / 2n), p_r = 1e-3
 //! ```
 //!
@@ -18,15 +19,18 @@
 //! | `T_r` | [`ConsensusLimits::consensus`] | – |
 //! | `σ_i`, `v_i`, `s_i` | of one range | m |
 //!
-//! If there are fewer than two subsets, or none that the others agree with, sequential exclusion is
-//! used ([`baarda`](super::baarda)). Three faults need four subsets: 16 satellites of one
-//! constellation, 20 of two. At most three faults are treated.
+//! If there are fewer than two subsets, or none is an inlier, sequential exclusion is used
+//! ([`baarda`](super::baarda)). Three faults, the largest number, need four subsets: 16 satellites
+//! of one constellation, or 20 of two.
 //!
-//! Departures from [Tian2024], which compares a root mean square with a χ² threshold: as soon as
-//! one satellite is faulty, every subset without it fails that test, so that subsets are ranked by
-//! the number of disagreeing satellites. `M` is `⌊n/(3 + C)⌋`, as in its text, not `⌊n/(4 + C)⌋`,
-//! as in its flow chart. The refinement is an addition: without it a fault of 150 m on a low
-//! satellite stays below `T_r s_i`.
+//! Departures from [Tian2024]:
+//!
+//! - The paper compares a root mean square with a χ² threshold. But as soon as one satellite is
+//!   faulty, every subset without it fails that test. Here subsets are ranked by the number of
+//!   disagreeing satellites.
+//! - `M` is `⌊n/(3 + C)⌋`, as in the paper's text, not `⌊n/(4 + C)⌋`, as in its flow chart.
+//! - The refinement is an addition. Without it a fault of 150 m on a low satellite stays below
+//!   `T_r s_i`.
 //!
 //! References: [Tian2024] §2, [Schroth2008] for consensus by counting.
 //!
@@ -56,9 +60,9 @@ use crate::numeric::real::Real;
 /// Thresholds of disagreement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConsensusLimits<'t> {
-    /// Thresholds whose w-test part applies to `z_i`.
+    /// Thresholds; their `w_test` applies to `z_i`.
     pub consensus: Thresholds<'t>,
-    /// Thresholds whose global test ends the refinement.
+    /// Thresholds; their `tau1` ends the refinement.
     pub refinement: Thresholds<'t>,
 }
 
@@ -91,12 +95,11 @@ const fn certain(tail: f64) -> Probability {
     }
 }
 
-/// Isolates by consensus and leaves out the rows found; without consensus falls back to sequential
-/// exclusion.
+/// Isolates by consensus and leaves out the rows found. Without a consensus it excludes
+/// sequentially.
 ///
-/// `selection` must have been made for the same satellites in the same order; one of another length
-/// counts as none. `solution` ends as the solution without the listed rows, solved and tested
-/// again.
+/// `selection` must have been made for the same satellites in the same order. A longer one is not
+/// used. Afterwards, `solution` is solved and tested without the listed rows.
 #[inline(never)]
 pub fn exclude<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -121,7 +124,7 @@ pub fn exclude<T: Real>(
     Exclusion { outcome: ExclusionOutcome::NotIsolated(Unidentified::NoSet), ..exclusion }
 }
 
-/// Works like [`exclude`], with the subsets that are kept while the satellites stay the same.
+/// Works like [`exclude`], with subsets that are stored as long as the satellites stay the same.
 #[inline(never)]
 pub fn exclude_in<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -129,11 +132,11 @@ pub fn exclude_in<T: Real>(
     thresholds: &Thresholds<'_>,
     subsets: &mut Subsets,
 ) -> Exclusion<T> {
-    // The tables hold both probabilities; without them it falls back as without consensus.
+    // In a build without the two probabilities, exclusion is sequential, as without a consensus.
     let Ok(published) = ConsensusLimits::published() else {
         return exclude_sequentially(solution, thresholds);
     };
-    // The remaining rows must pass the test in force, not the paper's.
+    // The remaining rows must pass the caller's test, not the paper's.
     let limits = ConsensusLimits { refinement: *thresholds, ..published };
     let selection = subsets.of(epoch, solution.snapshot().equations());
     exclude(solution, selection, thresholds, &limits)

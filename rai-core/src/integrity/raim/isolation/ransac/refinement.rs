@@ -1,12 +1,13 @@
-//! Refinement: solves with the satellites that agree, then tests again, in both directions.
+//! Refinement: solves with the satellites that agree, then leaves out and takes back rows by
+//! testing again.
 //!
-//! A subset's position is uncertain by tens of metres, so that small faults pass and a badly seen
-//! healthy satellite may be identified. With all others in the solution, the worst row is left out
-//! while the global test fails. At the end each row left out is compared with the solution, and
-//! taken back if it agrees.
+//! A subset's position is uncertain by tens of metres. Small faults therefore pass, and a healthy
+//! satellite with a large sigma may be blamed. The refinement solves with all satellites that
+//! agree. As long as the global test fails, it leaves out the worst row. At the end it compares
+//! each left-out row with the solution, and takes it back if it agrees.
 //!
-//! Bounded by the number of faults that the selection can carry: at most [`MAX_EXCLUDED`] solves
-//! and as many tests.
+//! The number of solves and tests is bounded by the number of faults that the selection can
+//! tolerate, at most [`MAX_EXCLUDED`].
 
 use heapless::Vec;
 
@@ -47,8 +48,8 @@ pub fn refine<T: Real>(
 
 /// Leaves the worst rows out and solves for the rest.
 ///
-/// Returns `None` if there are more of them than `most`, or none is left to test with; the solution
-/// is then unspecified.
+/// Returns `None` if more than `most` rows would be left out, or if no redundancy is left. The
+/// solution is then unspecified.
 fn exclude_until_passed<T: Real>(
     rows: &[Row<T>],
     left_out: &mut Vec<usize, MAX_EXCLUDED>,
@@ -77,7 +78,7 @@ fn exclude_until_passed<T: Real>(
     }
 }
 
-/// Returns true if a row that was left out does not fit, or has no clock to be compared with.
+/// Returns true if a left-out row disagrees, or if the solution does not determine its clock.
 fn disagrees<T: Real>(row: &Row<T>, solution: &Estimate<T>, bound: T) -> bool {
     let comparable = row.clock.is_none_or(|clock| solution.determines(clock));
     !comparable || !(deviation_squared(row, solution, T::zero()) < bound)

@@ -1,8 +1,8 @@
 //! Selection: deals the satellites into disjoint subsets of good geometry.
 //!
-//! Each subset begins with the four free satellites that span the largest tetrahedron. A subset
-//! that lacks a constellation then takes one of it. The rest go, one by one, to the smallest
-//! subset, each time the satellite that improves its geometry most:
+//! Each subset begins with the four free satellites that span the largest tetrahedron. If it lacks
+//! a constellation, a satellite of that constellation is added. Then the smallest subset receives,
+//! again and again, the free satellite that improves its geometry most:
 //!
 //! ```text
 //! 6 V = |det(u_2 − u_1, u_3 − u_1, u_4 − u_1)|
@@ -15,18 +15,18 @@
 //! | `V` | volume of the tetrahedron of four unit vectors | – |
 //! | `ΔGDOP_i²` | exact decrease of `tr G` when satellite `i` joins (Sherman–Morrison) | – |
 //!
-//! Ties go to the first in lexicographic order, the lowest index, the lowest subset. Geometry is
-//! compared with one common clock and without weights, as in [Tian2024]: a subset needs its
-//! constellations' clocks only to be solved.
+//! Of equal tetrahedra, satellites or subsets the first is chosen. Geometry is compared with one
+//! common clock and without weights, as in [Tian2024]. The clocks of several constellations matter
+//! only when a subset is solved.
 //!
-//! **Work.** The largest tetrahedron of `n` is found exactly, but most are never computed: a bound
-//! on two directions excludes them (`tetrahedra.rs`). Every computed one counts as work.
-//! [`MAX_WORK`] suffices for 24 satellites in any geometry; 40 of them, in 300 random skies, took
-//! 1,400 in the mean and 8,700 at most. If the budget is used up, the subsets are as many as
-//! otherwise, no exchange of one corner enlarges them by much, and [`Selection::cut`] is true.
+//! **Work.** The largest tetrahedron is found exactly, but most are never computed: a bound on two
+//! directions excludes them (`tetrahedra.rs`). Every computed one counts as work. [`MAX_WORK`]
+//! suffices for 24 satellites in any geometry. In 300 random skies of 40 satellites the mean work
+//! was 1,400, the largest 8,700. If the budget is used up, [`Selection::cut`] is true. The number
+//! of subsets is then the same, and no exchange of one corner enlarges a tetrahedron by much.
 //!
-//! The result depends on geometry alone, which hardly changes in minutes: keep it while the same
-//! satellites are visible.
+//! The result depends on the geometry alone, which hardly changes in minutes. It can be stored as
+//! long as the same satellites are visible.
 //!
 //! [Tian2024]: crate#references
 
@@ -42,14 +42,16 @@ use crate::numeric::real::Real;
 use crate::numeric::space::zero;
 use crate::satellite::Constellation;
 
-/// Most subsets, of four rows each: as many as all rows of one constellation give.
+/// Largest number of subsets, of four rows each: that of [`MAX_ROWS`] satellites of one
+/// constellation.
 pub const MAX_SUBSETS: usize = MAX_ROWS / 4;
 
 /// Number of triangles and tetrahedra of all subsets of 24 satellites.
 pub const MAX_WORK: usize = work_for(24);
 const _: () = assert!(MAX_WORK == 21_861);
 
-/// Returns `Σ C(s, 3) + C(s, 4) = Σ C(s + 1, 4)` over the free satellites `s` of each subset.
+/// Returns `Σ C(s, 3) + C(s, 4) = Σ C(s + 1, 4)`, where `s` is the number of free satellites before
+/// each subset.
 const fn work_for(satellites: usize) -> usize {
     let (mut work, mut free) = (0, satellites);
     while free >= 4 {
@@ -76,7 +78,7 @@ impl Selection {
 
     /// Deals the rows of an epoch that take part; aiding rows are in no subset.
     ///
-    /// `work` bounds the search for tetrahedra: [`MAX_WORK`], unless time is shorter.
+    /// `work` is the budget of the search for tetrahedra: [`MAX_WORK`], or less if time is short.
     pub fn choose<T: Real>(rows: &[Row<T>], work: usize) -> Self {
         let mut selection = Self::none();
         selection.deal(rows, work);
@@ -92,7 +94,7 @@ impl Selection {
         dealer.complete_constellations();
         dealer.deal_the_rest();
         self.members.clear();
-        // Never full, because there are at most as many rows.
+        // Never full, because there are at most [`MAX_ROWS`] rows.
         let _ = self.members.resize(rows.len(), None);
         for candidate in &dealer.candidates {
             if let Some(member) = self.members.get_mut(candidate.index) {
@@ -151,10 +153,10 @@ impl<T: Real> DealtSatellite<T> {
     }
 }
 
-/// Geometry by which a subset's next member is chosen.
+/// Geometry of a subset, by which its next member is chosen.
 struct Subset<T: Real> {
     size: usize,
-    /// `G`; zero if the first four lie in a plane, which no further row improves.
+    /// `G`; zero if the first four lie in a plane. No further row changes it then.
     covariance: Matrix<T>,
 }
 
@@ -266,8 +268,7 @@ impl<T: Real> Dealer<T> {
         }
     }
 
-    /// Assigns to a subset the free satellite that contributes most, of one clock or of any, if
-    /// there is one.
+    /// Assigns to a subset the free satellite that improves it most, of one clock or of any.
     #[inline(never)]
     fn take_best(&mut self, number: usize, clock: Option<Constellation>) {
         let Some(subset) = self.subsets.get_mut(number) else { return };

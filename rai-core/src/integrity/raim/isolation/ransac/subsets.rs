@@ -1,4 +1,5 @@
-//! The subsets of the last epoch that needed them, kept while the same satellites are visible.
+//! The subsets of the last epoch that needed them, stored as long as the same satellites are
+//! visible.
 
 use heapless::Vec;
 
@@ -11,7 +12,7 @@ use crate::satellite::SatelliteId;
 
 /// Disjoint subsets of an epoch's satellites, chosen at the first use.
 ///
-/// The caller of the judging keeps them, so that judging has no other side effect.
+/// The caller of [`crate::integrity::judge`] owns them, so that it has no other side effect.
 #[derive(Clone, Debug, Default)]
 pub struct Subsets {
     satellites: Vec<SatelliteId, MAX_ROWS>,
@@ -19,18 +20,18 @@ pub struct Subsets {
 }
 
 impl Subsets {
-    /// Returns the subsets of no satellites.
+    /// Returns subsets without satellites.
     pub const fn new() -> Self {
         Self { satellites: Vec::new(), selection: Selection::none() }
     }
 
-    /// Returns the subsets of an epoch: the kept ones if the satellites are the same.
+    /// Returns the subsets of an epoch: the stored ones if the satellites are the same.
     #[inline(never)]
     pub fn of<T: Real>(&mut self, epoch: &EpochView<'_>, rows: &[Row<T>]) -> &Selection {
         let satellites = || epoch.observations().iter().map(|observation| observation.satellite);
         if !self.satellites.iter().copied().eq(satellites()) {
             self.satellites = gather(satellites());
-            // Without the aiding rows at the end, which come and go.
+            // Without the aiding rows at the end, which are not in every epoch.
             let of_satellites = rows.get(..self.satellites.len()).unwrap_or(rows);
             self.selection.deal(of_satellites, MAX_WORK);
         }

@@ -1,7 +1,8 @@
-//! The largest tetrahedron of four among unit vectors, found by bounds that exclude most of them.
+//! The largest tetrahedron among unit vectors. A bound excludes most of the candidates.
 //!
-//! Six volumes are a determinant, and a Gram determinant in the metric of any positive definite
-//! `M`. Fischer's inequality bounds it by two of the four and by the longest of all:
+//! Six volumes of a tetrahedron are a determinant. Its square is a Gram determinant in the metric
+//! of any positive definite `M`. Fischer's inequality bounds it by two of the four directions and
+//! by the longest of all:
 //!
 //! ```text
 //! 6 V = |det(u_2 − u_1, u_3 − u_1, u_4 − u_1)| = |det(h_1, h_2, h_3, h_4)|,   h = (u, 1)
@@ -16,20 +17,21 @@
 //! | `g_ii` | leverage of a direction | – |
 //! | `w` | its weight in the metric, at first 1 | – |
 //!
-//! 1. One corner after another is exchanged for the best in its place, until none is better: once
-//!    from the first four, once from the last four. The larger of both is rarely below the largest.
-//! 2. The weights bring the leverages of the relevant directions together, as in the design of
-//!    experiments ([Kiefer1960]). The bound holds for any weights; with these it is tight.
-//! 3. Two directions whose bound is below the exchange's result are in no largest tetrahedron
-//!    together. Only fours of which each two may be together are computed, in lexicographic order.
+//! 1. Exchange: one corner after another is replaced by the best one, until none is better. This
+//!    starts once from the first four directions, and once from the last four. The larger result is
+//!    mostly the largest of all.
+//! 2. The weights make the leverages of the relevant directions nearly equal, as in the design of
+//!    experiments ([Kiefer1960]). The bound is true for any weights; with these it is tight.
+//! 3. If the bound of two directions is below the result of the exchange, they are not both corners
+//!    of the largest tetrahedron. Only tetrahedra without such a pair are computed, in
+//!    lexicographic order.
 //!
 //! The result equals that of an exhaustive search; of several equal ones it is the first. If the
-//! directions nearly lie in a plane, the metric is too inaccurate to exclude any, and all are
-//! compared.
+//! directions nearly lie in a plane, the metric is too inaccurate, and all tetrahedra are compared.
 //!
-//! **Work.** Triangles and tetrahedra compared: some hundreds for 40 directions over a sky, at most
-//! `C(n + 1, 4)`. If the budget is used up, the best found so far is returned, at most 2 % below
-//! the exchange's result.
+//! **Work.** The number of compared triangles and tetrahedra is some hundreds for 40 directions
+//! over a sky, and at most `C(n + 1, 4)`. If the budget is used up, the best tetrahedron so far is
+//! returned, which is at most 2 % smaller than the result of the exchange.
 //!
 //! References: [Kiefer1960] for the weights; its equivalence theorem states when they are best.
 //!
@@ -45,22 +47,23 @@ use crate::numeric::cholesky::{Cholesky, Matrix, ORDER, Vector, add_outer_produc
 use crate::numeric::real::Real;
 use crate::numeric::space::{self, cross, difference};
 
-/// Most exchanges of a corner; a sky of 40 mostly needs nine.
+/// Largest number of exchanges of a corner; a sky of 40 directions mostly needs nine.
 const EXCHANGES: usize = 32;
 
-/// Least growth of the volume in an exchange, so that rounding does not keep it going.
+/// Least factor by which an exchange enlarges the volume, so that rounding cannot continue the
+/// exchange.
 const ENLARGED: f64 = 1.001;
 
-/// Number of times that the weights are improved.
+/// Number of iterations of the weights.
 const IMPROVEMENTS: usize = 2;
 
-/// Largest condition number of `M` with which the metric excludes pairs.
+/// Largest condition number of `M` for which the metric is used.
 ///
-/// `M⁻¹` is then off by less than 1 %: ten roundings of `f32`, 6e-8 each, times this number.
+/// The error of `M⁻¹` is then below 1 %: ten roundings of `f32`, 6e-8 each, times this number.
 const MAX_CONDITION: f64 = 1e4;
 
-/// Share of the exchange's volume that a pair must be able to reach: below 1, so that rounding
-/// excludes no larger one.
+/// Share of the exchange's volume that the bound of a pair must reach. It is below 1, so that
+/// rounding does not exclude a larger tetrahedron.
 const REACHED: f64 = 0.98;
 
 /// A satellite's row index and direction.
@@ -69,7 +72,7 @@ pub(super) type Corner<'r, T> = (usize, &'r Vector3<T>);
 /// Budget of triangles and tetrahedra that may still be compared.
 pub(super) struct TetrahedronBudget {
     pub(super) left: usize,
-    /// True if more were needed.
+    /// True if the budget was not sufficient.
     pub(super) cut: bool,
 }
 
@@ -84,7 +87,7 @@ impl TetrahedronBudget {
     }
 }
 
-/// Returns the row indices of the four that span the largest tetrahedron, or `None` if all of them
+/// Returns the row indices of the corners of the largest tetrahedron, or `None` if all directions
 /// lie in one plane.
 pub(super) fn largest<T: Real>(
     corners: &[Corner<'_, T>],
@@ -137,7 +140,7 @@ fn start<T: Real>(corners: &[Corner<'_, T>]) -> Option<ExchangeOptimum<T>> {
     ended.reduce(|one, other| if other.volume > one.volume { other } else { one })
 }
 
-/// Exchanges corners until none of the four has a better in its place.
+/// Exchanges corners until no exchange of one corner enlarges the volume.
 fn exchanged<'c, T: Real>(
     corners: &'c [Corner<'c, T>],
     mut four: [&'c Corner<'c, T>; 4],
@@ -151,7 +154,7 @@ fn exchanged<'c, T: Real>(
         let (reached, tip) = best?;
         unchanged = if reached > volume * T::narrow(ENLARGED) { 0 } else { unchanged + 1 };
         (volume, four) = (reached, [b, c, d, tip]);
-        // The corner exchanged last is the best in its place already.
+        // The corner that was exchanged last is already the best one.
         if unchanged == 3 {
             break;
         }
@@ -159,8 +162,8 @@ fn exchanged<'c, T: Real>(
     (volume > T::zero()).then_some(ExchangeOptimum { volume, rows: four.map(|corner| corner.0) })
 }
 
-/// Finds for each direction the later ones that may span a volume of at least `least` with it, as a
-/// set.
+/// Finds for each direction the set of later ones with which it may span a volume of at least
+/// `least`.
 ///
 /// Not inlined, so that the stack of the metric is free during the search.
 #[inline(never)]
@@ -189,7 +192,7 @@ pub(super) fn with_clock<T: Real>(direction: &Vector3<T>) -> Vector<T> {
     [direction.x, direction.y, direction.z, T::one()]
 }
 
-/// The metric by which lengths are measured.
+/// The metric `M⁻¹` with its leverages.
 struct Metric<T: Real> {
     /// `M⁻¹`.
     inverse: Matrix<T>,
@@ -200,7 +203,7 @@ struct Metric<T: Real> {
 }
 
 impl<T: Real> Metric<T> {
-    /// Returns the metric in which the relevant directions are about equally long, or `None` if
+    /// Returns the metric in which the relevant directions have about the same length, or `None` if
     /// they nearly lie in a plane.
     fn over(corners: &[Corner<'_, T>]) -> Option<Self> {
         let mut weights: Vec<T, MAX_ROWS> = gather(corners.iter().map(|_| T::one()));
@@ -230,7 +233,7 @@ impl<T: Real> Metric<T> {
     }
 }
 
-/// Search over the directions that may be together.
+/// Search over the tetrahedra that no pair excludes.
 struct TetrahedronSearch<'c, T: Real> {
     corners: &'c [Corner<'c, T>],
     companions: Vec<u64, MAX_ROWS>,
@@ -258,7 +261,7 @@ impl<T: Real> TetrahedronSearch<'_, T> {
         }
     }
 
-    /// Returns the later directions that may be together with one.
+    /// Returns the later directions that may be in a tetrahedron with this one.
     fn after(&self, index: usize) -> u64 {
         self.companions.get(index).copied().unwrap_or(0)
     }
