@@ -13,8 +13,8 @@ use crate::numeric::real::Real;
 use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 
-/// Largest number of satellites that may be left out of one epoch: the sources treat at most 3
-/// faults ([Tian2024]).
+/// Largest number of single satellites that may be left out of one epoch, because the sources treat
+/// at most 3 faults ([Tian2024]). Whole systems may be left out besides.
 ///
 /// [Tian2024]: crate#references
 pub const MAX_EXCLUDED: usize = 3;
@@ -60,7 +60,8 @@ pub enum Protected {
 pub enum Alert {
     /// A fault was detected and could not be isolated.
     Fault,
-    /// Several exclusions explain the data equally well.
+    /// Several exclusions explain the data equally well, or a contradiction points to no satellite:
+    /// two systems or a height disagree, or two receivers send.
     Ambiguous,
     /// A wrong time tag of all ranges explains the data, and no exclusion does better.
     Time,
@@ -111,7 +112,7 @@ pub enum Unavailable {
     Input,
     /// The satellites agree again after an alert, but not yet for long enough.
     Recovering,
-    /// No receiver can be at this height or place.
+    /// No receiver can be at this height or place, or the position contradicts the known place.
     Place,
     /// The residuals of the last minute contradict the sigmas. Or the satellites that remain after
     /// an exclusion hardly agree.
@@ -234,8 +235,8 @@ pub struct AraimReport {
     pub modes: u16,
     /// Probability of unmonitored faults.
     pub unmonitored_probability: f64,
-    /// Share of the risk that is allotted to this outcome. The outcomes are no exclusion and every
-    /// possible exclusion.
+    /// Share of the risk that this outcome receives. One outcome is to exclude nothing, and each
+    /// possible exclusion is another one.
     pub share: f64,
     /// Largest separation over its threshold, dimensionless: an alarm from 1 on.
     pub ratio: f64,

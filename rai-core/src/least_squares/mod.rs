@@ -242,8 +242,8 @@ impl<T: Real> Snapshot<'_, T> {
         self.solved.solve(self.rows, self.fits)
     }
 
-    /// Overwrites all equations, in the same number, by rows relative to `references`, and solves
-    /// them.
+    /// Overwrites all equations by rows relative to `references`, and solves them. The number of
+    /// rows stays the same.
     ///
     /// # Errors
     /// As [`Workspace::solve`], and [`SnapshotError::Singular`] if `write` stops early. The fits of

@@ -3,11 +3,14 @@
 //! ```text
 //! ratio = Σ SSE / Σ dof        of the epochs of the last minute, this one included
 //! rest  = Σ SSE_r / Σ dof_r    of this epoch, and of those of the last minute that excluded satellites
-//! refuted   ratio ≥ max(2, χ²_{1−1e-7}(Σ dof) / Σ dof)     no position is promised
-//!           rest ≥ χ²_{1−1e-2}(Σ dof_r) / Σ dof_r          nor here, if this epoch excludes satellites
-//! scaled    ratio ≥ χ²_{1−1e-3}(Σ dof) / Σ dof             protection levels times √ratio,
-//!           of the minute or of this epoch's rest          the larger of both
+//! refuted   ratio ≥ max(2, χ²_{1−1e-7}(Σ dof) / Σ dof)
+//! refuted   rest ≥ χ²_{1−1e-2}(Σ dof_r) / Σ dof_r          only if this epoch excludes satellites
+//! scaled    ratio ≥ χ²_{1−1e-3}(Σ dof) / Σ dof             protection levels times √ratio
 //! ```
+//!
+//! If the sigmas are refuted, no position is promised. The second line applies to the rest of this
+//! epoch and to the sum over the minute; one of the two suffices. The third line applies to the
+//! ratio of the minute and to that of this epoch's rest; the larger ratio scales the levels.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -179,7 +182,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// Returns the belief in the sigmas after an epoch with these residuals. If epochs are judged
-    /// independently, earlier ones are no evidence.
+    /// independently, there is no evidence, and the result is [`Belief::Sound`].
     pub(super) fn belief(&self, time_s: f64, latest: &EpochResiduals) -> Belief {
         match self.continuity_settings {
             Some(_) if cfg!(feature = "past") => self.evidence.belief(time_s, latest),

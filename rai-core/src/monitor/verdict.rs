@@ -21,8 +21,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             (_, Err(NoThreshold::Redundancy)) => Verdict::Unavailable(Unavailable::Redundancy),
             (_, Err(NoThreshold::Risk)) => Verdict::Unavailable(Unavailable::Risk),
             (ExclusionOutcome::Isolated | ExclusionOutcome::Passed, Ok(test)) => {
-                // If only a forecast was left out, its clock has jumped, and no satellite is
-                // faulty.
+                // If only an aiding row was left out, no satellite is faulty: the clock has jumped,
+                // or the known height is wrong.
                 let reason = if none_excluded { Protected::Ok } else { Protected::Excluded };
                 match &judgement.araim {
                     Some(araim) => self.bounded_by_araim(reason, &test.levels, araim),
@@ -32,8 +32,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Returns true if the position would also be protected without the forecast. If only the
-    /// forecast protects an epoch, no clock is learned from it.
+    /// Returns true if the position would also be protected without the aiding rows. If
+    /// only these protect an epoch, no clock is learned from it.
     pub(super) fn satellites_are_protected(&self, judgement: &Judgement<T>, verdict: Verdict) -> bool {
         let alone = match &judgement.without_aiding {
             WithoutAiding::Always => true,

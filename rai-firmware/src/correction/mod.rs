@@ -156,8 +156,8 @@ fn root_of_squares(a: f32, b: f32) -> f32 {
     if b == 0.0 { a } else { sqrt(a * a + b * b) }
 }
 
-/// Binary digits behind the point of lengths that are stored as integers. They represent every
-/// digit of a range, and adding them costs a third of adding doubles here.
+/// Binary digits behind the point of lengths that are stored as integers. Such an integer holds
+/// every digit of a range, and an addition costs a third of that of doubles here.
 const DIGITS: i32 = 32;
 
 /// Returns `length + second + added`, m, for lengths up to 10⁹ m. `second_m32` is in units of 2⁻³²
@@ -175,7 +175,7 @@ fn sum_m(length_m: f64, second_m32: i64, added_m: f32) -> f64 {
     let rest_m = added_m - coarse as f32 * (1.0 / (1 << COARSE) as f32);
     let rest = (rest_m * (1_u64 << DIGITS) as f32) as i32;
     let added = (i64::from(coarse) << (DIGITS - COARSE)) + i64::from(rest);
-    // A length that is not finite gives a sum that no epoch accepts, without overflow.
+    // Wrapping avoids an overflow if a length is not finite. No epoch accepts such a sum.
     let sum = nearest(length_m, DIGITS).wrapping_add(second_m32);
     scaled(sum.wrapping_add(added), -DIGITS)
 }
@@ -323,8 +323,8 @@ fn locate_one(
             Err(EphemerisError::Unhealthy)
         };
     };
-    // One range serves both choices: they differ by less than 100 m, in whose travel time the
-    // satellite moves by a millimetre.
+    // One range serves both choices, because they differ by less than 100 m. While a signal travels
+    // 100 m, the satellite moves by a millimetre.
     let state = ephemeris.seen_at(time, choice.range_m)?;
     let promise = |choice: &Option<Choice>| {
         choice.as_ref().and_then(|choice| ephemeris.accuracy_m(choice.bands)).unwrap_or(0.0)

@@ -9,12 +9,12 @@
 //! | systems tag one instant differently, by less than [`SAME_INSTANT_MS`] | one epoch, at the first tag |
 //! | a system states that no message follows, but one does | that message is left out; the system's statement is ignored until it has been right [`FORGIVEN_AFTER`] times, and meanwhile epochs end with the next instant or a pause |
 //! | every message states that more follow, and the next epoch comes a minute later | the epoch is complete when the line is silent; a message that comes after the silence is left out, and later silences are then ignored like wrong statements |
-//! | a message without satellites is tagged ahead | it does not advance time, because no range supports its tag; far ahead it is skipped |
+//! | a message without satellites is tagged ahead | it does not advance time, because no range supports its tag; if the tag is far ahead, the message is skipped |
 //! | ranges come again under a new tag, bit for bit | the repeat is dropped: satellites move by metres in a millisecond, so that its tag must be wrong |
-//! | bytes are lost | the epoch under way and the rest of the next one are dropped |
+//! | bytes are lost | the open epoch is dropped, and so are all further messages of the instant of the next message |
 //! | two receivers with one station number share the line | the first ranges are used; a second, different range of a satellite is reported ([`Rivalry`]), and so are ranges that alternate between two receivers ([`super::turns`]) |
 //! | the tag of one system is seconds off | the system is left out and counted ([`super::chain`]) |
-//! | the tags of one system are wrong by tens of milliseconds | one instant comes as two epochs without a common satellite, which is reported before either is judged ([`HALVES_MS`]) |
+//! | the tags of one system are wrong by tens of milliseconds | one instant comes as two epochs without a common satellite, which is reported before the second one is judged ([`HALVES_MS`]) |
 
 use super::calendar::{Calendar, TimeError};
 use super::chain::{ASTRAY_MS, Chain, apart_ms, bit};
@@ -49,7 +49,8 @@ const SILENCE: Series = 15;
 enum Phase {
     /// No epoch is open.
     Idle,
-    /// An epoch is open. A series whose statement is ignored may have stated that it is complete.
+    /// An epoch is open. The field names the distrusted series that stated its end, if there is
+    /// one.
     Open(Option<Series>),
     /// Messages of this time of week, ms, are skipped.
     Dropping(u32),
@@ -203,8 +204,8 @@ impl Assembly {
         self.phase = Phase::Interrupted;
     }
 
-    /// Returns true if a message of this time belongs to the open epoch. If none is open, opens
-    /// one; completes an open one of another time.
+    /// Returns true if a message of this time belongs to the open epoch. If an epoch of another
+    /// time is open, completes it first. If no epoch is open then, opens one.
     fn admits(
         &mut self,
         ranges: &Ranges<'_>,
@@ -350,8 +351,8 @@ impl Assembly {
     }
 
     /// Returns true if the ranges are of a system that the epoch lacks, and their tag is so near
-    /// that both are of one instant. After a complete epoch they must also arrive before the next
-    /// instant.
+    /// that both are of one instant. After a complete epoch they must also arrive within three
+    /// quarters of the difference of the tags, before messages of the next instant can.
     fn is_half(&self, series: Option<Series>, tow_ms: u32, came_ms: u64) -> bool {
         let (instant_ms, is_complete) = match self.phase {
             Phase::Open(_) => (self.epoch.time.tow_ms, false),
@@ -366,7 +367,7 @@ impl Assembly {
             && (is_sooner || !is_complete)
     }
 
-    /// Takes the statement of a message that none follows.
+    /// Handles a message that states that it is the last one of the epoch.
     fn end(&mut self, series: Option<Series>, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
         match (self.phase, series) {
             (Phase::Open(_), Some(series)) if self.distrust_of(series) > 0 => {

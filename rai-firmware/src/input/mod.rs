@@ -7,7 +7,7 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | `protocol` | interface to a wire format, and the table of formats |
+//! | `protocol` | interface to a wire format |
 //! | `framer` | finds frames of all formats in the stream, and checks each once |
 //! | `rtcm` | reads the messages of RTCM 3 |
 //! | [`ubx`] | reads the messages of u-blox receivers |
@@ -16,6 +16,7 @@
 //! | `elements` | places of the orbital elements in each message |
 //! | `preference` | choice between sources of ranges |
 //! | `assembly` | joins the messages of one instant to one epoch |
+//! | `chain` | detection of a system whose tag contradicts the messages around it |
 //! | `epoch_ranges` | ranges of one epoch |
 //! | `turns` | detection of two receivers that take turns on one line |
 //! | `suspicion` | a receiver's reports of jamming and spoofing |
@@ -168,8 +169,8 @@ struct Ranges<'a> {
     measured: Measured<'a>,
 }
 
-/// Number, below 16, of a series of messages with its own statement of whether more follow: one
-/// system in RTCM.
+/// Number of a series of messages, below 16. Each series states by itself whether more messages
+/// follow. In RTCM each system is one series.
 type Series = u8;
 
 // One row for each wire format.
@@ -256,7 +257,8 @@ impl Input {
         self.assembly.is_open()
     }
 
-    /// Discards incomplete frames and the rest of the next epoch, because bytes were lost.
+    /// Discards incomplete frames, the open epoch, and the rest of the epoch whose message comes
+    /// next, because bytes were lost.
     pub fn interrupt(&mut self) {
         self.framer.forget(&mut self.counters);
         self.assembly.interrupt(&mut self.counters);
@@ -283,8 +285,8 @@ impl Input {
     }
 
     /// Returns true if the source that was confirmed as the receiver is missing, and epochs of
-    /// another source arrive: the receiver with another format or station number, or another
-    /// receiver.
+    /// another source arrive. The other source may be another receiver, or the same one after a
+    /// change of format or station number.
     pub fn hears_others(&self) -> bool {
         self.preference.hears_others()
     }

@@ -34,8 +34,8 @@ counters! {
         epochs_alert,
         /// Epochs without protection.
         epochs_unavailable,
-        /// Epochs that were older than the time to alert when complete. The growth of their delay
-        /// counts as age.
+        /// Epochs that were older than the time to alert when complete. The age
+        /// includes their lateness.
         epochs_late,
         /// Epochs that were not judged, because their last byte had waited too long behind others.
         epochs_skipped,
@@ -95,8 +95,8 @@ pub(super) struct EpochLoop<P> {
     pub(super) agreed: Option<(GpsTime, u64)>,
     pub(super) sigma_check: Option<f64>,
     is_sound: bool,
-    /// True unless an unexpected restart has lost the settings and the host has not confirmed those
-    /// in force.
+    /// False after an unexpected restart that lost the settings, until the host confirms those in
+    /// force. Otherwise true.
     pub(super) is_confirmed: bool,
     pub(super) interference: Suspicions,
     /// Time at which the module's own tests last indicated counterfeit signals, ms.
@@ -110,8 +110,8 @@ pub(super) struct EpochLoop<P> {
 }
 
 impl<P: OutputPin> EpochLoop<P> {
-    /// Returns the state before the first event. The pin was set low; `pin_failures` attempts
-    /// failed.
+    /// Returns the state before the first event. The caller has tried to set the pin
+    /// low; `pin_failures` is the number of failed attempts.
     ///
     /// It returns `Self` and no `Result`, because a `Result` would be built on the stack first.
     #[allow(clippy::inline_always, reason = "large values are built in their final place")]

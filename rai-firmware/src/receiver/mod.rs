@@ -15,10 +15,11 @@
 //! - after an ordered restart
 //! - if the last judged epoch is older than the time to alert
 //!
-//! The age of an epoch counts from the arrival of its first byte minus its lateness. Lateness is
-//! the excess of its delay (arrival minus tag) over the shortest delay of earlier epochs
-//! ([`lateness`]). If a complete epoch is already older than the time to alert, it is discarded,
-//! because its verdict would describe the past.
+//! The age of an epoch counts from the time at which it was due: the arrival of its first byte,
+//! earlier by its lateness. Lateness is the excess of its delay (arrival minus tag) over the
+//! shortest delay of earlier epochs whose ranges agreed with the orbits ([`lateness`]). If a
+//! complete epoch is already older than the time to alert, it is discarded, because its verdict
+//! would describe the past.
 //!
 //! Each epoch is reported at once. If no epoch is judged within the time to alert, the module
 //! raises `STALE`, or `SOURCE` if it receives epochs of another source. A series of unavailable
@@ -27,13 +28,14 @@
 //! An epoch whose last byte has waited for more than [`LAG_MS`] is skipped and counted. If epochs
 //! come faster than they can be judged, the newest is therefore judged and not the oldest.
 //!
-//! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte.
-//! The pin is set before a sentence is written. The worst-case epoch of a stream, found by a search
-//! over all settings, takes 1.6 million instructions. By a model of the processor's cycles and its
-//! flash, these are 15 to 24 ms at 168 MHz (`cargo xtask bench`). The pin follows within 30 ms at
-//! 168 MHz and within 350 ms at 16 MHz. Both figures include a margin for epochs worse than the
-//! search found. [`Receiver::tick`], which must be called at least ten times a second, detects a
-//! silent line.
+//! Deadline: an epoch is judged within the call that completes it. This is the call of
+//! [`Receiver::gnss`] that brings its last byte, or [`Receiver::tick`] after a silence. The pin is
+//! set before a sentence is written. The worst-case epoch of a stream, found by a search over the
+//! settings that affect the work, takes 1.6 million instructions. By a model of the processor's
+//! cycles and its flash, these are 15 to 24 ms at 168 MHz (`cargo xtask bench`). The pin follows
+//! within 30 ms at 168 MHz and within 350 ms at 16 MHz. Both figures include a margin for epochs
+//! worse than the search found. [`Receiver::tick`], which must be called at least ten times a
+//! second, detects a silent line.
 
 mod boot;
 mod epochs;
@@ -113,7 +115,8 @@ impl<P: OutputPin> Receiver<P> {
         Ok(place.write(Self::of(pin, pin_failures, requirements, boot)))
     }
 
-    /// Returns a module whose pin was set low; `pin_failures` attempts to set it failed.
+    /// Returns a module whose pin the caller has tried to set low. `pin_failures` is the number of
+    /// failed attempts.
     #[allow(clippy::inline_always, reason = "large values are built in their final place")]
     #[inline(always)]
     fn of(pin: P, pin_failures: u32, requirements: ValidatedRequirements, boot: Boot) -> Self {
@@ -133,7 +136,8 @@ impl<P: OutputPin> Receiver<P> {
         }
     }
 
-    // Not inlined, nor are the other entry points, so that their stacks do not add up.
+    // Not inlined, nor are the other entry points with a large stack frame, so that their stacks do
+    // not add up.
 
     /// Sends version, reset cause and the result of the self-test.
     #[inline(never)]

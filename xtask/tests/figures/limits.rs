@@ -16,7 +16,10 @@ fn limits() -> Passages {
     vec![
         ("README.md", format!("(HAL {} m), or `LPV200` (HAL {} m, VAL {val_m} m)", npa.hal_m, lpv.hal_m)),
         ("README.md", format!("for the time to alert ({} s in `NPA`)", npa.time_to_alert_s)),
-        ("README.md", format!("darker than the colour of {val_m} m, LPV-200 is unavailable there at least 1 % of")),
+        (
+            "README.md",
+            format!("darker than the colour of {val_m} m, LPV-200 is unavailable there at least 1 % of"),
+        ),
         ("LIMITS.md", format!("UTC is GPS time less {} s", raim_firmware::output::nmea::GPS_MINUS_UTC_S)),
         ("LIMITS.md", format!("{} m beside Hawaii", raim_firmware::output::geoid::LARGEST_ERROR_M)),
     ]

@@ -70,7 +70,9 @@ impl Reader {
         }
         if let Some((before, comments)) = line.split_once(" <!-- ") {
             self.read(before);
-            return comments.split("<!-- ").for_each(|comment| self.read(&format!("<!-- {}", comment.trim())));
+            return comments
+                .split("<!-- ")
+                .for_each(|comment| self.read(&format!("<!-- {}", comment.trim())));
         }
         if let Some(comment) = line.strip_prefix("<!-- ").and_then(|rest| rest.strip_suffix(" -->")) {
             self.end_passage();

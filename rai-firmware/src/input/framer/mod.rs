@@ -84,7 +84,7 @@ impl Framer {
         self.make_room(bytes.len(), counters);
         let room = self.buffer.capacity() - self.buffer.len();
         let (now, later) = bytes.split_at_checked(room).unwrap_or((bytes, &[]));
-        // If all waiting bytes came at `fresh_ms`, that is now the time of the old ones.
+        // If all waiting bytes came at `fresh_ms`, they are the old bytes from now on.
         if self.front >= self.fresh {
             self.old_ms = self.fresh_ms;
         }

@@ -19,8 +19,8 @@ use crate::report::MAX_EXCLUDED;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unidentified {
-    /// There are too few degrees of freedom: fewer than two, or after the exclusion fewer than rows
-    /// left out.
+    /// There are fewer than two degrees of freedom, or the exclusion leaves fewer of them than rows
+    /// that it leaves out.
     NoRedundancy,
     /// No |w| is large enough.
     BelowThreshold,
@@ -85,8 +85,8 @@ pub fn leave_out<T: Real>(
     let mut rows = Vec::new();
     for &index in set {
         let w_test = solution.snapshot().row(index).map_or(T::zero(), |(_, fit)| fit.w_test());
-        // If no position is left without this row, the test below is of the solution without the
-        // earlier rows only.
+        // If no position is left without this row, it stays in. The test below then applies to the
+        // solution without the earlier rows.
         if solution.leave_out(index).is_err() || rows.push(Excluded { index, w_test }).is_err() {
             break;
         }
