@@ -140,13 +140,13 @@ impl<'r, T: Real> Fix<'r, T> {
             return Ok(());
         }
         let (position, left_out) = (self.position(), self.left_out());
-        let solve_about = |linearisation: &LinearisationPoint<T>| {
+        let mut solve_about = |linearisation: &LinearisationPoint<T>| {
             let references = self.snapshot.clocks_as_references();
             rewrite(&mut self.snapshot, references, &self.aided, linearisation, left_out)
                 .map_err(FixError::Snapshot)?;
             Ok(self.snapshot.correction())
         };
-        self.linearisation = converge(position, solve_about).map_err(|error| match error {
+        self.linearisation = converge(position, &mut solve_about).map_err(|error| match error {
             FixError::Snapshot(error) => error,
             FixError::NotConverged => SnapshotError::Singular,
         })?;
@@ -214,7 +214,7 @@ fn is_within<T: Real>(correction: &Vector3<T>, limit_m: f64) -> bool {
 #[inline(never)]
 fn converge<T: Real>(
     start: Ecef,
-    mut solve_about: impl FnMut(&LinearisationPoint<T>) -> Result<Vector3<T>, FixError>,
+    solve_about: &mut dyn FnMut(&LinearisationPoint<T>) -> Result<Vector3<T>, FixError>,
 ) -> Result<LinearisationPoint<T>, FixError> {
     let mut point = if start.is_finite() { start } else { Ecef::CENTRE };
     for _ in 0..MAX_PASSES {
