@@ -209,13 +209,13 @@ fn is_within<T: Real>(correction: &Vector3<T>, limit_m: f64) -> bool {
     dot(correction, correction) <= T::narrow(limit_m * limit_m)
 }
 
+/// Solves about a point and returns the correction.
+type Solve<'s, T> = dyn FnMut(&LinearisationPoint<T>) -> Result<Vector3<T>, FixError> + 's;
+
 /// Gauss–Newton: solves about successive points until the correction is small. Returns the last
 /// point.
 #[inline(never)]
-fn converge<T: Real>(
-    start: Ecef,
-    solve_about: &mut dyn FnMut(&LinearisationPoint<T>) -> Result<Vector3<T>, FixError>,
-) -> Result<LinearisationPoint<T>, FixError> {
+fn converge<T: Real>(start: Ecef, solve_about: &mut Solve<'_, T>) -> Result<LinearisationPoint<T>, FixError> {
     let mut point = if start.is_finite() { start } else { Ecef::CENTRE };
     for _ in 0..MAX_PASSES {
         let linearisation = LinearisationPoint::at(point);

@@ -354,7 +354,7 @@ mod tests {
             }
         };
         let limit = ROUNDED_ONCE.cast_signed();
-        [0, 1, (1 << 24) - 1, (1 << 24) + 1, (1 << 22) - 1, 1 << 22, limit - 1].map(agree);
+        [0, 1, (1 << 24) - 1, (1 << 24) + 1, (1 << 22) - 1, 1 << 22, limit - 1].into_iter().for_each(agree);
         patterns().take(1_000_000).for_each(|bits| agree((bits >> (18 + bits % 46)).cast_signed()));
         // A number whose 25th digit and last digit are 1 alone tells one rounding from two.
         (25..46).for_each(|digits| agree((1 << digits) + (1 << (digits - 24)) + 1));
