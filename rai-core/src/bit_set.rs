@@ -5,6 +5,11 @@ pub(crate) fn bit(index: usize) -> u64 {
     1u64.checked_shl(index as u32).unwrap_or(0)
 }
 
+/// Returns the set of some rows.
+pub(crate) fn set_of(rows: &[usize]) -> u64 {
+    rows.iter().fold(0, |set, &index| set | bit(index))
+}
+
 /// Returns all bits above a member.
 pub(crate) fn above(index: usize) -> u64 {
     u64::MAX.checked_shl(index as u32 + 1).unwrap_or(0)

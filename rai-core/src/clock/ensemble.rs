@@ -174,7 +174,7 @@ pub fn satellites_alone<T: Real>(
         }
         _ => (aided_m, variance),
     };
-    Some(SolvedClock { value_m, sigma_m: variance.sqrt().widen() })
+    Some(SolvedClock { value_m, sigma_m: variance.sqrt_approx().widen() })
 }
 
 fn aiding_row<'s, T: Real>(

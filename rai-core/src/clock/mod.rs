@@ -228,7 +228,7 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         let steps = Self::steps_in(time_s - self.last?.time_s, self.spacing_s?)?;
         let ahead = self.coast(steps)?;
         let (sigma_predict_m, sigma_m) =
-            (ahead.variance_predict.sqrt().widen(), ahead.variance.sqrt().widen());
+            (ahead.variance_predict.sqrt_approx().widen(), ahead.variance.sqrt_approx().widen());
         Some(Forecast { value_m: ahead.value_m, sigma_predict_m, sigma_m, steps })
     }
 

@@ -25,7 +25,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::numeric::absolute::{Absolute, Length};
 use crate::numeric::angle;
 use crate::numeric::real::Real;
-use crate::numeric::space::{dot, product, scaled, transposed_product};
+use crate::numeric::space::{columns, dot, four_rows, scaled, transposed_product};
 
 /// Speed of light in vacuum, m/s (exact by definition of the metre).
 pub const SPEED_OF_LIGHT_M_S: f64 = 299_792_458.0;
@@ -329,10 +329,9 @@ pub(crate) struct LinearisationPoint<T: Real> {
     point: Ecef,
     /// Position in the scalar's absolute lengths, x, y, z.
     place: [T::Absolute; 3],
-    /// Rows east, north, up.
-    axes: Matrix3<T>,
-    /// `ω/c (x, y)` of the receiver, dimensionless.
-    turning: [T; 2],
+    /// East, north and up of a step along x, y and z, and the increase of the distance by the
+    /// rotation, `ω/c (y_r, −x_r, 0)`, dimensionless. Four numbers fit a vector of a host.
+    steps: [[T; 4]; 3],
 }
 
 impl<T: Real> LinearisationPoint<T> {
@@ -343,11 +342,15 @@ impl<T: Real> LinearisationPoint<T> {
         let directions =
             Directions::at(&position).map_or_else(Directions::of_origin, |(directions, _)| directions);
         let rate = T::narrow(RATE);
+        let [x, y, z] = columns(&directions.axes());
         Self {
             point,
             place: coordinates::<T>(point),
-            axes: directions.axes(),
-            turning: [rate * position.x, rate * position.y],
+            steps: [
+                [x.x, x.y, x.z, rate * position.y],
+                [y.x, y.y, y.z, -rate * position.x],
+                [z.x, z.y, z.z, T::zero()],
+            ],
         }
     }
 
@@ -358,29 +361,32 @@ impl<T: Real> LinearisationPoint<T> {
 
     /// Returns the line of sight to a satellite that sent its signal from `satellite`.
     ///
-    /// The satellite's coordinates are in the earth-fixed frame at transmission. While the signal
-    /// travels, the earth turns. To first order in the angle this adds `ω/c (x_s y_r − y_s x_r)` to
-    /// the range (second order: 0.3 mm). The code uses `s − r` in place of `s`, which gives the
-    /// same product.
+    /// The satellite's coordinates are those of the earth-fixed frame at transmission. While the
+    /// signal travels, the earth turns; to first order in the angle this adds
+    /// `ω/c (x_s y_r − y_s x_r)` to the range (second order: 0.3 mm). The difference of the
+    /// positions gives the same product as the satellite's position.
+    // Called for every satellite of an epoch.
+    #[allow(clippy::inline_always, reason = "a host keeps the result in registers")]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(crate) fn sight(&self, satellite: Ecef) -> LineOfSight<T> {
-        let [x, y, z] = coordinates::<T>(satellite);
         let [here_x, here_y, here_z] = self.place;
-        let difference = [x.less(here_x), y.less(here_y), z.less(here_z)];
+        let away = |metres, here| T::Absolute::of_admitted(metres).less(here);
+        let difference =
+            [away(satellite.x_m, here_x), away(satellite.y_m, here_y), away(satellite.z_m, here_z)];
         let sight = Vector3::from(T::Absolute::vector(difference));
         let distance = T::Absolute::length(difference);
-        let [turning_x, turning_y] = self.turning;
-        LineOfSight {
-            distance,
-            rotation: sight.x * turning_y - sight.y * turning_x,
-            direction: scaled(distance.rounded.recip(), &product(&self.axes, &sight)),
-        }
+        let [east, north, up, rotation] = four_rows(&self.steps, &sight);
+        let scale = distance.rounded.recip();
+        LineOfSight { distance, rotation, direction: scaled(scale, &Vector3::new(east, north, up)) }
     }
 
     /// Returns the point at an offset of east, north, up, m.
     // Not inlined, so that its many callers share one copy.
     #[inline(never)]
     pub(crate) fn beside(&self, vector: &Vector3<T>) -> Ecef {
-        let away = transposed_product(&self.axes, vector);
+        let [x, y, z] =
+            self.steps.map(|[east, north, up, _]| east * vector.x + north * vector.y + up * vector.z);
+        let away = Vector3::new(x, y, z);
         self.point + Ecef::new(away.x.widen(), away.y.widen(), away.z.widen())
     }
 }

@@ -159,7 +159,7 @@ impl<T: Real> References<T> {
         range_m: f64,
         sigma_m: f64,
     ) -> Result<Row<T>, RowError> {
-        let longer = T::Absolute::of(range_m).less(sight.distance.whole);
+        let longer = T::Absolute::of_admitted(range_m).less(sight.distance.whole);
         let reference = self.of(constellation).unwrap_or(longer);
         // Small terms are subtracted last, when the scalar's digits suffice.
         let residual = longer.less(reference).narrow() - (sight.distance.rest + sight.rotation);

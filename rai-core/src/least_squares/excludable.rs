@@ -1,7 +1,7 @@
 //! The interface that all searches use: a solved epoch whose rows can be left out and taken back.
 
 use super::{Snapshot, SnapshotError};
-use crate::bit_set::members;
+use crate::bit_set::set_of;
 use crate::numeric::real::Real;
 
 /// A solved epoch whose rows can be left out and taken back.
@@ -58,23 +58,23 @@ impl<T: Real> Excludable<T> for Snapshot<'_, T> {
     }
 
     fn leave_out_all(&mut self, rows: u64) -> Result<(), SnapshotError> {
-        self.reduce(members(rows))
+        self.reduce(rows)
     }
 
     fn take_back(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
-        self.restore(rows.iter().copied())
+        self.restore(set_of(rows))
     }
 
     fn take_back_all(&mut self, rows: u64) {
-        // This cannot fail, because these rows were solved before.
-        let _ = self.restore(members(rows));
+        // These rows were solved before, so that they can be solved again.
+        let _ = self.restore(rows);
     }
 
     fn set_aside(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
-        self.reduce(rows.iter().copied())
+        self.reduce(set_of(rows))
     }
 
     fn set_aside_all(&mut self, rows: u64) -> Result<(), SnapshotError> {
-        self.reduce(members(rows))
+        self.reduce(rows)
     }
 }

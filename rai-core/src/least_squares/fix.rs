@@ -141,13 +141,13 @@ impl<'r, T: Real> Fix<'r, T> {
             return Ok(());
         }
         let (position, left_out) = (self.position(), self.left_out());
-        let solve_about = |linearisation: &LinearisationPoint<T>| {
+        let mut solve_about = |linearisation: &LinearisationPoint<T>| {
             let references = self.snapshot.clocks_as_references();
             rewrite(&mut self.snapshot, references, &self.aided, linearisation, left_out)
                 .map_err(FixError::Snapshot)?;
             Ok(self.snapshot.correction())
         };
-        self.linearisation = converge(position, solve_about).map_err(|error| match error {
+        self.linearisation = converge(position, &mut solve_about).map_err(|error| match error {
             FixError::Snapshot(error) => error,
             FixError::NotConverged => SnapshotError::Singular,
         })?;
@@ -210,13 +210,13 @@ fn is_within<T: Real>(correction: &Vector3<T>, limit_m: f64) -> bool {
     dot(correction, correction) <= T::narrow(limit_m * limit_m)
 }
 
+/// Solves about a point and returns the correction.
+type Solve<'s, T> = dyn FnMut(&LinearisationPoint<T>) -> Result<Vector3<T>, FixError> + 's;
+
 /// Gauss–Newton: solves about successive points until the correction is small. Returns the last
 /// point.
 #[inline(never)]
-fn converge<T: Real>(
-    start: Ecef,
-    mut solve_about: impl FnMut(&LinearisationPoint<T>) -> Result<Vector3<T>, FixError>,
-) -> Result<LinearisationPoint<T>, FixError> {
+fn converge<T: Real>(start: Ecef, solve_about: &mut Solve<'_, T>) -> Result<LinearisationPoint<T>, FixError> {
     let mut point = if start.is_finite() { start } else { Ecef::CENTRE };
     for _ in 0..MAX_PASSES {
         let linearisation = LinearisationPoint::at(point);

@@ -49,6 +49,7 @@ use core::fmt;
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::bit_set::{bit, members};
 use crate::least_squares::equations::{References, Row};
 use crate::numeric::absolute::Absolute;
 use crate::numeric::real::Real;
@@ -115,7 +116,7 @@ pub struct RowFit<T: Real> {
 impl<T: Real> RowFit<T> {
     /// Returns the w-test of the row, dimensionless; 0 if the row is untestable or left out.
     pub fn w_test(&self) -> T {
-        self.residual * self.test_weight.sqrt()
+        self.residual * self.test_weight.sqrt_approx()
     }
 
     /// Returns the squared w-test, which needs no root. It is the decrease of SSE if the row is
@@ -185,7 +186,7 @@ impl<T: Real> Snapshot<'_, T> {
             self.solved.fit_all(self.rows, self.fits);
             return Ok(());
         }
-        self.reduce([index])
+        self.reduce(bit(index))
     }
 
     /// Takes a left-out row back and solves again, in place.
@@ -193,22 +194,16 @@ impl<T: Real> Snapshot<'_, T> {
     /// # Errors
     /// As [`Workspace::solve`]; the snapshot is then unchanged.
     pub fn take_back(&mut self, index: usize) -> Result<(), SnapshotError> {
-        self.restore([index])
+        self.restore(bit(index))
     }
 
-    /// Leaves rows out, all at once.
-    pub(crate) fn reduce(
-        &mut self,
-        rows: impl IntoIterator<Item = usize> + Clone,
-    ) -> Result<(), SnapshotError> {
+    /// Leaves the rows of a set out, all at once.
+    pub(crate) fn reduce(&mut self, rows: u64) -> Result<(), SnapshotError> {
         self.change(rows, Row::leave_out, Row::take_back)
     }
 
-    /// Takes rows back, all at once.
-    pub(crate) fn restore(
-        &mut self,
-        rows: impl IntoIterator<Item = usize> + Clone,
-    ) -> Result<(), SnapshotError> {
+    /// Takes the rows of a set back, all at once.
+    pub(crate) fn restore(&mut self, rows: u64) -> Result<(), SnapshotError> {
         self.change(rows, Row::take_back, Row::leave_out)
     }
 
@@ -216,11 +211,11 @@ impl<T: Real> Snapshot<'_, T> {
     #[inline(never)]
     fn change(
         &mut self,
-        rows: impl IntoIterator<Item = usize> + Clone,
+        rows: u64,
         change: fn(&mut Row<T>),
         change_back: fn(&mut Row<T>),
     ) -> Result<(), SnapshotError> {
-        self.each(rows.clone(), change);
+        self.each(rows, change);
         let solved = self.solve_again();
         if solved.is_err() {
             self.each(rows, change_back);
@@ -229,8 +224,8 @@ impl<T: Real> Snapshot<'_, T> {
         solved
     }
 
-    fn each(&mut self, rows: impl IntoIterator<Item = usize>, change: impl Fn(&mut Row<T>)) {
-        for index in rows {
+    fn each(&mut self, rows: u64, change: fn(&mut Row<T>)) {
+        for index in members(rows) {
             if let Some(row) = self.rows.get_mut(index) {
                 change(row);
             }
@@ -392,7 +387,7 @@ impl<T: Real> Snapshot<'_, T> {
             (Some(a), Some(b)) if a == b => self.level_variance(row_i),
             _ => T::zero(),
         };
-        Some(-(row_i.weight * row_j.weight).sqrt() * (shared + dot(&fit_i.centred, &fit_j.gain)))
+        Some(-(row_i.weight * row_j.weight).sqrt_approx() * (shared + dot(&fit_i.centred, &fit_j.gain)))
     }
 
     /// Returns the horizontal and vertical dilution of precision of the unweighted geometry,
@@ -401,7 +396,7 @@ impl<T: Real> Snapshot<'_, T> {
         // A solved geometry is not singular, so that the default is never used.
         let geometry = Geometry::of(self.rows.iter());
         let covariance = geometry.map_or(self.solved.estimate.covariance, |geometry| geometry.covariance);
-        ((covariance.m11 + covariance.m22).sqrt(), covariance.m33.sqrt())
+        ((covariance.m11 + covariance.m22).sqrt_approx(), covariance.m33.sqrt_approx())
     }
 
     /// Returns HDOP without one row: `√(HDOP² + (A_1i² + A_2i²)/S_ii)` of the unweighted geometry

@@ -231,7 +231,7 @@ impl<T: Real> Geometry<T> {
         } else {
             T::zero()
         };
-        (self.covariance.m11 + self.covariance.m22 + increase).sqrt()
+        (self.covariance.m11 + self.covariance.m22 + increase).sqrt_approx()
     }
 }
 

@@ -117,7 +117,7 @@ fn suspect<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Option
         satellite: observation.satellite,
         w_test: fit.w_test().widen(),
         bias_m: (fit.residual / fit.redundancy).widen(),
-        bias_sigma_m: (row.sigma / fit.redundancy.sqrt()).widen(),
+        bias_sigma_m: (row.sigma / fit.redundancy.sqrt_approx()).widen(),
     })
 }
 

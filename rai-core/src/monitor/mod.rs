@@ -179,7 +179,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
         self.judge_about(epoch, self.start, Search::Anew, None, &mut memory);
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
-        self.learn_from(&mut memory.outcome, None, Err(VelocityError::Redundancy));
+        self.learn_from(&mut memory.outcome, None, None, VelocityError::Redundancy);
         memory.outcome.report
     }
 
@@ -216,7 +216,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         own_clock_s: Option<f64>,
         velocity: Result<&Velocity, VelocityError>,
     ) {
-        self.learn_from(outcome, own_clock_s, velocity);
+        let refusal = velocity.err().unwrap_or(VelocityError::Redundancy);
+        self.learn_from(outcome, own_clock_s, velocity.ok(), refusal);
     }
 
     /// Judges an epoch, for [`Self::process`] and for `judge`.
@@ -252,17 +253,22 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// Updates the state from a judged epoch, for [`Self::process`] and `learn`.
+    ///
+    /// `refusal` is the reason if there is no velocity. Both are parameters of their own, because
+    /// the compiler follows scalars, but no `Result` of two types. A program without range rates
+    /// then has no code that compares with them.
     #[inline(never)]
     fn learn_from(
         &mut self,
         outcome: &mut EpochOutcome<N>,
         own_clock_s: Option<f64>,
-        velocity: Result<&Velocity, VelocityError>,
+        velocity: Option<&Velocity>,
+        refusal: VelocityError,
     ) {
         self.remember(outcome);
-        self.continue_from(outcome, own_clock_s, velocity);
-        // Only a protected epoch records its exclusions. Those during an alert, or during the
-        // recovery after it, may be wrong.
+        self.continue_from(outcome, own_clock_s, velocity.ok_or(refusal));
+        // Only a protected epoch records its exclusions: those of an alert, or of the agreement
+        // that must follow it, may be wrong.
         if matches!(outcome.report.verdict, Verdict::Protected(_)) {
             // The satellites of a system that is left out as a whole are not recorded one by one.
             let lost = outcome.report.excluded_constellations;

@@ -42,7 +42,10 @@ pub trait Absolute<T>: Copy + Debug + PartialEq {
     /// Converts a number of metres. NaN and too large values become the largest or the smallest
     /// value.
     fn of(metres: f64) -> Self;
-    /// Returns this length minus another.
+    /// Works like [`Self::of`] for coordinates and ranges of an [`Epoch`](crate::epoch::Epoch),
+    /// which are no larger than 10¹⁰ m. Another number gives an unspecified value.
+    fn of_admitted(metres: f64) -> Self;
+    /// Returns the difference to another.
     #[must_use]
     fn less(self, other: Self) -> Self;
     /// Returns the number of metres, exactly.
@@ -57,6 +60,10 @@ pub trait Absolute<T>: Copy + Debug + PartialEq {
 
 impl Absolute<f64> for f64 {
     fn of(metres: f64) -> Self {
+        metres
+    }
+
+    fn of_admitted(metres: f64) -> Self {
         metres
     }
 
@@ -119,7 +126,11 @@ const _: () = assert!(Grid::LONGEST_M * ((1 << Grid::COARSE_DIGITS) as f64) < i3
 impl Absolute<f32> for Grid {
     /// Rounds to the nearest multiple, halves away from 0.
     fn of(metres: f64) -> Self {
-        Self(if cfg!(target_os = "none") { by_bits(metres) } else { by_doubles(metres) })
+        Self(if HAS_DOUBLES { by_doubles(metres) } else { by_bits(metres) })
+    }
+
+    fn of_admitted(metres: f64) -> Self {
+        Self(if HAS_DOUBLES { by_addition(metres) } else { by_bits(metres) })
     }
 
     fn less(self, other: Self) -> Self {
@@ -145,16 +156,17 @@ impl Absolute<f32> for Grid {
 
     fn narrow(self) -> f32 {
         const STEP_M: f32 = 1.0 / (1 << Grid::DIGITS) as f32;
-        // The processor converts two words. Below 2³² m both conversions are exact, so that only
-        // one rounding remains.
-        const LOWER: u32 = 22;
-        let upper = (self.0 >> LOWER) as i32 as f32 * (1 << LOWER) as f32;
-        let lower = (self.0 & ((1 << LOWER) - 1)) as i32 as f32;
-        (upper + lower) * STEP_M
+        let units = if HAS_DOUBLES && self.0.unsigned_abs() < ROUNDED_ONCE {
+            self.0 as f32
+        } else {
+            in_two_words(self.0)
+        };
+        units * STEP_M
     }
 
     fn vector(coordinates: [Self; 3]) -> [f32; 3] {
-        coordinates.map(|coordinate| coarse(coordinate) * Self::COARSE_STEP_M)
+        let [x, y, z] = coordinates;
+        [coarse(x) * Self::COARSE_STEP_M, coarse(y) * Self::COARSE_STEP_M, coarse(z) * Self::COARSE_STEP_M]
     }
 
     fn length(coordinates: [Self; 3]) -> Length<Self, f32> {
@@ -162,18 +174,26 @@ impl Absolute<f32> for Grid {
         // `SCALE` converts the quotient to metres.
         const LOWER: u32 = 31;
         const SCALE: f32 = (1_u64 << LOWER) as f32 / (1_u64 << (Grid::DIGITS + Grid::COARSER + 1)) as f32;
-        let [x, y, z] = coordinates.map(coarse);
-        let approximate = (sqrt(x * x + y * y + z * z) as u32).max(1);
-        let whole = i64::from(approximate) << Self::COARSER;
-        let squares =
-            coordinates.iter().fold(whole.wrapping_mul(whole).wrapping_neg(), |sum, Self(value)| {
-                sum.wrapping_add(value.wrapping_mul(*value))
-            });
-        let rounded = approximate as f32;
+        let [x, y, z] = coordinates;
+        let root = {
+            let (x, y, z) = (coarse(x), coarse(y), coarse(z));
+            sqrt(x * x + y * y + z * z)
+        };
+        let (whole, rounded) =
+            if HAS_DOUBLES && root >= WHOLE { (by_sum(root), root) } else { by_conversion(root) };
+        let square = |Self(value)| i64::wrapping_mul(value, value);
+        let squares = square(x).wrapping_add(square(y)).wrapping_add(square(z));
+        let squares = squares.wrapping_sub(square(Self(whole)));
         let rest = (squares >> LOWER) as i32 as f32 * SCALE / rounded;
         Length { whole: Self(whole), rounded: rounded * Self::COARSE_STEP_M, rest }
     }
 }
+
+/// True for a processor that adds doubles by an instruction, as hosts do.
+///
+/// It has the integers of the others for less: a sum with a power of two shifts the digits of a
+/// number to a fixed place, where they are read as an integer.
+const HAS_DOUBLES: bool = cfg!(not(target_os = "none"));
 
 /// Returns the nearest multiple of 2⁻¹⁴ m as [`Grid`] defines it, from the bits of the double.
 fn by_bits(metres: f64) -> i64 {
@@ -195,16 +215,68 @@ fn by_bits(metres: f64) -> i64 {
     (magnitude ^ sign) - sign
 }
 
-/// Returns the same as [`by_bits`], computed with doubles, in fewer instructions on a host.
-fn by_doubles(metres: f64) -> i64 {
-    /// The largest double below ½. Adding ½ itself would round this number up to 1.
-    const BELOW_HALF: f64 = 0.5 - f64::EPSILON / 4.0;
-    let units = metres * (1 << Grid::DIGITS) as f64;
-    // NaN also returns here.
-    if !(units.abs() < Grid::LARGEST as f64) {
-        return if metres.is_sign_negative() { -Grid::LARGEST } else { Grid::LARGEST };
+/// A double whose neighbours are 2⁻¹⁴ m away, up to [`Grid::LARGEST`] steps on both sides.
+const CENTRE: f64 = 1.5 * (Grid::LARGEST >> (Grid::DIGITS - 1)) as f64;
+
+/// Returns the same as [`by_bits`] for numbers up to [`Grid::LARGEST`], by the rounding of a sum.
+fn by_addition(metres: f64) -> i64 {
+    const HALF_STEP_M: f64 = 0.5 / (1 << Grid::DIGITS) as f64;
+    let sum = metres + CENTRE;
+    let rest_m = metres - (sum - CENTRE);
+    // A sum rounds a half to the even neighbour. NaN leaves here, too.
+    if !(rest_m.abs() < HALF_STEP_M) {
+        return of_half(metres);
     }
-    (units + BELOW_HALF.copysign(units)) as i64
+    sum.to_bits().wrapping_sub(CENTRE.to_bits()).cast_signed()
+}
+
+/// Works like [`by_bits`], for what is rare.
+#[cold]
+#[inline(never)]
+fn of_half(metres: f64) -> i64 {
+    by_bits(metres)
+}
+
+/// Returns the same as [`by_bits`], by the rounding of a sum.
+fn by_doubles(metres: f64) -> i64 {
+    let units = by_addition(metres);
+    // Sums with another exponent or sign are farther away.
+    if units.unsigned_abs() <= Grid::LARGEST.unsigned_abs() {
+        units
+    } else if metres.is_sign_negative() {
+        -Grid::LARGEST
+    } else {
+        Grid::LARGEST
+    }
+}
+
+/// Number below which [`in_two_words`] rounds once, as a conversion by an instruction does.
+const ROUNDED_ONCE: u64 = 1 << 46;
+
+/// Returns a single from two words, which the processor converts: below [`ROUNDED_ONCE`] both
+/// exactly, so that one rounding remains.
+fn in_two_words(units: i64) -> f32 {
+    const LOWER: u32 = 22;
+    let upper = (units >> LOWER) as i32 as f32 * (1 << LOWER) as f32;
+    let lower = (units & ((1 << LOWER) - 1)) as i32 as f32;
+    upper + lower
+}
+
+/// Single from which on all are whole numbers.
+const WHOLE: f32 = (1 << 23) as f32;
+
+/// Returns a length in steps of the grid and in its own unit, without the digits behind the point,
+/// and 1 at least. It is below 2³².
+fn by_conversion(root: f32) -> (i64, f32) {
+    let approximate = (root as u32).max(1);
+    (i64::from(approximate) << Grid::COARSER, approximate as f32)
+}
+
+/// Returns the first result of [`by_conversion`] for a whole number, by the digits of a sum.
+fn by_sum(root: f32) -> i64 {
+    /// A double whose neighbours are 2⁻¹¹ away.
+    const BASE: f64 = (1_u64 << (52 - Grid::COARSER)) as f64;
+    (f64::from(root) + BASE).to_bits().wrapping_sub(BASE.to_bits()).cast_signed()
 }
 
 /// Returns a coordinate in units of 2⁻³ m, which fits 32 bits.
@@ -214,7 +286,9 @@ fn coarse(Grid(value): Grid) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::{by_bits, by_doubles};
+    use super::{
+        Grid, ROUNDED_ONCE, WHOLE, by_addition, by_bits, by_conversion, by_doubles, by_sum, in_two_words,
+    };
 
     /// Patterns of bits that repeat only after 2⁶⁴ (`SplitMix64`).
     fn patterns() -> impl Iterator<Item = u64> {
@@ -230,6 +304,9 @@ mod tests {
     fn agree(metres: f64) {
         for metres in [metres, -metres] {
             assert_eq!(by_doubles(metres), by_bits(metres), "{metres:e}");
+            if metres.abs() <= 1e10 {
+                assert_eq!(by_addition(metres), by_bits(metres), "{metres:e}");
+            }
         }
     }
 
@@ -256,5 +333,41 @@ mod tests {
         [f64::NAN, f64::from_bits(u64::MAX), f64::from_bits(0x7FF0_0000_0000_0001)]
             .into_iter()
             .for_each(agree);
+    }
+
+    #[test]
+    fn the_grid_rounds_as_the_standard_library_does() {
+        for bits in patterns().take(1_000_000) {
+            // Up to 2³⁷ m, with 0 to 31 digits behind the point; the last digit is a half.
+            let units = (bits >> (13 + bits % 32)) as f64 / 2.0;
+            let metres = units / 16_384.0;
+            if units < Grid::LARGEST as f64 {
+                assert_eq!(by_bits(metres), units.round() as i64, "{metres:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_conversion_rounds_once_as_two_words_do() {
+        let agree = |units: i64| {
+            for units in [units, -units] {
+                assert_eq!((units as f32).to_bits(), in_two_words(units).to_bits(), "{units}");
+            }
+        };
+        let limit = ROUNDED_ONCE.cast_signed();
+        [0, 1, (1 << 24) - 1, (1 << 24) + 1, (1 << 22) - 1, 1 << 22, limit - 1].into_iter().for_each(agree);
+        patterns().take(1_000_000).for_each(|bits| agree((bits >> (18 + bits % 46)).cast_signed()));
+        // A number whose 25th digit and last digit are 1 alone tells one rounding from two.
+        (25..46).for_each(|digits| agree((1 << digits) + (1 << (digits - 24)) + 1));
+    }
+
+    #[test]
+    fn a_whole_length_has_the_digits_of_its_conversion() {
+        // Every length below 2³² that is a single without digits behind the point, in steps.
+        let last = (u32::MAX as f32).next_down().to_bits();
+        for bits in (WHOLE.to_bits()..=last).step_by(7).chain([last]) {
+            let root = f32::from_bits(bits);
+            assert_eq!((by_sum(root), root), by_conversion(root), "{root}");
+        }
     }
 }

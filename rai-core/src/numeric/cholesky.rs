@@ -39,7 +39,7 @@ impl<T: Real> Cholesky<T> {
             if !(pivot > T::zero()) {
                 return None;
             }
-            *row.get_mut(i)? = pivot.sqrt();
+            *row.get_mut(i)? = pivot.sqrt_approx();
         }
         Some(Self(lower))
     }

@@ -153,6 +153,15 @@ pub(crate) fn symmetric_product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T
     )
 }
 
+/// Returns `M v` of a matrix with four rows, from its columns: one product and one sum of a host's
+/// vectors for each column of singles.
+#[inline]
+pub(crate) fn four_rows<T: Real>(columns: &[[T; 4]; 3], vector: &Vector3<T>) -> [T; 4] {
+    let [[x1, x2, x3, x4], [y1, y2, y3, y4], [z1, z2, z3, z4]] = *columns;
+    let row = |x, y, z| x * vector.x + y * vector.y + z * vector.z;
+    [row(x1, y1, z1), row(x2, y2, z2), row(x3, y3, z3), row(x4, y4, z4)]
+}
+
 /// Adds `a bᵀ` to a symmetric matrix.
 #[inline]
 pub(crate) fn add_outer_product<T: Real>(matrix: &mut Matrix3<T>, a: &Vector3<T>, b: &Vector3<T>) {

@@ -123,7 +123,7 @@ fn priors<T: Real>(solution: &impl Excludable<T>, epoch: &EpochView<'_>, ism: &I
         let [ura, ure] = [support.ura_m, support.ure_m].map(T::narrow);
         let variance = row.sigma * row.sigma;
         let accurate = variance - ura * ura + ure * ure;
-        let accuracy_m = if row.sigma >= ura { accurate.sqrt() } else { row.sigma };
+        let accuracy_m = if row.sigma >= ura { accurate.sqrt_approx() } else { row.sigma };
         Prior { accuracy_m, bias_m: T::narrow(support.bias_m), fault: T::narrow(support.satellite_fault) }
     }))
 }

@@ -180,7 +180,7 @@ impl<T: Real> Finding<T> {
     /// Returns the horizontal protection level, m.
     pub fn hpl_m(&self) -> T {
         let [east, north, _] = self.levels_m;
-        (east * east + north * north).sqrt()
+        (east * east + north * north).sqrt_approx()
     }
 
     /// Returns the vertical protection level, m.

@@ -240,7 +240,7 @@ impl<T: Real> KFactors<T> {
         let [missed, free] = [missed_detection, fault_free].map(|probability| T::narrow(probability.get()));
         let two_sided = |probability: T| normal::quantile(probability * T::narrow(0.5));
         // Circular normal distribution with the standard deviation of the longer axis.
-        let radial = |probability: T| (T::narrow(-2.0) * probability.ln()).sqrt();
+        let radial = |probability: T| (T::narrow(-2.0) * probability.ln()).sqrt_approx();
         Self {
             detection: normal::quantile(missed),
             horizontal: AxisKFactors { missed: radial(missed), fault_free: radial(free) },
@@ -355,7 +355,7 @@ pub fn largest_hdop_change<T: Real>(snapshot: &Snapshot<'_, T>) -> T {
         let without = snapshot.hdop_without(index)?;
         Some((without * without - hdop * hdop).max(T::zero()))
     });
-    changes.fold(T::zero(), T::max).sqrt()
+    changes.fold(T::zero(), T::max).sqrt_approx()
 }
 
 /// Returns the change of HDOP at which the protection level reaches the alert limit, `HAL/(σ√λ)`,

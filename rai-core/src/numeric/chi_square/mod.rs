@@ -116,9 +116,12 @@ impl<T: Real> ChiSquare<T> {
             return None;
         }
         let half = dof as f64 / 2.0;
-        // The largest, Γ(60/2) = 8.8e30, fits a single.
-        let (mut gamma, mut factor) =
-            if dof.is_multiple_of(2) { (T::one(), T::one()) } else { (T::pi().sqrt(), T::narrow(0.5)) };
+        // Γ(60/2) = 8.8e30 still fits a single.
+        let (mut gamma, mut factor) = if dof.is_multiple_of(2) {
+            (T::one(), T::one())
+        } else {
+            (T::pi().sqrt_approx(), T::narrow(0.5))
+        };
         while factor < T::narrow(half) {
             gamma *= factor;
             factor += T::one();
@@ -134,7 +137,7 @@ impl<T: Real> ChiSquare<T> {
     /// Cortex-M4F.
     pub fn quantile(&self, tail: Probability, noncentrality: f64) -> T {
         let ln_tail = ln(tail);
-        let mean = T::narrow(bounded(noncentrality)).sqrt();
+        let mean = T::narrow(bounded(noncentrality)).sqrt_approx();
         let longest = T::narrow(LONGEST_STEP);
         let mut root = self.root_guess(ln_tail, mean).max(T::narrow(SMALLEST_ROOT));
         for _ in 0..MAX_STEPS {
@@ -158,7 +161,8 @@ impl<T: Real> ChiSquare<T> {
     /// instructions on a Cortex-M4F.
     pub fn noncentrality(&self, statistic: f64, tail: Probability) -> T {
         let ln_tail = ln(tail);
-        let root = T::narrow(statistic.min(LARGEST)).max(T::zero()).sqrt().max(T::narrow(SMALLEST_ROOT));
+        let root =
+            T::narrow(statistic.min(LARGEST)).max(T::zero()).sqrt_approx().max(T::narrow(SMALLEST_ROOT));
         let longest = T::narrow(LONGEST_STEP);
         let mut mean = self.mean_guess(ln_tail, root);
         for _ in 0..MAX_STEPS {
@@ -192,9 +196,9 @@ impl<T: Real> ChiSquare<T> {
             return T::zero();
         }
         let (target, noncentrality) = (T::narrow(target), T::narrow(noncentrality));
-        // The start is exact at both ends: τ → ν and τ → δ/4. L is convex, so that Newton's method
-        // converges from any start.
-        let mut argument = (target * (self.dof + self.dof + target)).sqrt();
+        // Exact at both ends: τ → ν and τ → δ/4. L is convex, so that Newton's method converges
+        // from any start.
+        let mut argument = (target * (self.dof + self.dof + target)).sqrt_approx();
         for _ in 0..MAX_STEPS {
             let Growth { value, slope, .. } = self.growth(argument);
             let step = (target - value) / slope;
@@ -214,7 +218,7 @@ impl<T: Real> ChiSquare<T> {
         // Below the root, the logarithmic density decreases at least by `steepness u + u²/2` over
         // `u`.
         let fall = T::CHI_SQUARE.drop + T::CHI_SQUARE.drop;
-        let reach = (steepness * steepness + fall).sqrt();
+        let reach = (steepness * steepness + fall).sqrt_approx();
         let width = if steepness > T::zero() { fall / (reach + steepness) } else { reach - steepness };
         let width = width.min(root);
         let mut mean_height = T::zero();
@@ -278,7 +282,7 @@ impl<T: Real> ChiSquare<T> {
     fn expanded(&self, argument: T) -> Growth<T> {
         let (order, half) = (self.order, T::narrow(0.5));
         let squared = order * order;
-        let scale = (squared + argument * argument).sqrt();
+        let scale = (squared + argument * argument).sqrt_approx();
         let (inverse, w) = (T::one() / scale, squared / (scale * scale));
         let terms = polynomial(&DEBYE_4, w) * inverse;
         let terms = (terms + polynomial(&DEBYE_3, w)) * inverse;
@@ -307,7 +311,7 @@ impl<T: Real> ChiSquare<T> {
             expectation,
             power: h,
             centre: one + h * p * (h - one - (one - h / two) * q),
-            deviation: h * (two * p).sqrt() * (one + q / two),
+            deviation: h * (two * p).sqrt_approx() * (one + q / two),
         }
     }
 
@@ -317,11 +321,11 @@ impl<T: Real> ChiSquare<T> {
         let normal = self.nearly_normal(mean);
         let powered = normal.centre - normal_quantile(ln_tail) * normal.deviation;
         if powered > T::narrow(0.1) {
-            return (normal.expectation * power(powered, T::one() / normal.power)).sqrt();
+            return (normal.expectation * power(powered, T::one() / normal.power)).sqrt_approx();
         }
         let half = self.dof * T::narrow(0.5);
         let leading = ln_tail + mean * mean * T::narrow(0.5) + half * T::ln_2() + self.ln_gamma + half.ln();
-        (leading / self.dof).exp().min(normal.expectation.sqrt())
+        (leading / self.dof).exp().min(normal.expectation.sqrt_approx())
     }
 
     /// Returns an approximate root of the non-centrality. It assumes a normal distribution of unit
@@ -329,12 +333,12 @@ impl<T: Real> ChiSquare<T> {
     fn mean_guess(&self, ln_tail: T, root: T) -> T {
         let quantile = normal_quantile(ln_tail);
         let shifted = root + quantile;
-        let mut mean = (shifted * shifted - self.dof).max(T::one()).sqrt();
+        let mut mean = (shifted * shifted - self.dof).max(T::one()).sqrt_approx();
         for _ in 0..2 {
             let normal = self.nearly_normal(mean);
             let powered = power(root * root / normal.expectation, normal.power);
             let excess = quantile - (normal.centre - powered) / normal.deviation;
-            let per_sigma = ((normal.expectation + mean * mean) * T::narrow(0.5)).sqrt() / mean;
+            let per_sigma = ((normal.expectation + mean * mean) * T::narrow(0.5)).sqrt_approx() / mean;
             mean = (mean + excess * per_sigma).max(T::one());
         }
         mean
@@ -373,7 +377,7 @@ fn ln<T: Real>(tail: Probability) -> T {
 ///
 /// [Abramowitz1964]: crate#references
 fn normal_quantile<T: Real>(ln_tail: T) -> T {
-    let t = (-(ln_tail + ln_tail)).sqrt();
+    let t = (-(ln_tail + ln_tail)).sqrt_approx();
     let [a, b, c, d, e, f] = [2.515517, 0.802853, 0.010328, 1.432788, 0.189269, 0.001308].map(T::narrow);
     t - (a + t * (b + t * c)) / (T::one() + t * (d + t * (e + t * f)))
 }

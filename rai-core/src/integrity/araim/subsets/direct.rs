@@ -58,7 +58,7 @@ impl<T: Real> Triangle<T> {
 fn turn<T: Real>(column: usize, top: &Turned<T>, below: &Turned<T>) -> [Turned<T>; 2] {
     let [(top, right), (row, residual)] = [*top, *below];
     let [&diagonal, &rest] = [top.get(column), row.get(column)].map(|entry| entry.unwrap_or(&top.x));
-    let length = (diagonal * diagonal + rest * rest).sqrt();
+    let length = (diagonal * diagonal + rest * rest).sqrt_approx();
     if !(length > T::zero()) {
         return [(top, right), (row, residual)];
     }
@@ -88,7 +88,7 @@ pub(super) fn solve<T: Real>(
     for (index, (row, fit, _)) in solutions.rows().enumerate() {
         let group = group_of(row);
         if is_left(index, group) && row.weight > T::zero() {
-            let root = row.weight.sqrt();
+            let root = row.weight.sqrt_approx();
             triangle.add(scaled(root, &difference(&fit.centred, &mean_of(group))), fit.residual * root);
         }
     }

@@ -280,7 +280,7 @@ impl<T: Real> TimeTagColumn<T> {
         if !(square > whole * T::UNTESTABLE && square.is_finite()) {
             return None;
         }
-        let scale = square.sqrt().recip();
+        let scale = square.sqrt_approx().recip();
         let mut projected = Vec::new();
         fill(
             &mut projected,

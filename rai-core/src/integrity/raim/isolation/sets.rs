@@ -155,7 +155,7 @@ fn triples<'r, T: Real>(
 ) {
     for (gone, rest) in tails(rows) {
         if !work.cut {
-            let root = gone.redundancy.sqrt();
+            let root = gone.redundancy.sqrt_approx();
             stand(standings, rest.iter().map(|row| ReducedRow::without(row, gone, root)));
             pairs(gone.explained(), standings, work, above, Some(gone.index));
         }

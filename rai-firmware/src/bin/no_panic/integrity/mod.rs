@@ -237,6 +237,7 @@ fn absolute_lengths() {
         <f64 as Absolute<f64>>::length as fn(_) -> _,
         Grid::of_multiple as fn(_, _) -> _,
         <Grid as Absolute<f32>>::of as fn(_) -> _,
+        <Grid as Absolute<f32>>::of_admitted as fn(_) -> _,
         <Grid as Absolute<f32>>::less as fn(_, _) -> _,
         <Grid as Absolute<f32>>::widen as fn(_) -> _,
         <Grid as Absolute<f32>>::narrow as fn(_) -> _,
