@@ -361,10 +361,10 @@ impl<T: Real> LinearisationPoint<T> {
 
     /// Returns the line of sight to a satellite that sent its signal from `satellite`.
     ///
-    /// The satellite's coordinates are those of the earth-fixed frame at transmission. While the
-    /// signal travels, the earth turns; to first order in the angle this adds
-    /// `ω/c (x_s y_r − y_s x_r)` to the range (second order: 0.3 mm). The difference of the
-    /// positions gives the same product as the satellite's position.
+    /// The satellite's coordinates are in the earth-fixed frame at transmission. While the signal
+    /// travels, the earth turns. To first order in the angle this adds `ω/c (x_s y_r − y_s x_r)` to
+    /// the range (second order: 0.3 mm). The code uses `s − r` in place of `s`, which gives the
+    /// same product.
     // Called for every satellite of an epoch.
     #[allow(clippy::inline_always, reason = "a host keeps the result in registers")]
     #[cfg_attr(not(target_os = "none"), inline(always))]

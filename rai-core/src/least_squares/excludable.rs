@@ -66,7 +66,7 @@ impl<T: Real> Excludable<T> for Snapshot<'_, T> {
     }
 
     fn take_back_all(&mut self, rows: u64) {
-        // These rows were solved before, so that they can be solved again.
+        // This cannot fail, because these rows were solved before.
         let _ = self.restore(rows);
     }
 

@@ -267,8 +267,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ) {
         self.remember(outcome);
         self.continue_from(outcome, own_clock_s, velocity.ok_or(refusal));
-        // Only a protected epoch records its exclusions: those of an alert, or of the agreement
-        // that must follow it, may be wrong.
+        // Only a protected epoch records its exclusions. Those during an alert, or during the
+        // recovery after it, may be wrong.
         if matches!(outcome.report.verdict, Verdict::Protected(_)) {
             // The satellites of a system that is left out as a whole are not recorded one by one.
             let lost = outcome.report.excluded_constellations;

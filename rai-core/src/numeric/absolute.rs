@@ -45,7 +45,7 @@ pub trait Absolute<T>: Copy + Debug + PartialEq {
     /// Works like [`Self::of`] for coordinates and ranges of an [`Epoch`](crate::epoch::Epoch),
     /// which are no larger than 10¹⁰ m. Another number gives an unspecified value.
     fn of_admitted(metres: f64) -> Self;
-    /// Returns the difference to another.
+    /// Returns this length minus another.
     #[must_use]
     fn less(self, other: Self) -> Self;
     /// Returns the number of metres, exactly.
@@ -223,7 +223,7 @@ fn by_addition(metres: f64) -> i64 {
     const HALF_STEP_M: f64 = 0.5 / (1 << Grid::DIGITS) as f64;
     let sum = metres + CENTRE;
     let rest_m = metres - (sum - CENTRE);
-    // A sum rounds a half to the even neighbour. NaN leaves here, too.
+    // A sum rounds a half to the even neighbour. NaN also returns here.
     if !(rest_m.abs() < HALF_STEP_M) {
         return of_half(metres);
     }

@@ -1,8 +1,9 @@
-//! The core as a microcontroller runs it: in single precision, for 48 satellites.
+//! The instance of the core for a microcontroller: in single precision, for up to 48 satellites.
 //!
 //! Generic code is compiled in the crate that uses it, with that crate's optimisation. These
-//! functions are compiled with this crate instead, so that a firmware that is compiled for size has
-//! its integrity compiled for speed, and once. Each function calls the generic one of its name.
+//! functions are compiled with this crate instead. The integrity part of a firmware that is
+//! compiled for size is thus compiled for speed, and only once. Each function calls the generic one
+//! of its name.
 
 #[cfg(feature = "stages")]
 pub mod stages;
@@ -62,7 +63,7 @@ pub fn solve(workspace: &mut Workspace) -> Result<Snapshot<'_, f32>, SnapshotErr
     workspace.solve()
 }
 
-/// Returns the position alone, from a start ([`Workspace::fix`]), or `None`.
+/// Returns the position of [`Workspace::fix`], or `None` if there is none.
 #[inline(never)]
 pub fn position(workspace: &mut Workspace, epoch: &Epoch<CAPACITY>, start: Ecef) -> Option<Ecef> {
     Some(workspace.fix(epoch, start).ok()?.position())

@@ -1,5 +1,5 @@
-//! The stages of this instance one by one, for measurements: as in the shipped image, compiled for
-//! speed.
+//! The stages of this instance one by one, for measurements. They are compiled for speed, as in the
+//! shipped image.
 //!
 //! Each function calls the generic one of its name.
 

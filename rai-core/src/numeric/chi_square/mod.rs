@@ -116,7 +116,7 @@ impl<T: Real> ChiSquare<T> {
             return None;
         }
         let half = dof as f64 / 2.0;
-        // Γ(60/2) = 8.8e30 still fits a single.
+        // The largest, Γ(60/2) = 8.8e30, fits a single.
         let (mut gamma, mut factor) = if dof.is_multiple_of(2) {
             (T::one(), T::one())
         } else {
@@ -196,8 +196,8 @@ impl<T: Real> ChiSquare<T> {
             return T::zero();
         }
         let (target, noncentrality) = (T::narrow(target), T::narrow(noncentrality));
-        // Exact at both ends: τ → ν and τ → δ/4. L is convex, so that Newton's method converges
-        // from any start.
+        // The start is exact at both ends: τ → ν and τ → δ/4. L is convex, so that Newton's method
+        // converges from any start.
         let mut argument = (target * (self.dof + self.dof + target)).sqrt_approx();
         for _ in 0..MAX_STEPS {
             let Growth { value, slope, .. } = self.growth(argument);
