@@ -14,6 +14,7 @@ use core::fmt;
 
 use heapless::Vec;
 
+use crate::bounded::assert_capacity;
 use crate::frame::Ecef;
 use crate::numeric::bounds::is_within;
 use crate::satellite::{Constellation, SatelliteId};
@@ -154,6 +155,7 @@ impl<const N: usize> Epoch<N> {
     /// `time_s` counts seconds of any continuous time scale; only differences are used. A time that
     /// is not finite counts as 0.
     pub fn new(time_s: f64) -> Self {
+        const { assert_capacity(N) };
         let time_s = if time_s.is_finite() { time_s } else { 0.0 };
         Self { time_s, observations: Vec::new(), shared: Vec::new(), aiding: Vec::new() }
     }

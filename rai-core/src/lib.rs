@@ -23,8 +23,8 @@
 //!
 //! Further modules: [`least_squares::downdate`] (the solution without any set of satellites),
 //! [`weighting`] (the error model), [`clock`] (a forecast of the receiver clock as one more row),
-//! [`continuity`] (recovery, jumps, and motion against its rates), [`velocity`], [`frame`] (WGS 84)
-//! and [`single`] (the instance for a microcontroller).
+//! [`continuity`] (recovery, jumps, and motion against its rates), [`velocity`] and [`frame`]
+//! (WGS 84).
 //!
 //! # Example
 //!
@@ -75,10 +75,8 @@
 //! | `past` | yes | compares an epoch with those before: residuals with sigmas, position and clock with velocity and drift, satellites that were excluded lately |
 //! | `hypotheses` | yes | explains residuals by more than single satellites: a wrong time tag, a system that is shifted or broken as a whole |
 //! | `aiding` | yes | rows beside the satellites (forecast of the receiver clock, known height), and sigmas scaled by residuals; without it an epoch has no room for such rows |
-//! | `double-tables` | yes | thresholds in double precision and for all degrees of freedom; without it in single precision, for at most [`single::CAPACITY`] |
-//! | `satellites-32`, `satellites-48` | yes | room for 32 or 48 satellites in an epoch on a chip, without both 16; with `satellites-48` 64 rows on a computer |
+//! | `double-tables` | yes | thresholds in double precision; without it in single precision |
 //! | `unstable` | no | the modules behind the interface, which may change in any version: pin the exact one |
-//! | `stages` | no | `single::stages`, the stages one by one for measurements; includes `unstable` |
 //! | `defmt` | no | `defmt::Format` on public types |
 //!
 //! # Stability
@@ -208,10 +206,6 @@ mod least_squares;
 pub mod numeric;
 #[cfg(not(feature = "unstable"))]
 mod numeric;
-#[cfg(feature = "unstable")]
-pub mod single;
-#[cfg(not(feature = "unstable"))]
-mod single;
 #[cfg(feature = "unstable")]
 pub mod velocity;
 #[cfg(not(feature = "unstable"))]

@@ -26,7 +26,7 @@ use crate::time::GpsTime;
 
 /// Most satellites of an epoch, 64 beside room for 48 in the core: those that are used, and those
 /// of systems that are not in use or below the mask, which come in the same messages.
-pub const EPOCH_CAPACITY: usize = raim_core::single::CAPACITY + 16;
+pub const EPOCH_CAPACITY: usize = raim_single::CAPACITY + 16;
 
 /// Most signals of one satellite. Only `BeiDou` satellites have more bands; see [`Band::is_spare`].
 pub const SIGNAL_CAPACITY: usize = 3;

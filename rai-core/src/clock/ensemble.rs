@@ -143,7 +143,7 @@ struct ClockOfEpoch {
 impl SolvedClocks {
     /// Reads the clocks of a snapshot.
     #[inline(never)]
-    pub fn of<T: Real>(snapshot: &Snapshot<'_, T>) -> Self {
+    pub fn of<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>) -> Self {
         Self {
             each: Constellation::ALL.map(|constellation| ClockOfEpoch {
                 has_jumped: aiding_row(snapshot, constellation).is_some_and(|(row, _)| left_out(row)),
@@ -155,8 +155,8 @@ impl SolvedClocks {
 
 /// Returns a constellation's receiver clock without its forecast, or `None` if fewer than two of
 /// its satellites, or the satellites alone, do not determine it.
-pub fn satellites_alone<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+pub fn satellites_alone<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
     constellation: Constellation,
 ) -> Option<SolvedClock> {
     let belongs = |row: &Row<T>| row.clock == Some(constellation) && !is_forecast(row) && !left_out(row);
@@ -178,8 +178,8 @@ pub fn satellites_alone<T: Real>(
     Some(SolvedClock { value_m, sigma_m: variance.sqrt().widen() })
 }
 
-fn aiding_row<'s, T: Real>(
-    snapshot: &'s Snapshot<'_, T>,
+fn aiding_row<'s, T: Real, const N: usize>(
+    snapshot: &'s Snapshot<'_, T, N>,
     constellation: Constellation,
 ) -> Option<(&'s Row<T>, &'s RowFit<T>)> {
     snapshot.rows().find(|(row, _)| row.clock == Some(constellation) && is_forecast(row))

@@ -46,12 +46,12 @@ pub enum Search<'s> {
 /// A separate function, as are its branches, so that an epoch without a fault does not pay for the
 /// stack of the searches, and each search only for its own.
 #[inline(never)]
-pub(super) fn isolate<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub(super) fn isolate<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_, T>,
     search: Search<'_>,
-    #[cfg_attr(not(feature = "searches"), expect(unused_variables))] subsets: &mut ransac::Subsets,
+    #[cfg_attr(not(feature = "searches"), expect(unused_variables))] subsets: &mut ransac::Subsets<N>,
 ) -> Exclusion<T> {
     let thresholds = &criteria.thresholds;
     if let Search::Known(satellites) = search {
@@ -88,8 +88,8 @@ pub(super) fn isolate<T: Real>(
 
 /// Isolates by every set if sets can be distinguished at all, or by the largest w-test if they are
 /// too many.
-fn isolate_within_budget<T: Real>(
-    solution: &mut impl Excludable<T>,
+fn isolate_within_budget<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     thresholds: &Thresholds<'_>,
 ) -> Exclusion<T> {
     let rows = (solution.snapshot().dof() / 2).min(MAX_EXCLUDED);
@@ -105,8 +105,8 @@ fn isolate_within_budget<T: Real>(
 ///
 /// This comes before any method: a jump of a millisecond shows in every satellite's test, and
 /// methods that leave out all rows that correlate with the worst would leave out healthy ones.
-pub(super) fn jump<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub(super) fn jump<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     row: usize,
     thresholds: &Thresholds<'_>,
 ) -> Option<Exclusion<T>> {

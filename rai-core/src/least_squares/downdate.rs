@@ -93,7 +93,7 @@ impl<T: Real> CouplingTerms<T> {
 }
 
 impl<T: Real> NormalisedRow<T> {
-    fn new(index: usize, row: &Row<T>, fit: &RowFit<T>, snapshot: &Snapshot<'_, T>) -> Self {
+    fn new<const N: usize>(index: usize, row: &Row<T>, fit: &RowFit<T>, snapshot: &Snapshot<'_, T, N>) -> Self {
         let root = row.sigma.recip();
         Self {
             index,
@@ -137,7 +137,7 @@ pub(crate) struct ReducedRow<'r, T: Real> {
 }
 
 /// Capacity for one reduced row per row.
-pub(crate) type ReducedRows<'r, T> = Vec<ReducedRow<'r, T>, MAX_ROWS>;
+pub(crate) type ReducedRows<'r, T, const N: usize> = Vec<ReducedRow<'r, T>, N>;
 
 impl<'r, T: Real> ReducedRow<'r, T> {
     /// Returns the row as in the snapshot.
@@ -240,14 +240,14 @@ fn squared_w_test<T: Real>(residual: T, redundancy: T) -> T {
     if redundancy < T::UNTESTABLE { T::zero() } else { residual * residual / redundancy }
 }
 
-/// Capacity for the rows of a search.
-pub type NormalisedRows<T> = Vec<NormalisedRow<T>, MAX_ROWS>;
+/// Capacity for the rows of a search: as many as the epoch may have.
+pub type NormalisedRows<T, const N: usize = MAX_ROWS> = Vec<NormalisedRow<T>, N>;
 
 /// Writes the rows of a snapshot that take part and can be tested, in the order of the epoch.
 ///
 /// Any other row is untestable in every set. The caller provides the memory, because a returned
 /// vector would be on the stack twice.
-pub fn testable_rows<T: Real>(snapshot: &Snapshot<'_, T>, rows: &mut NormalisedRows<T>) {
+pub fn testable_rows<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, rows: &mut NormalisedRows<T, N>) {
     rows.clear();
     for (index, (row, fit)) in snapshot.rows().enumerate() {
         if row.weight > T::zero() && fit.redundancy >= T::UNTESTABLE {
@@ -293,8 +293,8 @@ impl<T: Real> ExclusionSet<T> {
 
     /// Returns the set of these rows of a snapshot, or `None` if it is refused, or a row is not
     /// testable or listed twice.
-    pub fn of(snapshot: &Snapshot<'_, T>, set: &[usize]) -> Option<Self> {
-        let mut rows = Vec::new();
+    pub fn of<const N: usize>(snapshot: &Snapshot<'_, T, N>, set: &[usize]) -> Option<Self> {
+        let mut rows = NormalisedRows::<T, N>::new();
         testable_rows(snapshot, &mut rows);
         Self::among(&rows, set)
     }
@@ -398,17 +398,17 @@ impl<T: Real> ExclusionSet<T> {
     }
 
     /// Returns degrees of freedom without the set.
-    pub fn dof(&self, snapshot: &Snapshot<'_, T>) -> usize {
+    pub fn dof<const N: usize>(&self, snapshot: &Snapshot<'_, T, N>) -> usize {
         snapshot.dof().saturating_sub(self.rows.len())
     }
 
     /// Returns correction of the position without the set, east, north, up, m.
-    pub fn correction(&self, snapshot: &Snapshot<'_, T>) -> Vector3<T> {
+    pub fn correction<const N: usize>(&self, snapshot: &Snapshot<'_, T, N>) -> Vector3<T> {
         difference(&snapshot.correction(), &product(&self.gains(), &self.solved))
     }
 
     /// Returns covariance of that correction, m².
-    pub fn covariance(&self, snapshot: &Snapshot<'_, T>) -> Matrix3<T> {
+    pub fn covariance<const N: usize>(&self, snapshot: &Snapshot<'_, T, N>) -> Matrix3<T> {
         let gains = self.gains();
         let mut inverse = self.inverse;
         mirror(&mut inverse);

@@ -23,6 +23,7 @@ use core::fmt;
 use nalgebra::Vector3;
 
 use crate::bit_set::bit;
+use crate::bounded::MAX_ROWS;
 use crate::epoch::{Aided, Aiding, Epoch};
 use crate::frame::{Ecef, LinearisationPoint, LocalFrame};
 use crate::least_squares::equations::{References, Row};
@@ -76,23 +77,23 @@ impl<T: Real, const N: usize> Workspace<T, N> {
     ///
     /// # Errors
     /// [`FixError`] names what is missing.
-    pub fn fix<'r>(&'r mut self, epoch: &'r Epoch<N>, start: Ecef) -> Result<Fix<'r, T>, FixError> {
+    pub fn fix<'r>(&'r mut self, epoch: &'r Epoch<N>, start: Ecef) -> Result<Fix<'r, T, N>, FixError> {
         Fix::about(self, Aided::alone(epoch), start)
     }
 }
 
 /// A converged position together with the linearised epoch it came from.
 #[derive(Debug)]
-pub struct Fix<'r, T: Real> {
+pub struct Fix<'r, T: Real, const N: usize = MAX_ROWS> {
     aided: Aided<'r>,
     /// The linearisation point.
     linearisation: LinearisationPoint<T>,
-    snapshot: Snapshot<'r, T>,
+    snapshot: Snapshot<'r, T, N>,
 }
 
-impl<'r, T: Real> Fix<'r, T> {
+impl<'r, T: Real, const N: usize> Fix<'r, T, N> {
     /// Works like [`Workspace::fix`], with a clock forecast beside the epoch.
-    pub(crate) fn about<const N: usize>(
+    pub(crate) fn about(
         workspace: &'r mut Workspace<T, N>,
         aided: Aided<'r>,
         start: Ecef,
@@ -120,7 +121,7 @@ impl<'r, T: Real> Fix<'r, T> {
     }
 
     /// Returns the linearised epoch at the position.
-    pub fn snapshot(&self) -> &Snapshot<'r, T> {
+    pub fn snapshot(&self) -> &Snapshot<'r, T, N> {
         &self.snapshot
     }
 
@@ -161,8 +162,8 @@ impl<'r, T: Real> Fix<'r, T> {
     }
 }
 
-impl<T: Real> Excludable<T> for Fix<'_, T> {
-    fn snapshot(&self) -> &Snapshot<'_, T> {
+impl<T: Real, const N: usize> Excludable<T, N> for Fix<'_, T, N> {
+    fn snapshot(&self) -> &Snapshot<'_, T, N> {
         &self.snapshot
     }
 
@@ -233,8 +234,8 @@ fn converge<T: Real>(
 }
 
 /// Writes the equations about another point, relative to references, without the rows of a set.
-fn rewrite<T: Real>(
-    snapshot: &mut Snapshot<'_, T>,
+fn rewrite<T: Real, const N: usize>(
+    snapshot: &mut Snapshot<'_, T, N>,
     references: References<T>,
     aided: &Aided<'_>,
     linearisation: &LinearisationPoint<T>,

@@ -48,7 +48,7 @@ use core::fmt;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::least_squares::equations::{References, Row};
+use crate::least_squares::equations::{MAX_ROWS, References, Row};
 use crate::numeric::absolute::Absolute;
 use crate::numeric::real::Real;
 use crate::numeric::space::{dot, product, zero};
@@ -137,7 +137,7 @@ impl<T: Real> RowFit<T> {
 
 /// A solved view of a [`Workspace`], derived from one 3×3 solve.
 #[derive(Debug, PartialEq)]
-pub struct Snapshot<'w, T: Real> {
+pub struct Snapshot<'w, T: Real, const N: usize = MAX_ROWS> {
     rows: &'w mut [Row<T>],
     references: &'w mut References<T>,
     fits: &'w mut [RowFit<T>],
@@ -170,7 +170,7 @@ impl<T: Real> Solved<T> {
     }
 }
 
-impl<T: Real> Snapshot<'_, T> {
+impl<T: Real, const N: usize> Snapshot<'_, T, N> {
     /// Leaves one more row out, in place: by algebra on the solution, or by solving again if
     /// algebra would lose precision.
     ///

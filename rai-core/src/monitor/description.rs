@@ -18,7 +18,7 @@ use crate::satellite::Constellation;
 use crate::weighting::residuals::Residuals;
 
 /// Returns the residuals of the satellites used, weighted by the sigmas of the epoch.
-pub(super) fn residuals<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Residuals {
+pub(super) fn residuals<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, epoch: &EpochView<'_>) -> Residuals {
     let takes_part = |weight: T| weight > T::zero();
     let used = snapshot.rows().zip(epoch.observations()).filter(|((row, _), _)| takes_part(row.weight));
     let sse = used.fold(0.0, |sum, ((_, fit), observation)| {
@@ -34,9 +34,9 @@ pub(super) fn residuals<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'
 ///
 /// A left-out row's residual is that of a prediction, which is the bias. An aiding row that was
 /// left out belongs to no satellite and is not listed.
-pub(super) fn suspects<T: Real>(
+pub(super) fn suspects<T: Real, const N: usize>(
     judgement: &Judgement<T>,
-    fix: &Fix<'_, T>,
+    fix: &Fix<'_, T, N>,
     epoch: &EpochView<'_>,
 ) -> Vec<Suspect, MAX_EXCLUDED> {
     let listed = judgement.excluded.iter().filter_map(|excluded| {
@@ -54,9 +54,9 @@ pub(super) fn suspects<T: Real>(
 }
 
 /// Returns the known height of an epoch beside the satellites.
-pub(super) fn known_height<T: Real>(
+pub(super) fn known_height<T: Real, const N: usize>(
     judgement: &Judgement<T>,
-    snapshot: &Snapshot<'_, T>,
+    snapshot: &Snapshot<'_, T, N>,
     epoch: &EpochView<'_>,
 ) -> Option<HeightReport> {
     let (row, fit) = snapshot.row(height_row(snapshot, epoch)?)?;
@@ -72,7 +72,7 @@ pub(super) fn known_height<T: Real>(
 /// are written already.
 #[inline(never)]
 pub(super) fn describe<T: Real, const N: usize>(
-    fix: &Fix<'_, T>,
+    fix: &Fix<'_, T, N>,
     epoch: &EpochView<'_>,
     verdict: Verdict,
     judgement: &Judgement<T>,
@@ -107,7 +107,7 @@ fn statistic<T: Real>(test: &Test<T>, araim: Option<&AraimReport>) -> TestStatis
     }
 }
 
-fn suspect<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Option<Suspect> {
+fn suspect<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, epoch: &EpochView<'_>) -> Option<Suspect> {
     let (index, _, _) = baarda::worst_two(snapshot)?;
     let observation = epoch.observations().get(index)?;
     let (row, fit) = snapshot.row(index)?;
@@ -122,7 +122,7 @@ fn suspect<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Option
     })
 }
 
-fn solution<T: Real>(fix: &Fix<'_, T>) -> Solution {
+fn solution<T: Real, const N: usize>(fix: &Fix<'_, T, N>) -> Solution {
     let snapshot = fix.snapshot();
     let position = fix.position();
     let (hdop, vdop) = snapshot.dilutions();

@@ -186,7 +186,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Returns true if a system that is kept out takes part, because the others alone determine no
     /// position.
-    fn rests_on_kept_out(&self, fix: &Fix<'_, T>, epoch: &EpochView<'_>) -> bool {
+    fn rests_on_kept_out(&self, fix: &Fix<'_, T, N>, epoch: &EpochView<'_>) -> bool {
         let systems = self.kept_out.systems();
         let is_kept_out = |seen: &Observation| systems >> (seen.satellite.constellation() as u8) & 1 != 0;
         let mut rows = fix.snapshot().rows().zip(epoch.observations());
@@ -198,7 +198,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         &self,
         how: Protected,
         belief: Belief,
-        fix: &Fix<'_, T>,
+        fix: &Fix<'_, T, N>,
         epoch: &EpochView<'_>,
         excluded: u8,
     ) -> Verdict {
@@ -224,9 +224,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
 /// Returns the residuals of all satellites against a solution, of those used and of those excluded
 /// from it except for the largest; and the residuals of those used.
-pub(super) fn residuals_of_all<T: Real>(
+pub(super) fn residuals_of_all<T: Real, const N: usize>(
     judgement: &Judgement<T>,
-    snapshot: &Snapshot<'_, T>,
+    snapshot: &Snapshot<'_, T, N>,
     satellites: usize,
 ) -> EpochResiduals {
     if judgement.outcome == ExclusionOutcome::NotIsolated(Unidentified::Time) {

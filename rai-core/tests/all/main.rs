@@ -34,7 +34,6 @@ mod satellites;
 mod separation;
 mod separation_symmetries;
 mod shift;
-mod single;
 mod sky;
 mod solved;
 mod strategy;

@@ -17,7 +17,7 @@ use raim_core::monitor::MonitorError;
 use raim_core::report::{Alert, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
-use raim_core::single::{self, Monitor, MonitorWorkspace, Workspace};
+use raim_single::{Monitor, MonitorWorkspace, Workspace};
 use raim_core::velocity::{Velocity, VelocityError};
 
 use crate::correction::horizon::coordinates_m;
@@ -68,13 +68,13 @@ impl Navigator {
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
-        Ok(Self::of(single::ValidatedRequirements::new(requirements)?))
+        Ok(Self::of(raim_single::ValidatedRequirements::new(requirements)?))
     }
 
     /// Returns a navigator like [`Self::new`], for validated requirements.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
-    pub(crate) fn of(requirements: single::ValidatedRequirements) -> Self {
+    pub(crate) fn of(requirements: raim_single::ValidatedRequirements) -> Self {
         Self {
             store: Store::new(),
             monitor: Monitor::of(requirements),

@@ -41,7 +41,7 @@ use embedded_io::Write;
 use raim_core::epoch::Epoch;
 use raim_core::monitor::MonitorError;
 use raim_core::report::{Report, Verdict};
-use raim_core::single::ValidatedRequirements;
+use raim_single::ValidatedRequirements;
 use raim_core::velocity::Velocity;
 
 pub use self::boot::Boot;

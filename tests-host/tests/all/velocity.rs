@@ -9,7 +9,7 @@ use raim::signal::sky::sights;
 use raim_core::frame::{Enu, SPEED_OF_LIGHT_M_S};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::SatelliteId;
-use raim_core::single::{Monitor, Workspace};
+use raim_single::{Monitor, Workspace};
 use raim_core::velocity::Velocity;
 use raim_firmware::correction::{Sky, Tally, locate};
 use raim_firmware::ephemeris::{Ephemeris, Store};

@@ -2,14 +2,10 @@
 
 pub(super) use crate::bit_set::above;
 pub(in crate::integrity::araim) use crate::bit_set::members;
-use crate::least_squares::equations::MAX_ROWS;
 use crate::satellite::Constellation;
 
 /// Most rows of an epoch: rows and constellations together fit one word.
 pub const ROWS: usize = RowSet::BITS as usize - Constellation::COUNT;
-
-/// Capacity for rows: as many, or fewer on targets whose epochs have fewer.
-pub(in crate::integrity::araim) const ROOM: usize = if MAX_ROWS < ROWS { MAX_ROWS } else { ROWS };
 
 /// Most simultaneous events.
 pub(in crate::integrity::araim) const EVENTS: usize = 3;

@@ -101,7 +101,7 @@ impl<T: Real> RowContribution<T> {
     }
 }
 
-impl<T: Real> SubsetSolutions<'_, T> {
+impl<T: Real, const N: usize> SubsetSolutions<'_, T, N> {
     /// Returns the modes that may have an effect, of modes that take one row each beside the common
     /// ones.
     #[inline(never)]

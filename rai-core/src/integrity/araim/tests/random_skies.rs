@@ -115,8 +115,8 @@ impl<T: Real> RandomSky<T> {
 }
 
 /// Returns the sum of tails on each axis, from the same modes and solutions as the level.
-fn tails<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+fn tails<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
     priors: &Priors<'_, T>,
     allocation: &Allocation,
     factors: &[T; 3],

@@ -11,7 +11,7 @@
 //! `T_d²`, or fails the global test. A wrong exclusion is then no likelier than a false alarm. A
 //! subset of the set found is no rival, because leaving out more than the faulty rows is safe.
 //!
-//! Work: all sets of up to as many of [`MAX_ROWS`] rows.
+//! Work: all sets of up to as many of the testable rows.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -30,8 +30,7 @@ use crate::integrity::raim::detection::Detection;
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::isolation::exclusion::Exclusion;
 use crate::integrity::raim::isolation::sets::{SetBudget, count_up_to, each_of_size};
-use crate::least_squares::downdate::{ExclusionSet, NormalisedRow, testable_rows};
-use crate::least_squares::equations::MAX_ROWS;
+use crate::least_squares::downdate::{ExclusionSet, NormalisedRow, NormalisedRows, testable_rows};
 use crate::least_squares::{Excludable, Snapshot, infinity};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
@@ -41,8 +40,8 @@ use crate::report::MAX_EXCLUDED;
 ///
 /// The rows are taken back together and left out again, so that `solution` ends as it began.
 #[inline(never)]
-pub fn separable<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub fn separable<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     exclusion: &Exclusion<T>,
     thresholds: &Thresholds<'_>,
 ) -> bool {
@@ -58,8 +57,8 @@ pub fn separable<T: Real>(
 
 /// Returns true if no other set of as many rows or fewer passes the global test with a sum of
 /// squares within `T_d²` of this one's.
-fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds: &Thresholds<'_>) -> bool {
-    let mut rows = Vec::new();
+fn is_unrivalled<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, set: &[usize], thresholds: &Thresholds<'_>) -> bool {
+    let mut rows = NormalisedRows::<T, N>::new();
     testable_rows(snapshot, &mut rows);
     let (Some(threshold), Some(found)) =
         (thresholds.w_test::<T>(snapshot.used()), ExclusionSet::among(&rows, set))
@@ -71,10 +70,10 @@ fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds:
     // The sums at hand lose digits to gross faults. A set that explains less than this by them
     // needs no closer test.
     let least = found.explained() - margin - snapshot.sse() * T::UNTESTABLE;
-    let mut work = SetBudget::new(count_up_to(set.len(), MAX_ROWS));
+    let mut work = SetBudget::new(count_up_to(set.len(), rows.len()));
     for size in 1..=set.len() {
         let mut has_rival = false;
-        each_of_size(&rows, size, &mut work, least, &mut |_, rival| {
+        each_of_size::<T, N>(&rows, size, &mut work, least, &mut |_, rival| {
             has_rival |= rival.get(..size).is_some_and(|rival| rival_test.has(rival));
             // One rival suffices, so that no other set is shown.
             if has_rival { infinity() } else { least }
@@ -87,8 +86,8 @@ fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds:
 }
 
 /// A set that was found, and the limits that its rivals must reach.
-struct RivalTest<'c, T: Real> {
-    snapshot: &'c Snapshot<'c, T>,
+struct RivalTest<'c, T: Real, const N: usize> {
+    snapshot: &'c Snapshot<'c, T, N>,
     thresholds: &'c Thresholds<'c>,
     rows: &'c [NormalisedRow<T>],
     set: &'c [usize],
@@ -98,7 +97,7 @@ struct RivalTest<'c, T: Real> {
     margin: T,
 }
 
-impl<T: Real> RivalTest<'_, T> {
+impl<T: Real, const N: usize> RivalTest<'_, T, N> {
     /// Tests one set exactly. Never inlined, because few sets get here and the search over all must
     /// stay small.
     #[inline(never)]

@@ -59,7 +59,7 @@ use crate::integrity::raim::levels::{KFactors, Slopes};
 use crate::least_squares::downdate::{
     ExclusionSet, NormalisedRow, NormalisedRows, ReducedRow, testable_rows,
 };
-use crate::least_squares::equations::{MAX_ROWS, Row};
+use crate::least_squares::equations::Row;
 use crate::least_squares::{Excludable, RowFit, Snapshot, infinity};
 use crate::numeric::real::Real;
 use crate::numeric::space::{dot, plus_scaled, product, zero};
@@ -79,7 +79,7 @@ pub type RangeRates<'r> = dyn Fn(SatelliteId) -> Option<f32> + 'r;
 /// test. At two thirds hardly a healthy epoch would be tested, and no level of the attacks was
 /// exceeded. But if most ranges change alike, a smaller wrong time moves a position beyond its
 /// level.
-pub(crate) fn is_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
+pub(crate) fn is_suspicious<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, thresholds: &Thresholds<'_>) -> bool {
     if !cfg!(feature = "hypotheses") {
         return false;
     }
@@ -89,7 +89,7 @@ pub(crate) fn is_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Th
 }
 
 /// Returns the squared threshold of one w-test, or `None` beyond the tables.
-fn least_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> Option<T> {
+fn least_suspicious<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, thresholds: &Thresholds<'_>) -> Option<T> {
     thresholds.w_test::<T>(snapshot.used()).map(|threshold| threshold * threshold)
 }
 
@@ -110,11 +110,11 @@ pub enum TimeTagOutcome<T> {
 
 /// Range rates of an epoch, one for each satellite, m/s.
 #[derive(Clone, Debug)]
-pub(crate) struct EpochRates<T> {
-    of_rows: Vec<T, MAX_ROWS>,
+pub(crate) struct EpochRates<T, const N: usize> {
+    of_rows: Vec<T, N>,
 }
 
-impl<T: Real> EpochRates<T> {
+impl<T: Real, const N: usize> EpochRates<T, N> {
     /// Returns the rates of all satellites, or `None` if one is unknown or NaN.
     // Not inlined, so that the stack of the orbits is free during the searches.
     #[inline(never)]
@@ -134,7 +134,7 @@ impl<T: Real> EpochRates<T> {
     #[inline(never)]
     pub(crate) fn compare(
         &self,
-        solution: &mut impl Excludable<T>,
+        solution: &mut impl Excludable<T, N>,
         exclusion: &Exclusion<T>,
         thresholds: &Thresholds<'_>,
         factors: &KFactors<T>,
@@ -161,12 +161,12 @@ impl<T: Real> EpochRates<T> {
     /// sums of squares would reject exclusions that these tests distinguish.
     pub(crate) fn rival(
         &self,
-        snapshot: &Snapshot<'_, T>,
+        snapshot: &Snapshot<'_, T, N>,
         gone: u32,
         found: T,
         thresholds: &Thresholds<'_>,
     ) -> bool {
-        let mut rows = Vec::new();
+        let mut rows = NormalisedRows::<T, N>::new();
         testable_rows(snapshot, &mut rows);
         TimeTagColumn::of(snapshot, &self.of_rows, &rows).is_some_and(|column| {
             let left = column.sse(&rows);
@@ -178,12 +178,12 @@ impl<T: Real> EpochRates<T> {
 
     fn doubt(
         &self,
-        snapshot: &Snapshot<'_, T>,
+        snapshot: &Snapshot<'_, T, N>,
         set: &[usize],
         thresholds: &Thresholds<'_>,
         factors: &KFactors<T>,
     ) -> TimeTagOutcome<T> {
-        let mut rows = Vec::new();
+        let mut rows = NormalisedRows::<T, N>::new();
         testable_rows(snapshot, &mut rows);
         let Some(column) = TimeTagColumn::of(snapshot, &self.of_rows, &rows) else {
             return TimeTagOutcome::None;
@@ -218,12 +218,12 @@ impl<T: Real> EpochRates<T> {
                 false => TimeTagOutcome::None,
             };
         }
-        let mut work = SetBudget::new(count_up_to(set.len().saturating_sub(1), MAX_ROWS));
+        let mut work = SetBudget::new(count_up_to(set.len().saturating_sub(1), rows.len()));
         // Sets that explain less than this beside the time are no rivals.
         let least = left - found - margin;
         for size in 1..set.len() {
             let mut has_rival = false;
-            each_of_size_beside(column.standings(&rows), size, &mut work, least, |explained| {
+            each_of_size_beside::<T, N>(column.standings(&rows), size, &mut work, least, |explained| {
                 has_rival |= passes(left - explained, size + 1);
                 if has_rival { infinity() } else { least }
             });
@@ -236,19 +236,19 @@ impl<T: Real> EpochRates<T> {
 }
 
 /// Line of a wrong time in parity space.
-pub(crate) struct TimeTagColumn<T: Real> {
+pub(crate) struct TimeTagColumn<T: Real, const N: usize> {
     /// Products with the rows, in their order.
-    projected: Vec<T, MAX_ROWS>,
+    projected: Vec<T, N>,
     /// W-test of the time: `δ √A`, dimensionless.
     residual: T,
     /// Effect of a wrong time on the position per unit of its w-test.
     slopes: Slopes<T>,
 }
 
-impl<T: Real> TimeTagColumn<T> {
+impl<T: Real, const N: usize> TimeTagColumn<T, N> {
     /// Returns `None` if position and clocks explain the rates, or if the scalar cannot hold them.
     #[inline(never)]
-    fn of(snapshot: &Snapshot<'_, T>, rates: &[T], rows: &[NormalisedRow<T>]) -> Option<Self> {
+    fn of(snapshot: &Snapshot<'_, T, N>, rates: &[T], rows: &[NormalisedRow<T>]) -> Option<Self> {
         // Rows without a satellite, as a clock forecast, have rate 0.
         let rated = || snapshot.rows().zip(rates.iter().copied().chain(core::iter::repeat(T::zero())));
         let used = || rated().filter(|((row, _), _)| row.weight > T::zero());
@@ -308,7 +308,7 @@ impl<T: Real> TimeTagColumn<T> {
 
     /// Returns the sum of squares beside a wrong time, summed again: `SSE − δ² A` would cancel in
     /// `f32` after a gross fault.
-    fn sse(&self, rows: &NormalisedRows<T>) -> T {
+    fn sse(&self, rows: &NormalisedRows<T, N>) -> T {
         self.beside(rows).fold(T::zero(), |sum, (row, projected)| {
             let left = row.residual - projected * self.residual;
             sum + left * left

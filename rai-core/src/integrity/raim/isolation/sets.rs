@@ -48,7 +48,7 @@ impl SetBudget {
 /// The callback returns the new bar. Few sets reach it, so that most cost one comparison.
 // Not inlined, so that the reduced rows are off the stack when the sets are used.
 #[inline(never)]
-pub(in crate::integrity::raim) fn each_of_size<T: Real>(
+pub(in crate::integrity::raim) fn each_of_size<T: Real, const N: usize>(
     rows: &[NormalisedRow<T>],
     size: usize,
     work: &mut SetBudget,
@@ -57,7 +57,7 @@ pub(in crate::integrity::raim) fn each_of_size<T: Real>(
 ) {
     let mut above = SetFilter { bar, show };
     // One buffer for pairs and triples, because it is large.
-    let mut standings = ReducedRows::new();
+    let mut standings = ReducedRows::<'_, T, N>::new();
     match size {
         1 => {
             for row in work.granted(rows) {
@@ -76,7 +76,7 @@ pub(in crate::integrity::raim) fn each_of_size<T: Real>(
 /// rows beside an estimated column.
 // Not inlined, for the same reason.
 #[inline(never)]
-pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real>(
+pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real, const N: usize>(
     rows: impl Iterator<Item = ReducedRow<'r, T>>,
     size: usize,
     work: &mut SetBudget,
@@ -84,7 +84,7 @@ pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real>(
     mut show: impl FnMut(T) -> T,
 ) {
     let mut above = SetFilter { bar, show: &mut |explained, _| show(explained) };
-    let mut standings = ReducedRows::new();
+    let mut standings = ReducedRows::<'_, T, N>::new();
     stand(&mut standings, rows);
     match size {
         1 => {
@@ -112,7 +112,7 @@ impl<T: Real> SetFilter<'_, T> {
 }
 
 /// Writes reduced rows into a buffer that holds as many as there are.
-fn stand<'r, T: Real>(place: &mut ReducedRows<'r, T>, standings: impl Iterator<Item = ReducedRow<'r, T>>) {
+fn stand<'r, T: Real, const N: usize>(place: &mut ReducedRows<'r, T, N>, standings: impl Iterator<Item = ReducedRow<'r, T>>) {
     place.clear();
     standings.for_each(|standing| _ = place.push(standing));
 }
@@ -147,9 +147,9 @@ fn pairs<T: Real>(
     }
 }
 
-fn triples<'r, T: Real>(
+fn triples<'r, T: Real, const N: usize>(
     rows: &'r [NormalisedRow<T>],
-    standings: &mut ReducedRows<'r, T>,
+    standings: &mut ReducedRows<'r, T, N>,
     work: &mut SetBudget,
     above: &mut SetFilter<'_, T>,
 ) {

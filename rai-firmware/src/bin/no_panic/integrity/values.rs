@@ -154,6 +154,7 @@ fn tables() {
         threshold::false_alarms as fn() -> _,
         threshold::missed_detections as fn() -> _,
         Thresholds::from_tables as fn(_, _) -> _,
+        Thresholds::up_to::<N> as fn(_, _) -> _,
         Thresholds::from_rows as fn(_, _, _) -> _,
         Thresholds::tau1::<f32> as fn(_, _) -> _,
         Thresholds::lambda::<f32> as fn(_, _) -> _,

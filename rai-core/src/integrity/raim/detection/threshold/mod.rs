@@ -19,7 +19,7 @@
 //! interpolated between probabilities and nothing is extrapolated: a probability that is not in the
 //! table is an error that names the nearest one, and beyond a row's end the result is `None`.
 //! Without the feature `tables` only the probabilities of the phases of flight are there, and
-//! without `double-tables` rows end earlier and are in single precision.
+//! without `double-tables` they are in single precision.
 //!
 //! Thresholds that depend on the geometry are computed in
 //! [`chi_square`](crate::numeric::chi_square); [`policy`] chooses.
@@ -31,6 +31,7 @@
 
 use core::fmt;
 
+use crate::bounded::MAX_ROWS;
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 
@@ -40,7 +41,7 @@ mod table;
 
 pub use crate::numeric::chi_square::MAX_DOF;
 
-use rows::TableScalar;
+use rows::{Rows, TableScalar};
 
 /// The largest number of simultaneous w-tests in the tables.
 pub const MAX_TESTS: usize = 64;
@@ -108,14 +109,27 @@ impl Thresholds<'static> {
         false_alarm: Probability,
         missed_detection: Probability,
     ) -> Result<Self, ThresholdError> {
+        Self::up_to::<MAX_ROWS>(false_alarm, missed_detection)
+    }
+
+    /// Works like [`Self::from_tables`], with rows that end at `N`, for epochs of at most as many
+    /// ranges. An image then contains no more of the tables than it needs.
+    ///
+    /// # Errors
+    /// As [`Self::from_tables`].
+    pub fn up_to<const N: usize>(
+        false_alarm: Probability,
+        missed_detection: Probability,
+    ) -> Result<Self, ThresholdError> {
         let alarm = matching(&rows::FALSE_ALARM, false_alarm)
             .map_err(|nearest| ThresholdError::FalseAlarm { value: false_alarm, nearest })?;
         let miss = matching(&rows::MISSED_DETECTION, missed_detection)
             .map_err(|nearest| ThresholdError::MissedDetection { value: missed_detection, nearest })?;
         // There are as many rows as probabilities, so that there is always one.
-        let tau1 = rows::TAU1.get(alarm).map_or(&[][..], |row| row);
-        let w_test = rows::W_TEST.get(alarm).map_or(&[][..], |row| row);
-        let lambda = rows::LAMBDA.get(alarm).and_then(|rows| rows.get(miss)).map_or(&[][..], |row| row);
+        let tau1 = Rows::<N>::TAU1.get(alarm).map_or(&[][..], Rows::<N>::dof);
+        let w_test = Rows::<N>::W_TEST.get(alarm).map_or(&[][..], |row| row);
+        let lambda = Rows::<N>::LAMBDA.get(alarm).and_then(|rows| rows.get(miss));
+        let lambda = lambda.map_or(&[][..], Rows::<N>::dof);
         Ok(Self { tau1, lambda, w_test })
     }
 }

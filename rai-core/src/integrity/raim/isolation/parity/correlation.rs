@@ -41,7 +41,7 @@ const MAX_STEPS: usize = 64;
 
 /// Returns `ρ_i` of one row, dimensionless; 0 if the row is untestable or no residual is left to
 /// explain.
-pub fn correlation<T: Real>(snapshot: &Snapshot<'_, T>, fit: &RowFit<T>) -> T {
+pub fn correlation<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, fit: &RowFit<T>) -> T {
     let length = snapshot.sse().sqrt();
     if length > T::zero() { fit.w_test() / length } else { T::zero() }
 }

@@ -44,6 +44,7 @@ pub use refinement::{Refinement, refine};
 pub use selection::{MAX_SUBSETS, MAX_WORK, Selection};
 pub use subsets::Subsets;
 
+use crate::bounded::MAX_ROWS;
 use crate::epoch::EpochView;
 use crate::integrity::raim::detection::detect;
 use crate::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
@@ -69,10 +70,15 @@ impl ConsensusLimits<'static> {
     /// # Errors
     /// [`ThresholdError`] if the tables lack one of the two probabilities.
     pub fn published() -> Result<Self, ThresholdError> {
+        Self::up_to::<MAX_ROWS>()
+    }
+
+    /// Works like [`Self::published`], for at most `N` rows.
+    fn up_to<const N: usize>() -> Result<Self, ThresholdError> {
         // The probability of missed detection is not used here.
         Ok(Self {
-            consensus: Thresholds::from_tables(DISAGREEMENT, DISAGREEMENT)?,
-            refinement: Thresholds::from_tables(ALARM, DISAGREEMENT)?,
+            consensus: Thresholds::up_to::<N>(DISAGREEMENT, DISAGREEMENT)?,
+            refinement: Thresholds::up_to::<N>(ALARM, DISAGREEMENT)?,
         })
     }
 }
@@ -98,9 +104,9 @@ const fn certain(tail: f64) -> Probability {
 /// counts as none. `solution` ends as the solution without the listed rows, solved and tested
 /// again.
 #[inline(never)]
-pub fn exclude<T: Real>(
-    solution: &mut impl Excludable<T>,
-    selection: &Selection,
+pub fn exclude<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
+    selection: &Selection<N>,
     thresholds: &Thresholds<'_>,
     limits: &ConsensusLimits<'_>,
 ) -> Exclusion<T> {
@@ -123,14 +129,14 @@ pub fn exclude<T: Real>(
 
 /// Works like [`exclude`], with the subsets that are kept while the satellites stay the same.
 #[inline(never)]
-pub fn exclude_in<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub fn exclude_in<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     thresholds: &Thresholds<'_>,
-    subsets: &mut Subsets,
+    subsets: &mut Subsets<N>,
 ) -> Exclusion<T> {
     // The tables hold both probabilities; without them it falls back as without consensus.
-    let Ok(published) = ConsensusLimits::published() else {
+    let Ok(published) = ConsensusLimits::up_to::<N>() else {
         return exclude_sequentially(solution, thresholds);
     };
     // The remaining rows must pass the test in force, not the paper's.

@@ -13,12 +13,12 @@ use crate::satellite::SatelliteId;
 ///
 /// The caller of the judging keeps them, so that judging has no other side effect.
 #[derive(Clone, Debug, Default)]
-pub struct Subsets {
-    satellites: Vec<SatelliteId, MAX_ROWS>,
-    selection: Selection,
+pub struct Subsets<const N: usize = MAX_ROWS> {
+    satellites: Vec<SatelliteId, N>,
+    selection: Selection<N>,
 }
 
-impl Subsets {
+impl<const N: usize> Subsets<N> {
     /// Returns the subsets of no satellites.
     pub const fn new() -> Self {
         Self { satellites: Vec::new(), selection: Selection::none() }

@@ -10,7 +10,7 @@ use raim_core::monitor::Monitor;
 use raim_core::report::{Protected, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
-use raim_core::single::{self, CAPACITY};
+use raim_single::CAPACITY;
 
 use crate::sky::{observe, receiver, satellite};
 
@@ -44,9 +44,9 @@ fn epoch(bias_m: f64) -> Epoch<CAPACITY> {
 #[test]
 fn position_is_where_the_receiver_is() {
     let mut room = Workspace::<f32, CAPACITY>::default();
-    let position = single::position(&mut room, &epoch(0.0), Ecef::CENTRE).unwrap();
+    let position = raim_single::position(&mut room, &epoch(0.0), Ecef::CENTRE).unwrap();
     assert!(position.distance_m(receiver()) < 0.1, "{} m", position.distance_m(receiver()));
-    assert!(single::position(&mut room, &Epoch::new(0.0), Ecef::CENTRE).is_none(), "an empty epoch");
+    assert!(raim_single::position(&mut room, &Epoch::new(0.0), Ecef::CENTRE).is_none(), "an empty epoch");
 
     let epoch = epoch(0.0);
     let fix = room.fix(&epoch, Ecef::CENTRE).unwrap();
@@ -57,8 +57,8 @@ fn position_is_where_the_receiver_is() {
 #[test]
 fn faulty_satellite_is_left_out_as_by_the_generic_monitor() {
     let requirements = Requirements::non_precision_approach();
-    let mut monitor = single::Monitor::new(requirements).unwrap();
-    let have = single::process(&mut monitor, &epoch(BIAS_M));
+    let mut monitor = raim_single::Monitor::new(requirements).unwrap();
+    let have = raim_single::process(&mut monitor, &epoch(BIAS_M));
     assert_eq!(have.verdict, Verdict::Protected(Protected::Excluded));
     let named = have.excluded.iter().map(|suspect| suspect.satellite);
     assert!(named.eq([satellite(Constellation::Gps, FAULTY + 1)]));
