@@ -126,7 +126,11 @@ impl<T: Real> Criteria<'_, T> {
     ///
     /// # Errors
     /// [`NoThreshold`] names the reason why no threshold exists.
-    pub fn test<const N: usize>(&self, snapshot: &Snapshot<'_, T, N>, shared: &[SharedError]) -> Result<Test<T>, NoThreshold> {
+    pub fn test<const N: usize>(
+        &self,
+        snapshot: &Snapshot<'_, T, N>,
+        shared: &[SharedError],
+    ) -> Result<Test<T>, NoThreshold> {
         let exposure = LevelInputs::of(snapshot, self.levels, self.factors);
         let demand = ThresholdProblem::new(snapshot.dof(), &exposure, self.requirements, self.thresholds);
         let threshold = demand.threshold::<T>(self.policy)?;
@@ -247,7 +251,10 @@ fn judge_by_residuals<T: Real, const N: usize>(
 }
 
 /// Returns the row of a known height, which stands behind the satellites and touches no clock.
-pub(crate) fn height_row<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, epoch: &EpochView<'_>) -> Option<usize> {
+pub(crate) fn height_row<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    epoch: &EpochView<'_>,
+) -> Option<usize> {
     if !cfg!(feature = "aiding") {
         return None;
     }

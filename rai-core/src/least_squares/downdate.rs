@@ -93,7 +93,12 @@ impl<T: Real> CouplingTerms<T> {
 }
 
 impl<T: Real> NormalisedRow<T> {
-    fn new<const N: usize>(index: usize, row: &Row<T>, fit: &RowFit<T>, snapshot: &Snapshot<'_, T, N>) -> Self {
+    fn new<const N: usize>(
+        index: usize,
+        row: &Row<T>,
+        fit: &RowFit<T>,
+        snapshot: &Snapshot<'_, T, N>,
+    ) -> Self {
         let root = row.sigma.recip();
         Self {
             index,
@@ -247,7 +252,10 @@ pub type NormalisedRows<T, const N: usize = MAX_ROWS> = Vec<NormalisedRow<T>, N>
 ///
 /// Any other row is untestable in every set. The caller provides the memory, because a returned
 /// vector would be on the stack twice.
-pub fn testable_rows<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, rows: &mut NormalisedRows<T, N>) {
+pub fn testable_rows<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    rows: &mut NormalisedRows<T, N>,
+) {
     rows.clear();
     for (index, (row, fit)) in snapshot.rows().enumerate() {
         if row.weight > T::zero() && fit.redundancy >= T::UNTESTABLE {

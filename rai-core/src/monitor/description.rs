@@ -18,7 +18,10 @@ use crate::satellite::Constellation;
 use crate::weighting::residuals::Residuals;
 
 /// Returns the residuals of the satellites used, weighted by the sigmas of the epoch.
-pub(super) fn residuals<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, epoch: &EpochView<'_>) -> Residuals {
+pub(super) fn residuals<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    epoch: &EpochView<'_>,
+) -> Residuals {
     let takes_part = |weight: T| weight > T::zero();
     let used = snapshot.rows().zip(epoch.observations()).filter(|((row, _), _)| takes_part(row.weight));
     let sse = used.fold(0.0, |sum, ((_, fit), observation)| {

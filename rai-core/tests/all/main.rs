@@ -6,6 +6,7 @@ mod absolute;
 mod adaptation;
 mod angle;
 mod broken_system;
+mod capacity;
 mod chi_square;
 mod clock;
 mod clock_aiding;

@@ -5,8 +5,8 @@ use raim_core::frame::Ecef;
 use raim_core::monitor::{MonitorError, Search};
 use raim_core::report::Report;
 use raim_core::satellite::SatelliteId;
-use raim_single::{CAPACITY, Monitor, MonitorWorkspace};
 use raim_core::velocity::VelocityError;
+use raim_single::{CAPACITY, Monitor, MonitorWorkspace};
 
 use crate::pointer::{Object, can_give, give, slice, status_of, take};
 use crate::settings::{rai_settings_t, refusal_of};

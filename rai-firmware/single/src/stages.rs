@@ -14,8 +14,8 @@ use raim_core::integrity::raim::isolation::exclusion::Exclusion;
 use raim_core::integrity::raim::isolation::parity::{self, ParityFinding};
 use raim_core::integrity::raim::isolation::ransac::{self, Selection};
 use raim_core::integrity::raim::levels::{self, Slopes};
-use raim_core::least_squares::equations::Row;
 use raim_core::least_squares::SnapshotError;
+use raim_core::least_squares::equations::Row;
 
 use crate::{CAPACITY, Snapshot};
 

@@ -17,8 +17,8 @@ use raim_core::monitor::MonitorError;
 use raim_core::report::{Alert, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
-use raim_single::{Monitor, MonitorWorkspace, Workspace};
 use raim_core::velocity::{Velocity, VelocityError};
+use raim_single::{Monitor, MonitorWorkspace, Workspace};
 
 use crate::correction::horizon::coordinates_m;
 use crate::correction::{CAPACITY, Located, Preference, Ranges, Sky, Tally, View, locate_within};

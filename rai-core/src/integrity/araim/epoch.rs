@@ -116,7 +116,11 @@ fn blames_the_time<T: Real, const N: usize>(
 /// The accuracy's variance is the row's with the URE in place of the URA. A row whose variance is
 /// below the URA's was made by another model, and its accuracy is its sigma.
 #[inline(never)]
-fn priors<T: Real, const N: usize>(solution: &impl Excludable<T, N>, epoch: &EpochView<'_>, ism: &Ism) -> Vec<Prior<T>, N> {
+fn priors<T: Real, const N: usize>(
+    solution: &impl Excludable<T, N>,
+    epoch: &EpochView<'_>,
+    ism: &Ism,
+) -> Vec<Prior<T>, N> {
     let rows = solution.snapshot().equations();
     gather(epoch.observations().iter().zip(rows).map(|(observation, row)| {
         let support = ism.of(observation.satellite.constellation());

@@ -105,7 +105,11 @@ fn untestable<T: Real>(row: &Row<T>, fit: &RowFit<T>) -> SquaredSlopes<T> {
 
 /// Returns true if the subtraction from 1 loses digits of a row's redundancy, although other rows
 /// predict it.
-fn is_hardly_tested<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, row: &Row<T>, fit: &RowFit<T>) -> bool {
+fn is_hardly_tested<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    row: &Row<T>,
+    fit: &RowFit<T>,
+) -> bool {
     let shares_clock = |other: &Row<T>| other.clock == row.clock && other.weight > T::zero();
     row.weight > T::zero()
         && fit.is_hardly_tested()
@@ -115,7 +119,10 @@ fn is_hardly_tested<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, row:
 
 /// Returns the squared slopes of a row from its prediction by the others, or `None` if it is
 /// untestable.
-fn by_the_others<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, index: usize) -> Option<SquaredSlopes<T>> {
+fn by_the_others<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    index: usize,
+) -> Option<SquaredSlopes<T>> {
     let (row, _) = snapshot.row(index)?;
     let rows = snapshot.equations();
     let mut solution = Estimate::none();
@@ -259,7 +266,11 @@ impl<T> LevelInputs<'_, T> {
 
 impl<'f, T: Real> LevelInputs<'f, T> {
     /// Returns the inputs of a snapshot.
-    pub fn of<const N: usize>(snapshot: &Snapshot<'_, T, N>, levels: Levels, factors: &'f KFactors<T>) -> Self {
+    pub fn of<const N: usize>(
+        snapshot: &Snapshot<'_, T, N>,
+        levels: Levels,
+        factors: &'f KFactors<T>,
+    ) -> Self {
         let noise = match levels {
             Levels::Bound => Some((PositionSigma::of(snapshot.covariance()), factors)),
             Levels::Slope => None,

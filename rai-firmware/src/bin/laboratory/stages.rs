@@ -15,8 +15,8 @@ use raim_core::least_squares::{Snapshot, Workspace};
 use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::numeric::real::Real;
 use raim_core::requirements::Requirements;
-use raim_single::{CAPACITY, stages};
 use raim_core::weighting::Ism;
+use raim_single::{CAPACITY, stages};
 
 use crate::answer::Answers;
 use crate::copies;

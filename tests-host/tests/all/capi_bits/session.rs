@@ -10,10 +10,10 @@ use raim_core::integrity::raim::isolation::parity::Isolation;
 use raim_core::monitor::Strategy;
 use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
-use raim_single::{CAPACITY, Monitor};
 use raim_core::velocity::Velocity;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
+use raim_single::{CAPACITY, Monitor};
 use rig::capi::{self, calls::Calls};
 
 /// Calls, and the wanted result of each.

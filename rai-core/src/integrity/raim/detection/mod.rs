@@ -63,6 +63,9 @@ impl<T: Real> Detection<T> {
 /// Tests a snapshot. Returns `None` without redundancy, or beyond the table's degrees of freedom.
 ///
 /// With `dof = 0` the residuals vanish for any ranges, so that there is no test to pass.
-pub fn detect<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, thresholds: &Thresholds<'_>) -> Option<Detection<T>> {
+pub fn detect<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    thresholds: &Thresholds<'_>,
+) -> Option<Detection<T>> {
     Detection::of(snapshot.sse(), snapshot.dof(), thresholds)
 }

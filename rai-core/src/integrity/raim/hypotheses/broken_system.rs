@@ -105,7 +105,11 @@ fn may_agree<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>) -> bool {
 }
 
 /// Returns the satellites of a system that take part.
-fn rows_of<T: Real, const N: usize>(solution: &impl Excludable<T, N>, satellites: usize, constellation: Constellation) -> u64 {
+fn rows_of<T: Real, const N: usize>(
+    solution: &impl Excludable<T, N>,
+    satellites: usize,
+    constellation: Constellation,
+) -> u64 {
     let rows = solution.snapshot().equations().iter().take(satellites).enumerate();
     let members = rows.filter(|(_, row)| row.weight > T::zero() && row.clock == Some(constellation));
     members.fold(0, |set, (index, _)| set | bit(index))

@@ -44,7 +44,10 @@ const RARER: f64 = 9.210_340_371_976_184;
 
 /// Returns true if a shifted constellation explains more of the residuals than noise and any row
 /// do.
-pub(crate) fn shows<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, thresholds: &Thresholds<'_>) -> bool {
+pub(crate) fn shows<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    thresholds: &Thresholds<'_>,
+) -> bool {
     if !cfg!(feature = "hypotheses") {
         return false;
     }
@@ -85,7 +88,10 @@ pub(crate) fn rivals<T: Real, const N: usize>(
 
 /// Returns true if a predicate holds for any shifted constellation.
 #[inline(never)]
-fn any_split<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, is_so: &dyn Fn(&Split<T>) -> bool) -> bool {
+fn any_split<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    is_so: &dyn Fn(&Split<T>) -> bool,
+) -> bool {
     let systems = || Constellation::ALL.into_iter().filter(|&system| snapshot.determines(system));
     // With two constellations both shifts are the same hypothesis.
     let asked = if systems().count() == 2 { 1 } else { Constellation::COUNT };
@@ -104,7 +110,11 @@ struct Split<T: Real> {
 impl<T: Real> Split<T> {
     /// Returns `None` if one part has no information on a position, or has rows enough for one that
     /// they do not determine.
-    fn of<const N: usize>(snapshot: &Snapshot<'_, T, N>, shifted: Constellation, clocks: usize) -> Option<Self> {
+    fn of<const N: usize>(
+        snapshot: &Snapshot<'_, T, N>,
+        shifted: Constellation,
+        clocks: usize,
+    ) -> Option<Self> {
         let (mine, others) =
             (PositionPart::with_clocks(1), PositionPart::with_clocks(clocks.saturating_sub(1)));
         let mut split = Self { shifted, mine, others };

@@ -57,7 +57,11 @@ pub fn separable<T: Real, const N: usize>(
 
 /// Returns true if no other set of as many rows or fewer passes the global test with a sum of
 /// squares within `T_d²` of this one's.
-fn is_unrivalled<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, set: &[usize], thresholds: &Thresholds<'_>) -> bool {
+fn is_unrivalled<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    set: &[usize],
+    thresholds: &Thresholds<'_>,
+) -> bool {
     let mut rows = NormalisedRows::<T, N>::new();
     testable_rows(snapshot, &mut rows);
     let (Some(threshold), Some(found)) =

@@ -79,7 +79,10 @@ pub type RangeRates<'r> = dyn Fn(SatelliteId) -> Option<f32> + 'r;
 /// test. At two thirds hardly a healthy epoch would be tested, and no level of the attacks was
 /// exceeded. But if most ranges change alike, a smaller wrong time moves a position beyond its
 /// level.
-pub(crate) fn is_suspicious<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, thresholds: &Thresholds<'_>) -> bool {
+pub(crate) fn is_suspicious<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    thresholds: &Thresholds<'_>,
+) -> bool {
     if !cfg!(feature = "hypotheses") {
         return false;
     }
@@ -89,7 +92,10 @@ pub(crate) fn is_suspicious<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, 
 }
 
 /// Returns the squared threshold of one w-test, or `None` beyond the tables.
-fn least_suspicious<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, thresholds: &Thresholds<'_>) -> Option<T> {
+fn least_suspicious<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    thresholds: &Thresholds<'_>,
+) -> Option<T> {
     thresholds.w_test::<T>(snapshot.used()).map(|threshold| threshold * threshold)
 }
 

@@ -112,7 +112,10 @@ impl<T: Real> SetFilter<'_, T> {
 }
 
 /// Writes reduced rows into a buffer that holds as many as there are.
-fn stand<'r, T: Real, const N: usize>(place: &mut ReducedRows<'r, T, N>, standings: impl Iterator<Item = ReducedRow<'r, T>>) {
+fn stand<'r, T: Real, const N: usize>(
+    place: &mut ReducedRows<'r, T, N>,
+    standings: impl Iterator<Item = ReducedRow<'r, T>>,
+) {
     place.clear();
     standings.for_each(|standing| _ = place.push(standing));
 }

@@ -24,9 +24,9 @@ use raim_core::numeric::absolute::{Absolute, Grid};
 use raim_core::numeric::chi_square::ChiSquare;
 use raim_core::numeric::real::Real;
 use raim_core::numeric::{angle, bounds, normal};
-use raim_single::stages;
 use raim_core::velocity::{self, RangeRate, Velocity, VelocityError};
 use raim_firmware::correction::CAPACITY as N;
+use raim_single::stages;
 
 use crate::{exhaust, reach};
 

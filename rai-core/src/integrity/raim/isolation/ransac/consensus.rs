@@ -110,7 +110,12 @@ impl<T: Real> Vote<T> {
 }
 
 /// Returns `None` if a subset gives no usable position.
-fn vote<T: Real, const N: usize>(rows: &[Row<T>], selection: &Selection<N>, subset: usize, bound: T) -> Option<Vote<T>> {
+fn vote<T: Real, const N: usize>(
+    rows: &[Row<T>],
+    selection: &Selection<N>,
+    subset: usize,
+    bound: T,
+) -> Option<Vote<T>> {
     let set = selection.set(subset);
     let mut solution = Estimate::none();
     solution.solve_set(rows, set).ok()?;
@@ -158,7 +163,11 @@ pub(super) fn deviation_squared<T: Real>(row: &Row<T>, solution: &Estimate<T>, l
 /// Returns the median of the residuals of a constellation that takes part in the epoch, but not in
 /// the solution.
 #[inline(never)]
-fn median_without_clock<T: Real, const N: usize>(rows: &[Row<T>], solution: &Estimate<T>, clock: Constellation) -> Option<T> {
+fn median_without_clock<T: Real, const N: usize>(
+    rows: &[Row<T>],
+    solution: &Estimate<T>,
+    clock: Constellation,
+) -> Option<T> {
     if solution.determines(clock) {
         return None;
     }

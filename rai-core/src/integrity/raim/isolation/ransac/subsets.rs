@@ -26,7 +26,7 @@ impl<const N: usize> Subsets<N> {
 
     /// Returns the subsets of an epoch: the kept ones if the satellites are the same.
     #[inline(never)]
-    pub fn of<T: Real>(&mut self, epoch: &EpochView<'_>, rows: &[Row<T>]) -> &Selection {
+    pub fn of<T: Real>(&mut self, epoch: &EpochView<'_>, rows: &[Row<T>]) -> &Selection<N> {
         let satellites = || epoch.observations().iter().map(|observation| observation.satellite);
         if !self.satellites.iter().copied().eq(satellites()) {
             self.satellites = gather(satellites());

@@ -163,7 +163,11 @@ fn exchanged<'c, T: Real>(
 ///
 /// Not inlined, so that the stack of the metric is free during the search.
 #[inline(never)]
-fn find_companions<T: Real, const N: usize>(corners: &[Corner<'_, T>], least: T, companions: &mut Vec<u64, N>) {
+fn find_companions<T: Real, const N: usize>(
+    corners: &[Corner<'_, T>],
+    least: T,
+    companions: &mut Vec<u64, N>,
+) {
     let Some(metric) = Metric::<T, N>::over(corners) else {
         return fill(companions, (0..corners.len()).map(above));
     };
