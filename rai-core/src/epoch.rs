@@ -125,7 +125,15 @@ impl fmt::Display for EpochError {
 
 impl core::error::Error for EpochError {}
 
-/// The ranges of one instant, at most `N`.
+/// The ranges of one instant, at most `N`. Monitors, reports and the memory of their searches have
+/// room for as many.
+///
+/// `N` must be within 4 to 64, because sets of satellites fit one word. Another one does not
+/// compile:
+///
+/// ```compile_fail,E0080
+/// raim_core::Epoch::<65>::new(0.0);
+/// ```
 ///
 /// ```
 /// use raim_core::{Constellation, Ecef, Epoch, Observation, SatelliteId};

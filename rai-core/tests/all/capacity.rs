@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use raim_core::epoch::{EpochError, Observation};
+use raim_core::epoch::Observation;
 use raim_core::monitor::{Isolation, Method, Monitor, Strategy};
 use raim_core::report::{Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
@@ -30,9 +30,13 @@ fn visible(constellations: &[Constellation], count: usize) -> Vec<Observation> {
 
 /// Returns the report of a monitor for at most `N` satellites.
 fn judge<const N: usize>(method: Method, observations: &[Observation]) -> Report<N> {
+    judge_by(Ism::RESEARCH, method, observations)
+}
+
+fn judge_by<const N: usize>(ism: Ism, method: Method, observations: &[Observation]) -> Report<N> {
     let mut monitor = Monitor::<f32, N>::new(Requirements::en_route()).unwrap();
     monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC }).unwrap();
-    monitor.set_ism(Ism::RESEARCH);
+    monitor.set_ism(ism);
     monitor.process(&epoch_of(0.0, observations))
 }
 
@@ -78,7 +82,7 @@ fn full_epochs_have_room_for_every_search() {
 }
 
 #[test]
-fn the_largest_epoch_is_judged_or_refused_by_name() {
+fn the_largest_epoch_is_judged() {
     let mut sky = visible(&[Gps, Galileo, Beidou, Glonass], 64);
     sky[63].range_m += BIAS_M;
     for method in [Method::Auto, Method::Baarda, Method::Ransac] {
@@ -86,17 +90,18 @@ fn the_largest_epoch_is_judged_or_refused_by_name() {
         assert_eq!(report.verdict, Verdict::Protected(Protected::Excluded), "{method:?}");
         assert!(is_named(&report, sky[63].satellite), "{method:?}");
     }
-    // Rows and constellations of ARAIM share one word.
-    let at_most_60 = judge::<64>(Method::Araim, &sky[..60]);
-    assert!(matches!(at_most_60.verdict, Verdict::Protected(_)), "{:?}", at_most_60.verdict);
-    let beyond = judge::<64>(Method::Araim, &sky[..61]);
-    assert_eq!(beyond.verdict, Verdict::Unavailable(Unavailable::Budget));
 }
 
+/// Rows and constellations of ARAIM share one word.
 #[test]
-fn an_epoch_refuses_one_satellite_more_than_it_holds() {
-    let sky = visible(&[Gps, Galileo], 17);
-    let mut epoch = epoch_of::<16>(0.0, &sky[..16]);
-    assert_eq!(epoch.push(sky[16]), Err(EpochError::Full));
-    assert_eq!(epoch.observations().len(), 16);
+fn araim_judges_sixty_satellites_and_refuses_more_by_name() {
+    let sky = visible(&[Gps, Galileo, Beidou, Glonass], 61);
+    // Faults so rare that the pairs need not be monitored, because they would be too many.
+    let mut ism = Ism::RESEARCH;
+    for support in &mut ism.constellations {
+        (support.satellite_fault, support.constellation_fault) = (1e-7, 1e-8);
+    }
+    let judge = |count: usize| judge_by::<64>(ism, Method::Araim, &sky[..count]).verdict;
+    assert_eq!(judge(60), Verdict::Protected(Protected::Ok));
+    assert_eq!(judge(61), Verdict::Unavailable(Unavailable::Budget));
 }

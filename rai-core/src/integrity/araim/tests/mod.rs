@@ -103,7 +103,10 @@ fn watched<'a>(
 }
 
 /// Returns solutions that are ready for the modes.
-fn solutions<'s>(snapshot: &'s Snapshot<'_, f64, ROWS>, priors: &[Prior<f64>]) -> SubsetSolutions<'s, f64, ROWS> {
+fn solutions<'s>(
+    snapshot: &'s Snapshot<'_, f64, ROWS>,
+    priors: &[Prior<f64>],
+) -> SubsetSolutions<'s, f64, ROWS> {
     let mut solutions =
         SubsetSolutions::of(View::of(snapshot), std::boxed::Box::leak(std::boxed::Box::default()));
     solutions.prepare(priors);
