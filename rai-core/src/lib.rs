@@ -61,10 +61,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Capacity
+//!
+//! `Epoch<N>` holds at most `N` satellites, and `Monitor<T, N>` judges it. `N` is 4 to 64; all memory
+//! follows from it, that of the searches on the stack as well. One program may use several.
+//!
 //! # Features
 //!
-//! A feature only adds: no type changes and no capacity shrinks if another crate of the same
-//! program switches one on.
+//! A feature only adds: no type changes if another crate of the same program switches one on.
 //!
 //! | feature | default | effect |
 //! |---|---|---|
