@@ -135,7 +135,8 @@ impl<T: Real> RowFit<T> {
     }
 }
 
-/// A solved view of a [`Workspace`], derived from one 3×3 solve.
+/// A solved view of a [`Workspace`], derived from one 3×3 solve. Memory for `N` rows, the
+/// capacity of the workspace, is sufficient for every search in it.
 #[derive(Debug, PartialEq)]
 pub struct Snapshot<'w, T: Real, const N: usize = MAX_ROWS> {
     rows: &'w mut [Row<T>],

@@ -67,6 +67,7 @@ impl<'r, T: Real> Modes<'r, T> {
                 self.take_over(&of_run, start..room.len(), alike);
                 (run, of_run, start) = (own, FaultOdds::of(own)?, room.len());
             }
+            // Without the first condition a smaller epoch would compare too.
             if N > ROWS && room.len() == ROWS {
                 return Err(AraimError::Rows);
             }

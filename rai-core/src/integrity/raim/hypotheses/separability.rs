@@ -29,7 +29,7 @@ use crate::bounded::gather;
 use crate::integrity::raim::detection::Detection;
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::isolation::exclusion::Exclusion;
-use crate::integrity::raim::isolation::sets::{SetBudget, count_up_to, each_of_size};
+use crate::integrity::raim::isolation::sets::{SetBudget, each_of_size};
 use crate::least_squares::downdate::{ExclusionSet, NormalisedRow, NormalisedRows, testable_rows};
 use crate::least_squares::{Excludable, Snapshot, infinity};
 use crate::numeric::real::Real;
@@ -74,7 +74,7 @@ fn is_unrivalled<T: Real, const N: usize>(
     // The sums at hand lose digits to gross faults. A set that explains less than this by them
     // needs no closer test.
     let least = found.explained() - margin - snapshot.sse() * T::UNTESTABLE;
-    let mut work = SetBudget::new(count_up_to(set.len(), rows.len()));
+    let mut work = SetBudget::for_all();
     for size in 1..=set.len() {
         let mut has_rival = false;
         each_of_size::<T, N>(&rows, size, &mut work, least, &mut |_, rival| {

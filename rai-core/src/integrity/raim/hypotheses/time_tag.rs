@@ -54,7 +54,7 @@ use crate::epoch::EpochView;
 use crate::integrity::raim::detection::Detection;
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::isolation::exclusion::Exclusion;
-use crate::integrity::raim::isolation::sets::{SetBudget, count_up_to, each_of_size_beside};
+use crate::integrity::raim::isolation::sets::{SetBudget, each_of_size_beside};
 use crate::integrity::raim::levels::{KFactors, Slopes};
 use crate::least_squares::downdate::{
     ExclusionSet, NormalisedRow, NormalisedRows, ReducedRow, testable_rows,
@@ -224,7 +224,7 @@ impl<T: Real, const N: usize> EpochRates<T, N> {
                 false => TimeTagOutcome::None,
             };
         }
-        let mut work = SetBudget::new(count_up_to(set.len().saturating_sub(1), rows.len()));
+        let mut work = SetBudget::for_all();
         // Sets that explain less than this beside the time are no rivals.
         let least = left - found - margin;
         for size in 1..set.len() {

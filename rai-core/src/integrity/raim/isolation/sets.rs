@@ -4,6 +4,7 @@
 //! because a third row that is combined with many pairs is projected out of all rows first
 //! ([`crate::least_squares::downdate`]).
 
+use crate::bounded::MAX_ROWS;
 use crate::least_squares::downdate::{NormalisedRow, PairCandidate, ReducedRow, ReducedRows};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
@@ -31,6 +32,11 @@ pub(in crate::integrity::raim) struct SetBudget {
 impl SetBudget {
     pub(in crate::integrity::raim) const fn new(sets: usize) -> Self {
         Self { left: sets, cut: false }
+    }
+
+    /// Returns a budget for all sets of the rows of any epoch, each compared once.
+    pub(in crate::integrity::raim) const fn for_all() -> Self {
+        Self::new(count_up_to(MAX_EXCLUDED, MAX_ROWS))
     }
 
     /// Returns as many of `rows` as the budget grants, and charges them.

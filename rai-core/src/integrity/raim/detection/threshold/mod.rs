@@ -31,7 +31,7 @@
 
 use core::fmt;
 
-use crate::bounded::MAX_ROWS;
+use crate::bounded::{MAX_ROWS, assert_capacity};
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 
@@ -121,6 +121,7 @@ impl Thresholds<'static> {
         false_alarm: Probability,
         missed_detection: Probability,
     ) -> Result<Self, ThresholdError> {
+        const { assert_capacity(N) };
         let alarm = matching(&rows::FALSE_ALARM, false_alarm)
             .map_err(|nearest| ThresholdError::FalseAlarm { value: false_alarm, nearest })?;
         let miss = matching(&rows::MISSED_DETECTION, missed_detection)
