@@ -81,6 +81,23 @@ fn full_epochs_have_room_for_every_search() {
     }
 }
 
+/// A search over pairs has memory for every row.
+#[test]
+fn the_last_two_satellites_of_a_full_epoch_are_found_together() {
+    let mut sky = visible(&[Gps, Galileo, Beidou], 40);
+    for faulty in &mut sky[38..] {
+        faulty.range_m += BIAS_M;
+    }
+    for method in [Method::Auto, Method::Parity(Isolation::Grouping), Method::Ransac] {
+        let report = judge::<40>(method, &sky);
+        assert_eq!(report.verdict, Verdict::Protected(Protected::Excluded), "{method:?}");
+        let is_excluded = |faulty: &Observation| {
+            report.excluded.iter().any(|suspect| suspect.satellite == faulty.satellite)
+        };
+        assert!(report.excluded.len() == 2 && sky[38..].iter().all(is_excluded), "{method:?}: {report:?}");
+    }
+}
+
 #[test]
 fn the_largest_epoch_is_judged() {
     let mut sky = visible(&[Gps, Galileo, Beidou, Glonass], 64);

@@ -65,7 +65,7 @@ fn solve(rates: Vec<RangeRate>) -> Result<Velocity, VelocityError> {
         sigma_m_s: rate.sigma_m_s as f32,
     };
     let rates = rates.into_iter().map(single);
-    estimate(&mut Workspace::<f32, 40>::new(), rates, &thresholds(), &factors())
+    estimate(&mut Workspace::<f32, 48>::new(), rates, &thresholds(), &factors())
 }
 
 #[track_caller]
@@ -98,7 +98,7 @@ fn it_is_the_least_squares_of_the_textbook() {
     let covariance = normal.try_inverse().expect("regular");
     let want = covariance * right;
     let have =
-        estimate(&mut Workspace::<f64, 40>::new(), rates, &thresholds(), &factors()).expect("a velocity");
+        estimate(&mut Workspace::<f64, 48>::new(), rates, &thresholds(), &factors()).expect("a velocity");
     for (index, have) in have.east_north_up_m_s.iter().enumerate() {
         assert!((have - want[index]).abs() < 1e-9, "have {have}, want {}", want[index]);
     }
