@@ -63,8 +63,8 @@
 //!
 //! # Capacity
 //!
-//! `Epoch<N>` holds at most `N` satellites, and `Monitor<T, N>` judges it. `N` is 4 to 64; all memory
-//! follows from it, that of the searches on the stack as well. One program may use several.
+//! `Epoch<N>` holds at most `N` satellites, and `Monitor<T, N>` judges it. `N` is 4 to 64. All
+//! memory follows from it, that of the searches on the stack as well. One program may use several.
 //!
 //! # Features
 //!
