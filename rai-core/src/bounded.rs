@@ -5,19 +5,16 @@
 
 use heapless::Vec;
 
-/// Largest number of satellites in one epoch of [`single`](crate::single). 48 are more than three
-/// systems have in view anywhere on earth; without the feature `satellites-48` there are fewer.
-pub const CAPACITY: usize = if cfg!(feature = "satellites-48") {
-    48
-} else if cfg!(feature = "satellites-32") {
-    32
-} else {
-    16
-};
+/// Most rows of an epoch, which are its satellites and aiding rows: sets of them fit one word.
+pub const MAX_ROWS: usize = u64::BITS as usize;
 
-// The features of other crates in a build must not reduce the capacity.
-const _: () = assert!(CAPACITY >= 32 || !cfg!(feature = "satellites-32"));
-const _: () = assert!(CAPACITY >= 48 || !cfg!(feature = "satellites-48"));
+/// Fewest rows that an epoch must have room for: a position and one clock need four.
+const MIN_ROWS: usize = 4;
+
+/// Refuses a capacity while compiling.
+pub(crate) const fn assert_capacity(rows: usize) {
+    assert!(MIN_ROWS <= rows && rows <= MAX_ROWS, "an epoch must have room for 4 to 64 satellites");
+}
 
 /// Returns the elements, up to the capacity.
 pub(crate) fn gather<E, const N: usize>(elements: impl IntoIterator<Item = E>) -> Vec<E, N> {

@@ -14,6 +14,7 @@ use core::fmt;
 
 use heapless::Vec;
 
+use crate::bounded::assert_capacity;
 use crate::frame::Ecef;
 use crate::numeric::bounds::is_within;
 use crate::satellite::{Constellation, SatelliteId};
@@ -124,7 +125,15 @@ impl fmt::Display for EpochError {
 
 impl core::error::Error for EpochError {}
 
-/// The ranges of one instant, at most `N`.
+/// The ranges of one instant, at most `N`. Monitors, reports and the memory of their searches have
+/// room for as many.
+///
+/// `N` must be within 4 to 64, because sets of satellites fit one word. Another one does not
+/// compile:
+///
+/// ```compile_fail,E0080
+/// raim_core::Epoch::<65>::new(0.0);
+/// ```
 ///
 /// ```
 /// use raim_core::{Constellation, Ecef, Epoch, Observation, SatelliteId};
@@ -154,6 +163,7 @@ impl<const N: usize> Epoch<N> {
     /// `time_s` counts seconds of any continuous time scale; only differences are used. A time that
     /// is not finite counts as 0.
     pub fn new(time_s: f64) -> Self {
+        const { assert_capacity(N) };
         let time_s = if time_s.is_finite() { time_s } else { 0.0 };
         Self { time_s, observations: Vec::new(), shared: Vec::new(), aiding: Vec::new() }
     }

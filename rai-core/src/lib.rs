@@ -21,17 +21,10 @@
 //! [`requirements`] and [`satellite`] are the interface of the crate. All other modules are behind
 //! the feature `unstable`.
 //!
-//! Further modules:
-//!
-//! | module | content |
-//! |---|---|
-//! | [`least_squares::downdate`] | the solution without any set of satellites |
-//! | [`weighting`] | the error model |
-//! | [`clock`] | a forecast of the receiver clock as one more row |
-//! | [`continuity`] | recovery, jumps, and motion compared with velocity |
-//! | [`velocity`] | velocity from range rates |
-//! | [`frame`] | WGS 84 |
-//! | [`single`] | the instance for a microcontroller |
+//! Further modules: [`least_squares::downdate`] (the solution without any set of satellites),
+//! [`weighting`] (the error model), [`clock`] (a forecast of the receiver clock as one more row),
+//! [`continuity`] (recovery, jumps, and motion against its rates), [`velocity`] and [`frame`]
+//! (WGS 84).
 //!
 //! # Example
 //!
@@ -68,10 +61,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Capacity
+//!
+//! `Epoch<N>` holds at most `N` satellites, and `Monitor<T, N>` judges it. `N` is 4 to 64. All
+//! memory follows from it, that of the searches on the stack as well. One program may use several.
+//!
 //! # Features
 //!
-//! Features only add: if another crate of the same program switches one on, no type changes and no
-//! capacity shrinks.
+//! A feature only adds: no type changes if another crate of the same program switches one on.
 //!
 //! | feature | default | effect |
 //! |---|---|---|
@@ -82,10 +79,8 @@
 //! | `past` | yes | compares an epoch with earlier ones: residuals with sigmas, position with velocity, clock with drift, satellites with recent exclusions |
 //! | `hypotheses` | yes | tests explanations beyond single satellites: a wrong time tag, or a system that is shifted or broken as a whole |
 //! | `aiding` | yes | rows that are no satellites (forecast of the receiver clock, known height), and sigmas scaled by residuals; without it an epoch has no room for such rows |
-//! | `double-tables` | yes | thresholds in double precision and for all degrees of freedom; without it in single precision, for at most [`single::CAPACITY`] degrees of freedom |
-//! | `satellites-32`, `satellites-48` | yes | capacity of an epoch on a chip: 32 or 48 satellites, or 16 without either feature; on a computer `satellites-48` gives 64 rows |
+//! | `double-tables` | yes | thresholds in double precision; without it in single precision |
 //! | `unstable` | no | the modules behind the interface, which may change in any version: pin the exact version |
-//! | `stages` | no | `single::stages`, the stages one by one for measurements; includes `unstable` |
 //! | `defmt` | no | `defmt::Format` on public types |
 //!
 //! # Stability
@@ -222,10 +217,6 @@ mod least_squares;
 pub mod numeric;
 #[cfg(not(feature = "unstable"))]
 mod numeric;
-#[cfg(feature = "unstable")]
-pub mod single;
-#[cfg(not(feature = "unstable"))]
-mod single;
 #[cfg(feature = "unstable")]
 pub mod velocity;
 #[cfg(not(feature = "unstable"))]

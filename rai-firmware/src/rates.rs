@@ -38,8 +38,8 @@ use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, LocalAxes, SPEED_OF_LIGHT_M_S
 use raim_core::numeric::absolute::{Absolute as _, Grid};
 use raim_core::numeric::real::Real;
 use raim_core::satellite::SatelliteId;
-use raim_core::single::{self, Monitor, Workspace};
 use raim_core::velocity::{RangeRate, Velocity, VelocityError};
+use raim_single::{Monitor, Workspace};
 
 use crate::correction::horizon::Horizon;
 use crate::correction::{CAPACITY, Located, Sky};
@@ -268,7 +268,8 @@ impl Rates {
         let mut agree_on = |sign| {
             let rates = sky.iter().enumerate().filter_map(|(index, located)| since.measure(located, index));
             let equations = &mut rates.map(|rate| rate.equation(sign));
-            let velocity = single::velocity(workspace, equations, required.thresholds(), required.factors())?;
+            let velocity =
+                raim_single::velocity(workspace, equations, required.thresholds(), required.factors())?;
             let is_possible = settings.is_none_or(|settings| velocity.is_within(settings.max_speed_m_s));
             if is_possible { Ok(velocity) } else { Err(VelocityError::Fault) }
         };

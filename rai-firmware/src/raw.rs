@@ -24,9 +24,9 @@ use raim_core::satellite::SatelliteId;
 
 use crate::time::GpsTime;
 
-/// Most satellites of a raw epoch: 16 more than the core takes. The surplus is for satellites below
-/// the mask or of systems not in use, which come in the same messages.
-pub const EPOCH_CAPACITY: usize = raim_core::single::CAPACITY + 16;
+/// Most satellites of an epoch, 64 beside room for 48 in the core: those that are used, and those
+/// of systems that are not in use or below the mask, which come in the same messages.
+pub const EPOCH_CAPACITY: usize = raim_single::CAPACITY + 16;
 
 /// Most signals of one satellite. Only `BeiDou` satellites have more bands; see [`Band::is_spare`].
 pub const SIGNAL_CAPACITY: usize = 3;

@@ -25,7 +25,7 @@ use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::numeric::probability::Probability;
 use raim_core::numeric::real::Real;
 use raim_core::satellite::Constellation;
-use raim_core::single::{self, Workspace};
+use raim_single::{CAPACITY, Workspace};
 
 use crate::input;
 
@@ -76,7 +76,7 @@ fn table_is_right() -> bool {
     else {
         return false;
     };
-    Thresholds::from_tables(false_alarm, missed_detection)
+    Thresholds::up_to::<CAPACITY>(false_alarm, missed_detection)
         .ok()
         .and_then(|thresholds| thresholds.tau1::<f32>(4))
         .is_some_and(|tau1| is_close(6.0 * libm::sqrt(f64::from(tau1) / 4.0), 17.925_711, 1e-6))
@@ -93,7 +93,7 @@ fn solve_is_right(workspace: &mut Workspace) -> bool {
             return false;
         }
     }
-    let Ok(snapshot) = single::solve(workspace) else { return false };
+    let Ok(snapshot) = raim_single::solve(workspace) else { return false };
     let still = snapshot.correction().iter().all(|component| is_close(component.widen(), 0.0, 1e-5));
     let quarters = snapshot.rows().take(4).all(|(_, fit)| is_close(fit.redundancy.widen(), 0.25, 1e-5));
     still && quarters && snapshot.dof() == 1 && is_close(snapshot.sse().widen(), 4.0, 1e-4)

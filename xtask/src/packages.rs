@@ -9,17 +9,18 @@ use anyhow::{Context as _, Result, ensure};
 use crate::cargo::{command, root, spawn};
 
 /// Packages in their order; each needs those before it.
-pub(crate) const PACKAGES: [&str; 4] = ["raim-root", "raim-core", "raim-firmware", "raim"];
+pub(crate) const PACKAGES: [&str; 5] = ["raim-root", "raim-core", "raim-single", "raim-firmware", "raim"];
 
 /// Separate workspace, so that cargo does not find ours. One package finds the others beside it,
 /// not in the registry, because ours are not published.
 const WORKSPACE: &str = "[workspace]
 resolver = \"3\"
-members = [\"raim-root\", \"raim-core\", \"raim-firmware\", \"raim\"]
+members = [\"raim-root\", \"raim-core\", \"raim-single\", \"raim-firmware\", \"raim\"]
 
 [patch.crates-io]
 raim-root = { path = \"raim-root\" }
 raim-core = { path = \"raim-core\" }
+raim-single = { path = \"raim-single\" }
 raim-firmware = { path = \"raim-firmware\" }
 ";
 
@@ -33,7 +34,7 @@ pub(crate) fn verify() -> Result<()> {
     let manifest = unpacked.join("Cargo.toml").display().to_string();
     let folder = unpacked.join("target").display().to_string();
     let place = ["--manifest-path", manifest.as_str(), "--target-dir", folder.as_str()];
-    let [_, core, firmware, command_line] = PACKAGES;
+    let [_, core, _, firmware, command_line] = PACKAGES;
     // The core by itself first: beside the firmware it has the feature `unstable`, without which
     // its examples must do.
     spawn(command(&["test", "--quiet", "--doc", "-p", core]).args(place))?;
@@ -117,7 +118,8 @@ mod tests {
     #[test]
     fn every_package_carries_the_text_of_the_licence() {
         let folders =
-            ["rai-core/root", "rai-core", "rai-firmware", "rai-firmware/cli"].map(|name| root().join(name));
+            ["rai-core/root", "rai-core", "rai-firmware/single", "rai-firmware", "rai-firmware/cli"]
+                .map(|name| root().join(name));
         let together = tempfile::tempdir().expect("a folder");
         for (package, folder) in PACKAGES.iter().zip(&folders) {
             let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");

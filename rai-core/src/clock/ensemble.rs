@@ -142,7 +142,7 @@ struct ClockOfEpoch {
 impl SolvedClocks {
     /// Reads the clocks of a snapshot.
     #[inline(never)]
-    pub fn of<T: Real>(snapshot: &Snapshot<'_, T>) -> Self {
+    pub fn of<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>) -> Self {
         Self {
             each: Constellation::ALL.map(|constellation| ClockOfEpoch {
                 has_jumped: aiding_row(snapshot, constellation).is_some_and(|(row, _)| left_out(row)),
@@ -154,8 +154,8 @@ impl SolvedClocks {
 
 /// Returns a constellation's receiver clock without its forecast. Returns `None` if it has fewer
 /// than two satellites, or if the satellites alone do not determine the clock.
-pub fn satellites_alone<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+pub fn satellites_alone<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
     constellation: Constellation,
 ) -> Option<SolvedClock> {
     let belongs = |row: &Row<T>| row.clock == Some(constellation) && !is_forecast(row) && !left_out(row);
@@ -177,8 +177,8 @@ pub fn satellites_alone<T: Real>(
     Some(SolvedClock { value_m, sigma_m: variance.sqrt_approx().widen() })
 }
 
-fn aiding_row<'s, T: Real>(
-    snapshot: &'s Snapshot<'_, T>,
+fn aiding_row<'s, T: Real, const N: usize>(
+    snapshot: &'s Snapshot<'_, T, N>,
     constellation: Constellation,
 ) -> Option<(&'s Row<T>, &'s RowFit<T>)> {
     snapshot.rows().find(|(row, _)| row.clock == Some(constellation) && is_forecast(row))

@@ -31,7 +31,7 @@ mod systems;
 
 use heapless::Vec;
 
-use crate::bounded::gather;
+use crate::bounded::{MAX_ROWS, gather};
 use crate::epoch::EpochView;
 use crate::least_squares::{Excludable, Snapshot};
 use crate::numeric::real::Real;
@@ -79,23 +79,23 @@ pub struct Criteria<'c, T> {
 /// Scratch memory of the methods, and the subsets that [`Method::Ransac`] keeps from epoch to
 /// epoch.
 #[derive(Clone, Debug)]
-pub struct MethodScratch<T: Real> {
+pub struct MethodScratch<T: Real, const N: usize = MAX_ROWS> {
     /// Subsets of [`Method::Ransac`].
-    pub subsets: ransac::Subsets,
+    pub subsets: ransac::Subsets<N>,
     /// Initialised at the first use, in place, because the value is large for the stack.
     #[cfg(feature = "araim")]
-    araim: Option<araim::AraimScratch<T>>,
+    araim: Option<araim::AraimScratch<T, N>>,
     #[cfg(not(feature = "araim"))]
     scalar: core::marker::PhantomData<T>,
 }
 
-impl<T: Real> Default for MethodScratch<T> {
+impl<T: Real, const N: usize> Default for MethodScratch<T, N> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<T: Real> MethodScratch<T> {
+impl<T: Real, const N: usize> MethodScratch<T, N> {
     /// Returns empty scratch memory.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
@@ -112,7 +112,7 @@ impl<T: Real> MethodScratch<T> {
     // Not inlined, so that the stack of the initialisation is free during [`judge`].
     #[cfg(feature = "araim")]
     #[inline(never)]
-    fn araim(&mut self) -> &mut araim::AraimScratch<T> {
+    fn araim(&mut self) -> &mut araim::AraimScratch<T, N> {
         self.araim.get_or_insert_with(araim::AraimScratch::new)
     }
 }
@@ -125,7 +125,11 @@ impl<T: Real> Criteria<'_, T> {
     ///
     /// # Errors
     /// [`NoThreshold`] names the reason why no threshold exists.
-    pub fn test(&self, snapshot: &Snapshot<'_, T>, shared: &[SharedError]) -> Result<Test<T>, NoThreshold> {
+    pub fn test<const N: usize>(
+        &self,
+        snapshot: &Snapshot<'_, T, N>,
+        shared: &[SharedError],
+    ) -> Result<Test<T>, NoThreshold> {
         let exposure = LevelInputs::of(snapshot, self.levels, self.factors);
         let demand = ThresholdProblem::new(snapshot.dof(), &exposure, self.requirements, self.thresholds);
         let threshold = demand.threshold::<T>(self.policy)?;
@@ -142,14 +146,14 @@ impl<T: Real> Criteria<'_, T> {
 /// `rates`, which distinguish wrong time tags from faulty satellites
 /// ([`raim::hypotheses::time_tag`]). Afterwards, `solution` is solved without the rows of
 /// [`Judgement::excluded`].
-pub fn judge<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub fn judge<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     forecast: Option<usize>,
     criteria: &Criteria<'_, T>,
     search: Search<'_>,
     rates: Option<&RangeRates<'_>>,
-    scratch: &mut MethodScratch<T>,
+    scratch: &mut MethodScratch<T, N>,
 ) -> Judgement<T> {
     #[cfg(feature = "araim")]
     if criteria.method == Method::Araim {
@@ -160,14 +164,14 @@ pub fn judge<T: Real>(
 
 // Not inlined, because ARAIM has the deepest stack and does not need this frame.
 #[inline(never)]
-fn judge_by_residuals<T: Real>(
-    solution: &mut impl Excludable<T>,
+fn judge_by_residuals<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     forecast: Option<usize>,
     criteria: &Criteria<'_, T>,
     search: Search<'_>,
     rates: Option<&RangeRates<'_>>,
-    subsets: &mut ransac::Subsets,
+    subsets: &mut ransac::Subsets<N>,
 ) -> Judgement<T> {
     let height = height_row(solution.snapshot(), epoch);
     let aiding = || [forecast, height].into_iter().flatten();
@@ -246,7 +250,10 @@ fn judge_by_residuals<T: Real>(
 }
 
 /// Returns the row of a known height. It comes after the satellites and depends on no clock.
-pub(crate) fn height_row<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Option<usize> {
+pub(crate) fn height_row<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    epoch: &EpochView<'_>,
+) -> Option<usize> {
     if !cfg!(feature = "aiding") {
         return None;
     }
@@ -257,8 +264,8 @@ pub(crate) fn height_row<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<
 
 /// Tests a solution without its aiding rows, and then restores them.
 #[inline(never)]
-fn without_aids<T: Real>(
-    solution: &mut impl Excludable<T>,
+fn without_aids<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     aids: &[usize],
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_, T>,

@@ -47,12 +47,12 @@ pub enum Search<'s> {
 /// Neither this function nor its branches are inlined. An epoch without a fault thus needs no stack
 /// for a search, and each search only its own.
 #[inline(never)]
-pub(super) fn isolate<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub(super) fn isolate<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_, T>,
     search: Search<'_>,
-    #[cfg_attr(not(feature = "searches"), expect(unused_variables))] subsets: &mut ransac::Subsets,
+    #[cfg_attr(not(feature = "searches"), expect(unused_variables))] subsets: &mut ransac::Subsets<N>,
 ) -> Exclusion<T> {
     let thresholds = &criteria.thresholds;
     if let Search::Known(satellites) = search {
@@ -90,8 +90,8 @@ pub(super) fn isolate<T: Real>(
 
 /// Compares every set of up to `dof/2` rows, the most that can be identified. If these are too
 /// many, excludes sequentially by w-test.
-fn isolate_within_budget<T: Real>(
-    solution: &mut impl Excludable<T>,
+fn isolate_within_budget<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     thresholds: &Thresholds<'_>,
 ) -> Exclusion<T> {
     let rows = (solution.snapshot().dof() / 2).min(MAX_EXCLUDED);
@@ -107,8 +107,8 @@ fn isolate_within_budget<T: Real>(
 ///
 /// It is tried before any method: a clock jump of a millisecond shows in every satellite's test. A
 /// method that leaves out all rows that correlate with the worst would then leave out healthy ones.
-pub(super) fn jump<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub(super) fn jump<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     row: usize,
     thresholds: &Thresholds<'_>,
 ) -> Option<Exclusion<T>> {

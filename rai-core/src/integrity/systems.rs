@@ -27,8 +27,8 @@ use crate::report::MAX_EXCLUDED;
 /// If there is no such system, judgement and solution do not change.
 #[cold]
 #[inline(never)]
-pub(super) fn leave_out_broken<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub(super) fn leave_out_broken<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     aids: &[usize],
     criteria: &Criteria<'_, T>,
@@ -63,8 +63,8 @@ pub(super) fn leave_out_broken<T: Real>(
 }
 
 /// Returns true if a wrong time of all ranges explains the data as well.
-fn is_of_time<T: Real>(
-    solution: &impl Excludable<T>,
+fn is_of_time<T: Real, const N: usize>(
+    solution: &impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     found: &BrokenSystem<T>,
     criteria: &Criteria<'_, T>,
@@ -95,8 +95,8 @@ impl KeptOut {
     /// If the others determine no position, no satellite is left out.
     #[cold]
     #[inline(never)]
-    pub(crate) fn of<T: Real>(
-        solution: &mut impl Excludable<T>,
+    pub(crate) fn of<T: Real, const N: usize>(
+        solution: &mut impl Excludable<T, N>,
         epoch: &EpochView<'_>,
         systems: u8,
         thresholds: &Thresholds<'_>,
@@ -126,9 +126,9 @@ impl<T: Real> Judgement<T> {
     /// Iterates over the satellites that were left out one by one, not with their system.
     ///
     /// `satellites` is the number of rows that are satellites.
-    pub(crate) fn single_exclusions<'j>(
+    pub(crate) fn single_exclusions<'j, const N: usize>(
         &'j self,
-        snapshot: &'j Snapshot<'_, T>,
+        snapshot: &'j Snapshot<'_, T, N>,
         satellites: usize,
     ) -> impl Iterator<Item = (&'j Row<T>, &'j RowFit<T>)> {
         let excluded = self.excluded.iter().filter(move |excluded| excluded.index < satellites);

@@ -94,7 +94,12 @@ impl<T: Real> CouplingTerms<T> {
 }
 
 impl<T: Real> NormalisedRow<T> {
-    fn new(index: usize, row: &Row<T>, fit: &RowFit<T>, snapshot: &Snapshot<'_, T>) -> Self {
+    fn new<const N: usize>(
+        index: usize,
+        row: &Row<T>,
+        fit: &RowFit<T>,
+        snapshot: &Snapshot<'_, T, N>,
+    ) -> Self {
         let root = row.sigma.recip();
         Self {
             index,
@@ -138,7 +143,7 @@ pub(crate) struct ReducedRow<'r, T: Real> {
 }
 
 /// One reduced row for each row.
-pub(crate) type ReducedRows<'r, T> = Vec<ReducedRow<'r, T>, MAX_ROWS>;
+pub(crate) type ReducedRows<'r, T, const N: usize> = Vec<ReducedRow<'r, T>, N>;
 
 impl<'r, T: Real> ReducedRow<'r, T> {
     /// Returns the row as in the snapshot.
@@ -242,14 +247,17 @@ fn squared_w_test<T: Real>(residual: T, redundancy: T) -> T {
     if redundancy < T::UNTESTABLE { T::zero() } else { residual * residual / redundancy }
 }
 
-/// Capacity for the rows of a search.
-pub type NormalisedRows<T> = Vec<NormalisedRow<T>, MAX_ROWS>;
+/// Capacity for the rows of a search: as many as the epoch may have.
+pub type NormalisedRows<T, const N: usize = MAX_ROWS> = Vec<NormalisedRow<T>, N>;
 
 /// Writes the rows of a snapshot that take part and can be tested, in the order of the epoch.
 ///
 /// All other rows are untestable in every set. The caller provides the memory, because a returned
 /// vector would be on the stack twice.
-pub fn testable_rows<T: Real>(snapshot: &Snapshot<'_, T>, rows: &mut NormalisedRows<T>) {
+pub fn testable_rows<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    rows: &mut NormalisedRows<T, N>,
+) {
     rows.clear();
     for (index, (row, fit)) in snapshot.rows().enumerate() {
         if row.weight > T::zero() && fit.redundancy >= T::UNTESTABLE {
@@ -295,8 +303,8 @@ impl<T: Real> ExclusionSet<T> {
 
     /// Returns the set of these rows of a snapshot. Returns `None` if the set is refused, or if a
     /// row is untestable or listed twice.
-    pub fn of(snapshot: &Snapshot<'_, T>, set: &[usize]) -> Option<Self> {
-        let mut rows = Vec::new();
+    pub fn of<const N: usize>(snapshot: &Snapshot<'_, T, N>, set: &[usize]) -> Option<Self> {
+        let mut rows = NormalisedRows::<T, N>::new();
         testable_rows(snapshot, &mut rows);
         Self::among(&rows, set)
     }
@@ -400,17 +408,17 @@ impl<T: Real> ExclusionSet<T> {
     }
 
     /// Returns the degrees of freedom without the set.
-    pub fn dof(&self, snapshot: &Snapshot<'_, T>) -> usize {
+    pub fn dof<const N: usize>(&self, snapshot: &Snapshot<'_, T, N>) -> usize {
         snapshot.dof().saturating_sub(self.rows.len())
     }
 
     /// Returns the correction of the position without the set, east, north, up, m.
-    pub fn correction(&self, snapshot: &Snapshot<'_, T>) -> Vector3<T> {
+    pub fn correction<const N: usize>(&self, snapshot: &Snapshot<'_, T, N>) -> Vector3<T> {
         difference(&snapshot.correction(), &product(&self.gains(), &self.solved))
     }
 
     /// Returns the covariance of that correction, m².
-    pub fn covariance(&self, snapshot: &Snapshot<'_, T>) -> Matrix3<T> {
+    pub fn covariance<const N: usize>(&self, snapshot: &Snapshot<'_, T, N>) -> Matrix3<T> {
         let gains = self.gains();
         let mut inverse = self.inverse;
         mirror(&mut inverse);

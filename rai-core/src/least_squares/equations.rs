@@ -23,7 +23,8 @@ use core::fmt;
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use crate::bounded::CAPACITY;
+pub use crate::bounded::MAX_ROWS;
+use crate::bounded::assert_capacity;
 use crate::frame::LineOfSight;
 use crate::numeric::absolute::Absolute;
 use crate::numeric::real::Real;
@@ -32,13 +33,6 @@ use crate::satellite::Constellation;
 
 /// Range of the squared length that counts as a unit vector: the length may be off by 1e-3.
 const UNIT_SQUARED: core::ops::RangeInclusive<f64> = 0.999 * 0.999..=1.001 * 1.001;
-
-/// Capacity for the equations of one epoch, and for the rows of the searches.
-///
-/// A set of rows then fits a 64-bit word. On a microcontroller, or if the feature `satellites-48`
-/// is off, it is [`crate::single::CAPACITY`], because memory is scarce.
-pub const MAX_ROWS: usize =
-    if cfg!(feature = "satellites-48") && cfg!(not(target_os = "none")) { 64 } else { CAPACITY };
 
 /// One equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -241,7 +235,7 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
-        const { assert!(N <= MAX_ROWS, "more rows than the searches have room for: see `satellites-48`") };
+        const { assert_capacity(N) };
         Self { rows: Vec::new(), references: References::none() }
     }
 

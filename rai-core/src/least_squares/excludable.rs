@@ -2,15 +2,16 @@
 
 use super::{Snapshot, SnapshotError};
 use crate::bit_set::set_of;
+use crate::bounded::MAX_ROWS;
 use crate::numeric::real::Real;
 
 /// A solved epoch whose rows can be left out and taken back.
 ///
 /// A [`Snapshot`] stays linearised about its point. A [`Fix`](super::fix::Fix) linearises again
 /// after an exclusion that moves the position far.
-pub trait Excludable<T: Real> {
+pub trait Excludable<T: Real, const N: usize = MAX_ROWS> {
     /// Returns the linearised epoch as it is solved now.
-    fn snapshot(&self) -> &Snapshot<'_, T>;
+    fn snapshot(&self) -> &Snapshot<'_, T, N>;
 
     /// Leaves one more row out and solves again.
     ///
@@ -48,8 +49,8 @@ pub trait Excludable<T: Real> {
     fn set_aside_all(&mut self, rows: u64) -> Result<(), SnapshotError>;
 }
 
-impl<T: Real> Excludable<T> for Snapshot<'_, T> {
-    fn snapshot(&self) -> &Snapshot<'_, T> {
+impl<T: Real, const N: usize> Excludable<T, N> for Snapshot<'_, T, N> {
+    fn snapshot(&self) -> &Snapshot<'_, T, N> {
         self
     }
 

@@ -23,6 +23,7 @@ use core::fmt;
 use nalgebra::Vector3;
 
 use crate::bit_set::bit;
+use crate::bounded::MAX_ROWS;
 use crate::epoch::{Aided, Aiding, Epoch};
 use crate::frame::{Ecef, LinearisationPoint, LocalFrame};
 use crate::least_squares::equations::{References, Row};
@@ -77,23 +78,23 @@ impl<T: Real, const N: usize> Workspace<T, N> {
     ///
     /// # Errors
     /// [`FixError`] names what is missing.
-    pub fn fix<'r>(&'r mut self, epoch: &'r Epoch<N>, start: Ecef) -> Result<Fix<'r, T>, FixError> {
+    pub fn fix<'r>(&'r mut self, epoch: &'r Epoch<N>, start: Ecef) -> Result<Fix<'r, T, N>, FixError> {
         Fix::about(self, Aided::alone(epoch), start)
     }
 }
 
 /// A converged position, together with the linearised epoch that determined it.
 #[derive(Debug)]
-pub struct Fix<'r, T: Real> {
+pub struct Fix<'r, T: Real, const N: usize = MAX_ROWS> {
     aided: Aided<'r>,
     /// The linearisation point.
     linearisation: LinearisationPoint<T>,
-    snapshot: Snapshot<'r, T>,
+    snapshot: Snapshot<'r, T, N>,
 }
 
-impl<'r, T: Real> Fix<'r, T> {
+impl<'r, T: Real, const N: usize> Fix<'r, T, N> {
     /// Works like [`Workspace::fix`], from an epoch with a clock forecast.
-    pub(crate) fn about<const N: usize>(
+    pub(crate) fn about(
         workspace: &'r mut Workspace<T, N>,
         aided: Aided<'r>,
         start: Ecef,
@@ -121,7 +122,7 @@ impl<'r, T: Real> Fix<'r, T> {
     }
 
     /// Returns the linearised epoch at the position.
-    pub fn snapshot(&self) -> &Snapshot<'r, T> {
+    pub fn snapshot(&self) -> &Snapshot<'r, T, N> {
         &self.snapshot
     }
 
@@ -162,8 +163,8 @@ impl<'r, T: Real> Fix<'r, T> {
     }
 }
 
-impl<T: Real> Excludable<T> for Fix<'_, T> {
-    fn snapshot(&self) -> &Snapshot<'_, T> {
+impl<T: Real, const N: usize> Excludable<T, N> for Fix<'_, T, N> {
+    fn snapshot(&self) -> &Snapshot<'_, T, N> {
         &self.snapshot
     }
 
@@ -235,8 +236,8 @@ fn converge<T: Real>(start: Ecef, solve_about: &mut Solve<'_, T>) -> Result<Line
 
 /// Writes the equations about another point, relative to `references`. The rows of a set are left
 /// out.
-fn rewrite<T: Real>(
-    snapshot: &mut Snapshot<'_, T>,
+fn rewrite<T: Real, const N: usize>(
+    snapshot: &mut Snapshot<'_, T, N>,
     references: References<T>,
     aided: &Aided<'_>,
     linearisation: &LinearisationPoint<T>,

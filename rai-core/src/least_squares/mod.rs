@@ -50,7 +50,7 @@ use core::fmt;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::bit_set::{bit, members};
-use crate::least_squares::equations::{References, Row};
+use crate::least_squares::equations::{MAX_ROWS, References, Row};
 use crate::numeric::absolute::Absolute;
 use crate::numeric::real::Real;
 use crate::numeric::space::{dot, product, zero};
@@ -137,9 +137,10 @@ impl<T: Real> RowFit<T> {
     }
 }
 
-/// A solved view of a [`Workspace`], derived from one 3×3 solve.
+/// A solved view of a [`Workspace`], derived from one 3×3 solve. Memory for `N` rows, the
+/// capacity of the workspace, is sufficient for every search in it.
 #[derive(Debug, PartialEq)]
-pub struct Snapshot<'w, T: Real> {
+pub struct Snapshot<'w, T: Real, const N: usize = MAX_ROWS> {
     rows: &'w mut [Row<T>],
     references: &'w mut References<T>,
     fits: &'w mut [RowFit<T>],
@@ -172,7 +173,7 @@ impl<T: Real> Solved<T> {
     }
 }
 
-impl<T: Real> Snapshot<'_, T> {
+impl<T: Real, const N: usize> Snapshot<'_, T, N> {
     /// Leaves one more row out, in place: by a downdate of the solution, or by solving again if a
     /// downdate would lose precision.
     ///

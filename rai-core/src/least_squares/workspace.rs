@@ -50,14 +50,14 @@ impl<T: Real, const N: usize> Workspace<T, N> {
     /// # Errors
     /// [`SnapshotError::Insufficient`] if there are fewer rows than unknowns, or no rows;
     /// [`SnapshotError::Singular`] if the rows do not determine them.
-    pub fn solve(&mut self) -> Result<Snapshot<'_, T>, SnapshotError> {
+    pub fn solve(&mut self) -> Result<Snapshot<'_, T, N>, SnapshotError> {
         self.solve_rows()?;
         Ok(self.lend())
     }
 
     /// Copies a snapshot, so that rows can be left out of the copy. Returns `None` if the snapshot
     /// has more than `N` rows.
-    pub fn copy_of(&mut self, snapshot: &Snapshot<'_, T>) -> Option<Snapshot<'_, T>> {
+    pub fn copy_of<const M: usize>(&mut self, snapshot: &Snapshot<'_, T, M>) -> Option<Snapshot<'_, T, N>> {
         self.equations.copy_from(snapshot.rows, snapshot.references)?;
         self.solved = *snapshot.solved;
         Some(self.lend())
@@ -74,7 +74,7 @@ impl<T: Real, const N: usize> Workspace<T, N> {
     }
 
     /// Lends the last solution of [`Self::solve_rows`], with the fit of each row.
-    pub(crate) fn lend(&mut self) -> Snapshot<'_, T> {
+    pub(crate) fn lend(&mut self) -> Snapshot<'_, T, N> {
         let Self { equations, fits, solved } = self;
         let (rows, references) = equations.parts_mut();
         // Both vectors have the capacity `N`, so that a push never fails. A vector that is long

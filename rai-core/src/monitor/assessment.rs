@@ -23,7 +23,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     #[inline(never)]
     pub(super) fn assess(
         &self,
-        fix: &Fix<'_, T>,
+        fix: &Fix<'_, T, N>,
         epoch: &EpochView<'_>,
         judgement: &mut Judgement<T>,
         outcome: &mut EpochOutcome<N>,

@@ -18,7 +18,10 @@ use crate::satellite::Constellation;
 use crate::weighting::residuals::Residuals;
 
 /// Returns the residuals of the satellites used, weighted by the sigmas of the epoch.
-pub(super) fn residuals<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Residuals {
+pub(super) fn residuals<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    epoch: &EpochView<'_>,
+) -> Residuals {
     let takes_part = |weight: T| weight > T::zero();
     let used = snapshot.rows().zip(epoch.observations()).filter(|((row, _), _)| takes_part(row.weight));
     let sse = used.fold(0.0, |sum, ((_, fit), observation)| {
@@ -34,9 +37,9 @@ pub(super) fn residuals<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'
 ///
 /// The residual of a left-out row is its range minus the prediction from the other rows, which
 /// estimates the bias. A left-out aiding row belongs to no satellite and is not listed.
-pub(super) fn suspects<T: Real>(
+pub(super) fn suspects<T: Real, const N: usize>(
     judgement: &Judgement<T>,
-    fix: &Fix<'_, T>,
+    fix: &Fix<'_, T, N>,
     epoch: &EpochView<'_>,
 ) -> Vec<Suspect, MAX_EXCLUDED> {
     let listed = judgement.excluded.iter().filter_map(|excluded| {
@@ -54,9 +57,9 @@ pub(super) fn suspects<T: Real>(
 }
 
 /// Returns the comparison of an epoch's known height with its satellites.
-pub(super) fn known_height<T: Real>(
+pub(super) fn known_height<T: Real, const N: usize>(
     judgement: &Judgement<T>,
-    snapshot: &Snapshot<'_, T>,
+    snapshot: &Snapshot<'_, T, N>,
     epoch: &EpochView<'_>,
 ) -> Option<HeightReport> {
     let (row, fit) = snapshot.row(height_row(snapshot, epoch)?)?;
@@ -71,7 +74,7 @@ pub(super) fn known_height<T: Real>(
 /// Writes the report on a position. The excluded satellites and the sigma check are already in it.
 #[inline(never)]
 pub(super) fn describe<T: Real, const N: usize>(
-    fix: &Fix<'_, T>,
+    fix: &Fix<'_, T, N>,
     epoch: &EpochView<'_>,
     verdict: Verdict,
     judgement: &Judgement<T>,
@@ -106,7 +109,7 @@ fn statistic<T: Real>(test: &Test<T>, araim: Option<&AraimReport>) -> TestStatis
     }
 }
 
-fn suspect<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Option<Suspect> {
+fn suspect<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, epoch: &EpochView<'_>) -> Option<Suspect> {
     let (index, _, _) = baarda::worst_two(snapshot)?;
     let observation = epoch.observations().get(index)?;
     let (row, fit) = snapshot.row(index)?;
@@ -121,7 +124,7 @@ fn suspect<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Option
     })
 }
 
-fn solution<T: Real>(fix: &Fix<'_, T>) -> Solution {
+fn solution<T: Real, const N: usize>(fix: &Fix<'_, T, N>) -> Solution {
     let snapshot = fix.snapshot();
     let position = fix.position();
     let (hdop, vdop) = snapshot.dilutions();

@@ -192,7 +192,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Returns true if a system that should be kept out takes part, because the others alone
     /// determine no position.
-    fn rests_on_kept_out(&self, fix: &Fix<'_, T>, epoch: &EpochView<'_>) -> bool {
+    fn rests_on_kept_out(&self, fix: &Fix<'_, T, N>, epoch: &EpochView<'_>) -> bool {
         let systems = self.kept_out.systems();
         let is_kept_out = |seen: &Observation| systems >> (seen.satellite.constellation() as u8) & 1 != 0;
         let mut rows = fix.snapshot().rows().zip(epoch.observations());
@@ -205,7 +205,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         &self,
         how: Protected,
         belief: Belief,
-        fix: &Fix<'_, T>,
+        fix: &Fix<'_, T, N>,
         epoch: &EpochView<'_>,
         excluded: u8,
     ) -> Verdict {
@@ -231,9 +231,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
 /// Returns the residuals of the satellites used, and their sum with those of excluded satellites
 /// except for the largest.
-pub(super) fn residuals_of_all<T: Real>(
+pub(super) fn residuals_of_all<T: Real, const N: usize>(
     judgement: &Judgement<T>,
-    snapshot: &Snapshot<'_, T>,
+    snapshot: &Snapshot<'_, T, N>,
     satellites: usize,
 ) -> EpochResiduals {
     if judgement.outcome == ExclusionOutcome::NotIsolated(Unidentified::Time) {

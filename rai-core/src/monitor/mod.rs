@@ -97,12 +97,12 @@ const SIGMA_CHECK_WINDOW: usize = 60;
 /// The [crate documentation](crate#example) has an epoch that ends protected.
 #[derive(Clone, Debug)]
 pub struct Monitor<T: Real, const N: usize> {
-    validated: ValidatedRequirements<T>,
+    validated: ValidatedRequirements<T, N>,
     strategy: Strategy,
     ism: Ism,
     clocks: Clocks<T>,
     adaptation: Adaptation,
-    subsets: Subsets,
+    subsets: Subsets<N>,
     start: Ecef,
     ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
     evidence: Evidence,
@@ -127,7 +127,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         /// Works like [`Self::new`], from validated requirements.
         #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
         #[inline(always)]
-        pub fn of(validated: ValidatedRequirements<T>) -> Self {
+        pub fn of(validated: ValidatedRequirements<T, N>) -> Self {
             Self {
                 validated,
                 strategy: Strategy::DEFAULT,
@@ -343,7 +343,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// Leaves out the satellites of systems that were excluded as a whole three times.
-    fn keep_out(&self, fix: &mut Fix<'_, T>, epoch: &EpochView<'_>) -> KeptOut {
+    fn keep_out(&self, fix: &mut Fix<'_, T, N>, epoch: &EpochView<'_>) -> KeptOut {
         match self.kept_out.systems() {
             0 => KeptOut::NONE,
             systems => KeptOut::of(fix, epoch, systems, &self.validated.thresholds),

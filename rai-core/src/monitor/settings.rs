@@ -86,7 +86,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Returns the validated requirements, with their thresholds and factors.
     #[cfg(feature = "unstable")]
-    pub fn validated(&self) -> &ValidatedRequirements<T> {
+    pub fn validated(&self) -> &ValidatedRequirements<T, N> {
         &self.validated
     }
 

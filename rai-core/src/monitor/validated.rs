@@ -31,20 +31,20 @@ impl core::error::Error for MonitorError {}
 
 /// Requirements that were validated, with their thresholds and factors.
 #[derive(Clone, Copy, Debug)]
-pub struct ValidatedRequirements<T> {
+pub struct ValidatedRequirements<T, const N: usize> {
     pub(super) requirements: Requirements,
     pub(super) thresholds: Thresholds<'static>,
     pub(super) factors: KFactors<T>,
 }
 
-impl<T: Real> ValidatedRequirements<T> {
+impl<T: Real, const N: usize> ValidatedRequirements<T, N> {
     /// Validates the requirements.
     ///
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
         let requirements = requirements.validate().map_err(MonitorError::Requirements)?;
-        let thresholds = Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection)
+        let thresholds = Thresholds::up_to::<N>(requirements.false_alarm, requirements.missed_detection)
             .map_err(MonitorError::Threshold)?;
         let factors = KFactors::new(requirements.missed_detection, requirements.fault_free_risk);
         Ok(Self { requirements, thresholds, factors })

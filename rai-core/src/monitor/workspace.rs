@@ -17,7 +17,7 @@ use crate::weighting::residuals::Residuals;
 #[derive(Clone, Debug)]
 pub struct MonitorWorkspace<T: Real, const N: usize> {
     pub(super) workspace: Workspace<T, N>,
-    pub(super) scratch: MethodScratch<T>,
+    pub(super) scratch: MethodScratch<T, N>,
     pub(super) outcome: EpochOutcome<N>,
 }
 

@@ -10,7 +10,7 @@ use raim_core::report::{Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation::{self, Beidou, Galileo, Glonass, Gps};
 
-const CAPACITY: usize = 32;
+const CAPACITY: usize = 48;
 
 /// Returns so many satellites of each system, with noise of 1 m. Those of the systems in `broken`
 /// are wrong by 100 m to 2 km, each by another error.

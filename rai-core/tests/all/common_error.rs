@@ -9,7 +9,7 @@ use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_core::weighting::shared::SharedError;
 
-const N: usize = 20;
+const N: usize = 24;
 
 /// Azimuth and elevation in degrees: more satellites in the south than in the north.
 const SKY: [(f64, f64); 10] = [

@@ -58,19 +58,19 @@ fn a_satellite_enters_once() {
 
 #[test]
 fn the_satellite_beyond_the_capacity_is_an_error() {
-    let mut epoch = Epoch::<3>::new(0.0);
-    for number in 1..=3 {
+    let mut epoch = Epoch::<4>::new(0.0);
+    for number in 1..=4 {
         epoch.push(observation(number)).unwrap();
     }
-    assert_eq!(epoch.push(observation(4)), Err(EpochError::Full));
-    assert_eq!(epoch.observations().len(), 3);
+    assert_eq!(epoch.push(observation(5)), Err(EpochError::Full));
+    assert_eq!(epoch.observations().len(), 4);
 }
 
 #[test]
 fn one_clock_and_one_height_may_aid() {
     let clock = Aiding::Clock { constellation: Constellation::Gps, value_m: 10.0, sigma_m: 3.0 };
     let height = Aiding::Height { value_m: 120.0, sigma_m: 5.0 };
-    let mut epoch = Epoch::<3>::new(f64::NAN);
+    let mut epoch = Epoch::<4>::new(f64::NAN);
     assert_eq!(epoch.time_s().to_bits(), 0.0_f64.to_bits());
     epoch.aid(clock).unwrap();
     assert_eq!(epoch.aid(clock), Err(EpochError::Duplicate));

@@ -85,7 +85,7 @@ proptest! {
         for &direction in &directions {
             epoch.satellite(Constellation::Gps, direction, 0.0, 1.0).unwrap();
         }
-        let selection = Selection::choose(epoch.rows(), MAX_WORK);
+        let selection: Selection = Selection::choose(epoch.rows(), MAX_WORK);
         let rows = members(&selection, 0);
         let four: Vec<Vector3<f64>> = rows.iter().map(|&row| directions[row]).collect();
         let have = largest_by_brute_force(&four);
@@ -101,7 +101,7 @@ proptest! {
         for &direction in &directions {
             epoch.satellite(Constellation::Gps, direction, 0.0, 1.0).unwrap();
         }
-        let selection = Selection::choose(epoch.rows(), 0);
+        let selection: Selection = Selection::choose(epoch.rows(), 0);
         prop_assert_eq!(selection.subsets(), directions.len() / 4);
         // The rest is dealt to the smallest subset, so that the first has four or five.
         let rows = members(&selection, 0);
@@ -120,7 +120,7 @@ proptest! {
     #[test]
     fn subsets_share_out_all_satellites(count in 8usize..=40, constellations in 1usize..=4) {
         let epoch = sky::<f32>(count, constellations, &[]);
-        let selection = Selection::choose(epoch.rows(), MAX_WORK);
+        let selection: Selection = Selection::choose(epoch.rows(), MAX_WORK);
         prop_assert_eq!(selection.subsets(), count / (3 + constellations));
         prop_assert!(selection.subsets() <= MAX_SUBSETS && !selection.cut());
         prop_assert!(selection.work() <= MAX_WORK);
@@ -143,7 +143,7 @@ proptest! {
         count in 5usize..=20,
     ) {
         let epoch = sky::<f32>(count, 2, &biases_m);
-        let selection = Selection::choose(epoch.rows(), MAX_WORK);
+        let selection: Selection = Selection::choose(epoch.rows(), MAX_WORK);
         let mut solution = solved(epoch).unwrap();
         let have = exclude(&mut solution, &selection, &thresholds(), &ConsensusLimits::published().unwrap());
         let passes = thresholds().tau1(solution.dof()).is_some_and(|tau1| f64::from(solution.sse()) < tau1);
@@ -158,7 +158,7 @@ proptest! {
 fn three_faults_among_twenty_are_named_in_both_precisions() {
     fn check<T: Real>() {
         let epoch = sky::<T>(20, 2, &[(3, 150.0), (8, -150.0), (17, 150.0)]);
-        let selection = Selection::choose(epoch.rows(), MAX_WORK);
+        let selection: Selection = Selection::choose(epoch.rows(), MAX_WORK);
         let mut solution = solved(epoch).unwrap();
         let have = exclude(&mut solution, &selection, &thresholds(), &ConsensusLimits::published().unwrap());
         let mut rows: Vec<usize> = have.rows.iter().map(|excluded| excluded.index).collect();
@@ -174,7 +174,7 @@ fn three_faults_among_twenty_are_named_in_both_precisions() {
 fn a_fault_too_small_for_a_subset_is_found_by_the_refinement() {
     let epoch = sky::<f64>(20, 1, &[(2, 30.0)]);
     let limits = ConsensusLimits::published().unwrap();
-    let selection = Selection::choose(epoch.rows(), MAX_WORK);
+    let selection: Selection = Selection::choose(epoch.rows(), MAX_WORK);
     let snapshot = solved(epoch).unwrap();
     let found = consensus(snapshot.equations(), &selection, &limits).unwrap();
     let have = refine(snapshot.equations(), &selection, &found, &limits);
@@ -185,7 +185,7 @@ fn a_fault_too_small_for_a_subset_is_found_by_the_refinement() {
 fn too_few_satellites_fall_back_to_sequential_exclusion() {
     let epoch = sky::<f64>(9, 2, &[(4, 200.0)]);
     let limits = ConsensusLimits::published().unwrap();
-    let selection = Selection::choose(epoch.rows(), MAX_WORK);
+    let selection: Selection = Selection::choose(epoch.rows(), MAX_WORK);
     assert_eq!(selection.subsets(), 1);
     assert_eq!(consensus(epoch.rows(), &selection, &limits), Err(NoConsensus::TooFewSubsets));
     let mut solution = solved(epoch).unwrap();
@@ -195,7 +195,7 @@ fn too_few_satellites_fall_back_to_sequential_exclusion() {
 
 #[test]
 fn a_selection_for_other_rows_counts_as_none() {
-    let selection = Selection::choose(sky::<f64>(20, 2, &[]).rows(), MAX_WORK);
+    let selection: Selection = Selection::choose(sky::<f64>(20, 2, &[]).rows(), MAX_WORK);
     let have = consensus(sky::<f64>(19, 2, &[]).rows(), &selection, &ConsensusLimits::published().unwrap());
     assert_eq!(have, Err(NoConsensus::TooFewSubsets));
 }
@@ -203,13 +203,13 @@ fn a_selection_for_other_rows_counts_as_none() {
 #[test]
 fn work_that_is_used_up_is_said_and_leaves_as_many_subsets() {
     let epoch = sky::<f64>(20, 1, &[]);
-    let enough = Selection::choose(epoch.rows(), MAX_WORK);
-    let have = Selection::choose(epoch.rows(), enough.work() / 2);
+    let enough: Selection = Selection::choose(epoch.rows(), MAX_WORK);
+    let have: Selection = Selection::choose(epoch.rows(), enough.work() / 2);
     assert!(have.cut() && !enough.cut());
     assert_eq!(have.subsets(), enough.subsets());
     assert!(have.work() <= enough.work() / 2);
-    assert!(Selection::choose(epoch.rows(), 0).cut());
-    assert!(!Selection::choose(epoch.rows(), enough.work()).cut());
+    assert!(<Selection>::choose(epoch.rows(), 0).cut());
+    assert!(!<Selection>::choose(epoch.rows(), enough.work()).cut());
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn aiding_rows_are_in_no_subset() {
     let mut epoch = sky::<f64>(12, 1, &[]);
     epoch.clock(Constellation::Gps, 0.5, 3.0).unwrap();
     epoch.height(0.2, 3.0).unwrap();
-    let selection = Selection::choose(epoch.rows(), MAX_WORK);
+    let selection: Selection = Selection::choose(epoch.rows(), MAX_WORK);
     assert_eq!((selection.subsets(), selection.rows()), (3, 14));
     for subset in 0..3 {
         assert_eq!(members(&selection, subset).len(), 4);

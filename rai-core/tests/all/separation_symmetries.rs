@@ -74,7 +74,7 @@ fn priors<T: Real>(sky: &[Sighted]) -> Vec<Prior<T>> {
     sky.iter().map(prior).collect()
 }
 
-fn judged<T: Real>(snapshot: &mut Snapshot<'_, T>, sky: &[Sighted]) -> AraimJudgement<T> {
+fn judged<T: Real>(snapshot: &mut Snapshot<'_, T, ROWS>, sky: &[Sighted]) -> AraimJudgement<T> {
     let constellations = [T::narrow(CONSTELLATION); Constellation::COUNT];
     judge(snapshot, &Priors { satellites: &priors(sky), constellations }, &allocation()).unwrap()
 }

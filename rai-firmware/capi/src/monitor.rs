@@ -5,8 +5,8 @@ use raim_core::frame::Ecef;
 use raim_core::monitor::{MonitorError, Search};
 use raim_core::report::Report;
 use raim_core::satellite::SatelliteId;
-use raim_core::single::{self, CAPACITY, Monitor, MonitorWorkspace};
 use raim_core::velocity::VelocityError;
+use raim_single::{CAPACITY, Monitor, MonitorWorkspace};
 
 use crate::pointer::{Object, can_give, give, slice, status_of, take};
 use crate::settings::{rai_settings_t, refusal_of};
@@ -218,7 +218,7 @@ fn judge(watch: &mut Watch, time_s: f64, ranges: &[rai_range_t]) -> Result<rai_v
         }
     }
     let start = monitor.start();
-    let assessment = single::judge(monitor, &watch.epoch, start, Search::Anew, None, &mut watch.memory);
+    let assessment = raim_single::judge(monitor, &watch.epoch, start, Search::Anew, None, &mut watch.memory);
     monitor.learn(assessment, None, Err(VelocityError::Redundancy));
     Ok(rai_verdict_t { refused_count, refused_status, ..rai_verdict_t::of(&assessment.report) })
 }

@@ -11,6 +11,7 @@ use raim_core::integrity::raim::levels::Levels;
 use raim_core::monitor::{MonitorError, Strategy};
 use raim_core::numeric::probability::Probability;
 use raim_core::requirements::{Requirements, RequirementsError};
+use raim_single::CAPACITY;
 
 use crate::pointer::{Versioned, give, status_of};
 #[allow(clippy::wildcard_imports)] // The statuses are all of the module.
@@ -176,7 +177,7 @@ impl rai_settings_t {
         self.continuity()?;
         let requirements = self.requirements()?;
         let valid = requirements.validate().map_err(|error| refusal_of(MonitorError::Requirements(error)))?;
-        Thresholds::from_tables(valid.false_alarm, valid.missed_detection)
+        Thresholds::up_to::<CAPACITY>(valid.false_alarm, valid.missed_detection)
             .map_err(|error| refusal_of(MonitorError::Threshold(error)))?;
         Ok(valid)
     }

@@ -49,7 +49,7 @@ mod twins;
 pub use atmosphere::{Klobuchar, Place, Slant, Troposphere};
 pub use choice::{Choice, Choices, choose, ionosphere_free};
 pub use frequency::{Preference, Ranges, Spread};
-pub use raim_core::single::CAPACITY;
+pub use raim_single::CAPACITY;
 pub use site::Site;
 
 counters! {

@@ -17,8 +17,8 @@ use raim_core::monitor::MonitorError;
 use raim_core::report::{Alert, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
-use raim_core::single::{self, Monitor, MonitorWorkspace, Workspace};
 use raim_core::velocity::{Velocity, VelocityError};
+use raim_single::{Monitor, MonitorWorkspace, Workspace};
 
 use crate::correction::horizon::coordinates_m;
 use crate::correction::{CAPACITY, Located, Preference, Ranges, Sky, Tally, View, locate_within};
@@ -69,13 +69,13 @@ impl Navigator {
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
-        Ok(Self::of(single::ValidatedRequirements::new(requirements)?))
+        Ok(Self::of(raim_single::ValidatedRequirements::new(requirements)?))
     }
 
     /// Returns a navigator like [`Self::new`], for validated requirements.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
-    pub(crate) fn of(requirements: single::ValidatedRequirements) -> Self {
+    pub(crate) fn of(requirements: raim_single::ValidatedRequirements) -> Self {
         Self {
             store: Store::new(),
             monitor: Monitor::of(requirements),

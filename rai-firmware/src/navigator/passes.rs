@@ -9,7 +9,6 @@ use raim_core::monitor::Method;
 use raim_core::monitor::Search;
 use raim_core::report::{MAX_EXCLUDED, Report, Verdict};
 use raim_core::satellite::SatelliteId;
-use raim_core::single;
 use raim_core::weighting::Ism;
 
 use super::known_rates::{KnownRates, range_rate};
@@ -125,7 +124,7 @@ impl Navigator {
             }
             Some(slot.get())
         };
-        single::judge(&self.monitor, epoch, point, search, Some(&rates), memory);
+        raim_single::judge(&self.monitor, epoch, point, search, Some(&rates), memory);
     }
 
     /// Builds the epoch from the sky as seen from a point.
@@ -166,7 +165,7 @@ impl Navigator {
     fn coarse_position(&mut self, time: GpsTime) -> Ecef {
         let Room { sky, epoch, memory } = &mut self.room;
         coarse(sky, time, epoch);
-        single::position(memory.workspace(), epoch, Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
+        raim_single::position(memory.workspace(), epoch, Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
     }
 }
 

@@ -7,7 +7,7 @@ use raim_core::epoch::Aiding;
 use raim_core::monitor::MonitorError;
 use raim_core::report::{Alert, Report, Unavailable, Verdict};
 use raim_core::satellite::Constellation;
-use raim_core::single::ValidatedRequirements;
+use raim_single::ValidatedRequirements;
 
 use super::lateness::Lateness;
 use super::rivals::Rivals;

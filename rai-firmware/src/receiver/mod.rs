@@ -51,8 +51,8 @@ use embedded_io::Write;
 use raim_core::epoch::Epoch;
 use raim_core::monitor::MonitorError;
 use raim_core::report::{Report, Verdict};
-use raim_core::single::ValidatedRequirements;
 use raim_core::velocity::Velocity;
+use raim_single::ValidatedRequirements;
 
 pub use self::boot::Boot;
 pub use self::epochs::Verdicts;

@@ -22,6 +22,7 @@ use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::integrity::raim::detection::threshold::policy::Policy;
 use raim_core::monitor::Strategy;
 use raim_core::requirements::Requirements;
+use raim_single::CAPACITY;
 
 mod fields;
 mod ionosphere;
@@ -109,7 +110,7 @@ impl Configuration {
 
     fn check_requirements(&self) -> Result<(), Refusal> {
         self.requirements().validate().map_err(|_| Refusal::OutOfRange)?;
-        Thresholds::from_tables(self.false_alarm, self.missed_detection)?;
+        Thresholds::up_to::<CAPACITY>(self.false_alarm, self.missed_detection)?;
         Ok(())
     }
 

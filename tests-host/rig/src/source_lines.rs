@@ -8,7 +8,13 @@ use anyhow::Result;
 use object::{Object, ObjectSection};
 
 /// Folders of the product's own sources.
-const OWN: [&str; 4] = ["rai-core/src/", "rai-core/root/src/", "rai-firmware/src/", "rai-firmware/capi/src/"];
+const OWN: [&str; 5] = [
+    "rai-core/src/",
+    "rai-core/root/src/",
+    "rai-firmware/src/",
+    "rai-firmware/single/src/",
+    "rai-firmware/capi/src/",
+];
 
 /// A source line at an instruction, with its function.
 pub(crate) struct Frame {

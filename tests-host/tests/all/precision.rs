@@ -17,7 +17,6 @@ use raim_core::frame::Ecef;
 use raim_core::monitor::Monitor;
 use raim_core::report::Report;
 use raim_core::requirements::Requirements;
-use raim_core::single;
 use raim_firmware::correction::{CAPACITY, Klobuchar, Ranges, Site, Sky, Tally, locate};
 use raim_firmware::ephemeris::Store;
 use raim_firmware::input::{Event, Input};
@@ -36,7 +35,7 @@ struct Pair {
     truth: Ecef,
     klobuchar: Option<Klobuchar>,
     ranges: Ranges,
-    singly: single::Monitor,
+    singly: raim_single::Monitor,
     doubly: Monitor<f64, CAPACITY>,
     seen: Differences,
 }
@@ -60,7 +59,7 @@ impl Pair {
             truth,
             klobuchar,
             ranges,
-            singly: single::Monitor::new(requirements).unwrap(),
+            singly: raim_single::Monitor::new(requirements).unwrap(),
             doubly: Monitor::new(requirements).unwrap(),
             seen: Differences::default(),
         }
@@ -82,7 +81,7 @@ impl Pair {
             | Event::Rivalry(_) => {}
         });
         for epoch in &epochs {
-            let (one, other) = (single::process(&mut self.singly, epoch), self.doubly.process(epoch));
+            let (one, other) = (raim_single::process(&mut self.singly, epoch), self.doubly.process(epoch));
             self.seen.compare(&one, &other);
         }
     }

@@ -9,7 +9,6 @@ use raim::signal::sky::sights;
 use raim_core::frame::{Enu, SPEED_OF_LIGHT_M_S};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::SatelliteId;
-use raim_core::single::{Monitor, Workspace};
 use raim_core::velocity::Velocity;
 use raim_firmware::correction::{Sky, Tally, locate};
 use raim_firmware::ephemeris::{Ephemeris, Store};
@@ -20,6 +19,7 @@ use raim_firmware::raw::{RawEpoch, RawSatellite};
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::Systems;
 use raim_firmware::time::GpsTime;
+use raim_single::{Monitor, Workspace};
 use rig::stations::{ESBC, STATIC_BASE, TLSE};
 
 /// Number of epochs of a sky, each a second after the other.

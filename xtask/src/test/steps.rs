@@ -138,20 +138,12 @@ fn features_of_the_core() -> Result<Done> {
         let what = ["clippy", "--quiet", "--package=raim-core", "--lib"];
         spawn(command(&what).args(features).args(["--", "-D", "warnings"]))
     };
-    let features =
-        "araim searches tables double-tables policies past hypotheses aiding satellites-32 satellites-48";
+    let features = "araim searches tables double-tables policies past hypotheses aiding";
     for feature in std::iter::once("").chain(features.split(' ')) {
         check(&["--no-default-features", "--features", feature])?;
     }
     check(&["--all-features"])?;
-    let lacking = [
-        "test",
-        "--quiet",
-        "--package=raim-core",
-        "--lib",
-        "--no-default-features",
-        "--features=satellites-48",
-    ];
+    let lacking = ["test", "--quiet", "--package=raim-core", "--lib", "--no-default-features"];
     cargo(&[&lacking[..], &["method_that_this_build_lacks"]].concat())
 }
 

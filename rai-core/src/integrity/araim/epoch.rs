@@ -7,7 +7,7 @@
 
 use heapless::Vec;
 
-use super::modes::{ROOM, members};
+use super::modes::members;
 use super::{
     AraimError, AraimJudgement, AraimOutcome, AraimScratch, Finding, Hypothesis, Prior, Priors, judge_in,
 };
@@ -27,12 +27,12 @@ use crate::weighting::Ism;
 
 /// Judges an epoch whose sigmas are those for integrity ([`crate::weighting::integrity_sigma_m`]).
 #[inline(never)]
-pub(in crate::integrity) fn judge_epoch<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub(in crate::integrity) fn judge_epoch<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_, T>,
     rates: Option<&RangeRates<'_>>,
-    room: &mut AraimScratch<T>,
+    room: &mut AraimScratch<T, N>,
 ) -> Judgement<T> {
     let priors = priors(solution, epoch, criteria.ism);
     let constellations = criteria.ism.constellations.map(|support| T::narrow(support.constellation_fault));
@@ -59,8 +59,8 @@ pub(in crate::integrity) fn judge_epoch<T: Real>(
 
 /// Takes back an exclusion of one of only two constellations with more than one satellite, and
 /// makes the outcome ambiguous.
-fn take_back_one_of_two<T: Real>(
-    solution: &mut impl Excludable<T>,
+fn take_back_one_of_two<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     judged: &mut AraimJudgement<T>,
 ) {
@@ -85,8 +85,8 @@ fn systems_of_several(epoch: &EpochView<'_>) -> u32 {
 /// Returns true if a wrong time of all ranges explains an alarm as well as the exclusion. The
 /// exclusion is then taken back.
 #[inline(never)]
-fn blames_the_time<T: Real>(
-    solution: &mut impl Excludable<T>,
+fn blames_the_time<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     judged: &mut AraimJudgement<T>,
     criteria: &Criteria<'_, T>,
@@ -116,7 +116,11 @@ fn blames_the_time<T: Real>(
 /// The variance for accuracy is the row's with the URE in place of the URA. If a row's sigma is
 /// below the URA, it comes from another model, and the sigma itself is the accuracy.
 #[inline(never)]
-fn priors<T: Real>(solution: &impl Excludable<T>, epoch: &EpochView<'_>, ism: &Ism) -> Vec<Prior<T>, ROOM> {
+fn priors<T: Real, const N: usize>(
+    solution: &impl Excludable<T, N>,
+    epoch: &EpochView<'_>,
+    ism: &Ism,
+) -> Vec<Prior<T>, N> {
     let rows = solution.snapshot().equations();
     gather(epoch.observations().iter().zip(rows).map(|(observation, row)| {
         let support = ism.of(observation.satellite.constellation());
@@ -141,8 +145,8 @@ fn refused<T: Real>(outcome: ExclusionOutcome, reason: NoThreshold) -> Judgement
 }
 
 #[inline(never)]
-fn judgement<T: Real>(
-    solution: &impl Excludable<T>,
+fn judgement<T: Real, const N: usize>(
+    solution: &impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     judged: &AraimJudgement<T>,
     thresholds: &Thresholds<'_>,

@@ -35,9 +35,9 @@ pub(super) enum Purpose {
 
 impl<T: Real> MonitoredModes<'_, T> {
     /// Judges the rows that remain without `gone`; `solutions` contains their solution.
-    pub(super) fn judge(
+    pub(super) fn judge<const N: usize>(
         &mut self,
-        solutions: &mut SubsetSolutions<'_, T>,
+        solutions: &mut SubsetSolutions<'_, T, N>,
         axes: &mut [Axis<T>; 3],
         gone: RowSet,
         purpose: Purpose,
@@ -82,9 +82,9 @@ fn deviation<T: Real>(variance: T) -> T {
 }
 
 /// One evaluation.
-struct Evaluation<'p, 'a, 'v, T: Real> {
+struct Evaluation<'p, 'a, 'v, T: Real, const N: usize> {
     monitored: &'p MonitoredModes<'a, T>,
-    solutions: &'p mut SubsetSolutions<'v, T>,
+    solutions: &'p mut SubsetSolutions<'v, T, N>,
     remains: &'p RemainingRows,
     purpose: Purpose,
     modes: usize,
@@ -110,11 +110,11 @@ struct Evaluation<'p, 'a, 'v, T: Real> {
     singular: Singular<T>,
 }
 
-impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
+impl<'p, 'a, 'v, T: Real, const N: usize> Evaluation<'p, 'a, 'v, T, N> {
     #[inline(never)]
     fn new(
         monitored: &'p MonitoredModes<'a, T>,
-        solutions: &'p mut SubsetSolutions<'v, T>,
+        solutions: &'p mut SubsetSolutions<'v, T, N>,
         (remains, purpose): (&'p RemainingRows, Purpose),
         count: &ModeCount<T>,
         axes: &'p mut [Axis<T>; 3],
@@ -364,7 +364,7 @@ impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
     }
 }
 
-impl<T: Real> Visitor<T> for Evaluation<'_, '_, '_, T> {
+impl<T: Real, const N: usize> Visitor<T> for Evaluation<'_, '_, '_, T, N> {
     fn screen(&mut self, batch: &ModeBatch<T>) -> RowSet {
         if !self.has_reference {
             self.raise_reference();

@@ -93,7 +93,7 @@ pub struct View<'v, T: Real> {
 
 impl<'v, T: Real> View<'v, T> {
     /// Returns the view of a snapshot.
-    pub(crate) fn of(snapshot: &'v Snapshot<'_, T>) -> Self {
+    pub(crate) fn of<const N: usize>(snapshot: &'v Snapshot<'_, T, N>) -> Self {
         Self {
             rows: snapshot.equations(),
             fits: snapshot.fits(),

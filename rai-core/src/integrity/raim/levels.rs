@@ -115,7 +115,11 @@ fn untestable<T: Real>(row: &Row<T>, fit: &RowFit<T>) -> SquaredSlopes<T> {
 }
 
 /// Returns true if rounding spoils the redundancy of a row that other rows can predict.
-fn is_hardly_tested<T: Real>(snapshot: &Snapshot<'_, T>, row: &Row<T>, fit: &RowFit<T>) -> bool {
+fn is_hardly_tested<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    row: &Row<T>,
+    fit: &RowFit<T>,
+) -> bool {
     let shares_clock = |other: &Row<T>| other.clock == row.clock && other.weight > T::zero();
     row.weight > T::zero()
         && fit.is_hardly_tested()
@@ -125,7 +129,10 @@ fn is_hardly_tested<T: Real>(snapshot: &Snapshot<'_, T>, row: &Row<T>, fit: &Row
 
 /// Returns the squared slopes of a row, computed from the others' prediction of it, or `None` if it
 /// is untestable.
-fn by_the_others<T: Real>(snapshot: &Snapshot<'_, T>, index: usize) -> Option<SquaredSlopes<T>> {
+fn by_the_others<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    index: usize,
+) -> Option<SquaredSlopes<T>> {
     let (row, _) = snapshot.row(index)?;
     let rows = snapshot.equations();
     let mut solution = Estimate::none();
@@ -142,7 +149,7 @@ fn by_the_others<T: Real>(snapshot: &Snapshot<'_, T>, index: usize) -> Option<Sq
 }
 
 /// Returns the largest slopes of a snapshot.
-pub fn largest_slopes<T: Real>(snapshot: &Snapshot<'_, T>) -> Slopes<T> {
+pub fn largest_slopes<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>) -> Slopes<T> {
     let statistics = snapshot.statistics();
     if statistics.all_are_tested {
         return Slopes::of(&statistics.slopes);
@@ -152,7 +159,7 @@ pub fn largest_slopes<T: Real>(snapshot: &Snapshot<'_, T>) -> Slopes<T> {
 
 /// Works like [`largest_slopes`] for rows that are hardly tested or untestable.
 #[inline(never)]
-fn largest_with_care<T: Real>(snapshot: &Snapshot<'_, T>) -> SquaredSlopes<T> {
+fn largest_with_care<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>) -> SquaredSlopes<T> {
     let mut largest = SquaredSlopes::none();
     for (index, (row, fit)) in snapshot.rows().enumerate() {
         let squared = if is_hardly_tested(snapshot, row, fit) {
@@ -269,7 +276,11 @@ impl<T> LevelInputs<'_, T> {
 
 impl<'f, T: Real> LevelInputs<'f, T> {
     /// Returns the inputs of a snapshot.
-    pub fn of(snapshot: &Snapshot<'_, T>, levels: Levels, factors: &'f KFactors<T>) -> Self {
+    pub fn of<const N: usize>(
+        snapshot: &Snapshot<'_, T, N>,
+        levels: Levels,
+        factors: &'f KFactors<T>,
+    ) -> Self {
         let noise = match levels {
             Levels::Bound => Some((PositionSigma::of(snapshot.covariance()), factors)),
             Levels::Slope => None,
@@ -349,7 +360,7 @@ fn noncentrality_within<T: Real>(limit_m: f64, slope: T, noise: Option<(T, T, Ax
 
 /// Returns the largest increase of HDOP without one satellite, `max √(HDOP_i² − HDOP²)`,
 /// dimensionless.
-pub fn largest_hdop_change<T: Real>(snapshot: &Snapshot<'_, T>) -> T {
+pub fn largest_hdop_change<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>) -> T {
     let (hdop, _) = snapshot.dilutions();
     let changes = (0..snapshot.rows().count()).filter_map(|index| {
         let without = snapshot.hdop_without(index)?;

@@ -35,7 +35,10 @@ use crate::weighting::shared::SharedError;
 ///
 /// `shared` are the errors of the first rows; later rows share no error.
 #[inline(never)]
-pub fn shared_shift<T: Real>(snapshot: &Snapshot<'_, T>, shared: &[SharedError]) -> ProtectionLevels {
+pub fn shared_shift<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    shared: &[SharedError],
+) -> ProtectionLevels {
     let narrow = |error_m: f32| T::narrow(f64::from(error_m));
     let [mut offset, mut east, mut north] = [zero(); 3];
     for ((row, fit), shared) in snapshot.rows().zip(shared) {

@@ -201,7 +201,7 @@ fn sorted(mut subsets: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
 /// rounding may decide.
 fn check_vote(ranges: &[Range]) -> bool {
     let (epoch, limits) = (epoch(ranges), ConsensusLimits::published().unwrap());
-    let selection = Selection::choose(epoch.rows(), MAX_WORK);
+    let selection: Selection = Selection::choose(epoch.rows(), MAX_WORK);
     let bound = limits.consensus.w_test::<f64>(ranges.len()).unwrap().powi(2);
     let subsets = members(&selection);
     if subsets.len() < 2 || is_close(ranges, &subsets, bound) {
@@ -218,7 +218,7 @@ proptest! {
 
     #[test]
     fn forty_satellites_are_dealt_as_by_trying_all(ranges in prop::collection::vec(any_range(), 36..=40)) {
-        let selection = Selection::choose(epoch(&ranges).rows(), MAX_WORK);
+        let selection: Selection = Selection::choose(epoch(&ranges).rows(), MAX_WORK);
         prop_assert!(!selection.cut(), "{} looked at", selection.work());
         prop_assert_eq!(members(&selection), sorted(deal(&ranges)));
     }
@@ -240,7 +240,7 @@ proptest! {
             );
             range.line_of_sight = near.normalize().into();
         }
-        let selection = Selection::choose(epoch(&ranges).rows(), MAX_WORK);
+        let selection: Selection = Selection::choose(epoch(&ranges).rows(), MAX_WORK);
         prop_assert!(!selection.cut());
         prop_assert_eq!(members(&selection), sorted(deal(&ranges)));
     }
@@ -251,7 +251,7 @@ proptest! {
 
     #[test]
     fn satellites_are_dealt_as_by_trying_all(ranges in prop::collection::vec(any_range(), 5..22)) {
-        let selection = Selection::choose(epoch(&ranges).rows(), MAX_WORK);
+        let selection: Selection = Selection::choose(epoch(&ranges).rows(), MAX_WORK);
         prop_assert_eq!(members(&selection), sorted(deal(&ranges)));
     }
 
@@ -292,7 +292,7 @@ proptest! {
     #[test]
     fn the_refinement_is_that_of_dense_solutions(ranges in prop::collection::vec(any_range(), 14..26)) {
         let (epoch, limits) = (epoch(&ranges), ConsensusLimits::published().unwrap());
-        let selection = Selection::choose(epoch.rows(), MAX_WORK);
+        let selection: Selection = Selection::choose(epoch.rows(), MAX_WORK);
         let found = consensus(epoch.rows(), &selection, &limits);
         prop_assume!(found.is_ok());
         let found = found.unwrap();
@@ -381,7 +381,7 @@ fn who_is_contradicted_less_is_accepted() {
     // A fault in the first subset of two: the second, which has one against it, is the inlier.
     let ranges = two_alike([0.0, 0.0, 400.0, 0.0], [0.0; 4]);
     let (epoch, limits) = (epoch(&ranges), ConsensusLimits::published().unwrap());
-    let selection = Selection::choose(epoch.rows(), MAX_WORK);
+    let selection: Selection = Selection::choose(epoch.rows(), MAX_WORK);
     let home = (0..2).find(|&subset| selection.contains(subset, 2)).unwrap();
     let have = consensus(epoch.rows(), &selection, &limits).unwrap();
     assert_eq!((have.subset, have.rows.to_vec()), (1 - home, vec![2]));
@@ -419,7 +419,7 @@ fn a_position_that_is_hardly_determined_has_no_vote() {
         let skies = (100..400_u16).map(|step| four_and_a_cluster(10.0 / f64::from(step)));
         let ranges = skies.into_iter().find(|ranges| pdops.contains(&pdop_of_the_cluster(ranges))).unwrap();
         let epoch = epoch(&ranges);
-        let selection = Selection::choose(epoch.rows(), MAX_WORK);
+        let selection: Selection = Selection::choose(epoch.rows(), MAX_WORK);
         assert_eq!(members(&selection), [[0, 1, 2, 3], [4, 5, 6, 7]]);
         // The first one spoils the spread ones; the cluster, if it may vote, agrees with all.
         let have =

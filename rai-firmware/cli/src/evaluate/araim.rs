@@ -170,7 +170,12 @@ fn judge<T: Real>(line: &Line, allocation: &Allocation) -> Judgement {
     }
 }
 
-fn found<T: Real>(line: &Line, judged: &AraimJudgement<T>, x: Vec<Number>, after: &Snapshot<'_, T>) -> Found {
+fn found<T: Real>(
+    line: &Line,
+    judged: &AraimJudgement<T>,
+    x: Vec<Number>,
+    after: &Snapshot<'_, T, ROWS>,
+) -> Found {
     let whole = &judged.whole;
     Found {
         n_options: judged.options,
@@ -191,7 +196,11 @@ fn found<T: Real>(line: &Line, judged: &AraimJudgement<T>, x: Vec<Number>, after
     }
 }
 
-fn excluded<T: Real>(line: &Line, outcome: &AraimOutcome<T>, after: &Snapshot<'_, T>) -> Option<Excluded> {
+fn excluded<T: Real>(
+    line: &Line,
+    outcome: &AraimOutcome<T>,
+    after: &Snapshot<'_, T, ROWS>,
+) -> Option<Excluded> {
     let level = |finding: &Finding<T>, level: fn(&Finding<T>) -> T| Some(wide(level(finding)));
     match outcome {
         AraimOutcome::Passed => None,
@@ -209,7 +218,7 @@ fn excluded<T: Real>(line: &Line, outcome: &AraimOutcome<T>, after: &Snapshot<'_
 }
 
 /// Returns east, north, up.
-fn unknowns<T: Real>(snapshot: &Snapshot<'_, T>) -> Vec<Number> {
+fn unknowns<T: Real>(snapshot: &Snapshot<'_, T, ROWS>) -> Vec<Number> {
     snapshot.correction().iter().map(|&coordinate| wide(coordinate)).collect()
 }
 

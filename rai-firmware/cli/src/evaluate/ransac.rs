@@ -48,7 +48,7 @@ pub(super) fn evaluate<T: Real>(
     }
     // The work for 40 rows does not suffice for the longest line, and time does not matter on the
     // host.
-    let selection = Selection::choose(snapshot.equations(), 8 * MAX_WORK);
+    let selection: Selection = Selection::choose(snapshot.equations(), 8 * MAX_WORK);
     let members = |subset| (0..line.rows()).filter(|&row| selection.contains(subset, row)).collect();
     let subsets = (0..selection.subsets()).map(members).collect();
     let (status, best, fault, refined) = match consensus(snapshot.equations(), &selection, limits) {

@@ -15,8 +15,8 @@ use raim_core::least_squares::{Snapshot, Workspace};
 use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::numeric::real::Real;
 use raim_core::requirements::Requirements;
-use raim_core::single::{CAPACITY, stages};
 use raim_core::weighting::Ism;
+use raim_single::{CAPACITY, stages};
 
 use crate::answer::Answers;
 use crate::copies;
@@ -96,13 +96,13 @@ fn test<T: Precision>(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut
 
 /// Solves pass after pass like a fix, with the equations in place. No row was left out that could
 /// be taken back.
-fn solve_in_place<T: Precision>(snapshot: &mut Snapshot<'_, T>) -> Option<()> {
+fn solve_in_place<T: Precision>(snapshot: &mut Snapshot<'_, T, CAPACITY>) -> Option<()> {
     T::take_back(black_box(snapshot), 0).ok()
 }
 
 /// Returns the results of a snapshot: statistic, largest w, largest slopes times √λ.
 fn tested<T: Precision>(
-    snapshot: &Snapshot<'_, T>,
+    snapshot: &Snapshot<'_, T, CAPACITY>,
     thresholds: &Thresholds<'_>,
 ) -> Option<(bool, usize, [f64; 3])> {
     let detection = detect(snapshot, thresholds)?;

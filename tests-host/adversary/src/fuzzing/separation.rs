@@ -83,7 +83,7 @@ fn probability(tape: &mut Tape<'_>) -> f64 {
     }
 }
 
-fn are_sound<T: Real>(priors: &Priors<'_, T>, snapshot: &Snapshot<'_, T>) -> bool {
+fn are_sound<T: Real>(priors: &Priors<'_, T>, snapshot: &Snapshot<'_, T, ROWS>) -> bool {
     let probability = |value: T| value >= T::zero() && value < T::narrow(0.5);
     let size = |value: T| value >= T::zero() && value <= T::narrow(1e6);
     let satellite =
@@ -94,7 +94,7 @@ fn are_sound<T: Real>(priors: &Priors<'_, T>, snapshot: &Snapshot<'_, T>) -> boo
         && priors.constellations.into_iter().all(probability)
 }
 
-fn check<T: Real>(judged: &AraimJudgement<T>, after: &Snapshot<'_, T>, allocation: &Allocation) {
+fn check<T: Real>(judged: &AraimJudgement<T>, after: &Snapshot<'_, T, ROWS>, allocation: &Allocation) {
     check_finding(&judged.whole, judged);
     let share = judged.risk_share.widen();
     let want = if allocation.exclusion { 1.0 / (judged.options + 1) as f64 } else { 1.0 };

@@ -96,7 +96,7 @@ fn parity_matrix(rows: &[linear::Row]) -> DMatrix<f64> {
 }
 
 /// Returns the relative difference between the increase of HDOP² solved again and by the identity.
-fn dilution(snapshot: &Snapshot<'_, f64>, index: usize) -> f64 {
+fn dilution(snapshot: &Snapshot<'_, f64, ROWS>, index: usize) -> f64 {
     let by_identity = snapshot.row(index).map_or(f64::NAN, |(row, fit)| {
         let moved = fit.gain.x.powi(2) + fit.gain.y.powi(2);
         row.weight.powi(2) * moved / fit.redundancy
@@ -111,7 +111,7 @@ fn dilution(snapshot: &Snapshot<'_, f64>, index: usize) -> f64 {
 }
 
 /// Counts disagreements at alert limits around the protection level, and at the paper's own.
-fn disagreements(day: &Day, snapshot: &Snapshot<'_, f64>) -> anyhow::Result<usize> {
+fn disagreements(day: &Day, snapshot: &Snapshot<'_, f64, ROWS>) -> anyhow::Result<usize> {
     let slopes = largest_slopes(snapshot);
     let dof = snapshot.dof();
     let hpl_m = slopes.protect(day.thresholds.lambda(dof).context("beyond the tables")?).hpl_m;

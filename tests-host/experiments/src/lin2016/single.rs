@@ -11,7 +11,7 @@ use raim::page::canvas::{BLUE, GREY, Mark, ORANGE};
 use raim::page::chart::{Axis, LineChart, Series};
 use raim::signal::sky::linear;
 
-use super::{Day, EPOCHS, FALSE_ALARM, Finding, Judgement, Picture, Row, SEED, SIGMA_M, Section};
+use super::{Day, EPOCHS, FALSE_ALARM, Finding, Judgement, Picture, ROWS, Row, SEED, SIGMA_M, Section};
 use super::{faulty, pose};
 use crate::draw::generator;
 
@@ -33,7 +33,7 @@ struct Tested {
 fn test(day: &Day, rows: &[linear::Row]) -> anyhow::Result<Tested> {
     let mut workspace = pose::<f32>(rows)?;
     let mut snapshot = workspace.solve()?;
-    let detect = |snapshot: &Snapshot<'_, f32>| -> anyhow::Result<Detection<f32>> {
+    let detect = |snapshot: &Snapshot<'_, f32, ROWS>| -> anyhow::Result<Detection<f32>> {
         detect(snapshot, &day.thresholds).context("beyond the tables")
     };
     let before = detect(&snapshot)?;

@@ -180,7 +180,7 @@ impl Day {
     fn exclude(
         &self,
         posed: &Workspace<f32, ROWS>,
-        selection: &Selection,
+        selection: &Selection<ROWS>,
         faulty: &[usize],
         scores: &mut [Score; COLUMNS.len()],
     ) -> Result<()> {

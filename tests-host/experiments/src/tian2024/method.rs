@@ -75,8 +75,8 @@ impl Method {
     /// Isolates, and leaves the rows found out of `solution`.
     pub(super) fn exclude(
         self,
-        solution: &mut impl Excludable<f32>,
-        selection: &ransac::Selection,
+        solution: &mut impl Excludable<f32, ROWS>,
+        selection: &ransac::Selection<ROWS>,
         limits: &Limits,
     ) -> Exclusion<f32> {
         match self {

@@ -150,7 +150,12 @@ fn with_faults(
 }
 
 /// Returns a method's answer about a position, as the module reports it.
-fn answer(method: Method, mut fix: Fix<'_, f32>, selection: &Selection, limits: &Limits) -> Answer {
+fn answer(
+    method: Method,
+    mut fix: Fix<'_, f32, ROWS>,
+    selection: &Selection<ROWS>,
+    limits: &Limits,
+) -> Answer {
     let exclusion = method.exclude(&mut fix, selection, limits);
     let accepted = exclusion.outcome != ExclusionOutcome::Isolated
         || separable(&mut fix, &exclusion, &limits.thresholds);

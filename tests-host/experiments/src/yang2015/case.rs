@@ -9,7 +9,7 @@ use raim_core::numeric::real::Real;
 use raim_core::requirements::Requirements;
 
 use super::grid::LATITUDES;
-use super::{FALSE_ALARM, LIMIT_M, thresholds};
+use super::{FALSE_ALARM, LIMIT_M, ROWS, thresholds};
 
 /// Size of the fault, m.
 pub(super) const FAULT_M: f64 = 100.0;
@@ -57,7 +57,7 @@ impl Case {
     pub(super) fn threshold<T: Real>(
         &self,
         policy: Policy,
-        snapshot: &Snapshot<'_, T>,
+        snapshot: &Snapshot<'_, T, ROWS>,
     ) -> anyhow::Result<f64> {
         let classic = self.thresholds.tau1(snapshot.dof()).context("beyond the tables")?;
         if policy == Policy::T1 {
@@ -71,11 +71,11 @@ impl Case {
     }
 
     /// Returns true if any threshold meets both probabilities.
-    pub(super) fn is_available(&self, snapshot: &Snapshot<'_, f64>) -> bool {
+    pub(super) fn is_available(&self, snapshot: &Snapshot<'_, f64, ROWS>) -> bool {
         self.demand(snapshot).threshold::<f64>(Policy::TOp).is_ok()
     }
 
-    fn demand<T: Real>(&self, snapshot: &Snapshot<'_, T>) -> ThresholdProblem<'static> {
+    fn demand<T: Real>(&self, snapshot: &Snapshot<'_, T, ROWS>) -> ThresholdProblem<'static> {
         ThresholdProblem::new(
             snapshot.dof(),
             &LevelInputs::to_faults(largest_slopes(snapshot)),

@@ -19,9 +19,9 @@ use raim::second_opinion::chi_square::{noncentral_lower_tail, upper_tail};
 use raim_core::least_squares::Snapshot;
 use rayon::prelude::*;
 
-use super::SIGMA_M;
 use super::case::{CASES, Case, Errors, ErrorsByCase, FAULT_M, FAULT_S, POLICIES};
 use super::grid::{CELLS, Cell, Sky, pose};
+use super::{ROWS, SIGMA_M};
 
 /// Time that one geometry represents, s.
 const STEP_S: f64 = 300.0;
@@ -91,7 +91,7 @@ fn of_steps(
 }
 
 /// Returns the expected errors of the samples that one geometry represents.
-fn errors(tau: f64, snapshot: &Snapshot<'_, f64>, faulty: bool) -> Errors {
+fn errors(tau: f64, snapshot: &Snapshot<'_, f64, ROWS>, faulty: bool) -> Errors {
     if faulty {
         Errors { missed: STEP_S * missed(tau, snapshot), false_alarms: 0.0 }
     } else {
@@ -100,7 +100,7 @@ fn errors(tau: f64, snapshot: &Snapshot<'_, f64>, faulty: bool) -> Errors {
 }
 
 /// Returns the probability to miss the fault: the mean over the satellites that may have it.
-fn missed(tau: f64, snapshot: &Snapshot<'_, f64>) -> f64 {
+fn missed(tau: f64, snapshot: &Snapshot<'_, f64, ROWS>) -> f64 {
     let size = (FAULT_M / SIGMA_M).powi(2);
     let of_satellite = |redundancy: f64| noncentral_lower_tail(tau, snapshot.dof(), size * redundancy).0;
     snapshot.rows().map(|(_, fit)| of_satellite(fit.redundancy)).sum::<f64>() / snapshot.used() as f64

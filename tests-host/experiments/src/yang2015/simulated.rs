@@ -13,9 +13,9 @@ use rand::Rng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
 
-use super::SIGMA_M;
 use super::case::{Case, Errors, ErrorsByCase, FAULT_M, FAULT_S};
 use super::grid::{CELLS, Cell, Sky, pose};
+use super::{ROWS, SIGMA_M};
 use crate::draw::generator;
 
 /// Seed of all random choices.
@@ -77,7 +77,7 @@ fn of_second(cases: &[Case], sky: &Sky, cells: &[Cell], second: usize) -> anyhow
     Ok(tally)
 }
 
-fn detects(case: &Case, policy: Policy, snapshot: &Snapshot<'_, f32>) -> anyhow::Result<bool> {
+fn detects(case: &Case, policy: Policy, snapshot: &Snapshot<'_, f32, ROWS>) -> anyhow::Result<bool> {
     let threshold = f32::narrow(case.threshold(policy, snapshot)?);
     Ok(Detection { sse: snapshot.sse(), threshold, dof: snapshot.dof() }.fault())
 }

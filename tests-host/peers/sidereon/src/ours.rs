@@ -29,7 +29,7 @@ pub(super) fn microseconds<T: Real>(line: &Line) -> Result<f64> {
 
 fn with<T: Real, R>(
     line: &Line,
-    work: impl FnOnce(&mut Snapshot<'_, T>, &Priors<'_, T>) -> Result<R>,
+    work: impl FnOnce(&mut Snapshot<'_, T, ROWS>, &Priors<'_, T>) -> Result<R>,
 ) -> Result<R> {
     let mut epoch = LinearEpoch::<T, ROWS>::new();
     for (index, &constellation) in line.con.iter().enumerate() {

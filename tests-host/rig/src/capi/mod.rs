@@ -140,7 +140,9 @@ pub fn library_of(features: &str, optimised: Optimised, processor: Processor) ->
     let mut cargo = rustc("staticlib", &features, &folder);
     cargo.args(["--profile", "firmware", "--target", processor.target()]);
     if optimised == Optimised::Size {
-        cargo.args(["--config", "profile.firmware.package.raim-core.opt-level='s'"]);
+        for package in ["raim-core", "raim-single"] {
+            cargo.args(["--config", &format!("profile.firmware.package.{package}.opt-level='s'")]);
+        }
     }
     let built = Path::new(processor.target()).join("firmware/librai.a");
     kept(&mut cargo, &folder, &built, &format!("{features}-{optimised:?}"))

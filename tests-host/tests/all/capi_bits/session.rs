@@ -10,10 +10,10 @@ use raim_core::integrity::raim::isolation::parity::Isolation;
 use raim_core::monitor::Strategy;
 use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
-use raim_core::single::{self, CAPACITY, Monitor};
 use raim_core::velocity::Velocity;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
+use raim_single::{CAPACITY, Monitor};
 use rig::capi::{self, calls::Calls};
 
 /// Calls, and the wanted result of each.
@@ -109,7 +109,7 @@ impl Session {
 
     pub(crate) fn judge(&mut self, epoch: &Epoch<CAPACITY>) {
         self.calls.judge(epoch);
-        let report = single::process(self.monitor.as_mut().expect("prepared"), epoch);
+        let report = raim_single::process(self.monitor.as_mut().expect("prepared"), epoch);
         self.want.push(self.of_report(&report));
     }
 
@@ -122,7 +122,7 @@ impl Session {
     /// Judges an epoch, and asks for its accuracy and residuals.
     pub(crate) fn judge_and_explain(&mut self, epoch: &Epoch<CAPACITY>) {
         self.calls.judge(epoch);
-        let report = single::process(self.monitor.as_mut().expect("prepared"), epoch);
+        let report = raim_single::process(self.monitor.as_mut().expect("prepared"), epoch);
         self.want.push(self.of_report(&report));
         self.calls.explain();
         let mut want = accuracy(Some(&report));

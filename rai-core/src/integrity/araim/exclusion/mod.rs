@@ -33,12 +33,13 @@ use nalgebra::Vector3;
 
 use super::evaluation::Purpose;
 use super::levels::Axis;
-use super::modes::{Hypothesis, PriorOdds, ROOM, RowSet, members};
+use super::modes::{Hypothesis, PriorOdds, RowSet, members};
 use super::monitored::MonitoredModes;
 use super::subsets::{IntegrityRow, SubsetSolutions};
 use super::{AraimError, Finding, Prior, Priors, View};
 use crate::allocation::Allocation;
 use crate::bit_set::count_of;
+use crate::bounded::MAX_ROWS;
 use crate::least_squares::Excludable;
 use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
@@ -82,25 +83,25 @@ const OPTIONAL: f64 = 1e-7;
 
 /// Scratch memory for rows and terms, without state between epochs.
 #[derive(Clone, Debug)]
-pub struct AraimScratch<T: Real> {
-    odds: PriorOdds<T>,
-    solving: SubsetScratch<T>,
+pub struct AraimScratch<T: Real, const N: usize = MAX_ROWS> {
+    odds: PriorOdds<T, N>,
+    solving: SubsetScratch<T, N>,
 }
 
 /// Part of the scratch memory that each solution and each pass overwrites.
 #[derive(Clone, Debug)]
-struct SubsetScratch<T: Real> {
-    own: Vec<IntegrityRow<T>, ROOM>,
+struct SubsetScratch<T: Real, const N: usize> {
+    own: Vec<IntegrityRow<T>, N>,
     axes: [Axis<T>; 3],
 }
 
-impl<T: Real> Default for AraimScratch<T> {
+impl<T: Real, const N: usize> Default for AraimScratch<T, N> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<T: Real> AraimScratch<T> {
+impl<T: Real, const N: usize> AraimScratch<T, N> {
     /// Returns empty scratch memory.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
@@ -114,8 +115,8 @@ impl<T: Real> AraimScratch<T> {
 ///
 /// # Errors
 /// [`AraimError`] if a capacity is exceeded or a prior is invalid. No level is valid then.
-pub fn judge<T: Real>(
-    epoch: &mut impl Excludable<T>,
+pub fn judge<T: Real, const N: usize>(
+    epoch: &mut impl Excludable<T, N>,
     priors: &Priors<'_, T>,
     allocation: &Allocation,
 ) -> Result<AraimJudgement<T>, AraimError> {
@@ -126,11 +127,11 @@ pub fn judge<T: Real>(
 ///
 /// # Errors
 /// As [`judge`].
-pub fn judge_in<T: Real>(
-    epoch: &mut impl Excludable<T>,
+pub fn judge_in<T: Real, const N: usize>(
+    epoch: &mut impl Excludable<T, N>,
     priors: &Priors<'_, T>,
     allocation: &Allocation,
-    room: &mut AraimScratch<T>,
+    room: &mut AraimScratch<T, N>,
 ) -> Result<AraimJudgement<T>, AraimError> {
     let AraimScratch { odds, solving } = room;
     let mut monitored = MonitoredModes::nothing(priors.constellations, allocation);
@@ -170,9 +171,9 @@ const LARGEST_M: f64 = 1e6;
 
 /// Chooses the modes of an epoch.
 #[inline(never)]
-pub(super) fn choose<'r, T: Real>(
+pub(super) fn choose<'r, T: Real, const N: usize>(
     monitored: &mut MonitoredModes<'r, T>,
-    odds: &'r mut PriorOdds<T>,
+    odds: &'r mut PriorOdds<T, N>,
     view: &View<'_, T>,
     priors: &Priors<'_, T>,
 ) -> Result<(), AraimError> {
@@ -193,9 +194,9 @@ pub(super) fn choose<'r, T: Real>(
 
 /// Evaluates an epoch without the rows of a set.
 #[inline(never)]
-fn describe<T: Real>(
+fn describe<T: Real, const N: usize>(
     monitored: &mut MonitoredModes<'_, T>,
-    solving: &mut SubsetScratch<T>,
+    solving: &mut SubsetScratch<T, N>,
     view: View<'_, T>,
     priors: &[Prior<T>],
     gone: RowSet,
@@ -261,10 +262,10 @@ const MOST_TRIED: usize = 2;
 /// Judges one option after another.
 #[cold]
 #[inline(never)]
-fn exclude<T: Real>(
+fn exclude<T: Real, const N: usize>(
     monitored: &mut MonitoredModes<'_, T>,
-    solving: &mut SubsetScratch<T>,
-    epoch: &mut impl Excludable<T>,
+    solving: &mut SubsetScratch<T, N>,
+    epoch: &mut impl Excludable<T, N>,
     priors: &[Prior<T>],
     options: ExclusionOptions,
     factors: [T; 3],
@@ -310,9 +311,9 @@ struct Choice {
 ///
 /// [`curvature`]: crate::least_squares::curvature
 #[inline(never)]
-fn next<T: Real>(
+fn next<T: Real, const N: usize>(
     monitored: &MonitoredModes<'_, T>,
-    solving: &mut SubsetScratch<T>,
+    solving: &mut SubsetScratch<T, N>,
     view: View<'_, T>,
     priors: &[Prior<T>],
     left: &ExclusionOptions,

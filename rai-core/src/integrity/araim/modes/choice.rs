@@ -8,7 +8,7 @@ use heapless::Vec;
 
 use super::combination::{Event, Simultaneous, combinations_backwards};
 use super::consolidation::{OddsRange, add_to};
-use super::sets::{EVENTS, NONE, ROOM, ROWS, event, row};
+use super::sets::{EVENTS, NONE, ROWS, RowSet, event, row};
 use super::{Cutoff, Modes, PriorOdds};
 use crate::bit_set::{bit, count_of};
 use crate::integrity::araim::AraimError;
@@ -51,10 +51,10 @@ fn fault_odds<T: Real>(probability: T) -> Result<T, AraimError> {
 
 impl<'r, T: Real> Modes<'r, T> {
     /// Stores the satellites. Returns the probabilities of simultaneous faults.
-    pub(super) fn gather(
+    pub(super) fn gather<const N: usize>(
         &mut self,
         satellites: impl Iterator<Item = Option<(Constellation, T)>>,
-        room: &'r mut PriorOdds<T>,
+        room: &'r mut PriorOdds<T, N>,
         alike: &mut [OddsRange<T>; Constellation::COUNT],
     ) -> Result<Simultaneous<T>, AraimError> {
         let mut simultaneous = Simultaneous::nothing();
@@ -67,6 +67,10 @@ impl<'r, T: Real> Modes<'r, T> {
             if own != run {
                 self.take_over(&of_run, start..room.len(), alike);
                 (run, of_run, start) = (own, FaultOdds::of(own)?, room.len());
+            }
+            // Without the first condition a smaller epoch would compare too.
+            if N > ROWS && room.len() == ROWS {
+                return Err(AraimError::Rows);
             }
             room.push(of_run).map_err(|_| AraimError::Rows)?;
             if of_run.odds > T::zero() {
@@ -134,8 +138,8 @@ impl<'r, T: Real> Modes<'r, T> {
 
     /// Returns all events as a list.
     #[inline(never)]
-    pub(super) fn gathered(&self) -> Vec<Event<T>, { ROOM + Constellation::COUNT }> {
-        // Never full, because the capacity is that of all events.
+    pub(super) fn gathered(&self) -> Vec<Event<T>, { RowSet::BITS as usize }> {
+        // Never full, because sets of all events fit one word.
         crate::bounded::gather(self.events())
     }
 

@@ -48,7 +48,7 @@ use core::ops::{ControlFlow, RangeInclusive};
 use heapless::Vec;
 
 pub use sets::{Hypothesis, ROWS};
-pub(super) use sets::{ROOM, RowSet, members, row};
+pub(super) use sets::{RowSet, members, row};
 pub(super) use visit::{Mode, ModeBatch, RemainingRows, Visitor};
 
 use choice::FaultOdds;
@@ -87,7 +87,7 @@ struct Cutoff {
 }
 
 /// Capacity for the odds of all rows.
-pub(super) type PriorOdds<T> = Vec<FaultOdds<T>, ROOM>;
+pub(super) type PriorOdds<T, const N: usize> = Vec<FaultOdds<T>, N>;
 
 /// Monitored modes of one epoch.
 #[derive(Clone, Debug)]
@@ -134,10 +134,10 @@ impl<'r, T: Real> Modes<'r, T> {
     ///
     /// # Errors
     /// [`AraimError`] if there are too many rows, or for a probability outside [0, 0.5).
-    pub(super) fn choose(
+    pub(super) fn choose<const N: usize>(
         &mut self,
         satellites: impl Iterator<Item = Option<(Constellation, T)>>,
-        room: &'r mut PriorOdds<T>,
+        room: &'r mut PriorOdds<T, N>,
         allocation: &Allocation,
     ) -> Result<(), AraimError> {
         let mut alike = [OddsRange::none(); Constellation::COUNT];

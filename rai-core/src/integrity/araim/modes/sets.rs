@@ -2,14 +2,10 @@
 
 pub(super) use crate::bit_set::above;
 pub(in crate::integrity::araim) use crate::bit_set::members;
-use crate::least_squares::equations::MAX_ROWS;
 use crate::satellite::Constellation;
 
 /// Largest number of rows of an epoch: rows and constellations together fit one word.
 pub const ROWS: usize = RowSet::BITS as usize - Constellation::COUNT;
-
-/// Capacity for rows: [`ROWS`], or fewer on targets with smaller epochs.
-pub(in crate::integrity::araim) const ROOM: usize = if MAX_ROWS < ROWS { MAX_ROWS } else { ROWS };
 
 /// Largest number of simultaneous events.
 pub(in crate::integrity::araim) const EVENTS: usize = 3;

@@ -16,7 +16,7 @@ use crate::numeric::space::{
 };
 use crate::satellite::Constellation;
 
-impl<T: Real> SubsetSolutions<'_, T> {
+impl<T: Real, const N: usize> SubsetSolutions<'_, T, N> {
     /// Sets a bound on each row's `Σ |M_ji| b_i`. It uses `Σ w_i b_ji² = b_jj`, because `w_i b_ji`
     /// is a projection.
     pub(super) fn spread_biases(&mut self, priors: &[Prior<T>]) {

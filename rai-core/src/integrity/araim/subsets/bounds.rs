@@ -101,7 +101,7 @@ impl<T: Real> RowContribution<T> {
     }
 }
 
-impl<T: Real> SubsetSolutions<'_, T> {
+impl<T: Real, const N: usize> SubsetSolutions<'_, T, N> {
     /// Screens modes that take the common rows and one more row each. Returns the further rows of
     /// those that may have an effect.
     #[inline(never)]

@@ -73,8 +73,8 @@ fn turn<T: Real>(column: usize, top: &Turned<T>, below: &Turned<T>) -> [Turned<T
 /// determine it.
 #[cold]
 #[inline(never)]
-pub(super) fn solve<T: Real>(
-    solutions: &SubsetSolutions<'_, T>,
+pub(super) fn solve<T: Real, const N: usize>(
+    solutions: &SubsetSolutions<'_, T, N>,
     hypothesis: Hypothesis,
 ) -> Option<(SubsetSolution<T>, Vector3<T>)> {
     let chosen = hypothesis.rows().fold(0, |set: RowSet, index| set | row(index));
@@ -115,8 +115,8 @@ pub(super) fn solve<T: Real>(
 }
 
 /// Returns the weighted means of the remaining rows of each constellation.
-fn means<T: Real>(
-    solutions: &SubsetSolutions<'_, T>,
+fn means<T: Real, const N: usize>(
+    solutions: &SubsetSolutions<'_, T, N>,
     is_left: &impl Fn(usize, usize) -> bool,
 ) -> [Vector3<T>; GROUPS] {
     let mut sums = [(zero(), T::zero()); GROUPS];

@@ -170,7 +170,7 @@ impl<T: Real> RowTest<T> {
     }
 }
 
-impl<T: Real> SubsetSolutions<'_, T> {
+impl<T: Real, const N: usize> SubsetSolutions<'_, T, N> {
     /// Returns the test of a row without the first row, if no constellation is lost.
     #[inline]
     pub(super) fn left_by_first(&self, index: usize) -> Option<RowTest<T>> {

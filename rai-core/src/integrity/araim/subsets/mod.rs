@@ -48,7 +48,7 @@ pub(super) use kernel::{GROUPS, group_of};
 
 pub(super) use bounds::Bounds;
 
-use super::modes::{Hypothesis, ROOM, ROWS, RowSet, members};
+use super::modes::{Hypothesis, ROWS, RowSet, members};
 use super::{Prior, View};
 use crate::least_squares::equations::Row;
 use crate::least_squares::{RowFit, curvature, invert};
@@ -78,9 +78,9 @@ pub(super) struct IntegrityRow<T> {
     spread: T,
 }
 /// Solutions without each mode. Intermediate results are stored for the next modes.
-pub(super) struct SubsetSolutions<'v, T: Real> {
+pub(super) struct SubsetSolutions<'v, T: Real, const N: usize> {
     view: View<'v, T>,
-    own: &'v mut Vec<IntegrityRow<T>, ROOM>,
+    own: &'v mut Vec<IntegrityRow<T>, N>,
     groups: [ConstellationSums<T>; GROUPS],
     total_dispersion: Matrix3<T>,
     largest_weight: T,
@@ -102,12 +102,12 @@ pub(super) struct SubsetSolutions<'v, T: Real> {
     second: Option<SecondRow<T>>,
     third: Option<ThirdRow<T>>,
 }
-impl<'v, T: Real> SubsetSolutions<'v, T> {
+impl<'v, T: Real, const N: usize> SubsetSolutions<'v, T, N> {
     /// Returns the solutions of a view. Call [`Self::prepare`] before use; it works in place,
     /// because they are large.
     #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
     #[inline(always)]
-    pub(super) fn of(view: View<'v, T>, own: &'v mut Vec<IntegrityRow<T>, ROOM>) -> Self {
+    pub(super) fn of(view: View<'v, T>, own: &'v mut Vec<IntegrityRow<T>, N>) -> Self {
         own.clear();
         Self {
             view,

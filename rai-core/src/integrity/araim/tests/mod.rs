@@ -12,7 +12,7 @@ use std::{format, println, vec};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::exclusion::choose;
-use super::modes::{Hypothesis, Mode, ROWS, Visitor, members, row};
+use super::modes::{Hypothesis, Mode, PriorOdds, ROWS, Visitor, members, row};
 use super::monitored::MonitoredModes;
 use super::subsets::SubsetSolutions;
 use super::{Allocation, AraimOutcome, Prior, Priors, View, judge};
@@ -92,18 +92,21 @@ fn close(what: &str, have: f64, want: f64, within: f64) {
 
 /// Returns the chosen modes.
 fn watched<'a>(
-    snapshot: &Snapshot<'_, f64>,
+    snapshot: &Snapshot<'_, f64, ROWS>,
     priors: &Priors<'_, f64>,
     allocation: &'a Allocation,
 ) -> MonitoredModes<'a, f64> {
     let mut monitored = MonitoredModes::nothing(priors.constellations, allocation);
-    let odds = Box::leak(Box::default());
+    let odds = Box::leak(Box::<PriorOdds<f64, ROWS>>::default());
     choose(&mut monitored, odds, &View::of(snapshot), priors).expect("a choice");
     monitored
 }
 
 /// Returns solutions that are ready for the modes.
-fn solutions<'s>(snapshot: &'s Snapshot<'_, f64>, priors: &[Prior<f64>]) -> SubsetSolutions<'s, f64> {
+fn solutions<'s>(
+    snapshot: &'s Snapshot<'_, f64, ROWS>,
+    priors: &[Prior<f64>],
+) -> SubsetSolutions<'s, f64, ROWS> {
     let mut solutions =
         SubsetSolutions::of(View::of(snapshot), std::boxed::Box::leak(std::boxed::Box::default()));
     solutions.prepare(priors);
@@ -252,7 +255,7 @@ fn dense(sky: &Sky, taken: u64) -> (DMatrix<f64>, DVector<f64>) {
     (full, position)
 }
 
-fn compare(sky: &Sky, hypothesis: Hypothesis, solutions: &mut SubsetSolutions<'_, f64>) {
+fn compare(sky: &Sky, hypothesis: Hypothesis, solutions: &mut SubsetSolutions<'_, f64, ROWS>) {
     let lost = (0..sky.priors.len()).filter(|&i| hypothesis.constellations >> sky.constellations[i] & 1 != 0);
     let taken = lost.chain(hypothesis.rows()).fold(0, |set, index| set | row(index));
     let ((all, at_all), (without, at)) = (dense(sky, 0), dense(sky, taken));

@@ -7,6 +7,7 @@ use std::{println, vec};
 use nalgebra::Vector3;
 
 use super::super::exclusion::choose;
+use super::super::modes::PriorOdds;
 use super::super::monitored::MonitoredModes;
 use super::super::subsets::SubsetSolutions;
 use super::super::{Allocation, AraimJudgement, Prior, Priors, ROWS, View, judge};
@@ -116,13 +117,13 @@ impl<T: Real> RandomSky<T> {
 
 /// Returns the sum of tails on each axis, from the same modes and solutions as the level.
 fn tails<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+    snapshot: &Snapshot<'_, T, ROWS>,
     priors: &Priors<'_, T>,
     allocation: &Allocation,
     factors: &[T; 3],
 ) -> [Vec<Tail>; 3] {
     let mut monitored = MonitoredModes::nothing(priors.constellations, allocation);
-    let (mut odds, mut own) = (heapless::Vec::new(), heapless::Vec::new());
+    let (mut odds, mut own) = (PriorOdds::<T, ROWS>::new(), heapless::Vec::<_, ROWS>::new());
     choose(&mut monitored, &mut odds, &View::of(snapshot), priors).expect("a choice");
     let mut solutions = SubsetSolutions::of(View::of(snapshot), &mut own);
     solutions.prepare(priors.satellites);

@@ -49,7 +49,7 @@ impl<T: Real> Detection<T> {
     }
 
     /// Returns true if a snapshot can be tested and no fault is detected in it.
-    pub fn passes(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
+    pub fn passes<const N: usize>(snapshot: &Snapshot<'_, T, N>, thresholds: &Thresholds<'_>) -> bool {
         detect(snapshot, thresholds).is_some_and(|detection| !detection.fault())
     }
 
@@ -63,6 +63,9 @@ impl<T: Real> Detection<T> {
 /// Tests a snapshot. Returns `None` without redundancy, or beyond the table's degrees of freedom.
 ///
 /// With `dof = 0` the residuals vanish for any ranges, so that there is no test to pass.
-pub fn detect<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> Option<Detection<T>> {
+pub fn detect<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    thresholds: &Thresholds<'_>,
+) -> Option<Detection<T>> {
     Detection::of(snapshot.sse(), snapshot.dof(), thresholds)
 }

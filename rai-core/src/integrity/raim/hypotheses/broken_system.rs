@@ -56,8 +56,8 @@ pub(crate) struct BrokenSystem<T> {
 ///
 /// `satellites` is the number of rows that are satellites. Afterwards, the solution has the same
 /// rows as before.
-pub(crate) fn find<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub(crate) fn find<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     satellites: usize,
     thresholds: &Thresholds<'_>,
 ) -> Option<BrokenSystem<T>> {
@@ -99,14 +99,18 @@ pub(crate) fn find<T: Real>(
 }
 
 /// Returns true if the rows may agree when linearised about the solution.
-fn may_agree<T: Real>(snapshot: &Snapshot<'_, T>) -> bool {
+fn may_agree<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>) -> bool {
     /// SSE above every threshold.
     const NOISE: f64 = 1e4;
     curvature::may_explain(snapshot.sse(), NOISE, snapshot.equations(), &snapshot.correction())
 }
 
 /// Returns the satellites of a system that take part.
-fn rows_of<T: Real>(solution: &impl Excludable<T>, satellites: usize, constellation: Constellation) -> u64 {
+fn rows_of<T: Real, const N: usize>(
+    solution: &impl Excludable<T, N>,
+    satellites: usize,
+    constellation: Constellation,
+) -> u64 {
     let rows = solution.snapshot().equations().iter().take(satellites).enumerate();
     let members = rows.filter(|(_, row)| row.weight > T::zero() && row.clock == Some(constellation));
     members.fold(0, |set, (index, _)| set | bit(index))

@@ -46,7 +46,10 @@ const RARER: f64 = 9.210_340_371_976_184;
 
 /// Returns true if a shifted constellation explains more of SSE than noise can, and more than any
 /// single row.
-pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
+pub(crate) fn shows<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    thresholds: &Thresholds<'_>,
+) -> bool {
     if !cfg!(feature = "hypotheses") {
         return false;
     }
@@ -64,8 +67,8 @@ pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds
 /// nearly as well as several.
 ///
 /// `found` is the SSE without the excluded rows.
-pub(crate) fn rivals<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+pub(crate) fn rivals<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
     excluded: &[usize],
     found: T,
     thresholds: &Thresholds<'_>,
@@ -87,7 +90,10 @@ pub(crate) fn rivals<T: Real>(
 
 /// Returns true if a predicate is true for the shift of any constellation.
 #[inline(never)]
-fn any_split<T: Real>(snapshot: &Snapshot<'_, T>, is_so: &dyn Fn(&Split<T>) -> bool) -> bool {
+fn any_split<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    is_so: &dyn Fn(&Split<T>) -> bool,
+) -> bool {
     let systems = || Constellation::ALL.into_iter().filter(|&system| snapshot.determines(system));
     // With two constellations both shifts are the same hypothesis.
     let asked = if systems().count() == 2 { 1 } else { Constellation::COUNT };
@@ -106,7 +112,11 @@ struct Split<T: Real> {
 impl<T: Real> Split<T> {
     /// Returns `None` if one part has no more rows than clocks, or if it has rows enough for a
     /// position but does not determine it.
-    fn of(snapshot: &Snapshot<'_, T>, shifted: Constellation, clocks: usize) -> Option<Self> {
+    fn of<const N: usize>(
+        snapshot: &Snapshot<'_, T, N>,
+        shifted: Constellation,
+        clocks: usize,
+    ) -> Option<Self> {
         let (mine, others) =
             (PositionPart::with_clocks(1), PositionPart::with_clocks(clocks.saturating_sub(1)));
         let mut split = Self { shifted, mine, others };
@@ -126,7 +136,7 @@ impl<T: Real> Split<T> {
     }
 
     /// Returns the SSE that the shift leaves.
-    fn sse(&self, snapshot: &Snapshot<'_, T>) -> T {
+    fn sse<const N: usize>(&self, snapshot: &Snapshot<'_, T, N>) -> T {
         snapshot.rows().fold(T::zero(), |sum, (row, fit)| {
             let part = self.part(row);
             let left = fit.residual - dot(&fit.centred, &part.place);

@@ -13,7 +13,7 @@
 //! is then no likelier than a false alarm. A subset of the excluded set is no rival, because
 //! leaving out more than the faulty rows is safe.
 //!
-//! Budget: the number of all sets of [`MAX_ROWS`] rows that are no larger than the exclusion.
+//! Work: all sets of up to as many of the testable rows.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -31,9 +31,8 @@ use crate::bounded::gather;
 use crate::integrity::raim::detection::Detection;
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::isolation::exclusion::Exclusion;
-use crate::integrity::raim::isolation::sets::{SetBudget, count_up_to, each_of_size};
-use crate::least_squares::downdate::{ExclusionSet, NormalisedRow, testable_rows};
-use crate::least_squares::equations::MAX_ROWS;
+use crate::integrity::raim::isolation::sets::{SetBudget, each_of_size};
+use crate::least_squares::downdate::{ExclusionSet, NormalisedRow, NormalisedRows, testable_rows};
 use crate::least_squares::{Excludable, Snapshot, infinity};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
@@ -43,8 +42,8 @@ use crate::report::MAX_EXCLUDED;
 ///
 /// The rows are taken back for the comparison and left out again.
 #[inline(never)]
-pub fn separable<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub fn separable<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     exclusion: &Exclusion<T>,
     thresholds: &Thresholds<'_>,
 ) -> bool {
@@ -60,8 +59,12 @@ pub fn separable<T: Real>(
 
 /// Returns true if the set has no rival: no other set, of as many rows or fewer, leaves a passing
 /// SSE that is less than `T_d²` larger.
-fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds: &Thresholds<'_>) -> bool {
-    let mut rows = Vec::new();
+fn is_unrivalled<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    set: &[usize],
+    thresholds: &Thresholds<'_>,
+) -> bool {
+    let mut rows = NormalisedRows::<T, N>::new();
     testable_rows(snapshot, &mut rows);
     let (Some(threshold), Some(found)) =
         (thresholds.w_test::<T>(snapshot.used()), ExclusionSet::among(&rows, set))
@@ -73,10 +76,10 @@ fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds:
     // Gross faults cost these sums digits, so that the bar has a margin. A set whose sum stays
     // below the bar needs no exact test.
     let least = found.explained() - margin - snapshot.sse() * T::UNTESTABLE;
-    let mut work = SetBudget::new(count_up_to(set.len(), MAX_ROWS));
+    let mut work = SetBudget::for_all();
     for size in 1..=set.len() {
         let mut has_rival = false;
-        each_of_size(&rows, size, &mut work, least, &mut |_, rival| {
+        each_of_size::<T, N>(&rows, size, &mut work, least, &mut |_, rival| {
             has_rival |= rival.get(..size).is_some_and(|rival| rival_test.has(rival));
             // One rival suffices: an infinite bar ends the search.
             if has_rival { infinity() } else { least }
@@ -89,8 +92,8 @@ fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds:
 }
 
 /// The excluded set, and the limits that a rival must reach.
-struct RivalTest<'c, T: Real> {
-    snapshot: &'c Snapshot<'c, T>,
+struct RivalTest<'c, T: Real, const N: usize> {
+    snapshot: &'c Snapshot<'c, T, N>,
     thresholds: &'c Thresholds<'c>,
     rows: &'c [NormalisedRow<T>],
     set: &'c [usize],
@@ -100,7 +103,7 @@ struct RivalTest<'c, T: Real> {
     margin: T,
 }
 
-impl<T: Real> RivalTest<'_, T> {
+impl<T: Real, const N: usize> RivalTest<'_, T, N> {
     /// Tests one set exactly. Not inlined, because few sets get here, and the loop over all sets
     /// must stay small.
     #[inline(never)]

@@ -55,12 +55,12 @@ use crate::epoch::EpochView;
 use crate::integrity::raim::detection::Detection;
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::isolation::exclusion::Exclusion;
-use crate::integrity::raim::isolation::sets::{SetBudget, count_up_to, each_of_size_beside};
+use crate::integrity::raim::isolation::sets::{SetBudget, each_of_size_beside};
 use crate::integrity::raim::levels::{KFactors, Slopes};
 use crate::least_squares::downdate::{
     ExclusionSet, NormalisedRow, NormalisedRows, ReducedRow, testable_rows,
 };
-use crate::least_squares::equations::{MAX_ROWS, Row};
+use crate::least_squares::equations::Row;
 use crate::least_squares::{Excludable, RowFit, Snapshot, infinity};
 use crate::numeric::real::Real;
 use crate::numeric::space::{dot, plus_scaled, product, zero};
@@ -80,7 +80,10 @@ pub type RangeRates<'r> = dyn Fn(SatelliteId) -> Option<f32> + 'r;
 /// two thirds instead of half, hardly any healthy epoch would be tested, and no attack exceeded a
 /// level. But if most ranges change alike, a smaller wrong time moves the position beyond its
 /// level.
-pub(crate) fn is_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
+pub(crate) fn is_suspicious<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    thresholds: &Thresholds<'_>,
+) -> bool {
     if !cfg!(feature = "hypotheses") {
         return false;
     }
@@ -90,7 +93,10 @@ pub(crate) fn is_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Th
 }
 
 /// Returns the squared threshold of one w-test, or `None` beyond the tables.
-fn least_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> Option<T> {
+fn least_suspicious<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    thresholds: &Thresholds<'_>,
+) -> Option<T> {
     thresholds.w_test::<T>(snapshot.used()).map(|threshold| threshold * threshold)
 }
 
@@ -111,11 +117,11 @@ pub enum TimeTagOutcome<T> {
 
 /// Range rates of an epoch, one for each satellite, m/s.
 #[derive(Clone, Debug)]
-pub(crate) struct EpochRates<T> {
-    of_rows: Vec<T, MAX_ROWS>,
+pub(crate) struct EpochRates<T, const N: usize> {
+    of_rows: Vec<T, N>,
 }
 
-impl<T: Real> EpochRates<T> {
+impl<T: Real, const N: usize> EpochRates<T, N> {
     /// Returns the rates of all satellites, or `None` if one is unknown or NaN.
     // Not inlined, so that the stack of the orbits is free during the searches.
     #[inline(never)]
@@ -135,7 +141,7 @@ impl<T: Real> EpochRates<T> {
     #[inline(never)]
     pub(crate) fn compare(
         &self,
-        solution: &mut impl Excludable<T>,
+        solution: &mut impl Excludable<T, N>,
         exclusion: &Exclusion<T>,
         thresholds: &Thresholds<'_>,
         factors: &KFactors<T>,
@@ -162,12 +168,12 @@ impl<T: Real> EpochRates<T> {
     /// SSE, exclusions would be rejected that its tests distinguish.
     pub(crate) fn rival(
         &self,
-        snapshot: &Snapshot<'_, T>,
+        snapshot: &Snapshot<'_, T, N>,
         gone: u32,
         found: T,
         thresholds: &Thresholds<'_>,
     ) -> bool {
-        let mut rows = Vec::new();
+        let mut rows = NormalisedRows::<T, N>::new();
         testable_rows(snapshot, &mut rows);
         TimeTagColumn::of(snapshot, &self.of_rows, &rows).is_some_and(|column| {
             let left = column.sse(&rows);
@@ -179,12 +185,12 @@ impl<T: Real> EpochRates<T> {
 
     fn doubt(
         &self,
-        snapshot: &Snapshot<'_, T>,
+        snapshot: &Snapshot<'_, T, N>,
         set: &[usize],
         thresholds: &Thresholds<'_>,
         factors: &KFactors<T>,
     ) -> TimeTagOutcome<T> {
-        let mut rows = Vec::new();
+        let mut rows = NormalisedRows::<T, N>::new();
         testable_rows(snapshot, &mut rows);
         let Some(column) = TimeTagColumn::of(snapshot, &self.of_rows, &rows) else {
             return TimeTagOutcome::None;
@@ -219,12 +225,12 @@ impl<T: Real> EpochRates<T> {
                 false => TimeTagOutcome::None,
             };
         }
-        let mut work = SetBudget::new(count_up_to(set.len().saturating_sub(1), MAX_ROWS));
+        let mut work = SetBudget::for_all();
         // A set that explains less than this in addition to the time is no rival.
         let least = left - found - margin;
         for size in 1..set.len() {
             let mut has_rival = false;
-            each_of_size_beside(column.standings(&rows), size, &mut work, least, |explained| {
+            each_of_size_beside::<T, N>(column.standings(&rows), size, &mut work, least, |explained| {
                 has_rival |= passes(left - explained, size + 1);
                 if has_rival { infinity() } else { least }
             });
@@ -237,19 +243,19 @@ impl<T: Real> EpochRates<T> {
 }
 
 /// Column of a wrong time, as a line in parity space.
-pub(crate) struct TimeTagColumn<T: Real> {
+pub(crate) struct TimeTagColumn<T: Real, const N: usize> {
     /// Products with the testable rows, in their order.
-    projected: Vec<T, MAX_ROWS>,
+    projected: Vec<T, N>,
     /// W-test of the time: `δ √A`, dimensionless.
     residual: T,
     /// Effect of a wrong time on the position per unit of its w-test.
     slopes: Slopes<T>,
 }
 
-impl<T: Real> TimeTagColumn<T> {
+impl<T: Real, const N: usize> TimeTagColumn<T, N> {
     /// Returns `None` if position and clocks explain the rates, or if the scalar overflows.
     #[inline(never)]
-    fn of(snapshot: &Snapshot<'_, T>, rates: &[T], rows: &[NormalisedRow<T>]) -> Option<Self> {
+    fn of(snapshot: &Snapshot<'_, T, N>, rates: &[T], rows: &[NormalisedRow<T>]) -> Option<Self> {
         // Aiding rows have the rate 0.
         let rated = || snapshot.rows().zip(rates.iter().copied().chain(core::iter::repeat(T::zero())));
         let used = || rated().filter(|((row, _), _)| row.weight > T::zero());
@@ -309,7 +315,7 @@ impl<T: Real> TimeTagColumn<T> {
 
     /// Returns the SSE that a wrong time leaves. It is summed again, because after a gross fault
     /// `SSE − δ² A` would cancel in `f32`.
-    fn sse(&self, rows: &NormalisedRows<T>) -> T {
+    fn sse(&self, rows: &NormalisedRows<T, N>) -> T {
         self.beside(rows).fold(T::zero(), |sum, (row, projected)| {
             let left = row.residual - projected * self.residual;
             sum + left * left

@@ -34,7 +34,7 @@ use crate::numeric::real::Real;
 
 /// Returns the row with the largest |w| with its w², and the w² of the runner-up. The first of
 /// equal rows wins.
-pub fn worst_two<T: Real>(snapshot: &Snapshot<'_, T>) -> Option<(usize, T, T)> {
+pub fn worst_two<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>) -> Option<(usize, T, T)> {
     let Worst { index, largest, runner_up } = snapshot.statistics().worst;
     let first = || snapshot.equations().iter().position(|row| row.weight > T::zero());
     Some((index.or_else(first)?, largest, runner_up))
@@ -44,8 +44,8 @@ pub fn worst_two<T: Real>(snapshot: &Snapshot<'_, T>) -> Option<(usize, T, T)> {
 ///
 /// # Errors
 /// [`Unidentified`] names the reason why no row is identified.
-pub fn identify<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+pub fn identify<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
     thresholds: &Thresholds<'_>,
 ) -> Result<usize, Unidentified> {
     if snapshot.dof() < 2 {
@@ -69,8 +69,8 @@ pub fn identify<T: Real>(
 ///
 /// Afterwards, `solution` is solved without the listed rows. A snapshot without redundancy cannot
 /// pass, so that the result is [`ExclusionOutcome::NotIsolated`].
-pub fn exclude_sequentially<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub fn exclude_sequentially<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     thresholds: &Thresholds<'_>,
 ) -> Exclusion<T> {
     let mut rows = Vec::new();

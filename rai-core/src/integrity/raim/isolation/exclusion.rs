@@ -77,8 +77,8 @@ impl<T: Real> Exclusion<T> {
 }
 
 /// Leaves a set of rows out of a solution and tests the remaining ones.
-pub fn leave_out<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub fn leave_out<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     set: &[usize],
     thresholds: &Thresholds<'_>,
 ) -> Exclusion<T> {

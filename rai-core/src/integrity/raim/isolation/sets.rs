@@ -4,6 +4,7 @@
 //! row that forms triples with many pairs is first projected out of all others
 //! ([`crate::least_squares::downdate`]).
 
+use crate::bounded::MAX_ROWS;
 use crate::least_squares::downdate::{NormalisedRow, PairCandidate, ReducedRow, ReducedRows};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
@@ -33,6 +34,11 @@ impl SetBudget {
         Self { left: sets, cut: false }
     }
 
+    /// Returns a budget for all sets of the rows of any epoch, each compared once.
+    pub(in crate::integrity::raim) const fn for_all() -> Self {
+        Self::new(count_up_to(MAX_EXCLUDED, MAX_ROWS))
+    }
+
     /// Returns as many of `rows` as the budget grants, and charges them.
     fn granted<'q, E>(&mut self, rows: &'q [E]) -> &'q [E] {
         self.cut |= rows.len() > self.left;
@@ -48,7 +54,7 @@ impl SetBudget {
 /// The callback returns the new bar. Few sets reach it, so that most take one comparison.
 // Not inlined, so that the reduced rows are off the stack after the enumeration.
 #[inline(never)]
-pub(in crate::integrity::raim) fn each_of_size<T: Real>(
+pub(in crate::integrity::raim) fn each_of_size<T: Real, const N: usize>(
     rows: &[NormalisedRow<T>],
     size: usize,
     work: &mut SetBudget,
@@ -57,7 +63,7 @@ pub(in crate::integrity::raim) fn each_of_size<T: Real>(
 ) {
     let mut above = SetFilter { bar, show };
     // One buffer for pairs and triples, because it is large.
-    let mut standings = ReducedRows::new();
+    let mut standings = ReducedRows::<'_, T, N>::new();
     match size {
         1 => {
             for row in work.granted(rows) {
@@ -76,7 +82,7 @@ pub(in crate::integrity::raim) fn each_of_size<T: Real>(
 /// was projected out. The callback receives only the decrease.
 // Not inlined, for the same reason.
 #[inline(never)]
-pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real>(
+pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real, const N: usize>(
     rows: impl Iterator<Item = ReducedRow<'r, T>>,
     size: usize,
     work: &mut SetBudget,
@@ -84,7 +90,7 @@ pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real>(
     mut show: impl FnMut(T) -> T,
 ) {
     let mut above = SetFilter { bar, show: &mut |explained, _| show(explained) };
-    let mut standings = ReducedRows::new();
+    let mut standings = ReducedRows::<'_, T, N>::new();
     stand(&mut standings, rows);
     match size {
         1 => {
@@ -112,7 +118,10 @@ impl<T: Real> SetFilter<'_, T> {
 }
 
 /// Writes reduced rows into a buffer, which has capacity for all.
-fn stand<'r, T: Real>(place: &mut ReducedRows<'r, T>, standings: impl Iterator<Item = ReducedRow<'r, T>>) {
+fn stand<'r, T: Real, const N: usize>(
+    place: &mut ReducedRows<'r, T, N>,
+    standings: impl Iterator<Item = ReducedRow<'r, T>>,
+) {
     place.clear();
     standings.for_each(|standing| _ = place.push(standing));
 }
@@ -147,9 +156,9 @@ fn pairs<T: Real>(
     }
 }
 
-fn triples<'r, T: Real>(
+fn triples<'r, T: Real, const N: usize>(
     rows: &'r [NormalisedRow<T>],
-    standings: &mut ReducedRows<'r, T>,
+    standings: &mut ReducedRows<'r, T, N>,
     work: &mut SetBudget,
     above: &mut SetFilter<'_, T>,
 ) {

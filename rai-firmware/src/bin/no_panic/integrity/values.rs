@@ -154,6 +154,7 @@ fn tables() {
         threshold::false_alarms as fn() -> _,
         threshold::missed_detections as fn() -> _,
         Thresholds::from_tables as fn(_, _) -> _,
+        Thresholds::up_to::<N> as fn(_, _) -> _,
         Thresholds::from_rows as fn(_, _, _) -> _,
         Thresholds::tau1::<f32> as fn(_, _) -> _,
         Thresholds::lambda::<f32> as fn(_, _) -> _,
@@ -165,13 +166,13 @@ fn tables() {
         policy::range_threshold_m as fn(_, _, _) -> _,
         parity::SearchLimits::published as fn() -> _,
         ransac::ConsensusLimits::published as fn() -> _,
-        Selection::none as fn() -> _,
-        ransac::Subsets::new as fn() -> _,
-        Selection::subsets as fn(_) -> _,
-        Selection::rows as fn(_) -> _,
-        Selection::contains as fn(_, _, _) -> _,
-        Selection::work as fn(_) -> _,
-        Selection::cut as fn(_) -> _,
+        Selection::<N>::none as fn() -> _,
+        ransac::Subsets::<N>::new as fn() -> _,
+        Selection::<N>::subsets as fn(_) -> _,
+        Selection::<N>::rows as fn(_) -> _,
+        Selection::<N>::contains as fn(_, _, _) -> _,
+        Selection::<N>::work as fn(_) -> _,
+        Selection::<N>::cut as fn(_) -> _,
     );
 }
 

@@ -174,8 +174,8 @@ impl Flight {
         &self,
         second: u64,
         posed: &Workspace<f32, ROWS>,
-        snapshot: &Snapshot<'_, f32>,
-        selection: &Selection,
+        snapshot: &Snapshot<'_, f32, ROWS>,
+        selection: &Selection<ROWS>,
     ) -> Result<[Option<Opinion>; JUDGES.len()]> {
         let by = |method: Method| {
             let mut workspace = posed.clone();
@@ -205,7 +205,7 @@ impl Flight {
 impl Opinion {
     /// Returns an opinion with the position of a solution. The linearisation point is the truth, so
     /// the correction is the error.
-    fn at(answer: Answer, solution: &Snapshot<'_, f32>) -> Self {
+    fn at(answer: Answer, solution: &Snapshot<'_, f32, ROWS>) -> Self {
         let error = solution.correction().map(f64::from);
         Self { answer, horizontal_m: error.x.hypot(error.y), up_m: error.z }
     }

@@ -15,11 +15,11 @@
 //! | `T_d` | `w_test` | dimensionless: a residual in units of its sigma |
 //! | `ν` | `dof` | degrees of freedom |
 //!
-//! The tables are generated (`cargo xtask tables`) and accurate to 1e-12, relative. Nothing is
-//! interpolated or extrapolated. For a probability that is not in the tables, the error names the
-//! nearest one. Beyond the end of a row the result is `None`. Without the feature `tables` there
-//! are only the probabilities of the phases of flight. Without `double-tables` rows are shorter and
-//! in single precision.
+//! The table is generated (`cargo xtask tables`) and exact to 1e-12 relative. Nothing is
+//! interpolated between probabilities and nothing is extrapolated: a probability that is not in the
+//! table is an error that names the nearest one, and beyond a row's end the result is `None`.
+//! Without the feature `tables` only the probabilities of the phases of flight are there, and
+//! without `double-tables` they are in single precision.
 //!
 //! [`chi_square`](crate::numeric::chi_square) computes thresholds that depend on the geometry;
 //! [`policy`] chooses among them.
@@ -31,6 +31,7 @@
 
 use core::fmt;
 
+use crate::bounded::{MAX_ROWS, assert_capacity};
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 
@@ -40,7 +41,7 @@ mod table;
 
 pub use crate::numeric::chi_square::MAX_DOF;
 
-use rows::TableScalar;
+use rows::{Rows, TableScalar};
 
 /// The largest number of simultaneous w-tests in the tables.
 pub const MAX_TESTS: usize = 64;
@@ -108,14 +109,28 @@ impl Thresholds<'static> {
         false_alarm: Probability,
         missed_detection: Probability,
     ) -> Result<Self, ThresholdError> {
+        Self::up_to::<MAX_ROWS>(false_alarm, missed_detection)
+    }
+
+    /// Works like [`Self::from_tables`], with rows that end at `N`, for epochs of at most as many
+    /// ranges. An image then contains no more of the tables than it needs.
+    ///
+    /// # Errors
+    /// As [`Self::from_tables`].
+    pub fn up_to<const N: usize>(
+        false_alarm: Probability,
+        missed_detection: Probability,
+    ) -> Result<Self, ThresholdError> {
+        const { assert_capacity(N) };
         let alarm = matching(&rows::FALSE_ALARM, false_alarm)
             .map_err(|nearest| ThresholdError::FalseAlarm { value: false_alarm, nearest })?;
         let miss = matching(&rows::MISSED_DETECTION, missed_detection)
             .map_err(|nearest| ThresholdError::MissedDetection { value: missed_detection, nearest })?;
         // There are as many rows as probabilities, so that the defaults are never used.
-        let tau1 = rows::TAU1.get(alarm).map_or(&[][..], |row| row);
-        let w_test = rows::W_TEST.get(alarm).map_or(&[][..], |row| row);
-        let lambda = rows::LAMBDA.get(alarm).and_then(|rows| rows.get(miss)).map_or(&[][..], |row| row);
+        let tau1 = Rows::<N>::TAU1.get(alarm).map_or(&[][..], Rows::<N>::dof);
+        let w_test = Rows::<N>::W_TEST.get(alarm).map_or(&[][..], |row| row);
+        let lambda = Rows::<N>::LAMBDA.get(alarm).and_then(|rows| rows.get(miss));
+        let lambda = lambda.map_or(&[][..], Rows::<N>::dof);
         Ok(Self { tau1, lambda, w_test })
     }
 }

@@ -41,7 +41,7 @@ use crate::numeric::real::Real;
 const MAX_STEPS: usize = 64;
 
 /// Returns `ρ_i` of one row, dimensionless; 0 if the row is untestable or all residuals are 0.
-pub fn correlation<T: Real>(snapshot: &Snapshot<'_, T>, fit: &RowFit<T>) -> T {
+pub fn correlation<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, fit: &RowFit<T>) -> T {
     let length = snapshot.sse().sqrt_approx();
     if length > T::zero() { fit.w_test() / length } else { T::zero() }
 }

@@ -19,22 +19,22 @@ use crate::report::MAX_EXCLUDED;
 
 /// Finds the smallest set of rows without which the rest passes.
 #[inline(never)]
-pub fn grouping<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+pub fn grouping<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
 ) -> ParityFinding<T> {
-    search(snapshot, thresholds, limits, |search: &ParitySearch<'_, T>| search.grouping())
+    search(snapshot, thresholds, limits, |search: &ParitySearch<'_, T, N>| search.grouping())
 }
 
-impl<T: Real> ParitySearch<'_, T> {
+impl<T: Real, const N: usize> ParitySearch<'_, T, N> {
     pub(super) fn grouping(&self) -> ParityFinding<T> {
         let mut contest = GroupingSearch { rows: self.rows, work: SetBudget::new(self.limits.sets) };
         let sets = |contest: &GroupingSearch<'_, T>| self.limits.sets - contest.work.left;
         // At least one degree of freedom must remain, because otherwise every set would pass.
         let largest = self.limits.rows().min(self.snapshot.dof().saturating_sub(1));
         for size in 1..=largest {
-            let best = contest.best_of_size(size);
+            let best = contest.best_of_size::<N>(size);
             if contest.work.cut {
                 return ParityFinding { set: Err(Unidentified::Budget), sets: sets(&contest) };
             }
@@ -64,12 +64,12 @@ impl<T: Real> GroupingSearch<'_, T> {
     ///
     /// The best set is rarely refused. Comparing all sets again is therefore cheaper than checking
     /// every set that leads for a while.
-    fn best_of_size(&mut self, size: usize) -> Option<ExclusionSet<T>> {
+    fn best_of_size<const N: usize>(&mut self, size: usize) -> Option<ExclusionSet<T>> {
         // Sets that explain at least this much were refused.
         let mut ceiling = infinity();
         loop {
             let mut best = SetCandidate { explained: -infinity::<T>(), set: [0; MAX_EXCLUDED] };
-            each_of_size(self.rows, size, &mut self.work, best.explained, &mut |explained, set| {
+            each_of_size::<T, N>(self.rows, size, &mut self.work, best.explained, &mut |explained, set| {
                 if explained > best.explained && explained < ceiling {
                     best = SetCandidate { explained, set };
                 }

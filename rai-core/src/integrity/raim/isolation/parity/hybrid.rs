@@ -17,18 +17,18 @@ use crate::numeric::real::Real;
 
 /// Isolates simultaneously, or else sequentially (method B).
 #[inline(never)]
-pub fn hybrid_without_grouping<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+pub fn hybrid_without_grouping<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
 ) -> ParityFinding<T> {
-    search(snapshot, thresholds, limits, |search: &ParitySearch<'_, T>| search.hybrid_without_grouping())
+    search(snapshot, thresholds, limits, |search: &ParitySearch<'_, T, N>| search.hybrid_without_grouping())
 }
 
 /// Isolates simultaneously, or else sequentially, or else by grouping (method C).
 #[inline(never)]
-pub fn hybrid<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+pub fn hybrid<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
 ) -> ParityFinding<T> {
@@ -42,7 +42,7 @@ pub fn hybrid<T: Real>(
     })
 }
 
-impl<T: Real> ParitySearch<'_, T> {
+impl<T: Real, const N: usize> ParitySearch<'_, T, N> {
     fn hybrid_without_grouping(&self) -> ParityFinding<T> {
         match self.correlated_set() {
             Some(removal) => {

@@ -48,8 +48,7 @@ use crate::bounded::gather;
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::detection::{Detection, detect};
 use crate::integrity::raim::isolation::exclusion::{Exclusion, Unidentified, leave_out};
-use crate::least_squares::downdate::{ExclusionSet, NormalisedRow, testable_rows};
-use crate::least_squares::equations::MAX_ROWS;
+use crate::least_squares::downdate::{ExclusionSet, NormalisedRow, NormalisedRows, testable_rows};
 use crate::least_squares::{Excludable, Snapshot};
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
@@ -120,32 +119,32 @@ pub struct ParityFinding<T: Real> {
 }
 
 /// A snapshot in which a fault was detected, with the rows and thresholds of a search.
-struct ParitySearch<'s, T: Real> {
-    snapshot: &'s Snapshot<'s, T>,
+struct ParitySearch<'s, T: Real, const N: usize> {
+    snapshot: &'s Snapshot<'s, T, N>,
     thresholds: &'s Thresholds<'s>,
     limits: &'s SearchLimits,
     rows: &'s [NormalisedRow<T>],
 }
 
 /// Runs a search. Returns at once if no fault is detected or there is no redundancy.
-fn search<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+fn search<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
-    find: impl FnOnce(&ParitySearch<'_, T>) -> ParityFinding<T>,
+    find: impl FnOnce(&ParitySearch<'_, T, N>) -> ParityFinding<T>,
 ) -> ParityFinding<T> {
     match detect(snapshot, thresholds) {
         None => ParityFinding { set: Err(Unidentified::NoRedundancy), sets: 0 },
         Some(detection) if !detection.fault() => ParityFinding { set: Ok(ExclusionSet::none()), sets: 0 },
         Some(_) => {
-            let mut rows = Vec::new();
+            let mut rows = NormalisedRows::<T, N>::new();
             testable_rows(snapshot, &mut rows);
             find(&ParitySearch { snapshot, thresholds, limits, rows: &rows })
         }
     }
 }
 
-impl<T: Real> ParitySearch<'_, T> {
+impl<T: Real, const N: usize> ParitySearch<'_, T, N> {
     /// Returns true if the rest passes the global test without a set.
     fn passes(&self, removal: &ExclusionSet<T>) -> bool {
         let test = Detection::of(removal.sse(self.rows), removal.dof(self.snapshot), self.thresholds);
@@ -169,15 +168,15 @@ impl<T: Real> ParitySearch<'_, T> {
 ///
 /// Empty if no fault was detected.
 #[inline(never)]
-pub fn simultaneous<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+pub fn simultaneous<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
-) -> Vec<usize, MAX_ROWS> {
+) -> Vec<usize, N> {
     if !detect(snapshot, thresholds).is_some_and(|detection| detection.fault()) {
         return Vec::new();
     }
-    let mut rows = Vec::new();
+    let mut rows = NormalisedRows::<T, N>::new();
     testable_rows(snapshot, &mut rows);
     let search = ParitySearch { snapshot, thresholds, limits, rows: &rows };
     gather(search.correlated().map(|row| row.index))
@@ -188,9 +187,9 @@ pub fn simultaneous<T: Real>(
 /// Afterwards, `solution` is solved and tested without the listed rows. For every method
 /// [`ExclusionOutcome::Isolated`](super::exclusion::ExclusionOutcome::Isolated) means that the rest
 /// passes.
-pub fn exclude<T: Real>(
+pub fn exclude<T: Real, const N: usize>(
     method: Isolation,
-    solution: &mut impl Excludable<T>,
+    solution: &mut impl Excludable<T, N>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
 ) -> Exclusion<T> {
@@ -216,8 +215,8 @@ fn indices<T: Real>(finding: ParityFinding<T>) -> Result<RowIndices, Unidentifie
 }
 
 /// Returns the simultaneous set, or an error if it has more rows than may be left out.
-fn all_at_once<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+fn all_at_once<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
 ) -> Result<RowIndices, Unidentified> {

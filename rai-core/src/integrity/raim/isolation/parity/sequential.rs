@@ -16,15 +16,15 @@ use crate::numeric::real::Real;
 
 /// Leaves out the worst row repeatedly from a snapshot in which a fault was detected.
 #[inline(never)]
-pub fn sequential<T: Real>(
-    snapshot: &Snapshot<'_, T>,
+pub fn sequential<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
 ) -> ParityFinding<T> {
-    search(snapshot, thresholds, limits, |search: &ParitySearch<'_, T>| search.sequential())
+    search(snapshot, thresholds, limits, |search: &ParitySearch<'_, T, N>| search.sequential())
 }
 
-impl<T: Real> ParitySearch<'_, T> {
+impl<T: Real, const N: usize> ParitySearch<'_, T, N> {
     pub(super) fn sequential(&self) -> ParityFinding<T> {
         let (mut removal, mut sets) = (ExclusionSet::none(), 0);
         for _ in 0..self.limits.rows() {

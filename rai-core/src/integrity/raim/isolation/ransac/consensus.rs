@@ -15,7 +15,7 @@ use super::{ConsensusLimits, Selection};
 use crate::bit_set::members;
 use crate::bounded::gather;
 use crate::least_squares::Estimate;
-use crate::least_squares::equations::{MAX_ROWS, Row};
+use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::Constellation;
@@ -60,7 +60,7 @@ pub struct Consensus {
 }
 
 /// Returns the number of satellites that may disagree with an inlier.
-pub(super) fn most_faults(selection: &Selection) -> usize {
+pub(super) fn most_faults<const N: usize>(selection: &Selection<N>) -> usize {
     selection.subsets().saturating_sub(1).min(MAX_EXCLUDED)
 }
 
@@ -74,9 +74,9 @@ pub(super) fn disagreement<T: Real>(rows: &[Row<T>], limits: &ConsensusLimits<'_
 ///
 /// # Errors
 /// [`NoConsensus`] if no subset is an inlier.
-pub fn consensus<T: Real>(
+pub fn consensus<T: Real, const N: usize>(
     rows: &[Row<T>],
-    selection: &Selection,
+    selection: &Selection<N>,
     limits: &ConsensusLimits<'_>,
 ) -> Result<Consensus, NoConsensus> {
     if selection.subsets() < 2 || selection.rows() > rows.len() {
@@ -110,7 +110,12 @@ impl<T: Real> Vote<T> {
 }
 
 /// Returns the vote on a subset, or `None` if it determines no usable position.
-fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T) -> Option<Vote<T>> {
+fn vote<T: Real, const N: usize>(
+    rows: &[Row<T>],
+    selection: &Selection<N>,
+    subset: usize,
+    bound: T,
+) -> Option<Vote<T>> {
     let set = selection.set(subset);
     let mut solution = Estimate::none();
     solution.solve_set(rows, set).ok()?;
@@ -118,7 +123,7 @@ fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T
     if !is_worth_a_vote(solved, &solution) {
         return None;
     }
-    let levels = Constellation::ALL.map(|clock| median_without_clock(rows, &solution, clock));
+    let levels = Constellation::ALL.map(|clock| median_without_clock::<T, N>(rows, &solution, clock));
     let mut vote = Vote { against: 0, rows: Vec::new(), misfit: T::zero() };
     for (index, row) in rows.iter().enumerate() {
         if !(row.weight > T::zero()) || selection.contains(subset, index) {
@@ -159,12 +164,16 @@ pub(super) fn deviation_squared<T: Real>(row: &Row<T>, solution: &Estimate<T>, l
 /// Returns the median of the residuals of a constellation that the epoch contains, but not the
 /// solution.
 #[inline(never)]
-fn median_without_clock<T: Real>(rows: &[Row<T>], solution: &Estimate<T>, clock: Constellation) -> Option<T> {
+fn median_without_clock<T: Real, const N: usize>(
+    rows: &[Row<T>],
+    solution: &Estimate<T>,
+    clock: Constellation,
+) -> Option<T> {
     if solution.determines(clock) {
         return None;
     }
     let of_clock = rows.iter().filter(|row| row.clock == Some(clock) && row.weight > T::zero());
-    let residuals: Vec<T, MAX_ROWS> = gather(of_clock.map(|row| solution.fit(row).residual));
+    let residuals: Vec<T, N> = gather(of_clock.map(|row| solution.fit(row).residual));
     let last = residuals.len().checked_sub(1)?;
     Some((ranked(&residuals, last / 2)? + ranked(&residuals, last.div_ceil(2))?) / T::narrow(2.0))
 }

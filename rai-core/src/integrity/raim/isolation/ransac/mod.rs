@@ -48,6 +48,7 @@ pub use refinement::{Refinement, refine};
 pub use selection::{MAX_SUBSETS, MAX_WORK, Selection};
 pub use subsets::Subsets;
 
+use crate::bounded::MAX_ROWS;
 use crate::epoch::EpochView;
 use crate::integrity::raim::detection::detect;
 use crate::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
@@ -73,10 +74,15 @@ impl ConsensusLimits<'static> {
     /// # Errors
     /// [`ThresholdError`] if the tables lack one of the two probabilities.
     pub fn published() -> Result<Self, ThresholdError> {
+        Self::up_to::<MAX_ROWS>()
+    }
+
+    /// Works like [`Self::published`], for at most `N` rows.
+    fn up_to<const N: usize>() -> Result<Self, ThresholdError> {
         // The probability of missed detection is not used here.
         Ok(Self {
-            consensus: Thresholds::from_tables(DISAGREEMENT, DISAGREEMENT)?,
-            refinement: Thresholds::from_tables(ALARM, DISAGREEMENT)?,
+            consensus: Thresholds::up_to::<N>(DISAGREEMENT, DISAGREEMENT)?,
+            refinement: Thresholds::up_to::<N>(ALARM, DISAGREEMENT)?,
         })
     }
 }
@@ -101,9 +107,9 @@ const fn certain(tail: f64) -> Probability {
 /// `selection` must have been made for the same satellites in the same order. A longer one is not
 /// used. Afterwards, `solution` is solved and tested without the listed rows.
 #[inline(never)]
-pub fn exclude<T: Real>(
-    solution: &mut impl Excludable<T>,
-    selection: &Selection,
+pub fn exclude<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
+    selection: &Selection<N>,
     thresholds: &Thresholds<'_>,
     limits: &ConsensusLimits<'_>,
 ) -> Exclusion<T> {
@@ -126,14 +132,14 @@ pub fn exclude<T: Real>(
 
 /// Works like [`exclude`], with subsets that are stored as long as the satellites stay the same.
 #[inline(never)]
-pub fn exclude_in<T: Real>(
-    solution: &mut impl Excludable<T>,
+pub fn exclude_in<T: Real, const N: usize>(
+    solution: &mut impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     thresholds: &Thresholds<'_>,
-    subsets: &mut Subsets,
+    subsets: &mut Subsets<N>,
 ) -> Exclusion<T> {
     // In a build without the two probabilities, exclusion is sequential, as without a consensus.
-    let Ok(published) = ConsensusLimits::published() else {
+    let Ok(published) = ConsensusLimits::up_to::<N>() else {
         return exclude_sequentially(solution, thresholds);
     };
     // The remaining rows must pass the caller's test, not the paper's.

@@ -30,9 +30,9 @@ pub struct Refinement {
 }
 
 /// Refines a consensus.
-pub fn refine<T: Real>(
+pub fn refine<T: Real, const N: usize>(
     rows: &[Row<T>],
-    selection: &Selection,
+    selection: &Selection<N>,
     consensus: &Consensus,
     limits: &ConsensusLimits<'_>,
 ) -> Refinement {

@@ -42,8 +42,7 @@ use crate::numeric::real::Real;
 use crate::numeric::space::zero;
 use crate::satellite::Constellation;
 
-/// Largest number of subsets, of four rows each: that of [`MAX_ROWS`] satellites of one
-/// constellation.
+/// Most subsets, of four rows each: as many as [`MAX_ROWS`] of one constellation give.
 pub const MAX_SUBSETS: usize = MAX_ROWS / 4;
 
 /// Number of triangles and tetrahedra of all subsets of 24 satellites.
@@ -63,14 +62,14 @@ const fn work_for(satellites: usize) -> usize {
 
 /// Assignment of the rows of an epoch to subsets.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Selection {
-    members: Vec<Option<u8>, MAX_ROWS>,
+pub struct Selection<const N: usize = MAX_ROWS> {
+    members: Vec<Option<u8>, N>,
     subsets: usize,
     work: usize,
     cut: bool,
 }
 
-impl Selection {
+impl<const N: usize> Selection<N> {
     /// Returns the selection for no rows.
     pub const fn none() -> Self {
         Self { members: Vec::new(), subsets: 0, work: 0, cut: false }
@@ -88,7 +87,7 @@ impl Selection {
     /// Works like [`Self::choose`], in place of the previous selection.
     #[inline(never)]
     pub(super) fn deal<T: Real>(&mut self, rows: &[Row<T>], work: usize) {
-        let mut dealer = Dealer::new(work);
+        let mut dealer = Dealer::<T, N>::new(work);
         dealer.take_candidates(rows);
         dealer.span_tetrahedra();
         dealer.complete_constellations();
@@ -192,13 +191,13 @@ impl<T: Real> Subset<T> {
 }
 
 /// The satellites, the subsets so far, and the remaining budget.
-struct Dealer<T: Real> {
-    candidates: Vec<DealtSatellite<T>, MAX_ROWS>,
+struct Dealer<T: Real, const N: usize> {
+    candidates: Vec<DealtSatellite<T>, N>,
     subsets: Vec<Subset<T>, MAX_SUBSETS>,
     work: TetrahedronBudget,
 }
 
-impl<T: Real> Dealer<T> {
+impl<T: Real, const N: usize> Dealer<T, N> {
     fn new(work: usize) -> Self {
         Self {
             candidates: Vec::new(),
@@ -241,9 +240,9 @@ impl<T: Real> Dealer<T> {
     /// Returns the row indices of the four free satellites that span the largest tetrahedron.
     fn largest_tetrahedron(&mut self) -> Option<[usize; 4]> {
         let free = self.candidates.iter().filter(|candidate| candidate.subset.is_none());
-        let mut corners = Vec::<Corner<'_, T>, MAX_ROWS>::new();
+        let mut corners = Vec::<Corner<'_, T>, N>::new();
         fill(&mut corners, free.map(|candidate| (candidate.index, &candidate.design)));
-        largest(&corners, &mut self.work)
+        largest::<T, N>(&corners, &mut self.work)
     }
 
     fn complete_constellations(&mut self) {

@@ -14,12 +14,12 @@ use crate::satellite::SatelliteId;
 ///
 /// The caller of [`crate::integrity::judge`] owns them, so that it has no other side effect.
 #[derive(Clone, Debug, Default)]
-pub struct Subsets {
-    satellites: Vec<SatelliteId, MAX_ROWS>,
-    selection: Selection,
+pub struct Subsets<const N: usize = MAX_ROWS> {
+    satellites: Vec<SatelliteId, N>,
+    selection: Selection<N>,
 }
 
-impl Subsets {
+impl<const N: usize> Subsets<N> {
     /// Returns subsets without satellites.
     pub const fn new() -> Self {
         Self { satellites: Vec::new(), selection: Selection::none() }
@@ -27,7 +27,7 @@ impl Subsets {
 
     /// Returns the subsets of an epoch: the stored ones if the satellites are the same.
     #[inline(never)]
-    pub fn of<T: Real>(&mut self, epoch: &EpochView<'_>, rows: &[Row<T>]) -> &Selection {
+    pub fn of<T: Real>(&mut self, epoch: &EpochView<'_>, rows: &[Row<T>]) -> &Selection<N> {
         let satellites = || epoch.observations().iter().map(|observation| observation.satellite);
         if !self.satellites.iter().copied().eq(satellites()) {
             self.satellites = gather(satellites());

@@ -42,7 +42,6 @@ use nalgebra::Vector3;
 
 use crate::bit_set::{above, bit, members};
 use crate::bounded::{fill, gather};
-use crate::least_squares::equations::MAX_ROWS;
 use crate::numeric::cholesky::{Cholesky, Matrix, ORDER, Vector, add_outer_product, dot, product, trace};
 use crate::numeric::real::Real;
 use crate::numeric::space::{self, cross, difference};
@@ -89,14 +88,14 @@ impl TetrahedronBudget {
 
 /// Returns the row indices of the corners of the largest tetrahedron, or `None` if all directions
 /// lie in one plane.
-pub(super) fn largest<T: Real>(
+pub(super) fn largest<T: Real, const N: usize>(
     corners: &[Corner<'_, T>],
     work: &mut TetrahedronBudget,
 ) -> Option<[usize; 4]> {
     let start = start(corners);
     let volume = start.as_ref().map_or(T::zero(), |start| start.volume);
     let least = volume * T::narrow(REACHED);
-    let mut search = TetrahedronSearch {
+    let mut search = TetrahedronSearch::<'_, T, N> {
         corners,
         companions: Vec::new(),
         largest: least,
@@ -167,8 +166,12 @@ fn exchanged<'c, T: Real>(
 ///
 /// Not inlined, so that the stack of the metric is free during the search.
 #[inline(never)]
-fn find_companions<T: Real>(corners: &[Corner<'_, T>], least: T, companions: &mut Vec<u64, MAX_ROWS>) {
-    let Some(metric) = Metric::over(corners) else {
+fn find_companions<T: Real, const N: usize>(
+    corners: &[Corner<'_, T>],
+    least: T,
+    companions: &mut Vec<u64, N>,
+) {
+    let Some(metric) = Metric::<T, N>::over(corners) else {
         return fill(companions, (0..corners.len()).map(above));
     };
     let needed = least * least / (metric.determinant * metric.largest * metric.largest);
@@ -193,20 +196,20 @@ pub(super) fn with_clock<T: Real>(direction: &Vector3<T>) -> Vector<T> {
 }
 
 /// The metric `M⁻¹` with its leverages.
-struct Metric<T: Real> {
+struct Metric<T: Real, const N: usize> {
     /// `M⁻¹`.
     inverse: Matrix<T>,
     determinant: T,
-    leverages: Vec<T, MAX_ROWS>,
+    leverages: Vec<T, N>,
     /// Largest of the leverages.
     largest: T,
 }
 
-impl<T: Real> Metric<T> {
+impl<T: Real, const N: usize> Metric<T, N> {
     /// Returns the metric in which the relevant directions have about the same length, or `None` if
     /// they nearly lie in a plane.
     fn over(corners: &[Corner<'_, T>]) -> Option<Self> {
-        let mut weights: Vec<T, MAX_ROWS> = gather(corners.iter().map(|_| T::one()));
+        let mut weights: Vec<T, N> = gather(corners.iter().map(|_| T::one()));
         for _ in 0..IMPROVEMENTS {
             let metric = Self::weighted(corners, &weights)?;
             for (weight, &leverage) in weights.iter_mut().zip(&metric.leverages) {
@@ -227,21 +230,21 @@ impl<T: Real> Metric<T> {
         let factor = Cholesky::new(&normal)?;
         let (inverse, determinant) = (factor.inverse(), factor.determinant());
         let is_sound = trace(&normal) * trace(&inverse) <= T::narrow(MAX_CONDITION);
-        let leverages: Vec<T, MAX_ROWS> = gather(rows().map(|row| dot(&row, &product(&inverse, &row))));
+        let leverages: Vec<T, N> = gather(rows().map(|row| dot(&row, &product(&inverse, &row))));
         let largest = leverages.iter().fold(T::zero(), |largest, &leverage| largest.max(leverage));
         is_sound.then_some(Self { inverse, determinant, leverages, largest })
     }
 }
 
 /// Search over the tetrahedra that no pair excludes.
-struct TetrahedronSearch<'c, T: Real> {
+struct TetrahedronSearch<'c, T: Real, const N: usize> {
     corners: &'c [Corner<'c, T>],
-    companions: Vec<u64, MAX_ROWS>,
+    companions: Vec<u64, N>,
     largest: T,
     found: Option<[usize; 4]>,
 }
 
-impl<T: Real> TetrahedronSearch<'_, T> {
+impl<T: Real, const N: usize> TetrahedronSearch<'_, T, N> {
     fn run(&mut self, work: &mut TetrahedronBudget) {
         for a in 0..self.corners.len() {
             let of_a = self.after(a);

@@ -3,26 +3,28 @@
 //!
 //! Each function calls the generic one of its name.
 
-use crate::clock::{CoastingClock, Forecast, Observed};
-use crate::integrity::araim::{self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors};
-use crate::integrity::raim::detection::threshold::Thresholds;
-use crate::integrity::raim::detection::threshold::policy::{
+use raim_core::clock::{CoastingClock, Forecast, Observed};
+use raim_core::integrity::araim::{self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors};
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::detection::threshold::policy::{
     NoThreshold, Policy, PolicyThreshold, ThresholdProblem,
 };
-use crate::integrity::raim::isolation::baarda;
-use crate::integrity::raim::isolation::exclusion::Exclusion;
-use crate::integrity::raim::isolation::parity::{self, ParityFinding};
-use crate::integrity::raim::isolation::ransac::{self, Selection};
-use crate::integrity::raim::levels::{self, Slopes};
-use crate::least_squares::equations::Row;
-use crate::least_squares::{Snapshot, SnapshotError};
+use raim_core::integrity::raim::isolation::baarda;
+use raim_core::integrity::raim::isolation::exclusion::Exclusion;
+use raim_core::integrity::raim::isolation::parity::{self, ParityFinding};
+use raim_core::integrity::raim::isolation::ransac::{self, Selection};
+use raim_core::integrity::raim::levels::{self, Slopes};
+use raim_core::least_squares::SnapshotError;
+use raim_core::least_squares::equations::Row;
+
+use crate::{CAPACITY, Snapshot};
 
 /// Calls [`Snapshot::leave_out`].
 ///
 /// # Errors
 /// As [`Snapshot::leave_out`].
 #[inline(never)]
-pub fn leave_out(snapshot: &mut Snapshot<'_, f32>, index: usize) -> Result<(), SnapshotError> {
+pub fn leave_out(snapshot: &mut Snapshot<'_>, index: usize) -> Result<(), SnapshotError> {
     snapshot.leave_out(index)
 }
 
@@ -31,19 +33,19 @@ pub fn leave_out(snapshot: &mut Snapshot<'_, f32>, index: usize) -> Result<(), S
 /// # Errors
 /// As [`Snapshot::take_back`].
 #[inline(never)]
-pub fn take_back(snapshot: &mut Snapshot<'_, f32>, index: usize) -> Result<(), SnapshotError> {
+pub fn take_back(snapshot: &mut Snapshot<'_>, index: usize) -> Result<(), SnapshotError> {
     snapshot.take_back(index)
 }
 
 /// Calls [`baarda::worst_two`].
 #[inline(never)]
-pub fn worst_two(snapshot: &Snapshot<'_, f32>) -> Option<(usize, f32, f32)> {
+pub fn worst_two(snapshot: &Snapshot<'_>) -> Option<(usize, f32, f32)> {
     baarda::worst_two(snapshot)
 }
 
 /// Calls [`levels::largest_slopes`].
 #[inline(never)]
-pub fn largest_slopes(snapshot: &Snapshot<'_, f32>) -> Slopes<f32> {
+pub fn largest_slopes(snapshot: &Snapshot<'_>) -> Slopes<f32> {
     levels::largest_slopes(snapshot)
 }
 
@@ -53,10 +55,10 @@ pub fn largest_slopes(snapshot: &Snapshot<'_, f32>) -> Slopes<f32> {
 /// As [`araim::judge_in`].
 #[inline(never)]
 pub fn separate(
-    snapshot: &mut Snapshot<'_, f32>,
+    snapshot: &mut Snapshot<'_>,
     priors: &Priors<'_, f32>,
     allocation: &Allocation,
-    room: &mut AraimScratch<f32>,
+    room: &mut AraimScratch<f32, CAPACITY>,
 ) -> Result<AraimJudgement<f32>, AraimError> {
     araim::judge_in(snapshot, priors, allocation, room)
 }
@@ -64,7 +66,7 @@ pub fn separate(
 /// Calls [`parity::grouping`].
 #[inline(never)]
 pub fn grouping(
-    snapshot: &Snapshot<'_, f32>,
+    snapshot: &Snapshot<'_>,
     thresholds: &Thresholds<'_>,
     limits: &parity::SearchLimits,
 ) -> ParityFinding<f32> {
@@ -73,15 +75,15 @@ pub fn grouping(
 
 /// Calls [`Selection::choose`].
 #[inline(never)]
-pub fn choose(rows: &[Row<f32>], work: usize) -> Selection {
+pub fn choose(rows: &[Row<f32>], work: usize) -> Selection<CAPACITY> {
     Selection::choose(rows, work)
 }
 
 /// Calls [`ransac::exclude`].
 #[inline(never)]
 pub fn exclude_by_consensus(
-    snapshot: &mut Snapshot<'_, f32>,
-    selection: &Selection,
+    snapshot: &mut Snapshot<'_>,
+    selection: &Selection<CAPACITY>,
     thresholds: &Thresholds<'_>,
     limits: &ransac::ConsensusLimits<'_>,
 ) -> Exclusion<f32> {
