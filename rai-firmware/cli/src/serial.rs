@@ -14,7 +14,7 @@ use anyhow::{Context as _, Result, anyhow};
 use serialport::{Error, ErrorKind, SerialPort};
 
 /// Timeout of one read of a port that is waited for, after which the next read begins.
-const PATIENCE: Duration = Duration::from_secs(3600);
+const PATIENCE: Duration = Duration::from_hours(1);
 
 /// Opens a port, of which a read returns after the timeout even if nothing comes.
 ///

@@ -21,14 +21,15 @@ pub(super) fn debian(changes: &str, version: &str, maintainer: &str, time_s: u64
     let (_, newest) = changes.split_once("\n## [").context("CHANGELOG.md lists no version")?;
     ensure!(newest.starts_with(&format!("{version}]")), "CHANGELOG.md does not begin with {version}");
     let newest = newest.split("\n## [").next().unwrap_or_default();
-    let mut text = format!("raim ({version}) unstable; urgency=medium\n");
-    for block in blocks(newest) {
-        text += &match block.strip_prefix("- ") {
+    let text: String = blocks(newest)
+        .iter()
+        .map(|block| match block.strip_prefix("- ") {
             Some(change) => wrapped(change, "  * ", "    "),
             None => format!("\n  [ {} ]\n\n", block.trim_start_matches("### ").trim_end_matches(':')),
-        };
-    }
-    Ok(format!("{text}\n -- {maintainer}  {}\n", date(time_s)))
+        })
+        .collect();
+    let head = format!("raim ({version}) unstable; urgency=medium\n");
+    Ok(format!("{head}{text}\n -- {maintainer}  {}\n", date(time_s)))
 }
 
 /// Returns the headings and changes of a version, each on one line. Remarks that are neither are
@@ -38,7 +39,10 @@ fn blocks(version: &str) -> Vec<String> {
     for line in version.lines().skip(1) {
         let is_start = line.starts_with("- ") || line.starts_with("### ") || line.ends_with(':');
         match blocks.last_mut() {
-            Some(block) if line.starts_with("  ") => *block += &format!(" {}", line.trim()),
+            Some(block) if line.starts_with("  ") => {
+                block.push(' ');
+                block.push_str(line.trim());
+            }
             _ if is_start && !line.starts_with("  ") => blocks.push(line.to_owned()),
             _ => {}
         }
@@ -57,7 +61,8 @@ fn wrapped(text: &str, first: &str, rest: &str) -> String {
     let mut is_empty = true;
     for word in text.split_whitespace() {
         if !is_empty && line.chars().count() + 1 + word.chars().count() > WIDTH {
-            lines += &format!("{line}\n");
+            lines.push_str(&line);
+            lines.push('\n');
             (line, is_empty) = (rest.to_owned(), true);
         }
         if !is_empty {
@@ -72,7 +77,7 @@ fn wrapped(text: &str, first: &str, rest: &str) -> String {
 /// Returns a time as RFC 5322 writes it, in UTC.
 fn date(time_s: u64) -> String {
     let day = DAYS.get((time_s / 86_400 % 7) as usize).copied().unwrap_or_default();
-    let readable = readable_unix(time_s as i64 * 1000);
+    let readable = readable_unix(time_s.cast_signed() * 1000);
     let parts: Vec<_> = readable.split(['-', ' ']).collect();
     let [year, month, date, time] = parts[..] else { return readable };
     let month = month.parse().ok().and_then(|month: usize| MONTHS.get(month.wrapping_sub(1)));

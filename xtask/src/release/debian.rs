@@ -53,7 +53,7 @@ pub(super) fn build(program: &Path, out: &Path) -> Result<Built> {
 /// Returns the documents, as Debian policy 12 places them.
 fn documents(maintainer: &str, time_s: u64) -> Result<Vec<Entry>> {
     let folder = "usr/share/doc/raim/";
-    let date = readable_unix(time_s as i64 * 1000);
+    let date = readable_unix(time_s.cast_signed() * 1000);
     let changes = fs::read_to_string(root().join("CHANGELOG.md"))?;
     let changes = changelog::debian(&changes, VERSION, maintainer, time_s)?;
     let mut entries = binary::with_texts(folder, &["README.md", "INTERFACES.md", "CHANGELOG.md"])?;
@@ -158,6 +158,8 @@ mod tests {
             panic!("{:#}", build(Path::new("/bin/true"), folder.path()).err().unwrap())
         };
         let Built::Files { skipped, .. } = built else { panic!("a package is a file") };
-        skipped.iter().for_each(|check| rig::skip::say(check));
+        for check in &skipped {
+            rig::skip::say(check);
+        }
     }
 }

@@ -107,7 +107,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         match build(&out).with_context(|| format!("part `{name}`"))? {
             Built::Files { paths, skipped } => {
                 println!("built      {name}: {} files", paths.len());
-                skipped.iter().for_each(|check| println!("SKIPPED    {name}: {check}"));
+                for check in &skipped {
+                    println!("SKIPPED    {name}: {check}");
+                }
                 files.extend(paths);
                 unchecked += skipped.len();
             }
