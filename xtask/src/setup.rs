@@ -11,7 +11,8 @@ pub(crate) struct Arguments {
     #[arg(long)]
     check: bool,
     /// Also install the programs that tests compare the module with or build it by: gpsd, chrony,
-    /// socat, RTKLIB, cmake, newlib, and packages of Python in their own folder
+    /// socat, RTKLIB, cmake, newlib, and packages of Python in their own folder; and those that
+    /// check a release: lintian, man, qemu-user
     #[arg(long, conflicts_with = "check")]
     consumers: bool,
     /// Also fetch real recordings that packages carry, with checksums, for tests of the path from

@@ -23,6 +23,7 @@
 //! | [`evaluate`] | linearised epochs through the core, without the firmware |
 //! | [`campaign`] | availability and integrity over places, times, skies and methods |
 //! | [`second_opinion`] | slow and exact methods beside the core's: dense least squares, exact tails, every subset |
+//! | [`command_line`] | the command `rai` itself: its commands, and their dispatch |
 //! | [`exit`] | exit code of a command |
 //!
 //! The algorithms of the module are in `rai-core` and `rai-firmware`, not here. Each command has a
@@ -62,6 +63,8 @@ pub mod signal;
 
 #[cfg(feature = "commands")]
 pub mod campaign;
+#[cfg(feature = "commands")]
+pub mod command_line;
 #[cfg(feature = "commands")]
 pub mod configure;
 #[cfg(feature = "commands")]

@@ -1,24 +1,104 @@
-//! Serial ports: opening one, with the next step if it fails.
+//! Serial ports: the one place that opens them, by the crate `serialport`.
+//!
+//! | function | port |
+//! |---|---|
+//! | [`open`] | a read returns after a timeout |
+//! | [`listen`] | a read waits for as long as nothing comes; a file or a pipe may stand in for a port |
 
-use std::io;
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::Path;
 use std::time::Duration;
 
-use anyhow::{Result, anyhow};
+use anyhow::{Context as _, Result, anyhow};
 use serialport::{Error, ErrorKind, SerialPort};
 
-/// Timeout of a port that is read for as long as nothing comes: a day.
-#[cfg(not(unix))]
-pub(crate) const PATIENCE: Duration = Duration::from_secs(86_400);
+/// Timeout of one read of a port that is waited for, after which the next read begins.
+const PATIENCE: Duration = Duration::from_hours(1);
 
 /// Opens a port, of which a read returns after the timeout even if nothing comes.
 ///
 /// # Errors
 /// If the port does not open; the message has the reason and the next step.
 pub(crate) fn open(path: &str, baud: u32, timeout: Duration) -> Result<Box<dyn SerialPort>> {
-    serialport::new(path, baud)
-        .timeout(timeout)
-        .open()
-        .map_err(|error| anyhow!("{error}: {}", advice(&error)))
+    native(path, baud, timeout).map_err(|error| anyhow!("{error}: {}", advice(&error)))
+}
+
+#[cfg(not(unix))]
+fn native(path: &str, baud: u32, timeout: Duration) -> serialport::Result<Box<dyn SerialPort>> {
+    serialport::new(path, baud).timeout(timeout).open()
+}
+
+/// Opens a port. A pseudo-terminal outlives this program, and would stay closed to all users but
+/// root if it stayed exclusive; the lock on it, which other instances of `rai` respect, ends with
+/// the program.
+#[cfg(unix)]
+fn native(path: &str, baud: u32, timeout: Duration) -> serialport::Result<Box<dyn SerialPort>> {
+    let is_pseudo = is_pseudo_terminal(path);
+    // macOS refuses a rate for a pseudo-terminal, and the crate takes 0 for "leave it".
+    let baud = if is_pseudo && cfg!(target_os = "macos") { 0 } else { baud };
+    let mut port = serialport::new(path, baud).timeout(timeout).open_native()?;
+    if is_pseudo {
+        port.set_exclusive(false)?;
+    }
+    Ok(Box::new(port))
+}
+
+/// Returns true for a path or a link to a pseudo-terminal of Linux or macOS.
+#[cfg(unix)]
+fn is_pseudo_terminal(path: &str) -> bool {
+    let device = std::fs::canonicalize(path).unwrap_or_default();
+    let device = device.to_string_lossy();
+    ["/dev/pts/", "/dev/ttys"].iter().any(|folder| device.starts_with(folder))
+}
+
+/// The bytes of a port, and its writer if it takes commands.
+pub(crate) type Both = (Box<dyn Read + Send>, Option<Box<dyn Write + Send>>);
+
+/// Opens a port in both directions, of which a read waits for as long as nothing comes. A file or a
+/// pipe is read as it is. The reader ends if the other side of the port is gone.
+///
+/// # Errors
+/// As for [`open`].
+pub(crate) fn listen(path: &Path, baud: u32) -> Result<Both> {
+    // A name without a file may be that of a port on Windows; its error names the ports.
+    if path.exists() && !is_port(path) {
+        return Ok((Box::new(File::open(path).context("cannot be opened")?), None));
+    }
+    let port = open(&path.to_string_lossy(), baud, PATIENCE)?;
+    let commands = port.try_clone()?;
+    Ok((Box::new(Waiting(port)), Some(Box::new(commands))))
+}
+
+/// Returns true for the path of a character device, in which no bytes end by themselves.
+#[cfg(unix)]
+pub(crate) fn is_port(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt as _;
+
+    let is_null = path == Path::new("/dev/null");
+    !is_null && path.metadata().is_ok_and(|metadata| metadata.file_type().is_char_device())
+}
+
+/// Returns true for the name of a serial port, such as `COM3`.
+#[cfg(not(unix))]
+pub(crate) fn is_port(path: &Path) -> bool {
+    path.to_string_lossy().strip_prefix("COM").is_some_and(|number| number.parse::<u8>().is_ok())
+}
+
+/// Reader that waits until bytes come, or until the other side is gone, which is its end.
+struct Waiting(Box<dyn SerialPort>);
+
+impl Read for Waiting {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        loop {
+            match self.0.read(into) {
+                Err(error)
+                    if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::Interrupted) => {}
+                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(0),
+                other => return other,
+            }
+        }
+    }
 }
 
 /// Returns the next step after an error.
@@ -57,5 +137,78 @@ mod tests {
         let kind = ErrorKind::Io(io::ErrorKind::PermissionDenied);
         assert!(advice(&Error::new(kind, "denied")).contains("dialout"));
         assert!(advice(&Error::new(ErrorKind::NoDevice, "busy")).contains("gpsd"));
+    }
+
+    #[cfg(target_os = "linux")]
+    mod pseudo {
+        use std::fs::File;
+        use std::io::Write as _;
+
+        use nix::pty::openpty;
+
+        use super::*;
+
+        /// Returns both sides of a terminal, and its path.
+        fn terminal() -> (File, File, String) {
+            let pair = openpty(None, None).unwrap();
+            let path = nix::unistd::ttyname(&pair.slave).unwrap().display().to_string();
+            (File::from(pair.master), File::from(pair.slave), path)
+        }
+
+        /// Returns the settings of a terminal, as another program prints them.
+        fn settings(path: &str) -> String {
+            let output = std::process::Command::new("stty").args(["-a", "-F", path]).output().unwrap();
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            String::from_utf8(output.stdout).unwrap()
+        }
+
+        #[test]
+        fn a_terminal_passes_every_byte_both_ways() {
+            let (mut other, _side, path) = terminal();
+            // A new terminal echoes, and waits for the ends of lines.
+            assert!(!settings(&path).contains("-echo "), "{}", settings(&path));
+            let (mut port, commands) = listen(path.as_ref(), 57_600).unwrap();
+            let set = settings(&path);
+            for want in ["-echo ", "-icanon", "-isig", "-ixon", "-opost", "-crtscts", " cs8"] {
+                assert!(set.contains(want), "{want}: {set}");
+            }
+            // Bytes that a terminal that is not raw would change, hold back or take as a command.
+            let want = b"\x00\x03\x04\x0a\x0d\x11\x13\x1a\x7f\xb5\x62\xff";
+            let mut have = [0; 12];
+            other.write_all(want).unwrap();
+            port.read_exact(&mut have).unwrap();
+            assert_eq!(&have, want);
+            commands.unwrap().write_all(want).unwrap();
+            other.read_exact(&mut have).unwrap();
+            assert_eq!(&have, want, "without an echo of what came first");
+        }
+
+        /// The kernel returns the rate. A u-blox may have one that is not among the usual ones.
+        #[test]
+        fn a_terminal_has_the_rate_that_was_asked_for() {
+            let (_other, _side, path) = terminal();
+            for want in [9_600, 115_200, 250_000] {
+                let port = open(&path, want, Duration::from_millis(10)).unwrap();
+                assert_eq!(port.baud_rate().unwrap(), want);
+            }
+        }
+
+        #[test]
+        fn the_end_of_the_other_side_is_the_end() {
+            let (other, _side, path) = terminal();
+            let (mut port, _commands) = listen(path.as_ref(), 115_200).unwrap();
+            drop(other);
+            assert_eq!(port.read(&mut [0; 9]).unwrap(), 0);
+        }
+
+        #[test]
+        fn a_terminal_has_one_reader_at_a_time_and_is_free_after_it() {
+            let (_other, _side, path) = terminal();
+            let first = listen(path.as_ref(), 115_200).unwrap();
+            let error = listen(path.as_ref(), 115_200).err().unwrap().to_string();
+            assert!(error.contains("another program holds it"), "{error}");
+            drop(first);
+            assert!(listen(path.as_ref(), 115_200).is_ok());
+        }
     }
 }

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
-use super::files::{Entry, copy, tar_gz};
+use super::files::{Entry, copy, tar_gz, time_s};
 use super::{Built, VERSION};
 use crate::cargo::{command, root, spawn};
 
@@ -99,13 +99,13 @@ fn archive(processor: &Processor, out: &Path) -> Result<PathBuf> {
     let mut entries = vec![
         Entry::of(format!("{folder}include/rai.h"), &rig::capi::header_path())?,
         Entry { path: format!("{folder}lib/librai.a"), bytes, is_program: false },
-        Entry { path: format!("{folder}README"), bytes: about.into_bytes(), is_program: false },
+        Entry::text(format!("{folder}README"), about),
     ];
     for licence in ["LICENSE-APACHE", "LICENSE-MIT"] {
         entries.push(Entry::of(format!("{folder}{licence}"), &root().join(licence))?);
     }
     let path = out.join(format!("rai-{VERSION}-{}.tar.gz", processor.name));
-    fs::write(&path, tar_gz(&entries)?)?;
+    fs::write(&path, tar_gz(&entries, time_s()?)?)?;
     Ok(path)
 }
 
@@ -171,5 +171,5 @@ pub(super) fn shared(out: &Path) -> Result<Built> {
         return Ok(Built::Missing("a shared library is built on Linux alone".into()));
     };
     let to = out.join(format!("{name}-{VERSION}-{}-linux", std::env::consts::ARCH));
-    Ok(Built::Files(vec![copy(&prefix.join("lib").join(&name), &to)?]))
+    Ok(Built::of(vec![copy(&prefix.join("lib").join(&name), &to)?]))
 }

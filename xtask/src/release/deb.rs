@@ -70,17 +70,18 @@ fn checked(maintainer: &str) -> Result<String> {
 ///
 /// # Errors
 /// If a name is longer than an archive allows.
-pub(super) fn package(control: &Control<'_>, files: &[Entry]) -> Result<Vec<u8>> {
+pub(super) fn package(control: &Control<'_>, files: &[Entry], time_s: u64) -> Result<Vec<u8>> {
     let bytes: u64 = files.iter().map(|entry| entry.bytes.len() as u64).sum();
     let settings = files.iter().filter_map(|entry| entry.path.strip_prefix("etc/"));
     let settings: Vec<_> = settings.map(|path| format!("/etc/{path}\n")).collect();
-    let text =
-        |path: &str, text: String| Entry { path: path.into(), bytes: text.into_bytes(), is_program: false };
-    let about = [text("control", control.text(bytes.div_ceil(1024))), text("conffiles", settings.concat())];
+    let about = [
+        Entry::text("control", control.text(bytes.div_ceil(1024))),
+        Entry::text("conffiles", settings.concat()),
+    ];
     archive(&[
         ("debian-binary", b"2.0\n".to_vec()),
-        ("control.tar.gz", tar_gz(&about)?),
-        ("data.tar.gz", tar_gz(files)?),
+        ("control.tar.gz", tar_gz(&about, time_s)?),
+        ("data.tar.gz", tar_gz(files, time_s)?),
     ])
 }
 
@@ -121,7 +122,7 @@ mod tests {
             summary: "integrity",
             description: &["One line."],
         };
-        package(&control, &files).unwrap()
+        package(&control, &files, 1_000_000_000).unwrap()
     }
 
     #[test]
@@ -153,7 +154,7 @@ mod tests {
         let path = folder.path().join("raim.deb");
         std::fs::write(&path, example()).unwrap();
         let ask = |how: &str| {
-            let output = Command::new("dpkg-deb").arg(how).arg(&path).output().unwrap();
+            let output = Command::new("dpkg-deb").env("TZ", "UTC").arg(how).arg(&path).output().unwrap();
             assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
             String::from_utf8(output.stdout).unwrap()
         };
@@ -161,7 +162,7 @@ mod tests {
         assert!(about.contains("Package: raim") && about.contains("Depends: libc6 (>= 2.34)"), "{about}");
         assert!(about.contains("Maintainer: A. Builder <builder@example.org>"), "{about}");
         let files = ask("--contents");
-        assert!(files.contains("-rwxr-xr-x root/root        10 1970-01-01 00:00 usr/bin/rai"), "{files}");
+        assert!(files.contains("-rwxr-xr-x root/root        10 2001-09-09 01:46 usr/bin/rai"), "{files}");
         assert!(files.contains("etc/rai.toml"), "{files}");
     }
 }

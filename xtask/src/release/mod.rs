@@ -6,20 +6,25 @@
 //! | packages of the libraries | unpacked outside the workspace, compiled, examples run |
 //! | header, and an archive for C per processor | header as the sources; every function of it in the archive |
 //! | named firmware images | are within their limits and fit the chip |
-//! | `rai` as a program and as a Debian package | prints its version; `dpkg-deb` reads the package |
-//! | `rai`, static | asks for no library and no loader; prints its version if this processor runs it |
+//! | `rai` as a program and as a Debian package | prints its version; `dpkg-deb` and `lintian` read the package |
+//! | `rai`, static | asks for no library and no loader; replays as `rai` does, here or emulated |
 //! | Python wheel | installed into a fresh environment, imported |
 //! | bill of materials, `SHA256SUMS` | every file is listed |
 //!
-//! Files of a build have no time of their own, so that the same sources give the same bytes.
+//! All files have the time of the sources, so that the same sources give the same bytes. A check
+//! that cannot run here is counted as skipped.
 
 mod archives;
 mod binary;
+mod changelog;
 mod checksums;
 mod deb;
+mod debian;
 mod elf;
 mod files;
+mod manual;
 mod sbom;
+mod statics;
 mod wheel;
 
 use std::fs;
@@ -44,15 +49,34 @@ pub(crate) struct Arguments {
     /// Build only the parts whose name contains this
     #[arg(long, value_name = "NAME")]
     only: Option<String>,
-    /// Fail if a part cannot be built here
+    /// Fail if a part cannot be built or checked here
     #[arg(long)]
     all: bool,
 }
 
 /// A part of the release that was not built, with its reason, or the files that were.
 enum Built {
-    Files(Vec<PathBuf>),
+    /// Files, and the checks of them that could not run.
+    Files {
+        paths: Vec<PathBuf>,
+        skipped: Vec<String>,
+    },
     Missing(String),
+}
+
+impl Built {
+    /// Returns files of which every check has run.
+    fn of(paths: Vec<PathBuf>) -> Self {
+        Self::Files { paths, skipped: Vec::new() }
+    }
+
+    /// Adds a file.
+    fn with(mut self, path: PathBuf) -> Self {
+        if let Self::Files { paths, .. } = &mut self {
+            paths.push(path);
+        }
+        self
+    }
 }
 
 /// A part of the release: its name, and its build into a folder.
@@ -61,13 +85,13 @@ type Part = (&'static str, fn(&Path) -> Result<Built>);
 const PARTS: [Part; 9] = [
     ("packages", packages),
     ("header", header),
-    ("C archives", |out| archives::build(out).map(Built::Files)),
+    ("C archives", |out| archives::build(out).map(Built::of)),
     ("shared C library", archives::shared),
     ("images", images),
-    ("rai and its Debian package", |out| binary::build(out).map(Built::Files)),
+    ("rai and its Debian package", rai),
     ("Python wheel", wheel::build),
-    ("rai, static, x86-64", |out| binary::statically("x86_64", out)),
-    ("rai, static, aarch64", |out| binary::statically("aarch64", out)),
+    ("rai, static, x86-64", |out| statics::build(&statics::X86_64, out)),
+    ("rai, static, aarch64", |out| statics::build(&statics::AARCH64, out)),
 ];
 
 /// Runs the command.
@@ -77,13 +101,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         fs::remove_dir_all(&out).with_context(|| out.display().to_string())?;
     }
     fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
-    let (mut files, mut missing) = (Vec::new(), Vec::new());
+    let (mut files, mut missing, mut unchecked) = (Vec::new(), Vec::new(), 0);
     let is_chosen = |name: &str| arguments.only.as_deref().is_none_or(|part| name.contains(part));
     for (name, build) in PARTS.iter().filter(|(name, _)| is_chosen(name)) {
         match build(&out).with_context(|| format!("part `{name}`"))? {
-            Built::Files(built) => {
-                println!("built      {name}: {} files", built.len());
-                files.extend(built);
+            Built::Files { paths, skipped } => {
+                println!("built      {name}: {} files", paths.len());
+                for check in &skipped {
+                    println!("SKIPPED    {name}: {check}");
+                }
+                files.extend(paths);
+                unchecked += skipped.len();
             }
             Built::Missing(why) => {
                 println!("NOT BUILT  {name}: {why}");
@@ -93,8 +121,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     files.push(sbom::write(&out)?);
     let sums = checksums::write(&out, &files)?;
-    println!("{} files in {}, with {}", files.len(), out.display(), files::name(&sums)?);
+    let (count, sums) = (files.len(), files::name(&sums)?);
+    println!("{count} files in {}, with {sums}", out.display());
+    println!("{} parts not built, {unchecked} checks skipped", missing.len());
     ensure!(!arguments.all || missing.is_empty(), "not built: {}", missing.join(", "));
+    ensure!(!arguments.all || unchecked == 0, "{unchecked} checks were skipped");
     Ok(())
 }
 
@@ -104,13 +135,22 @@ fn packages(out: &Path) -> Result<Built> {
         let file = format!("{name}-{VERSION}.crate");
         files::copy(&root().join("target/package").join(&file), &out.join(&file))
     };
-    Ok(Built::Files(crate::packages::PACKAGES.iter().map(copy).collect::<Result<_>>()?))
+    Ok(Built::of(crate::packages::PACKAGES.iter().map(copy).collect::<Result<_>>()?))
+}
+
+fn rai(out: &Path) -> Result<Built> {
+    let (program, archive) = binary::build(out)?;
+    Ok(if cfg!(target_os = "linux") {
+        debian::build(&program, out)?.with(archive)
+    } else {
+        Built::of(vec![archive])
+    })
 }
 
 fn header(out: &Path) -> Result<Built> {
     let (committed, header) = (fs::read_to_string(rig::capi::header_path())?, rig::capi::header()?);
     ensure!(committed == header, "{}", rig::capi::STALE_HEADER);
-    Ok(Built::Files(vec![files::copy(&rig::capi::header_path(), &out.join("rai.h"))?]))
+    Ok(Built::of(vec![files::copy(&rig::capi::header_path(), &out.join("rai.h"))?]))
 }
 
 /// Builds the named images.
@@ -122,5 +162,5 @@ fn images(out: &Path) -> Result<Built> {
         ensure!(findings.is_empty(), "the image does not fit: {}", findings.join("; "));
         files::copy(&path, &out.join(format!("raim-firmware-{VERSION}-stm32f405-{}.elf", named.name)))
     };
-    Ok(Built::Files(NAMED.iter().map(build).collect::<Result<_>>()?))
+    Ok(Built::of(NAMED.iter().map(build).collect::<Result<_>>()?))
 }

@@ -21,12 +21,20 @@ const SHIPPED: [&str; 2] = ["raim", "rai-capi"];
 /// # Errors
 /// If cargo does not describe the packages.
 pub(super) fn write(out: &Path) -> Result<PathBuf> {
+    let path = out.join(format!("rai-{VERSION}.cdx.json"));
+    fs::write(&path, text()?)?;
+    Ok(path)
+}
+
+/// Returns the bill of materials.
+///
+/// # Errors
+/// If cargo does not describe the packages.
+pub(super) fn text() -> Result<String> {
     let output = command(&["metadata", "--format-version", "1", "--locked"]).output()?;
     ensure!(output.status.success(), "`cargo metadata` failed:\n{}", String::from_utf8_lossy(&output.stderr));
     let bill = bill(&serde_json::from_slice(&output.stdout)?)?;
-    let path = out.join(format!("rai-{VERSION}.cdx.json"));
-    fs::write(&path, serde_json::to_string_pretty(&bill)? + "\n")?;
-    Ok(path)
+    Ok(serde_json::to_string_pretty(&bill)? + "\n")
 }
 
 fn bill(metadata: &Value) -> Result<Value> {

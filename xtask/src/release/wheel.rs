@@ -6,6 +6,7 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
+use super::files::time_s;
 use super::{Built, VERSION};
 use crate::cargo::root;
 
@@ -26,13 +27,14 @@ pub(super) fn build(out: &Path) -> Result<Built> {
     }
     let mut pip = Command::new(&python);
     pip.args(["-m", "pip", "--quiet", "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir"]);
+    pip.env("SOURCE_DATE_EPOCH", time_s()?.to_string());
     run(pip.arg(out).arg(root().join("rai-firmware/python")))?;
     let wheel = wheel_in(out)?;
     run(Command::new(&python).args(["-m", "pip", "--quiet", "install", "--no-deps"]).arg(&wheel))?;
     let said =
         run(Command::new(&python).args(["-c", "import raim; print(raim.version())"]).current_dir(out))?;
     ensure!(said.trim() == VERSION, "the wheel has the version {said:?}");
-    Ok(Built::Files(vec![wheel]))
+    Ok(Built::of(vec![wheel]))
 }
 
 fn wheel_in(out: &Path) -> Result<PathBuf> {

@@ -7,11 +7,9 @@
 //! Everything about one epoch is one message: its sentences, the pin, the satellites. A picture
 //! between two messages therefore never shows the verdict of one epoch beside the pin of another.
 
-#[cfg(unix)]
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::mpsc::{self, Receiver, SyncSender, sync_channel};
 use std::thread;
 
@@ -22,10 +20,14 @@ use super::speed::Control;
 use crate::replay::{Pace, Playback, Window};
 use crate::satellites::Seen;
 use crate::sentence::{self, Sentence};
+use crate::serial;
 use crate::signal::capture::{Bytes, Lumps, has_frames};
 
 /// Longest pause in a file of sentences that is waited for, s. In a longer one the module was off.
 const LONGEST_PAUSE_S: f64 = 60.0;
+
+/// Rate of the module's host port.
+const BAUD: u32 = 115_200;
 
 /// Seconds of a day, at whose end the time of sentences restarts.
 const DAY_S: f64 = 86_400.0;
@@ -92,9 +94,10 @@ pub fn open(choice: &Choice) -> Result<Source> {
     let (sender, news) = sync_channel(256);
     let (name, commands): (String, Option<Box<dyn Write + Send>>) = match choice {
         Choice::Port(path) => {
-            let (port, commands) = serial(path)?;
+            let name = path.display().to_string();
+            let (port, commands) = serial::listen(path, BAUD).with_context(|| name.clone())?;
             spawn(sender, |sender| module(BufReader::new(port), sender));
-            (path.display().to_string(), commands)
+            (name, commands)
         }
         Choice::Tcp(address) => {
             let stream = TcpStream::connect(address).with_context(|| format!("{address} does not answer"))?;
@@ -149,38 +152,6 @@ fn spawn(
 fn holds_sentences(head: &[u8]) -> bool {
     let is_said = |line: &[u8]| line.starts_with(b"$PRAI") || line.starts_with(b"$GNGNS");
     !has_frames(head) && head.split(|byte| *byte == b'\n').any(is_said)
-}
-
-/// The bytes of a port, and its writer if it takes commands.
-type Port = (Box<dyn Read + Send>, Option<Box<dyn Write + Send>>);
-
-/// Opens a port at the module's rate.
-#[cfg(not(unix))]
-fn serial(path: &Path) -> Result<Port> {
-    let port = crate::serial::open(&path.to_string_lossy(), 115_200, crate::serial::PATIENCE)?;
-    let commands = port.try_clone().ok();
-    Ok((Box::new(port), commands.map(|port| Box::new(port) as Box<dyn Write + Send>)))
-}
-
-/// Opens a port. A terminal is set to the module's rate and otherwise left alone; a pipe or a file
-/// is read as it is.
-#[cfg(unix)]
-fn serial(path: &Path) -> Result<Port> {
-    use std::os::unix::fs::FileTypeExt as _;
-    use std::process::Command;
-
-    let port = File::open(path).with_context(|| format!("{} cannot be opened", path.display()))?;
-    if port.metadata()?.file_type().is_char_device() {
-        let status = Command::new("stty")
-            .args(["115200", "raw", "-echo", "-crtscts"])
-            .stdin(port.try_clone()?)
-            .status()
-            .context("stty cannot be run")?;
-        ensure!(status.success(), "{} is no serial port", path.display());
-    }
-    // Without permission to write, the port can still be read.
-    let commands = File::options().append(true).open(path).ok();
-    Ok((Box::new(port), commands.map(|file| Box::new(file) as Box<dyn Write + Send>)))
 }
 
 /// Commands for a module in process.

@@ -155,12 +155,13 @@ const PYTHON_PACKAGES: [&str; 8] =
     ["pynmea2", "pymavlink", "pyubx2", "labwired==0.25.0", "numpy", "pandas", "nbconvert", "ipykernel"];
 
 /// Programs of the system's packages for these tests, as they are called.
-const CONSUMER_PROGRAMS: [&str; 7] =
-    ["gpsd", "chronyd", "socat", "convbin", "cmake", "pkg-config", "python3"];
+const CONSUMER_PROGRAMS: [&str; 9] =
+    ["gpsd", "chronyd", "socat", "convbin", "cmake", "pkg-config", "python3", "lintian", "man"];
 
 /// Installs the programs that tests compare the module with or build it by: gpsd, chrony, socat,
-/// RTKLIB's `convbin`, `CMake`, the C compiler for the chip with its C library, and packages of
-/// Python in a folder of their own below `target`. Nothing but these tests needs them.
+/// RTKLIB's `convbin`, `CMake`, the C compiler for the chip with its C library, `lintian` and `man`
+/// for the Debian package, the emulator of a processor for the static program, and packages of
+/// Python in a folder of their own below `target`. Nothing but tests and `release` needs them.
 ///
 /// # Errors
 /// As [`ensure()`].
@@ -168,11 +169,25 @@ pub fn consumers() -> anyhow::Result<()> {
     let python = python_of_consumers();
     let (folder, python) = (root().join("target/consumers"), python.display().to_string());
     let folder = folder.display().to_string();
-    if !CONSUMER_PROGRAMS.into_iter().all(on_path) || !can_compile_peers() {
+    let has_emulator = ["qemu-aarch64", "qemu-aarch64-static"].into_iter().any(on_path);
+    if !has_emulator || !CONSUMER_PROGRAMS.into_iter().all(on_path) || !can_compile_peers() {
         take_all(&install(&CONSUMERS, Packages::look()))?;
     }
     run(&["python3", "-m", "venv", &folder])?;
     run(&[&[&python, "-m", "pip", "install", "--quiet"], &PYTHON_PACKAGES[..]].concat())
+}
+
+/// Adds the standard library of a target to the toolchain, after a yes, unless it is there.
+///
+/// # Errors
+/// If rustup is missing or fails, or if the user refuses.
+pub fn add_target(target: &str) -> anyhow::Result<()> {
+    if sysroot().is_some_and(|root| root.join("lib/rustlib").join(target).join("lib").exists()) {
+        return Ok(());
+    }
+    let command = ["rustup", "target", "add", target];
+    consent::ask(&[command.join(" ")])?;
+    run(&command)
 }
 
 /// Installs the programs that fetch and compile the peers of the benchmark.

@@ -56,12 +56,16 @@ pub(super) const CONSUMERS: Package = Package {
         "gcc-arm-none-eabi",
         "libnewlib-arm-none-eabi",
         "python3-venv",
+        "lintian",
+        "man-db",
+        "qemu-user",
     ],
     brew: None,
     command: "sudo apt-get update && sudo apt-get install --no-remove --no-install-recommends \
-              gpsd chrony socat rtklib cmake pkg-config gcc-arm-none-eabi libnewlib-arm-none-eabi python3-venv",
-    words: "install gpsd, chrony, socat, RTKLIB (for convbin), CMake, pkg-config, GCC for bare Arm with newlib, and \
-            Python with venv",
+              gpsd chrony socat rtklib cmake pkg-config gcc-arm-none-eabi libnewlib-arm-none-eabi python3-venv \
+              lintian man-db qemu-user",
+    words: "install gpsd, chrony, socat, RTKLIB (for convbin), CMake, pkg-config, GCC for bare Arm with newlib, \
+            Python with venv, lintian, man-db and qemu-user",
 };
 
 pub(super) const PEERS: Package = Package {

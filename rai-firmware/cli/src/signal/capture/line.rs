@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 use flate2::read::MultiGzDecoder;
 
+use crate::serial;
 use crate::signal::recording::packed_by;
 
 /// Longest silence of a live line.
@@ -57,9 +58,11 @@ impl Bytes {
         let port = name.strip_prefix("serial:");
         let (path, rate) =
             port.map_or((name, BIT_RATE), |port| port.rsplit_once('@').unwrap_or((port, BIT_RATE)));
-        if port.is_some() || is_terminal(Path::new(path)) {
+        if port.is_some() || serial::is_port(Path::new(path)) {
             check_limit(limit)?;
-            return Self::unpacked(Line::new(spawn(serial(Path::new(path), rate)?), limit, Some(SILENCE)));
+            let rate = rate.parse().with_context(|| format!("{rate} is no bit rate"))?;
+            let (port, _) = serial::listen(Path::new(path), rate)?;
+            return Self::unpacked(Line::new(spawn(port), limit, Some(SILENCE)));
         }
         let path = Path::new(path);
         ensure!(!path.is_dir(), "cannot be read: it is a folder");
@@ -119,51 +122,6 @@ impl<R: BufRead> Read for Gzip<R> {
 fn check_limit(limit: Option<Duration>) -> Result<()> {
     ensure!(limit.is_some(), "does not end by itself: say with --to how many seconds of it to take");
     Ok(())
-}
-
-/// Returns true for the name of a serial port, such as `COM3`.
-#[cfg(not(unix))]
-fn is_terminal(path: &Path) -> bool {
-    path.to_string_lossy().strip_prefix("COM").is_some_and(|number| number.parse::<u8>().is_ok())
-}
-
-/// Returns the error of a build without serial ports.
-#[cfg(all(not(unix), not(feature = "commands")))]
-fn serial(_: &Path, _: &str) -> Result<File> {
-    bail!("is a serial port, which needs the feature `commands`")
-}
-
-/// Opens a serial port, set to a bit rate.
-#[cfg(all(not(unix), feature = "commands"))]
-fn serial(path: &Path, rate: &str) -> Result<impl Read + Send + use<>> {
-    let rate = rate.parse().with_context(|| format!("{rate} is no bit rate"))?;
-    crate::serial::open(&path.to_string_lossy(), rate, crate::serial::PATIENCE)
-}
-
-/// Returns true for the path of a character device.
-#[cfg(unix)]
-fn is_terminal(path: &Path) -> bool {
-    use std::os::unix::fs::FileTypeExt as _;
-
-    let is_null = path == Path::new("/dev/null");
-    !is_null && path.metadata().is_ok_and(|metadata| metadata.file_type().is_char_device())
-}
-
-/// Opens a serial port, set to a bit rate.
-#[cfg(unix)]
-fn serial(path: &Path, rate: &str) -> Result<File> {
-    use std::process::Command;
-
-    let port = File::open(path).context("cannot be opened")?;
-    if is_terminal(path) {
-        let status = Command::new("stty")
-            .args([rate, "raw", "-echo", "-crtscts"])
-            .stdin(port.try_clone()?)
-            .status()
-            .context("stty cannot be run")?;
-        ensure!(status.success(), "is no serial port of {rate} bit/s");
-    }
-    Ok(port)
 }
 
 /// Reads in a separate thread, because a read waits as long as no byte comes.
