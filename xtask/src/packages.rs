@@ -32,7 +32,8 @@ pub(crate) fn verify() -> Result<()> {
     check_licences(&unpacked)?;
     check_names(&unpacked)?;
     let manifest = unpacked.join("Cargo.toml").display().to_string();
-    let folder = unpacked.join("target").display().to_string();
+    // The folder of our own results, so that packages of the registry are compiled once.
+    let folder = root().join("target").display().to_string();
     let place = ["--manifest-path", manifest.as_str(), "--target-dir", folder.as_str()];
     let [_, core, _, firmware, command_line] = PACKAGES;
     // The core by itself first: beside the firmware it has the feature `unstable`, without which
@@ -87,11 +88,19 @@ fn pack() -> Result<()> {
     Ok(())
 }
 
+/// Returns our profiles, without which no result of a package of the registry could be used again.
+fn profiles() -> Result<String> {
+    let manifest = fs::read_to_string(root().join("Cargo.toml"))?;
+    let begin = manifest.find("[profile.dev]").context("the workspace must have a profile `dev`")?;
+    let end = manifest.find("[profile.firmware]").context("the workspace must have a profile `firmware`")?;
+    Ok(manifest.get(begin..end).unwrap_or_default().to_owned())
+}
+
 /// Unpacks the packages side by side, without the version in their names.
 fn unpack() -> Result<PathBuf> {
     let (packed, unpacked) = (root().join("target/package"), root().join("target/unpacked"));
     fs::create_dir_all(&unpacked)?;
-    fs::write(unpacked.join("Cargo.toml"), WORKSPACE)?;
+    fs::write(unpacked.join("Cargo.toml"), format!("{WORKSPACE}\n{}", profiles()?))?;
     fs::copy(root().join("Cargo.lock"), unpacked.join("Cargo.lock"))?;
     for package in PACKAGES {
         let versioned = format!("{package}-{}", env!("CARGO_PKG_VERSION"));
