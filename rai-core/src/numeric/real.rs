@@ -43,8 +43,8 @@ pub trait Real: RealField + Copy {
     fn widen(self) -> f64;
     /// Returns `√x` for `x ≥ 0`, to a few units in the last place.
     ///
-    /// In single precision it is the processor's instruction, while the `sqrt` of nalgebra is libm's
-    /// software.
+    /// In single precision it is the processor's instruction, while the `sqrt` of nalgebra is
+    /// libm's software.
     #[must_use]
     fn sqrt_approx(self) -> Self;
     /// Returns `1/√x` for `x > 0`, to a few units in the last place.

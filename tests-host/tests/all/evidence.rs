@@ -120,7 +120,7 @@ const ROWS: [(Rule, &str, Evidence); 80] = [
     (Flag("GPS LNAV, 1019: SV health (6 bits) not 0"), "SV health of GPS", RTKLIB),
     (Flag("GPS LNAV: alert flag of a subframe 1 to 3"), "alert flag of LNAV", Unconfirmed),
     (Flag("GPS, QZSS, `BeiDou`: URA or URAI 15"), "URA, URAI", RTKLIB),
-    (Flag("QZSS LNAV, 1044: health (6 bits) not 0 but for the last"), "health of QZSS", STREAMS),
+    (Flag("QZSS LNAV, 1044: health (6 bits, without the last) not 0"), "health of QZSS", STREAMS),
     (Flag("Galileo I/NAV, 1046: `E1B` or `E5b` HS not 0"), "HS of I/NAV", RTKLIB),
     (Flag("Galileo F/NAV, 1045: `E5a` HS not 0"), "HS of F/NAV", STREAMS),
     (Flag("Galileo I/NAV, F/NAV, 1045, 1046: DVS of any signal is 1"), "DVS", STREAMS),

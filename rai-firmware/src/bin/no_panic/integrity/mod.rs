@@ -230,6 +230,7 @@ fn absolute_lengths() {
         angle::sine as fn(_) -> _,
         bounds::is_within as fn(_, _) -> _,
         <f64 as Absolute<f64>>::of as fn(_) -> _,
+        <f64 as Absolute<f64>>::of_admitted as fn(_) -> _,
         <f64 as Absolute<f64>>::less as fn(_, _) -> _,
         <f64 as Absolute<f64>>::widen as fn(_) -> _,
         <f64 as Absolute<f64>>::narrow as fn(_) -> _,
