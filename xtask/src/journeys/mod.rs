@@ -10,7 +10,8 @@ mod terminal;
 mod transcript;
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 use anyhow::{Context as _, Result, ensure};
 
@@ -18,13 +19,16 @@ use crate::cargo::root;
 use people::{PEOPLE, Person};
 use terminal::{Terminal, Typed};
 
+/// File name of the capture.
+const CAPTURE: &str = "capture.rtcm3";
+
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// People to follow (default: all)
     people: Vec<String>,
-    /// Write the outcome into results/journeys.md, which needs all people
-    #[arg(long, conflicts_with = "people")]
+    /// Also write a short form of each journey into results/journeys
+    #[arg(long)]
     record: bool,
 }
 
@@ -43,27 +47,39 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     };
     let folder = root().join("target/journeys");
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-    let (mut outcomes, mut failures) = (Vec::new(), Vec::new());
+    let capture = folder.join(CAPTURE);
+    receive(&capture)?;
+    let mut failures = Vec::new();
     for person in PEOPLE.iter().filter(is_asked) {
-        let typed = follow(person)?;
+        let typed = follow(person, &capture)?;
         let path = folder.join(format!("{}.txt", person.name));
         fs::write(&path, transcript::whole(&typed)).with_context(|| path.display().to_string())?;
         eprintln!("{}: the transcript is {}", person.name, path.display());
         failures.extend(typed.iter().filter_map(|line| line.failure.clone()));
-        outcomes.push((person, typed));
-    }
-    if arguments.record {
-        let path = root().join("results/journeys.md");
-        fs::write(&path, transcript::page(&outcomes)).with_context(|| path.display().to_string())?;
+        if arguments.record {
+            let path = root().join(format!("results/journeys/{}.md", person.name));
+            fs::write(&path, transcript::page(person, &typed)).with_context(|| path.display().to_string())?;
+        }
     }
     ensure!(failures.is_empty(), "{}", failures.join("; "));
     Ok(())
 }
 
+/// Writes the capture of those who have one: the messages of the sample, as a receiver sends them.
+fn receive(capture: &Path) -> Result<()> {
+    let mut replay = Command::new(std::env::current_exe()?);
+    replay.args(["replay", "--sample", "--rtcm"]).arg(capture).stdout(Stdio::null());
+    ensure!(replay.status()?.success(), "the sample cannot be replayed");
+    Ok(())
+}
+
 /// Types the lines of a person up to the first that fails.
-fn follow(person: &Person) -> Result<Vec<Typed>> {
+fn follow(person: &Person, capture: &Path) -> Result<Vec<Typed>> {
     let home: PathBuf = std::env::temp_dir().join(format!("rai-journey-{}", std::process::id()));
     let terminal = Terminal::open(&home)?;
+    if person.has_capture {
+        fs::copy(capture, terminal.clone_folder().join(CAPTURE))?;
+    }
     let mut typed = Vec::new();
     for line in person.lines {
         eprintln!("{}: {}", person.name, line.typed);

@@ -12,6 +12,8 @@ pub(super) struct Person {
     pub(super) title: &'static str,
     /// Sentence on means and aim of the person.
     pub(super) aim: &'static str,
+    /// True if the capture lies in the clone before the first line.
+    pub(super) has_capture: bool,
     /// Lines, in this order.
     pub(super) lines: &'static [Line],
 }
@@ -63,6 +65,7 @@ const NEWCOMER: Person = Person {
     name: "newcomer",
     title: "A newcomer",
     aim: "Has nothing, and wants to see that it works.",
+    has_capture: false,
     lines: &[
         told("cargo xtask demo", "cargo xtask demo --yes --headless", &["protected"]),
         told("cargo xtask test", "cargo xtask test --yes", &[" 0 failed"]),
@@ -75,9 +78,9 @@ const ENGINEER: Person = Person {
     name: "engineer",
     title: "An engineer with a capture",
     aim: "Has the bytes of a receiver's port, and wants to know what happened.",
+    has_capture: true,
     lines: &[
         same("cargo xtask replay --sample", &["protected 60"]),
-        told("cargo xtask replay --sample", "cargo xtask replay --sample --rtcm capture.rtcm3", &[]),
         told("cargo xtask replay capture.ubx", "cargo xtask replay capture.rtcm3", &["protected"]),
         told(
             "cargo xtask replay --sample --inject G06:+80@20..40 --report target/report",
@@ -103,6 +106,7 @@ const C_ENGINEER: Person = Person {
     name: "c-engineer",
     title: "A firmware engineer who writes C",
     aim: "Wants the module in a program in C.",
+    has_capture: true,
     lines: &[
         same("cmake -S rai-firmware/capi -B build", &[]),
         same("cmake --build build", &[]),
@@ -113,7 +117,6 @@ const C_ENGINEER: Person = Person {
              cc rai-firmware/capi/examples/c/receiver.c $(pkg-config --cflags --libs rai) -o receiver",
             &[],
         ),
-        told("cargo xtask replay --sample", "cargo xtask replay --sample --rtcm capture.rtcm3", &[]),
         own("LD_LIBRARY_PATH=out/lib ./receiver < capture.rtcm3", &["PRAIS"]),
     ],
 };
@@ -122,6 +125,7 @@ const RESEARCHER: Person = Person {
     name: "researcher",
     title: "A researcher",
     aim: "Wants the figures of the papers, and the module in numpy.",
+    has_capture: true,
     lines: &[
         told("cargo xtask reproduce", "cargo xtask reproduce --quick --yes", &[]),
         own("python3 -m venv env", &[]),
@@ -130,7 +134,6 @@ const RESEARCHER: Person = Person {
             "env/bin/pip install --quiet './rai-firmware/python[frames]'",
             &[],
         ),
-        told("cargo xtask replay --sample", "cargo xtask replay --sample --rtcm capture.rtcm3", &[]),
         told(
             "raim.replay",
             "env/bin/python -c 'import raim; print(raim.replay(\"capture.rtcm3\").epochs[[\"state\", \"hpl_m\"]])'",
@@ -143,10 +146,10 @@ const INTEGRATOR: Person = Person {
     name: "integrator",
     title: "An owner of a Linux computer with a receiver",
     aim: "Has a receiver on a serial port (socat plays it from the sample), and wants gpsd to read positions that may be trusted.",
+    has_capture: true,
     lines: &[
         same("cargo install --path rai-firmware/cli", &["Installed package"]),
         told("--dry-run --receiver ublox9", "rai configure --dry-run --receiver ublox9", &["RXM_RAWX"]),
-        told("cargo xtask replay --sample", "cargo xtask replay --sample --rtcm capture.rtcm3", &[]),
         told(
             "rai run --input serial:/dev/ttyUSB0@115200",
             "socat PTY,link=ttyUSB0,rawer SYSTEM:'sleep 4; for i in $(seq 0 99); do \

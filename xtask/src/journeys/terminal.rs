@@ -64,6 +64,11 @@ impl Terminal {
         Ok(Self { home: home.to_owned(), toolchains })
     }
 
+    /// Returns the folder of the clone.
+    pub(super) fn clone_folder(&self) -> PathBuf {
+        self.home.join("rai")
+    }
+
     /// Types a line, and waits until it ends.
     ///
     /// # Errors
@@ -74,7 +79,7 @@ impl Terminal {
         let begun = Instant::now();
         let status = Command::new("timeout")
             .args(["--kill-after=10", &LIMIT_S.to_string(), "bash", "-c", line.typed])
-            .current_dir(self.home.join("rai"))
+            .current_dir(self.clone_folder())
             .env_clear()
             .env("HOME", &self.home)
             .env("RUSTUP_HOME", &self.toolchains)

@@ -26,31 +26,24 @@ pub(super) fn whole(typed: &[Typed]) -> String {
     text
 }
 
-/// Returns the page of all journeys.
-pub(super) fn page(outcomes: &[(&Person, Vec<Typed>)]) -> String {
-    let mut text = String::from(
-        "# Five journeys\n\n\
-         `cargo xtask journeys --record` prints this page. Each of five people types what README says, in a clone of the\n\
-         last commit and in an empty home. The toolchain is there, because rustup brings it. Crates are fetched anew and\n\
-         everything is compiled anew.",
-    );
+/// Returns a journey on one page.
+pub(super) fn page(person: &Person, typed: &[Typed]) -> String {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let system = format!("{} on {}, {cores} cores", std::env::consts::OS, std::env::consts::ARCH);
-    let _ = writeln!(text, " System: {system}. Version: {}.", env!("CARGO_PKG_VERSION"));
-    for (person, typed) in outcomes {
-        let _ = writeln!(text, "\n## {}\n\n{}\n", person.title, person.aim);
-        text.push_str("| typed | duration |\n|---|---|\n");
-        for entered in typed {
-            let _ =
-                writeln!(text, "| `{}` | {} |", entered.line.typed.replace('|', "\\|"), entered.duration());
-        }
-        text.push_str("\n```text\n");
-        for entered in typed {
-            shorten(entered, &mut text);
-        }
-        text.push_str("```\n");
+    let (system, processor) = (std::env::consts::OS, std::env::consts::ARCH);
+    let mut text = format!(
+        "# {}\n\n{} Types what README says, in a clone of the last commit and in an empty home\n\
+         (`cargo xtask journeys {} --record` writes this page). System: {system}, {processor}, {cores} cores.\n\n\
+         | typed | duration |\n|---|---|\n",
+        person.title, person.aim, person.name
+    );
+    for entered in typed {
+        let _ = writeln!(text, "| `{}` | {} |", entered.line.typed.replace('|', "\\|"), entered.duration());
     }
-    text
+    text.push_str("\n```text\n");
+    for entered in typed {
+        shorten(entered, &mut text);
+    }
+    text + "```\n"
 }
 
 /// Adds a line and the end of its output.
