@@ -30,8 +30,8 @@ const RANGE_LIMIT_M: f64 = 1e9;
 /// geostationary.
 const RADIUS_M: core::ops::RangeInclusive<f32> = 6.3e6..=1e8;
 
-/// Range of a standard deviation, m. The weight of a smaller one exceeds the dynamic range of
-/// `f32`; a range with a larger one has no effect.
+/// Range of a standard deviation, m. A smaller one beside ordinary ones would exceed the
+/// digits of `f32`. A range with a larger one has no effect.
 const SIGMA_M: core::ops::RangeInclusive<f64> = 1e-3..=1e6;
 
 /// One satellite's corrected range, with the satellite's position when it sent the signal.
@@ -128,8 +128,8 @@ impl core::error::Error for EpochError {}
 /// The ranges of one instant, at most `N`. Monitors, reports and the memory of their searches have
 /// room for as many.
 ///
-/// `N` must be within 4 to 64, because sets of satellites fit one word. Another one does not
-/// compile:
+/// `N` must be within 4 to 64: a position needs four satellites, and a set of satellites must fit
+/// one word. Another `N` does not compile:
 ///
 /// ```compile_fail,E0080
 /// raim_core::Epoch::<65>::new(0.0);

@@ -63,19 +63,20 @@
 //!
 //! # Capacity
 //!
-//! `Epoch<N>` holds at most `N` satellites, and `Monitor<T, N>` judges it. `N` is 4 to 64. All
-//! memory follows from it, that of the searches on the stack as well. One program may use several.
+//! `Epoch<N>` holds at most `N` satellites, and `Monitor<T, N>` judges it. `N` is 4 to 64. `N`
+//! determines all memory, including the stack of the searches. One program may use several `N`.
 //!
 //! # Features
 //!
-//! A feature only adds: no type changes if another crate of the same program switches one on.
+//! A feature only adds. Except for `unstable`, no type changes if another crate of the same program
+//! switches one on.
 //!
 //! | feature | default | effect |
 //! |---|---|---|
 //! | `araim` | yes | builds [`Method::Araim`], solution separation over all monitored fault modes |
 //! | `searches` | yes | builds [`Method::Parity`] and [`Method::Ransac`] |
 //! | `tables` | yes | thresholds of all committed probabilities; without it only those of the phases of flight |
-//! | `policies` | yes | `Policy::T2` and `Policy::TOp`; without it both return the error of a policy without a threshold |
+//! | `policies` | yes | `Policy::T2` and `Policy::TOp`; without it both return the error that there is no threshold |
 //! | `past` | yes | compares an epoch with earlier ones: residuals with sigmas, position with velocity, clock with drift, satellites with recent exclusions |
 //! | `hypotheses` | yes | tests explanations beyond single satellites: a wrong time tag, or a system that is shifted or broken as a whole |
 //! | `aiding` | yes | rows that are no satellites (forecast of the receiver clock, known height), and sigmas scaled by residuals; without it an epoch has no room for such rows |

@@ -97,9 +97,10 @@ pub enum Unavailable {
     Geometry,
     /// No threshold meets the probabilities of both false alarm and missed detection (`τ1 ≥ τ2`).
     Risk,
-    /// The horizontal protection level exceeds its share of the alert limit.
+    /// The horizontal protection level exceeds the alert limit, or with `Policy::T1` its share of
+    /// it.
     Hpl,
-    /// The vertical protection level exceeds its share of the alert limit.
+    /// The vertical protection level exceeds the alert limit, or with `Policy::T1` its share of it.
     Vpl,
     /// The effective monitor threshold of ARAIM exceeds its limit.
     Emt,
@@ -122,7 +123,7 @@ pub enum Unavailable {
     /// Ranges came without orbits.
     Ephemeris,
     /// After an unexpected restart the settings are those at start, and the user has not confirmed
-    /// them.
+    /// them. Or a command has changed a setting that a promise depends on.
     Settings,
 }
 
@@ -321,7 +322,7 @@ pub struct Report<const N: usize> {
     /// Constellations left out as a whole, a bit for each id: found broken in this epoch, or kept
     /// out because of earlier epochs. Some of their satellites are also in [`Self::excluded`].
     pub excluded_constellations: u8,
-    /// The satellite used with the largest w-test; `None` without redundancy.
+    /// Satellite in use whose w-test is the largest; `None` without redundancy.
     pub suspect: Option<Suspect>,
     /// Satellites in the solution, in the order of the epoch.
     pub used: Vec<SatelliteId, N>,

@@ -3,7 +3,7 @@
 //! | sent | when |
 //! |---|---|
 //! | the items of the [`Schedule`] | at their rates; all with a nonzero rate if the state is worse than that of the epoch before |
-//! | `PRAIS`, `PRAIN` | with every epoch |
+//! | `PRAIS`, `PRAIN` | with every epoch; `PRAIS` also with a verdict without an epoch, such as `STALE` |
 //! | `PRAIX`, `PRAIM`, `PRAIH`, `PRAIE` | with every epoch to which they apply ([`crate::output::nmea`]) |
 //! | `PRAIQ` | at start, after every change, every 60 s |
 //! | `PRAIL` | every 60 s |

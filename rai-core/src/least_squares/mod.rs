@@ -137,8 +137,8 @@ impl<T: Real> RowFit<T> {
     }
 }
 
-/// A solved view of a [`Workspace`], derived from one 3×3 solve. Memory for `N` rows, the
-/// capacity of the workspace, is sufficient for every search in it.
+/// A solved view of a [`Workspace`], derived from one 3×3 solve. `N` is the capacity of the
+/// workspace. Every search in the view needs memory for at most `N` rows.
 #[derive(Debug, PartialEq)]
 pub struct Snapshot<'w, T: Real, const N: usize = MAX_ROWS> {
     rows: &'w mut [Row<T>],
@@ -341,8 +341,9 @@ impl<T: Real, const N: usize> Snapshot<'_, T, N> {
     /// Returns the clocks of the rows that take part, as references for equations about a nearby
     /// point.
     ///
-    /// A first residual that is wrong by 100,000 km is a bad reference, even if its row is left
-    /// out. Its subtraction makes the other residuals so large that `f32` cannot resolve metres.
+    /// The first residual of a constellation would be a bad reference if it is wrong by 100,000 km,
+    /// even if its row is left out. Its subtraction makes the other residuals so large that `f32`
+    /// cannot resolve metres.
     // Not inlined, so that it adds nothing to the stack of the solve that follows.
     #[inline(never)]
     pub(crate) fn clocks_as_references(&self) -> References<T> {

@@ -8,9 +8,10 @@
 //! scaled    ratio ≥ χ²_{1−1e-3}(Σ dof) / Σ dof             protection levels times √ratio
 //! ```
 //!
-//! If the sigmas are refuted, no position is promised. The second line applies to the rest of this
-//! epoch and to the sum over the minute; one of the two suffices. The third line applies to the
-//! ratio of the minute and to that of this epoch's rest; the larger ratio scales the levels.
+//! If the sigmas are refuted, no position is promised. The second rule for `refuted` is applied
+//! twice, to the rest of this epoch alone and to the sum over the minute. Either suffices. The rule
+//! for `scaled` is applied to the ratio of the minute and to that of this epoch's rest. The larger
+//! ratio scales the levels.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -33,9 +34,9 @@
 //! - An epoch with [`Unidentified::Time`] does not count, because a wrong time tag is no error of
 //!   the ranges.
 //!
-//! One epoch alone never refutes the sigmas if it passes its own test without an exclusion. The
-//! refutation bound of its degrees of freedom exceeds the threshold of that test for `P_fa` above
-//! 1e-7.
+//! One epoch alone never refutes the sigmas if it passes its own test without an exclusion. If
+//! `P_fa` is above 1e-7, the bound for `refuted` exceeds the threshold `τ1` at the same degrees of
+//! freedom.
 //!
 //! **The rest after an exclusion.** The test's `P_fa` is small, because every healthy epoch risks a
 //! false alarm. After an exclusion one fault is certain, and reflections come in groups. A rest
@@ -101,7 +102,7 @@ pub(super) struct EpochResiduals {
     all: Residuals,
     /// Residuals of the satellites used.
     rest: Residuals,
-    /// Number of satellites that were excluded one by one, if the rest agrees.
+    /// Number of satellites that were excluded one by one; 0 if the rest does not agree.
     pub(super) excluded: u8,
 }
 

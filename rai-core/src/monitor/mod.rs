@@ -148,8 +148,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Forgets the residuals of the adaptation and the evidence against the sigmas. Call it if the
-    /// ranges are now made in another way or come from other satellites.
+    /// Forgets the residuals of the adaptation, the evidence against the sigmas, the systems kept
+    /// out and the past motion. Call it if the ranges are now made in another way or come from
+    /// other satellites.
     pub fn forget_residuals(&mut self) {
         self.adaptation.restart();
         self.evidence.restart();
@@ -157,7 +158,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.motion.restart();
     }
 
-    /// Forgets the last position, so that the next may be anywhere.
+    /// Forgets what limits the next position, so that it may be anywhere. The start of the next fix
+    /// stays.
     pub fn forget_position(&mut self) {
         self.continuity.forget();
         self.kept_out.restart();
@@ -254,9 +256,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Updates the state from a judged epoch, for [`Self::process`] and `learn`.
     ///
-    /// `refusal` is the reason if there is no velocity. Both are parameters of their own, because
-    /// the compiler follows scalars, but no `Result` of two types. A program without range rates
-    /// then has no code that compares with them.
+    /// `refusal` is the reason if there is no velocity. They are two parameters and not one
+    /// `Result`, because the compiler propagates constants only through simple parameters. A
+    /// program without range rates then contains no comparison with rates.
     #[inline(never)]
     fn learn_from(
         &mut self,
@@ -353,7 +355,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Returns the scale on all sigmas if the strategy adapts them.
     ///
     /// It is at least 1 for sigmas of an integrity support message, because ten minutes of small
-    /// residuals prove nothing about rare faults.
+    /// residuals prove nothing about rare faults and constant errors.
     fn scale(&self, time_s: f64) -> Option<f64> {
         let least = if self.strategy.method.uses_ism() { 1.0 } else { 0.0 };
         self.strategy.scales_sigmas().then(|| self.adaptation.scale(time_s).max(least))

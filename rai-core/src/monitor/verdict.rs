@@ -32,8 +32,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Returns true if the position would also be protected without the aiding rows. If
-    /// only these protect an epoch, no clock is learned from it.
+    /// Returns true if the position would also be protected without the aiding rows. If an epoch is
+    /// protected only because of aiding rows, no clock is learned from it.
     pub(super) fn satellites_are_protected(&self, judgement: &Judgement<T>, verdict: Verdict) -> bool {
         let alone = match &judgement.without_aiding {
             WithoutAiding::Always => true,
@@ -48,9 +48,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Returns the verdict on satellites that agree, by comparing their protection levels with the
     /// limits.
     ///
-    /// A policy other than `T1` chooses the threshold so that the level is within its share of the
-    /// limit. Shared errors, a possible time error and scaling come on top and may use the rest of
-    /// the limit.
+    /// A policy other than `T1` chooses the threshold so that the plain level is within
+    /// `guard_fraction` of the limit. Shared errors, a possible time error and scaling add to that
+    /// level, and may use the rest of the limit.
     fn bounded(&self, reason: Protected, levels: &ProtectionLevels) -> Verdict {
         let ProtectionLevels { hpl_m, vpl_m } = *levels;
         let fraction = self.validated.requirements.guard_fraction;

@@ -11,10 +11,10 @@
 //! | every message states that more follow, and the next epoch comes a minute later | the epoch is complete when the line is silent; a message that comes after the silence is left out, and later silences are then ignored like wrong statements |
 //! | a message without satellites is tagged ahead | it does not advance time, because no range supports its tag; if the tag is far ahead, the message is skipped |
 //! | ranges come again under a new tag, bit for bit | the repeat is dropped: satellites move by metres in a millisecond, so that its tag must be wrong |
-//! | bytes are lost | the open epoch is dropped, and so are all further messages of the instant of the next message |
+//! | bytes are lost | the open epoch is dropped; the next message and all others of its instant are dropped too |
 //! | two receivers with one station number share the line | the first ranges are used; a second, different range of a satellite is reported ([`Rivalry`]), and so are ranges that alternate between two receivers ([`super::turns`]) |
 //! | the tag of one system is seconds off | the system is left out and counted ([`super::chain`]) |
-//! | the tags of one system are wrong by tens of milliseconds | one instant comes as two epochs without a common satellite, which is reported before the second one is judged ([`HALVES_MS`]) |
+//! | the tags of one system are wrong by tens of milliseconds | one instant comes as two epochs without a common system, which is reported before the second one is judged ([`HALVES_MS`]) |
 
 use super::calendar::{Calendar, TimeError};
 use super::chain::{ASTRAY_MS, Chain, apart_ms, bit};
@@ -83,8 +83,8 @@ pub(super) struct Assembly {
     ranges_before: Option<u32>,
 }
 
-/// Longest time between a UTC tag and a tag in GPS time from which the leap seconds are inferred,
-/// ms.
+/// Longest time between the arrivals of a UTC tag and of a GPS tag that together give the leap
+/// seconds, ms.
 const BURST_MS: u64 = 100;
 
 impl Assembly {
@@ -351,8 +351,9 @@ impl Assembly {
     }
 
     /// Returns true if the ranges are of a system that the epoch lacks, and their tag is so near
-    /// that both are of one instant. After a complete epoch they must also arrive within three
-    /// quarters of the difference of the tags, before messages of the next instant can.
+    /// that both are of one instant. After a complete epoch they must also arrive soon after its
+    /// first byte: within three quarters of the difference of the tags. Messages of the next
+    /// instant cannot arrive so soon.
     fn is_half(&self, series: Option<Series>, tow_ms: u32, came_ms: u64) -> bool {
         let (instant_ms, is_complete) = match self.phase {
             Phase::Open(_) => (self.epoch.time.tow_ms, false),

@@ -121,8 +121,8 @@ pub enum Event<'a> {
 pub enum Rivalry {
     /// Two receivers share the line: after an epoch, its ranges came again with other values.
     Receivers,
-    /// Ranges came twice with different values within the epoch that is judged next. One message of
-    /// it may be forged, and later epochs may be right.
+    /// Ranges came twice with different values within the epoch that is judged next. One of its
+    /// messages may be forged, which proves nothing about later epochs.
     Joined,
     /// Two receivers may share the line: the ranges have moved to and fro once.
     Suspected,
@@ -235,9 +235,8 @@ impl Input {
         self.drain(true, &mut tell);
     }
 
-    /// Completes an epoch whose end was stated by a system that stated an end wrongly before. The
-    /// line has paused for longer than any gap inside a burst, so that the statement is right this
-    /// time.
+    /// Completes an epoch whose end only a distrusted system has stated. The line has paused for
+    /// longer than any gap inside a burst, so that the statement is right this time.
     pub fn pause(&mut self, mut tell: impl FnMut(Event<'_>)) {
         self.assembly.pause(&mut self.counters, &mut tell);
     }
@@ -247,7 +246,8 @@ impl Input {
     ///
     /// Some casters announce in every message that more follow. If the next epoch comes only after
     /// the time to alert, its first message would complete this one too late. A slow line that is
-    /// busy until the next epoch is never silent; there, the next epoch completes this one in time.
+    /// busy until the next epoch is never silent. There the next epoch completes this one early
+    /// enough.
     pub fn end_epoch(&mut self, mut tell: impl FnMut(Event<'_>)) {
         self.assembly.silence(&mut self.counters, &mut tell);
     }
@@ -257,8 +257,8 @@ impl Input {
         self.assembly.is_open()
     }
 
-    /// Discards incomplete frames, the open epoch, and the rest of the epoch whose message comes
-    /// next, because bytes were lost.
+    /// Discards incomplete frames and the open epoch, because bytes were lost. The next message and
+    /// all others of its instant are also dropped.
     pub fn interrupt(&mut self) {
         self.framer.forget(&mut self.counters);
         self.assembly.interrupt(&mut self.counters);

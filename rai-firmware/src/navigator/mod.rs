@@ -152,7 +152,7 @@ impl Navigator {
         Ok(())
     }
 
-    /// Forgets the last position.
+    /// Forgets what limits the next position, so that it may be anywhere.
     pub fn forget_position(&mut self) {
         self.store.forget_position();
         self.monitor.forget_position();
@@ -252,7 +252,7 @@ impl Navigator {
         {
             memory.outcome_mut().withdraw(Unavailable::Place);
         }
-        // In an alert no velocity is reported, so that none is computed at a wrong place.
+        // In an alert no velocity is computed, because the place may be wrong.
         let report = &memory.outcome().report;
         let place = found(report).filter(|_| !matches!(report.verdict, Verdict::Alert(_)));
         let velocity = if cfg!(feature = "past") {

@@ -422,8 +422,8 @@ const fn is_sign(verdict: Verdict) -> bool {
 }
 
 /// Returns true if ranges agree with orbits that determine the week, even if not well enough for
-/// protection. The tag is then right. GLONASS alone proves no week: its ephemerides state none, and
-/// the tag's week dates them.
+/// protection. The tag is then right. GLONASS alone proves no week: its ephemerides state none, so
+/// that they take the week of the tag.
 fn agree<const N: usize>(report: &Report<N>) -> bool {
     use Unavailable::{Accuracy, Emt, Hpl, Risk, Vpl};
     let is_contradicted = !matches!(

@@ -15,15 +15,15 @@
 //! - after an ordered restart
 //! - if the last judged epoch is older than the time to alert
 //!
-//! The age of an epoch counts from the time at which it was due: the arrival of its first byte,
-//! earlier by its lateness. Lateness is the excess of its delay (arrival minus tag) over the
+//! The age of an epoch counts from its due time. The due time is the arrival of its first byte
+//! minus its lateness. Lateness is the excess of its delay (arrival minus tag) over the
 //! shortest delay of earlier epochs whose ranges agreed with the orbits ([`lateness`]). If a
 //! complete epoch is already older than the time to alert, it is discarded, because its verdict
 //! would describe the past.
 //!
 //! Each epoch is reported at once. If no epoch is judged within the time to alert, the module
 //! raises `STALE`, or `SOURCE` if it receives epochs of another source. A series of unavailable
-//! epochs does not raise them, because the pin is already low.
+//! epochs does not raise them, because these epochs were judged. The pin is low anyway.
 //!
 //! An epoch whose last byte has waited for more than [`LAG_MS`] is skipped and counted. If epochs
 //! come faster than they can be judged, the newest is therefore judged and not the oldest.

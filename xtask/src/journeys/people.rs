@@ -85,7 +85,7 @@ const ENGINEER: Person = Person {
         told(
             "cargo xtask replay --sample --inject G06:+80@20..40 --report target/report",
             "cargo xtask replay --sample --inject G06:+80@20..40 --report target/report && ls target/report",
-            &["EXCLUDED", "index.html"],
+            &["EXCLUDED", "report.html"],
         ),
         told(
             "cargo xtask replay --sample --phase LPV200 --set MASK=5 --csv site.csv --satellites ranges.csv",

@@ -77,14 +77,18 @@ impl Terminal {
         let log = self.home.join("output");
         let file = File::create(&log)?;
         let begun = Instant::now();
-        let status = Command::new("timeout")
-            .args(["--kill-after=10", &LIMIT_S.to_string(), "bash", "-c", line.typed])
+        let mut shell = Command::new("timeout");
+        shell.args(["--kill-after=10", &LIMIT_S.to_string(), "bash", "-c", line.typed]);
+        // What cargo and rustup set for this command is not for the person.
+        let own = |name: &str| ["CARGO", "RUST"].iter().any(|prefix| name.starts_with(prefix));
+        for (name, _) in std::env::vars().filter(|(name, _)| own(name)) {
+            shell.env_remove(name);
+        }
+        let status = shell
             .current_dir(self.clone_folder())
-            .env_clear()
             .env("HOME", &self.home)
             .env("RUSTUP_HOME", &self.toolchains)
             .env("PATH", self.path())
-            .env("LANG", "C.UTF-8")
             .stdin(Stdio::null())
             .stdout(file.try_clone()?)
             .stderr(file)

@@ -33,8 +33,9 @@
 //! - Vertically, errors of both signs add up to `2 Q(k') = P_md`. Horizontally, the error may have
 //!   any direction, and `k'` is that of a circular distribution.
 //!
-//! `√(s² + σ²)` is also the standard deviation of the position without that satellite. The papers'
-//! level is the limit for `σ → 0` and bounds only the mean error under the worst missed bias. An
+//! `√(s² + σ²)` is also the standard deviation of the position without that satellite. For
+//! `σ → 0` the level exceeds that of the papers, `s √λ`, by `s (k' − k)`. The papers' level bounds
+//! only the mean error under the worst missed bias. An
 //! error beyond it is up to 84 times likelier than `P_md = 1e-3`, and 36,000 times likelier than
 //! `P_md = 1e-6`.
 //!
@@ -304,8 +305,8 @@ impl<'f, T: Real> LevelInputs<'f, T> {
         }
     }
 
-    /// Returns the protection levels against a fault other than a satellite's, with these slopes
-    /// and a w-test of `shown`.
+    /// Returns the protection levels against a fault that is no satellite's. It has these slopes,
+    /// and its w-test is `shown`.
     ///
     /// The root of the non-centrality is `shown + k`.
     pub(crate) fn protect_against(

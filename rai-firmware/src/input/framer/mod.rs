@@ -84,7 +84,7 @@ impl Framer {
         self.make_room(bytes.len(), counters);
         let room = self.buffer.capacity() - self.buffer.len();
         let (now, later) = bytes.split_at_checked(room).unwrap_or((bytes, &[]));
-        // If all waiting bytes came at `fresh_ms`, they are the old bytes from now on.
+        // If every waiting byte came at `fresh_ms`, that time becomes `old_ms`.
         if self.front >= self.fresh {
             self.old_ms = self.fresh_ms;
         }
@@ -120,8 +120,8 @@ impl Framer {
         self.front = 0;
     }
 
-    /// Returns true if [`Framer::next`] would find more than before. Bytes come a few at a time. A
-    /// call of [`Framer::next`] for each few would cost half as much as reading the message.
+    /// Returns true if [`Framer::next`] would find more than before. Bytes come a few at a time. To
+    /// call [`Framer::next`] after every few bytes would cost half as much as reading the message.
     pub(super) fn is_worth_a_look(&mut self) -> bool {
         if self.handed > 0 {
             return true;

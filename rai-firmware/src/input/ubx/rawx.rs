@@ -15,8 +15,8 @@
 //! tag minus the nearest millisecond, each range `P` becomes `P − c δ`. The instant of transmission
 //! stays the same, and the change is common to all ranges.
 //!
-//! A double on the wire may have any value. Times and ranges that are not finite or out of range
-//! are refused here.
+//! A double on the wire may have any value. Times out of range and values that are not finite are
+//! refused here. Assembly refuses ranges out of bounds.
 //!
 //! Reference: [UBX-F9] RXM-RAWX.
 //!
@@ -54,7 +54,7 @@ pub(in crate::input) struct Rawx<'a> {
     measurements: &'a [u8],
     /// Time of the epoch, to the nearest millisecond.
     pub(super) time: GpsTime,
-    /// Offset of the time tag after that time, m of range.
+    /// Time tag minus `time`, times the speed of light, m.
     offset_m: f64,
     /// GPS time minus UTC, s, if the receiver knows it.
     pub(super) leap_s: Option<u8>,
