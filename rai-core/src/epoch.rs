@@ -30,8 +30,8 @@ const RANGE_LIMIT_M: f64 = 1e9;
 /// geostationary.
 const RADIUS_M: core::ops::RangeInclusive<f32> = 6.3e6..=1e8;
 
-/// Range of a standard deviation, m. A smaller one beside ordinary ones would exceed the
-/// digits of `f32`. A range with a larger one has no effect.
+/// Range of a standard deviation, m. Together with ordinary ones, a smaller one would need
+/// more digits than `f32` has. A range with a larger one has no effect.
 const SIGMA_M: core::ops::RangeInclusive<f64> = 1e-3..=1e6;
 
 /// One satellite's corrected range, with the satellite's position when it sent the signal.
@@ -97,9 +97,9 @@ pub enum EpochError {
     Position(Ecef),
     /// The standard deviation is not within 1e-3 to 1e6 m.
     Sigma(f64),
-    /// The satellite is in the epoch already.
+    /// The satellite, or this kind of aiding, is in the epoch already.
     Duplicate,
-    /// The epoch holds `N` satellites already.
+    /// The epoch has no room for another satellite or kind of aiding.
     Full,
 }
 

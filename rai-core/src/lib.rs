@@ -23,8 +23,8 @@
 //!
 //! Further modules: [`least_squares::downdate`] (the solution without any set of satellites),
 //! [`weighting`] (the error model), [`clock`] (a forecast of the receiver clock as one more row),
-//! [`continuity`] (recovery, jumps, and motion against its rates), [`velocity`] and [`frame`]
-//! (WGS 84).
+//! [`continuity`] (recovery, jumps, and comparison of the motion with the measured velocity and
+//! drift), [`velocity`] and [`frame`] (WGS 84).
 //!
 //! # Example
 //!
@@ -68,8 +68,8 @@
 //!
 //! # Features
 //!
-//! A feature only adds. Except for `unstable`, no type changes if another crate of the same program
-//! switches one on.
+//! A feature only adds. If another crate of the program enables a feature, no type changes. Only
+//! `unstable` is an exception.
 //!
 //! | feature | default | effect |
 //! |---|---|---|

@@ -97,10 +97,11 @@ pub enum Unavailable {
     Geometry,
     /// No threshold meets the probabilities of both false alarm and missed detection (`τ1 ≥ τ2`).
     Risk,
-    /// The horizontal protection level exceeds the alert limit, or with `Policy::T1` its share of
-    /// it.
+    /// The horizontal protection level exceeds the alert limit. Under `Policy::T1`, except for
+    /// ARAIM, it exceeds `guard_fraction` times the limit.
     Hpl,
-    /// The vertical protection level exceeds the alert limit, or with `Policy::T1` its share of it.
+    /// The vertical protection level exceeds the alert limit. Under `Policy::T1`, except for ARAIM,
+    /// it exceeds `guard_fraction` times the limit.
     Vpl,
     /// The effective monitor threshold of ARAIM exceeds its limit.
     Emt,
@@ -236,8 +237,8 @@ pub struct AraimReport {
     pub modes: u16,
     /// Probability of unmonitored faults.
     pub unmonitored_probability: f64,
-    /// Share of the risk that this outcome receives. One outcome is to exclude nothing, and each
-    /// possible exclusion is another one.
+    /// Share of the risk for this outcome. All outcomes share equally: no exclusion, and each
+    /// possible exclusion.
     pub share: f64,
     /// Largest separation over its threshold, dimensionless: an alarm from 1 on.
     pub ratio: f64,

@@ -29,14 +29,13 @@
 //! - The satellites of a system that was left out as a whole do not count, because they are one
 //!   fault.
 //! - The SSE of an epoch counts as at most [`MOST_RATIO`]·dof, so that a short alert does not block
-//!   a whole minute. If the ratio is 1 otherwise, half of a minute must contradict the sigmas to
-//!   refute them.
+//!   a whole minute. If the ratio is 1 in one half of the minute, the whole other half must reach
+//!   this cap to refute the sigmas.
 //! - An epoch with [`Unidentified::Time`] does not count, because a wrong time tag is no error of
 //!   the ranges.
 //!
-//! One epoch alone never refutes the sigmas if it passes its own test without an exclusion. If
-//! `P_fa` is above 1e-7, the bound for `refuted` exceeds the threshold `τ1` at the same degrees of
-//! freedom.
+//! If `P_fa` is above 1e-7, one epoch that passes its own test without an exclusion never refutes
+//! the sigmas: the bound for `refuted` exceeds `τ1` at the same degrees of freedom.
 //!
 //! **The rest after an exclusion.** The test's `P_fa` is small, because every healthy epoch risks a
 //! false alarm. After an exclusion one fault is certain, and reflections come in groups. A rest
@@ -230,8 +229,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 }
 
-/// Returns the residuals of the satellites used, and their sum with those of excluded satellites
-/// except for the largest.
+/// Returns two sums: `rest` has the residuals of the satellites used. `all` adds those of the
+/// excluded satellites, except for the largest one.
 pub(super) fn residuals_of_all<T: Real, const N: usize>(
     judgement: &Judgement<T>,
     snapshot: &Snapshot<'_, T, N>,

@@ -14,8 +14,8 @@
 //! Correction has two steps, because only the second depends on the receiver's position. [`locate`]
 //! computes the satellite positions once for each epoch, which is the expensive part.
 //! [`Site::correct`] can be repeated at a better point. If satellites have two frequencies, the
-//! site also compares the noise part of the levels, once with pairs of frequencies and once with
-//! single ones ([`frequency`]).
+//! site also computes the noise part of the levels twice, with pairs of frequencies and with single
+//! ones, and compares both ([`frequency`]).
 //!
 //! References: [Klobuchar1987] J. A. Klobuchar, *Ionospheric time-delay algorithm for
 //! single-frequency GPS users*.

@@ -13,8 +13,8 @@
 //! | ranges come again under a new tag, bit for bit | the repeat is dropped: satellites move by metres in a millisecond, so that its tag must be wrong |
 //! | bytes are lost | the open epoch is dropped; the next message and all others of its instant are dropped too |
 //! | two receivers with one station number share the line | the first ranges are used; a second, different range of a satellite is reported ([`Rivalry`]), and so are ranges that alternate between two receivers ([`super::turns`]) |
-//! | the tag of one system is seconds off | the system is left out and counted ([`super::chain`]) |
-//! | the tags of one system are wrong by tens of milliseconds | one instant comes as two epochs without a common system, which is reported before the second one is judged ([`HALVES_MS`]) |
+//! | the tag of one system is half a second or more off | the system is left out and counted ([`super::chain`]) |
+//! | the tags of one system are wrong by 10 ms to half a second | one instant comes as two epochs without a common system, which is reported before the second one is judged ([`HALVES_MS`]) |
 
 use super::calendar::{Calendar, TimeError};
 use super::chain::{ASTRAY_MS, Chain, apart_ms, bit};
@@ -351,9 +351,9 @@ impl Assembly {
     }
 
     /// Returns true if the ranges are of a system that the epoch lacks, and their tag is so near
-    /// that both are of one instant. After a complete epoch they must also arrive soon after its
-    /// first byte: within three quarters of the difference of the tags. Messages of the next
-    /// instant cannot arrive so soon.
+    /// that both are of one instant. After a complete epoch a second condition applies: the time
+    /// since its first byte must be below three quarters of the difference of the tags. Messages of
+    /// the next instant cannot arrive so soon.
     fn is_half(&self, series: Option<Series>, tow_ms: u32, came_ms: u64) -> bool {
         let (instant_ms, is_complete) = match self.phase {
             Phase::Open(_) => (self.epoch.time.tow_ms, false),

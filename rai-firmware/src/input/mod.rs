@@ -112,11 +112,11 @@ pub enum Event<'a> {
     Ionosphere(Constellation, [f64; 8]),
     /// Report of the receiver on its own signals.
     SelfReport(SelfReport),
-    /// Evidence that the ranges of the next epoch are not all from one antenna at one instant.
+    /// Evidence that the ranges of an epoch are not all from one antenna at one instant.
     Rivalry(Rivalry),
 }
 
-/// Evidence against the ranges of an epoch, known before it is judged.
+/// Evidence against the ranges of the last epoch or of the next one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rivalry {
     /// Two receivers share the line: after an epoch, its ranges came again with other values.
@@ -235,8 +235,8 @@ impl Input {
         self.drain(true, &mut tell);
     }
 
-    /// Completes an epoch whose end only a distrusted system has stated. The line has paused for
-    /// longer than any gap inside a burst, so that the statement is right this time.
+    /// Completes an epoch whose end only a system with earlier wrong statements has stated. The
+    /// line has paused for longer than any gap inside a burst, which confirms this statement.
     pub fn pause(&mut self, mut tell: impl FnMut(Event<'_>)) {
         self.assembly.pause(&mut self.counters, &mut tell);
     }

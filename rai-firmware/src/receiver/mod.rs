@@ -16,8 +16,8 @@
 //! - if the last judged epoch is older than the time to alert
 //!
 //! The age of an epoch counts from its due time. The due time is the arrival of its first byte
-//! minus its lateness. Lateness is the excess of its delay (arrival minus tag) over the
-//! shortest delay of earlier epochs whose ranges agreed with the orbits ([`lateness`]). If a
+//! minus its lateness. The delay of an epoch is its arrival minus its tag. Its lateness is this
+//! delay minus the shortest one of earlier epochs that agreed with the orbits ([`lateness`]). If a
 //! complete epoch is already older than the time to alert, it is discarded, because its verdict
 //! would describe the past.
 //!

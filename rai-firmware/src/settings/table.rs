@@ -298,7 +298,7 @@ settings! {
         phase: Apart,
         warning: nothing,
         example: "ADAPT",
-        text: "Sigmas of the ranges: `FIXED` takes them from the model; `ADAPT` scales them by 0.5 to 3 after ten minutes of residuals, by no less than 1 under `METHOD,SEPARATION`, and never below the error of the ionosphere's model",
+        text: "Sigmas of the ranges: `FIXED` takes them from the model; `ADAPT` scales them by 0.5 to 3 from the residuals of the last ten minutes, by no less than 1 under `METHOD,SEPARATION`, and never below the error of the ionosphere's model",
     }
     "BAUD" Baud {
         bit_rate: Baud = Baud::Auto,

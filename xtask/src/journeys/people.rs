@@ -136,8 +136,8 @@ const RESEARCHER: Person = Person {
         ),
         told(
             "raim.replay",
-            "env/bin/python -c 'import raim; print(raim.replay(\"capture.rtcm3\").epochs[[\"state\", \"hpl_m\"]])'",
-            &["hpl_m", "60 rows"],
+            "env/bin/python -c 'import raim; print(raim.replay(\"capture.rtcm3\").epochs.hpl_m.describe())'",
+            &["count", "60.0"],
         ),
     ],
 };

@@ -20,12 +20,12 @@
 //! | `P_ff` | probability that the error exceeds the level without a fault | – |
 //! | `HPL`, `VPL` | [`ProtectionLevels`] | m |
 //!
-//! **Proof of the bound.** Let `b` be the root of the bias's non-centrality, so that `b = √λ` is
-//! missed with the probability `P_md`. Along the bias's direction in parity space the test sees
-//! `X = b + noise`. Independently, the error of the position is `Y = s b + σ noise`.
+//! **Proof of the bound.** Let `β` be the root of the bias's non-centrality. A bias with `β = √λ`
+//! is missed with the probability `P_md`. Along the bias's direction in parity space the test sees
+//! `X = β + noise`. Independently, the error of the position is `Y = s β + σ noise`.
 //!
-//! - If `b > √λ`, a miss alone is less likely than `P_md`.
-//! - If `b ≤ √λ`, a miss is at most as likely as `X < √λ − k`. A miss with an error above the level
+//! - If `β > √λ`, a miss alone is less likely than `P_md`.
+//! - If `β ≤ √λ`, a miss is at most as likely as `X < √λ − k`. A miss with an error above the level
 //!   is then at most as likely as the quadrant `X < √λ − k`, `Y > PL`.
 //! - This quadrant lies in the half-plane `Y − s X > PL − s (√λ − k) = k' √(s² + σ²)`. For any
 //!   bias, `Y − s X` has mean 0 and standard deviation `√(s² + σ²)`. So the half-plane has the
@@ -42,8 +42,8 @@
 //! **Shared errors** of all ranges add to each level, because no test sees them
 //! ([`super::shared_errors`]).
 //!
-//! A satellite without redundancy has slope 0 if it does not move the position, as a
-//! constellation's lone satellite. Otherwise its slope is infinite. If all sigmas are equal,
+//! A satellite without redundancy has slope 0 if it does not move the position. A constellation's
+//! lone satellite is such a case. Otherwise its slope is infinite. If all sigmas are equal,
 //! [Lin2016] (eq. 22–26) computes the same horizontal slope from the change of HDOP without the
 //! satellite: `slope_h,i = σ_i √(HDOP_i² − HDOP²)`.
 //!
@@ -305,8 +305,8 @@ impl<'f, T: Real> LevelInputs<'f, T> {
         }
     }
 
-    /// Returns the protection levels against a fault that is no satellite's. It has these slopes,
-    /// and its w-test is `shown`.
+    /// Returns the protection levels against a fault that is not that of one satellite. `slopes`
+    /// are the slopes of this fault, and `shown` is its w-test.
     ///
     /// The root of the non-centrality is `shown + k`.
     pub(crate) fn protect_against(
