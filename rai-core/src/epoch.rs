@@ -26,12 +26,12 @@ use crate::weighting::shared::SharedError;
 /// A receiver clock may be off by more than a second; nothing physical exceeds this limit.
 const RANGE_LIMIT_M: f64 = 1e9;
 
-/// Range of a satellite's distance from the centre of the earth, m: the ground to well beyond
+/// Permitted distances of a satellite from the centre of the earth, m: the ground to well beyond
 /// geostationary.
 const RADIUS_M: core::ops::RangeInclusive<f32> = 6.3e6..=1e8;
 
-/// Range of a standard deviation, m. Together with ordinary ones, a smaller one would need
-/// more digits than `f32` has. A range with a larger one has no effect.
+/// Permitted standard deviations, m. A smaller one, mixed with ordinary ones, would need more
+/// digits than `f32` has. A pseudorange with a larger one would have no effect.
 const SIGMA_M: core::ops::RangeInclusive<f64> = 1e-3..=1e6;
 
 /// One satellite's corrected range, with the satellite's position when it sent the signal.

@@ -61,7 +61,8 @@ pub enum Alert {
     /// A fault was detected and could not be isolated.
     Fault,
     /// Several exclusions explain the data equally well, or a contradiction points to no satellite:
-    /// two systems or a height disagree, or two receivers send.
+    /// two systems contradict each other, a height contradicts the satellites, or two receivers
+    /// send.
     Ambiguous,
     /// A wrong time tag of all ranges explains the data, and no exclusion does better.
     Time,
@@ -184,7 +185,8 @@ pub struct TestStatistic {
     pub dof: u8,
 }
 
-/// Bounds on the error of a protected position, even if one satellite is faulty, m.
+/// Protection levels, m. Those of classic RAIM bound the effect of one faulty satellite, those of
+/// ARAIM also the effect of several.
 ///
 /// Infinite if a satellite moves the position but cannot be tested
 /// ([`crate::integrity::raim::levels`]).
@@ -240,12 +242,13 @@ pub struct AraimReport {
     /// Share of the risk for this outcome. All outcomes share equally: no exclusion, and each
     /// possible exclusion.
     pub share: f64,
-    /// Largest separation over its threshold, dimensionless: an alarm from 1 on.
+    /// Largest separation divided by its threshold, dimensionless. Above 1 there is an alarm.
     pub ratio: f64,
     /// Largest vertical threshold among the modes whose prior is at least
     /// [`crate::requirements::Allocation::emt_prior`], m.
     pub effective_monitor_threshold_m: f64,
-    /// Standard deviation of the height for accuracy, m.
+    /// Standard deviation of the height, computed with the URE instead of the URA, m. The accuracy
+    /// limit applies to it.
     pub accuracy_m: f64,
     /// The fault mode that dominates the HPL.
     pub horizontal: DominantMode,

@@ -35,8 +35,8 @@ pub enum Search<'s> {
     Anew,
     /// Search about an inaccurate point and accept the result provisionally.
     ///
-    /// The separability check is as expensive as the search. It therefore runs only at a better
-    /// point, where the satellites are [`Self::Known`].
+    /// The separability check is as expensive as the search. For satellites it therefore runs only
+    /// at a better point, where these are [`Self::Known`].
     Rough,
     /// Leave out the satellites that a search about another point found, and search for no others.
     Known(&'s [SatelliteId]),
@@ -88,8 +88,8 @@ pub(super) fn isolate<T: Real, const N: usize>(
     }
 }
 
-/// Compares every set of up to `dof/2` rows, the most that can be identified. If these are too
-/// many, excludes sequentially by w-test.
+/// Compares every set of up to `dof/2` rows, at most three, the most that can be identified. If
+/// these are too many, excludes sequentially by w-test.
 fn isolate_within_budget<T: Real, const N: usize>(
     solution: &mut impl Excludable<T, N>,
     thresholds: &Thresholds<'_>,

@@ -29,7 +29,7 @@
 //! [`Snapshot::projection`] computes `S_ij` on demand.
 //!
 //! A [`Workspace`] owns the memory of the equations and lends it as a [`Snapshot`], which is always
-//! solved. If rows are left out or taken back, it is solved again.
+//! solved. If rows are left out or taken back, its solution is updated.
 //!
 //! | module | content |
 //! |---|---|
@@ -341,9 +341,9 @@ impl<T: Real, const N: usize> Snapshot<'_, T, N> {
     /// Returns the clocks of the rows that take part, as references for equations about a nearby
     /// point.
     ///
-    /// The first residual of a constellation is no such reference, because it may be wrong by
-    /// 100,000 km, even with its row left out. Subtracting it would leave residuals so large that
-    /// `f32` cannot resolve metres.
+    /// The first residual of a constellation is unsuitable. It may be wrong by 100,000 km, and it
+    /// stays the reference even if its row is left out. Subtracting it would leave residuals so
+    /// large that `f32` cannot resolve metres.
     // Not inlined, so that it adds nothing to the stack of the solve that follows.
     #[inline(never)]
     pub(crate) fn clocks_as_references(&self) -> References<T> {

@@ -32,7 +32,7 @@
 //!   a whole minute. If the ratio is 1 in one half of the minute, the whole other half must reach
 //!   this cap to refute the sigmas.
 //! - An epoch with [`Unidentified::Time`] does not count, because a wrong time tag is no error of
-//!   the ranges.
+//!   the ranges. It also erases the evidence of earlier epochs.
 //!
 //! If `P_fa` is above 1e-7, one epoch that passes its own test without an exclusion never refutes
 //! the sigmas: the bound for `refuted` exceeds `τ1` at the same degrees of freedom.
@@ -76,7 +76,7 @@ const SCALED_QUANTILE: f32 = 3.090_232;
 /// [Parity]: crate#references
 const REST_QUANTILE: f32 = 2.326_348;
 
-/// Largest square of an excluded satellite's residual over its sigma.
+/// Limit for the square of an excluded satellite's residual divided by its sigma.
 const MOST_EXCLUDED: f32 = 25.0;
 
 /// Largest SSE/dof with which an epoch counts. If half of a minute has this value and the other

@@ -15,13 +15,13 @@
 //! | field | content | use |
 //! |---|---|---|
 //! | `start` | last position | start of the next fix |
-//! | `ratios` | SSE/dof of tested epochs | sigma check |
+//! | `ratios` | SSE/dof of epochs that passed their test | sigma check |
 //! | `evidence`, `named` | residuals of the last minute; satellites excluded lately | withdraw a promise |
 //! | `kept_out` | systems that were broken again and again | are left out before the test |
 //! | `height`, `motion` | last known height; last positions | are compared with the next ones |
 //! | `continuity` | earlier verdicts ([`crate::continuity`]) | jumps, recovery after an alert |
 //! | `clocks` | with clock aiding, the receiver clocks of protected epochs | forecast |
-//! | `adaptation` | with adaptation, residuals of tested epochs | scale on the sigmas |
+//! | `adaptation` | with adaptation, residuals of epochs that passed their test | scale on the sigmas |
 //! | `subsets` | subsets of [`Method::Ransac`] | next search |
 //!
 //! References: [Yang2015] §1 for the order of the decisions, [Lin2016] §2 for detection and

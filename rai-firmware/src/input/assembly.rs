@@ -73,7 +73,7 @@ pub(super) struct Assembly {
     heard: u16,
     /// Number of right statements that each series still needs.
     distrust: [u8; 16],
-    /// Tag of a UTC message without an open epoch, and its arrival, ms.
+    /// Tag and arrival, ms, of a message tagged with UTC that came while no epoch was open, ms.
     utc_before: Option<(u32, u64)>,
     /// True if the ranges of this epoch were reported to be of two receivers.
     has_rival: bool,
@@ -288,7 +288,8 @@ impl Assembly {
         }
     }
 
-    /// Advances time to the epoch, which has satellites, or drops it.
+    /// Advances the calendar to the time of an epoch that has satellites. If the calendar refuses
+    /// the time, the epoch is dropped.
     fn vouch(
         &mut self,
         tow_ms: u32,

@@ -235,8 +235,9 @@ impl Input {
         self.drain(true, &mut tell);
     }
 
-    /// Completes an epoch whose end only a system with earlier wrong statements has stated. The
-    /// line has paused for longer than any gap inside a burst, which confirms this statement.
+    /// Completes an epoch whose end only one system has stated. Earlier statements of that system
+    /// were wrong. The pause of the line confirms this one, because it is longer than any gap
+    /// inside a burst.
     pub fn pause(&mut self, mut tell: impl FnMut(Event<'_>)) {
         self.assembly.pause(&mut self.counters, &mut tell);
     }

@@ -1,9 +1,10 @@
 //! The navigator: makes one report from one raw epoch, with satellite positions, corrected ranges
 //! and the integrity verdict.
 //!
-//! Corrections depend on the receiver's position, which is the result that they serve. The first
-//! guess is the last position, or a coarse fix without atmosphere if there is none. If the position
-//! of an epoch is far from the guess, the epoch is corrected again at that position.
+//! Corrections depend on the receiver's position. But the position is computed from the corrected
+//! ranges. The first guess is the last position, or a coarse fix without atmosphere if there is
+//! none. If the position of an epoch is far from the guess, the epoch is corrected again at that
+//! position.
 
 mod choice;
 mod ionosphere;

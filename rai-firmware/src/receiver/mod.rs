@@ -269,8 +269,8 @@ impl<P: OutputPin> Receiver<P> {
         heard.action.is_some()
     }
 
-    /// Obeys a command of the program itself, and writes the complete answer. `values` are
-    /// separated by commas; `None` asks for the value in force.
+    /// Obeys a command that the calling program gives, not the host port, and writes the complete
+    /// answer. `values` are separated by commas; `None` asks for the value in force.
     ///
     /// Key and values must be text that a sentence may contain: printable ASCII without `$` and
     /// `*`, at most [`MAX_LINE`](crate::settings::MAX_LINE) characters.

@@ -20,7 +20,10 @@ fn limits() -> Passages {
             "README.md",
             format!("darker than the colour of {val_m} m, LPV-200 is unavailable there at least 1 % of"),
         ),
-        ("README.md", format!("(in classic RAIM within {:.0} % of them)", 100.0 * npa.guard_fraction)),
+        (
+            "README.md",
+            format!("(in classic RAIM by default within {:.0} % of them)", 100.0 * npa.guard_fraction),
+        ),
         ("LIMITS.md", format!("UTC is GPS time less {} s", raim_firmware::output::nmea::GPS_MINUS_UTC_S)),
         ("LIMITS.md", format!("{} m beside Hawaii", raim_firmware::output::geoid::LARGEST_ERROR_M)),
     ]

@@ -305,8 +305,8 @@ impl<'f, T: Real> LevelInputs<'f, T> {
         }
     }
 
-    /// Returns the protection levels against a fault that is not that of one satellite. `slopes`
-    /// are the slopes of this fault, and `shown` is its w-test.
+    /// Returns the protection levels against a fault that affects several satellites at once, such
+    /// as a wrong time tag. `slopes` are the slopes of this fault, and `shown` is its w-test.
     ///
     /// The root of the non-centrality is `shown + k`.
     pub(crate) fn protect_against(

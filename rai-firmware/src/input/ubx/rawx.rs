@@ -92,9 +92,9 @@ impl Measurements for Rawx<'_> {
         self.measurements.is_empty()
     }
 
-    /// Passes each range with `false`: no code is that of the broadcast clock. These receivers
-    /// measure one code per band, so that no choice between codes is needed. Counts unusable
-    /// measurements.
+    /// Passes each range with the flag `false`: no code is marked as the one that the broadcast
+    /// clock refers to. These receivers measure one code per band, so that no choice between codes
+    /// is needed. Counts unusable measurements.
     fn each(
         &self,
         counters: &mut Counters,

@@ -4,7 +4,7 @@
 //! B5 62 | class | id | length (16 bit) | payload | checksum from class on (2 × 8 bit)
 //! ```
 //!
-//! A false header that announces a long frame would hide seconds of good frames. A payload may
+//! A false header that announces a long frame could delay seconds of good frames. A payload may
 //! therefore have at most [`ORDINARY_PAYLOAD`] bytes. Only RXM-RAWX may be longer, if its number of
 //! measurements explains its length.
 //!

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `PRAIS` | time, state, reason, satellites tracked, used, degrees of freedom, statistic, threshold, HPL, VPL, HAL, VAL |
 //! | `PRAIX` | time, number of exclusions, satellite, w-test, bias |
-//! | `PRAIM` | time, monitored modes, probability of unmonitored faults, EMT, σ of the height for accuracy, mode that dominates the vertical level, share of the risk |
+//! | `PRAIM` | time, monitored modes, probability of unmonitored faults, EMT, σ of the height (URE instead of URA), mode that dominates the vertical level, share of the risk |
 //! | `PRAIH` | time, use of the known height, known height minus that of the satellites alone |
 //! | `PRAIE` | time, authenticated signals, frame of the receiver's levels, its three levels, coefficient and power of ten of its risk |
 //! | `PRAIN` | time, hash of the settings, NIC, jamming, spoofing |
