@@ -15,8 +15,8 @@
 //! add_outer_product  S + a bᵀ    add_outer_square  S + a aᵀ/f    add_whole_outer_product  M + a bᵀ
 //! ```
 //!
-//! Of a symmetric matrix only the lower triangle is read and written: six numbers stay in
-//! registers, nine do not.
+//! Functions read and write only the lower triangle of a symmetric matrix, because six numbers stay
+//! in registers and nine do not.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -6,7 +6,7 @@
 //! | 1019, 1020, 1042, 1044, 1045, 1046 | ephemerides |
 //! | 1005, 1006 | position of the station |
 //!
-//! Of an MSM of another system, only the statement whether more messages follow is used. All other
+//! An MSM of another system only contributes its statement whether more messages follow. All other
 //! messages only increment a counter.
 //!
 //! References: [RTCM-10403.3] 3.5.16 (MSM).

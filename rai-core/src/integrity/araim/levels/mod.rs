@@ -15,7 +15,7 @@
 //! [`root`] solves this for `L`. At the resulting distance the sum is at most `R`. The distance
 //! exceeds the root by at most 0.1 mm.
 //!
-//! Of hundreds of modes a few dozen matter. Terms are classified at a distance below the root, the
+//! A few dozen of hundreds of modes matter. Terms are classified at a distance below the root, the
 //! *reference*:
 //!
 //! - A term is *clear* if its bound `½ p exp(−u²/2)` is far below `R`. It is not evaluated. All

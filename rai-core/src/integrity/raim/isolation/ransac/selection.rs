@@ -15,7 +15,7 @@
 //! | `V` | volume of the tetrahedron of four unit vectors | – |
 //! | `ΔGDOP_i²` | exact decrease of `tr G` when satellite `i` joins (Sherman–Morrison) | – |
 //!
-//! Of equal tetrahedra, satellites or subsets the first is chosen. Geometry is compared with one
+//! The first of equal tetrahedra, satellites or subsets is chosen. Geometry is compared with one
 //! common clock and without weights, as in [Tian2024]. The clocks of several constellations matter
 //! only when a subset is solved.
 //!
