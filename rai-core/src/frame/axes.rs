@@ -63,7 +63,7 @@ fn height_m(point: Ecef) -> f32 {
     const TURNED: f32 = (2.0 * FLATTENING * FLATTENING) as f32;
     let radius = Grid::length(coordinates::<f32>(point));
     let beyond_axis_m = radius.whole.less(Grid::of(SEMI_MAJOR_AXIS_M)).narrow() + radius.rest;
-    let sine = point.z_m as f32 / radius.rounded;
+    let sine = point.z_m as f32 / (radius.rounded * <Grid as Absolute<f32>>::UNIT_M);
     let square = sine * sine;
     let u = SQUARED * square;
     // 1 − 1/√(1 + u).

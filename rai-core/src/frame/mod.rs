@@ -24,8 +24,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::numeric::absolute::{Absolute, Length};
 use crate::numeric::angle;
+use crate::numeric::four::Four;
 use crate::numeric::real::Real;
-use crate::numeric::space::{columns, dot, four_rows, scaled, transposed_product};
+use crate::numeric::space::{columns, combination, dot, transposed_product};
 
 /// Speed of light in vacuum, m/s (exact by definition of the metre).
 pub const SPEED_OF_LIGHT_M_S: f64 = 299_792_458.0;
@@ -316,8 +317,9 @@ pub(crate) struct LineOfSight<T: Real> {
     pub(crate) distance: Length<T::Absolute, T>,
     /// Increase of the distance by the earth's rotation while the signal travels, m.
     pub(crate) rotation: T,
-    /// Unit vector receiver → satellite, east, north, up.
-    pub(crate) direction: Vector3<T>,
+    /// Unit vector satellite → receiver, east, north, up: the derivative of the distance with
+    /// respect to the receiver's position.
+    pub(crate) design: Vector3<T>,
 }
 
 /// A receiver's position and axes, in the scalar for directions.
@@ -329,9 +331,9 @@ pub(crate) struct LinearisationPoint<T: Real> {
     point: Ecef,
     /// Position in the scalar's absolute lengths, x, y, z.
     place: [T::Absolute; 3],
-    /// East, north and up of a step along x, y and z, and the increase of the distance by the
-    /// rotation, `ω/c (y_r, −x_r, 0)`, dimensionless. Four numbers fit a vector of a host.
-    steps: [[T; 4]; 3],
+    /// East, north and up of a step along x, y and z, dimensionless, each with the increase of the
+    /// distance by the rotation, `ω/c (y_r, −x_r, 0)`, in m for each [`Absolute::UNIT_M`].
+    steps: [T::Four; 3],
 }
 
 impl<T: Real> LinearisationPoint<T> {
@@ -341,15 +343,15 @@ impl<T: Real> LinearisationPoint<T> {
         let position = Vector3::new(T::narrow(point.x_m), T::narrow(point.y_m), T::narrow(point.z_m));
         let directions =
             Directions::at(&position).map_or_else(Directions::of_origin, |(directions, _)| directions);
-        let rate = T::narrow(RATE);
+        let rate = T::narrow(RATE) * T::Absolute::UNIT_M;
         let [x, y, z] = columns(&directions.axes());
         Self {
             point,
             place: coordinates::<T>(point),
             steps: [
-                [x.x, x.y, x.z, rate * position.y],
-                [y.x, y.y, y.z, -rate * position.x],
-                [z.x, z.y, z.z, T::zero()],
+                T::Four::join([x.x, x.y, x.z, rate * position.y]),
+                T::Four::join([y.x, y.y, y.z, -rate * position.x]),
+                T::Four::join([z.x, z.y, z.z, T::zero()]),
             ],
         }
     }
@@ -373,19 +375,20 @@ impl<T: Real> LinearisationPoint<T> {
         let away = |metres, here| T::Absolute::of_admitted(metres).less(here);
         let difference =
             [away(satellite.x_m, here_x), away(satellite.y_m, here_y), away(satellite.z_m, here_z)];
-        let sight = Vector3::from(T::Absolute::vector(difference));
+        let sight = Vector3::from(T::Absolute::units(difference));
         let distance = T::Absolute::length(difference);
-        let [east, north, up, rotation] = four_rows(&self.steps, &sight);
-        let scale = distance.rounded.recip();
-        LineOfSight { distance, rotation, direction: scaled(scale, &Vector3::new(east, north, up)) }
+        let away = combination(&self.steps, &sight);
+        let [.., rotation] = away.numbers();
+        let [east, north, up, _] = (away * T::Four::repeat(-distance.rounded.recip())).numbers();
+        LineOfSight { distance, rotation, design: Vector3::new(east, north, up) }
     }
 
     /// Returns the point at an offset of east, north, up, m.
     // Not inlined, so that its many callers share one copy.
     #[inline(never)]
     pub(crate) fn beside(&self, vector: &Vector3<T>) -> Ecef {
-        let [x, y, z] =
-            self.steps.map(|[east, north, up, _]| east * vector.x + north * vector.y + up * vector.z);
+        let axes = self.steps.map(Four::numbers);
+        let [x, y, z] = axes.map(|[east, north, up, _]| east * vector.x + north * vector.y + up * vector.z);
         let away = Vector3::new(x, y, z);
         self.point + Ecef::new(away.x.widen(), away.y.widen(), away.z.widen())
     }

@@ -157,8 +157,7 @@ impl<T: Real> References<T> {
         let reference = self.of(constellation).unwrap_or(longer);
         // Small terms are subtracted last, when the scalar's digits suffice.
         let residual = longer.less(reference).narrow() - (sight.distance.rest + sight.rotation);
-        let design = scaled(-T::one(), &sight.direction);
-        let row = Row::new(Some(constellation), design, residual, T::narrow(sigma_m))?;
+        let row = Row::new(Some(constellation), sight.design, residual, T::narrow(sigma_m))?;
         self.keep(constellation, reference);
         Ok(row)
     }

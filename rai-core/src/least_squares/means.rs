@@ -3,8 +3,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::equations::Row;
+use crate::numeric::four::Four;
 use crate::numeric::real::Real;
-use crate::numeric::space::{difference, dot, plus_scaled, scaled, symmetric_product, trace, zero};
+use crate::numeric::space::{dot, symmetric_product, trace};
 use crate::satellite::Constellation;
 
 /// Weighted means of the rows that depend on one clock.
@@ -14,41 +15,68 @@ pub(super) struct ClockMeans<T: Real> {
     weight: T,
     /// `1/W_c`.
     pub(super) variance: T,
-    pub(super) design: Vector3<T>,
-    pub(super) residual: T,
+    /// Mean design row and mean residual.
+    means: [T; 4],
+}
+
+/// Returns four zeros.
+#[inline]
+fn nothing<T: Real>() -> [T; 4] {
+    T::Four::repeat(T::zero()).numbers()
+}
+
+/// Joins the design row of an equation and its residual.
+#[inline]
+fn numbers<T: Real>(row: &Row<T>) -> T::Four {
+    T::Four::join([row.design.x, row.design.y, row.design.z, row.residual])
 }
 
 impl<T: Real> ClockMeans<T> {
     fn empty() -> Self {
-        Self { count: 0, weight: T::zero(), variance: T::zero(), design: zero(), residual: T::zero() }
+        Self { count: 0, weight: T::zero(), variance: T::zero(), means: nothing() }
+    }
+
+    /// Returns the mean design row.
+    pub(super) fn design(&self) -> Vector3<T> {
+        let [x, y, z, _] = self.means;
+        Vector3::new(x, y, z)
+    }
+
+    /// Returns the mean residual, m.
+    pub(super) fn residual(&self) -> T {
+        let [.., residual] = self.means;
+        residual
+    }
+
+    /// Returns the design row and the residual of a row minus their means, joined.
+    #[inline]
+    pub(super) fn centred(&self, row: &Row<T>) -> T::Four {
+        numbers(row) - T::Four::join(self.means)
     }
 
     #[inline]
     fn add(&mut self, row: &Row<T>, weight: T) {
         self.count += 1;
         self.weight += weight;
-        self.design = plus_scaled(&self.design, weight, &row.design);
-        self.residual += row.residual * weight;
+        self.means = (T::Four::join(self.means) + numbers(row) * T::Four::repeat(weight)).numbers();
     }
 
     /// Converts sums to means.
     fn centre(&mut self) {
         if self.count > 0 {
             self.variance = self.weight.recip();
-            self.design = scaled(self.variance, &self.design);
-            self.residual *= self.variance;
+            self.means = self.means.map(|sum| self.variance * sum);
         }
     }
 
     /// Removes a row from the means.
-    fn leave_out(&mut self, row: &Row<T>, centred: &Vector3<T>) {
+    fn leave_out(&mut self, row: &Row<T>) {
         self.count = self.count.saturating_sub(1);
         self.weight -= row.weight;
         if row.clock.is_some() {
             self.variance = self.weight.recip();
             let share = row.weight * self.variance;
-            self.design = difference(&self.design, &scaled(share, centred));
-            self.residual -= (row.residual - self.residual) * share;
+            self.means = (T::Four::join(self.means) - self.centred(row) * T::Four::repeat(share)).numbers();
         }
     }
 }
@@ -95,7 +123,7 @@ impl<T: Real> MeansByClock<T> {
         self.set(here, &sums);
         let [of_clocks @ .., clockless] = &mut self.0;
         of_clocks.iter_mut().for_each(ClockMeans::centre);
-        (clockless.design, clockless.residual) = (zero(), T::zero());
+        clockless.means = nothing();
     }
 
     /// Returns the means at an index.
@@ -112,9 +140,9 @@ impl<T: Real> MeansByClock<T> {
     }
 
     /// Removes a row that is not the only one of its clock.
-    pub(super) fn leave_out(&mut self, row: &Row<T>, centred: &Vector3<T>) {
+    pub(super) fn leave_out(&mut self, row: &Row<T>) {
         if let Some(group) = self.0.get_mut(place(row)) {
-            group.leave_out(row, centred);
+            group.leave_out(row);
         }
     }
 
@@ -156,9 +184,9 @@ impl<T: Real> MeansByClock<T> {
 
     /// Returns the trace of the covariance of all unknowns, clocks included.
     pub(super) fn trace(&self, covariance: &Matrix3<T>) -> T {
-        let clocks = self
-            .of_clocks()
-            .map(|group| group.variance + dot(&group.design, &symmetric_product(covariance, &group.design)));
+        let clocks = self.of_clocks().map(|group| {
+            group.variance + dot(&group.design(), &symmetric_product(covariance, &group.design()))
+        });
         clocks.fold(trace(covariance), |sum, term| sum + term)
     }
 }

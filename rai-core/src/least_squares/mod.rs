@@ -326,7 +326,7 @@ impl<T: Real, const N: usize> Snapshot<'_, T, N> {
     /// Returns a clock minus its reference, m.
     fn relative_clock(&self, constellation: Constellation) -> Option<T> {
         let group = self.solved.estimate.groups.of_clock(constellation)?;
-        Some(group.residual - dot(&group.design, &self.solved.estimate.correction))
+        Some(group.residual() - dot(&group.design(), &self.solved.estimate.correction))
     }
 
     /// Returns true if a clock is farther from its reference than `limit_m`, so that residuals lose
@@ -367,8 +367,8 @@ impl<T: Real, const N: usize> Snapshot<'_, T, N> {
     /// Returns the variance of [`Self::clock_m`], m²: `1/W_c + h̄_c P h̄_cᵀ`.
     pub fn clock_variance(&self, constellation: Constellation) -> Option<T> {
         let group = self.solved.estimate.groups.of_clock(constellation)?;
-        let gain = product(&self.solved.estimate.covariance, &group.design);
-        Some(group.variance + dot(&group.design, &gain))
+        let gain = product(&self.solved.estimate.covariance, &group.design());
+        Some(group.variance + dot(&group.design(), &gain))
     }
 
     /// Returns the variance `1/W_c`, m², that the clock of a row would have if the position were

@@ -9,10 +9,10 @@ use super::means::{ClockMeans, MeansByClock};
 use super::{RowFit, SnapshotError, Statistics};
 use crate::bit_set::members;
 use crate::least_squares::equations::Row;
+use crate::numeric::four::Four;
 use crate::numeric::real::Real;
 use crate::numeric::space::{
-    add_outer_product, add_whole_outer_product, difference, dot, plus_scaled, scaled, symmetric_product,
-    zero, zeros,
+    add_whole_outer_product, combination, difference, dot, scaled, symmetric_product, zero, zeros,
 };
 use crate::satellite::Constellation;
 
@@ -95,7 +95,7 @@ impl<T: Real> Estimate<T> {
         else {
             return false;
         };
-        self.groups.leave_out(row, &fit.centred);
+        self.groups.leave_out(row);
         add_whole_outer_product(&mut self.covariance, &fit.gain, &scaled(fit.test_weight, &fit.gain));
         self.correction = difference(&self.correction, &scaled(fit.test_weight * fit.residual, &fit.gain));
         self.largest_trace = largest_trace;
@@ -132,7 +132,7 @@ impl<T: Real> Estimate<T> {
     /// Returns the fit of a row, which may be left out.
     pub(crate) fn fit(&self, row: &Row<T>) -> RowFit<T> {
         let group = self.groups.of_row(row);
-        let mut fit = compare(row, &group, &self.covariance, &self.correction);
+        let mut fit = Solution::new(&self.covariance, &self.correction).compare(row, &group);
         fit.weigh(row, &group);
         fit
     }
@@ -140,11 +140,11 @@ impl<T: Real> Estimate<T> {
     /// Writes the fit of each row, in their order. Returns the statistics of all rows.
     pub(super) fn fit_all(&self, rows: &[Row<T>], fits: &mut [RowFit<T>]) -> Statistics<T> {
         // Copies, which the compiler keeps in registers while the fits are written.
-        let (covariance, correction) = (self.covariance, self.correction);
+        let solution = Solution::new(&self.covariance, &self.correction);
         let (mut groups, mut statistics) = (self.groups.of_rows(), Statistics::none());
         for (index, (row, slot)) in rows.iter().zip(fits).enumerate() {
             let group = groups.of(row);
-            let mut fit = compare(row, group, &covariance, &correction);
+            let mut fit = solution.compare(row, group);
             if !fit.weigh(row, group) {
                 statistics.all_are_tested = false;
             }
@@ -155,23 +155,37 @@ impl<T: Real> Estimate<T> {
     }
 }
 
-/// Compares a row with the solution. The redundancy is the raw difference `1 − w (…)`, and
-/// `test_weight` is 0 until [`RowFit::weigh`].
-#[inline]
-fn compare<T: Real>(
-    row: &Row<T>,
-    group: &ClockMeans<T>,
-    covariance: &Matrix3<T>,
-    correction: &Vector3<T>,
-) -> RowFit<T> {
-    let centred = difference(&row.design, &group.design);
-    let gain = symmetric_product(covariance, &centred);
-    RowFit {
-        centred,
-        gain,
-        residual: row.residual - group.residual - dot(&centred, correction),
-        redundancy: T::one() - row.weight * (group.variance + dot(&centred, &gain)),
-        test_weight: T::zero(),
+/// Covariance and correction, with which rows are compared: the columns of the one, each with the
+/// component of the other.
+#[derive(Clone, Copy)]
+struct Solution<T: Real>([T::Four; 3]);
+
+impl<T: Real> Solution<T> {
+    fn new(covariance: &Matrix3<T>, correction: &Vector3<T>) -> Self {
+        let (p, x) = (covariance, correction);
+        Self([
+            T::Four::join([p.m11, p.m21, p.m31, x.x]),
+            T::Four::join([p.m21, p.m22, p.m32, x.y]),
+            T::Four::join([p.m31, p.m32, p.m33, x.z]),
+        ])
+    }
+
+    /// Compares a row with the solution. The redundancy is the raw difference `1 − w (…)`, and
+    /// `test_weight` is 0 until [`RowFit::weigh`].
+    #[inline]
+    fn compare(&self, row: &Row<T>, group: &ClockMeans<T>) -> RowFit<T> {
+        let [x, y, z, residual] = group.centred(row).numbers();
+        let centred = Vector3::new(x, y, z);
+        let [east, north, up, moved] = combination(&self.0, &centred).numbers();
+        let gain = Vector3::new(east, north, up);
+        RowFit {
+            centred,
+            gain,
+            // The correction moves the row by `d·x`.
+            residual: residual - moved,
+            redundancy: T::one() - row.weight * (group.variance + dot(&centred, &gain)),
+            test_weight: T::zero(),
+        }
     }
 }
 
@@ -218,7 +232,7 @@ impl<T: Real> Geometry<T> {
 
     pub(super) fn hdop_without(&self, row: &Row<T>) -> T {
         let group = self.groups.of_row(row);
-        let centred = difference(&row.design, &group.design);
+        let centred = difference(&row.design, &group.design());
         let gain = symmetric_product(&self.covariance, &centred);
         let redundancy = T::one() - group.variance - dot(&centred, &gain);
         let moved = gain.x * gain.x + gain.y * gain.y;
@@ -253,17 +267,26 @@ impl<T: Real> NormalEquations<T> {
         groups: &MeansByClock<T>,
         weight: impl Fn(&Row<T>) -> T,
     ) -> Self {
-        let (mut normal, mut right_hand_side) = (zeros(), zero());
+        let zero = T::Four::repeat(T::zero());
+        let [mut first, mut second, mut third, mut right_hand_side] = [zero; 4];
         let mut groups = groups.of_rows();
         // No branch is needed, because a row without weight adds zeros.
         for row in rows {
             let group = groups.of(row);
-            let centred = difference(&row.design, &group.design);
-            let weighted = scaled(weight(row), &centred);
-            add_outer_product(&mut normal, &weighted, &centred);
-            right_hand_side = plus_scaled(&right_hand_side, row.residual - group.residual, &weighted);
+            let centred = group.centred(row);
+            let weighted = centred * T::Four::repeat(weight(row));
+            let [x, y, z, residual] = centred.numbers();
+            first = first + weighted * T::Four::repeat(x);
+            second = second + weighted * T::Four::repeat(y);
+            third = third + weighted * T::Four::repeat(z);
+            right_hand_side = right_hand_side + weighted * T::Four::repeat(residual);
         }
-        Self { normal, right_hand_side }
+        let ([m11, m21, m31, _], [_, m22, m32, _]) = (first.numbers(), second.numbers());
+        let ([_, _, m33, _], [x, y, z, _]) = (third.numbers(), right_hand_side.numbers());
+        Self {
+            normal: Matrix3::new(m11, m21, m31, m21, m22, m32, m31, m32, m33),
+            right_hand_side: Vector3::new(x, y, z),
+        }
     }
 }
 

@@ -15,7 +15,7 @@
 //! | symbol | where | unit |
 //! |---|---|---|
 //! | `D` | [`Length::whole`] | m, with `f32` in steps of 1/8 m |
-//! | `D`, rounded | [`Length::rounded`] | m |
+//! | `D`, rounded | [`Length::rounded`] | [`Absolute::UNIT_M`] |
 //! | `ρ` | [`Length::rest`] | m, with `f32` below 8·10⁻⁷ of `D` |
 //!
 //! With `f32` a coordinate is rounded by at most 31 µm, and `ρ²/2D` is below 2 µm for a satellite
@@ -31,7 +31,7 @@ use super::sqrt;
 pub struct Length<A, T> {
     /// Large part, exact.
     pub whole: A,
-    /// Large part, rounded to the scalar, m.
+    /// Large part, rounded to the scalar, in [`Absolute::UNIT_M`].
     pub rounded: T,
     /// Small part, m.
     pub rest: T,
@@ -39,6 +39,9 @@ pub struct Length<A, T> {
 
 /// A coordinate or a range, m, whose differences fit a scalar `T`.
 pub trait Absolute<T>: Copy + Debug + PartialEq {
+    /// Unit of [`Self::units`], m, a power of two.
+    const UNIT_M: T;
+
     /// Converts a number of metres. NaN and too large values become the largest or the smallest
     /// value.
     fn of(metres: f64) -> Self;
@@ -52,6 +55,9 @@ pub trait Absolute<T>: Copy + Debug + PartialEq {
     fn widen(self) -> f64;
     /// Returns a difference in the scalar, m.
     fn narrow(self) -> T;
+    /// Returns a vector for directions, in [`Self::UNIT_M`]. A direction is a quotient, so that the
+    /// unit cancels.
+    fn units(coordinates: [Self; 3]) -> [T; 3];
     /// Returns a vector for directions, m.
     fn vector(coordinates: [Self; 3]) -> [T; 3];
     /// Returns the length of a vector.
@@ -59,6 +65,8 @@ pub trait Absolute<T>: Copy + Debug + PartialEq {
 }
 
 impl Absolute<f64> for f64 {
+    const UNIT_M: f64 = 1.0;
+
     fn of(metres: f64) -> Self {
         metres
     }
@@ -77,6 +85,10 @@ impl Absolute<f64> for f64 {
 
     fn narrow(self) -> f64 {
         self
+    }
+
+    fn units(coordinates: [Self; 3]) -> [f64; 3] {
+        coordinates
     }
 
     fn vector(coordinates: [Self; 3]) -> [f64; 3] {
@@ -108,7 +120,6 @@ impl Grid {
     const COARSER: i32 = 11;
     /// Number of binary digits after the point that then remain.
     const COARSE_DIGITS: i32 = Self::DIGITS - Self::COARSER;
-    const COARSE_STEP_M: f32 = 1.0 / (1 << Self::COARSE_DIGITS) as f32;
 
     /// Rounds a multiple of 2^−`digits` m to the nearest multiple, halves upwards, for `digits` of
     /// 15 to 63.
@@ -124,6 +135,8 @@ impl Grid {
 const _: () = assert!(Grid::LONGEST_M * ((1 << Grid::COARSE_DIGITS) as f64) < i32::MAX as f64);
 
 impl Absolute<f32> for Grid {
+    const UNIT_M: f32 = 1.0 / (1 << Self::COARSE_DIGITS) as f32;
+
     /// Rounds to the nearest multiple, halves away from 0.
     fn of(metres: f64) -> Self {
         Self(if HAS_DOUBLES { by_doubles(metres) } else { by_bits(metres) })
@@ -138,37 +151,26 @@ impl Absolute<f32> for Grid {
     }
 
     fn widen(self) -> f64 {
-        const BIAS: u32 = 1023;
-        /// Leading zeros of a number whose first bit is in the place of a mantissa's.
-        const OF_MANTISSA: u32 = 11;
-        let size = self.0.unsigned_abs();
-        let zeros = size.leading_zeros();
-        if size == 0 || zeros < OF_MANTISSA {
-            return self.0 as f64 / f64::from(1 << Self::DIGITS);
-        }
-        // All lengths are exact in a double. It is composed of its bits, because a conversion and a
-        // division are library calls on this processor. The first bit of the mantissa adds 1 to the
-        // exponent.
-        let exponent = BIAS + 63 - 1 - Self::DIGITS as u32 - zeros;
-        let bits = (size << (zeros - OF_MANTISSA)) + (u64::from(exponent) << 52);
-        f64::from_bits(bits | self.0.cast_unsigned() & 1 << 63)
+        if HAS_DOUBLES { self.0 as f64 * STEP_M } else { of_bits(self.0) }
     }
 
     fn narrow(self) -> f32 {
         const STEP_M: f32 = 1.0 / (1 << Grid::DIGITS) as f32;
-        let units = if HAS_DOUBLES && self.0.unsigned_abs() < ROUNDED_ONCE {
-            self.0 as f32
-        } else {
-            in_two_words(self.0)
-        };
+        let units = if HAS_DOUBLES && is_rounded_once(self.0) { self.0 as f32 } else { in_two_words(self.0) };
         units * STEP_M
     }
 
-    fn vector(coordinates: [Self; 3]) -> [f32; 3] {
+    fn units(coordinates: [Self; 3]) -> [f32; 3] {
         let [x, y, z] = coordinates;
-        [coarse(x) * Self::COARSE_STEP_M, coarse(y) * Self::COARSE_STEP_M, coarse(z) * Self::COARSE_STEP_M]
+        [coarse(x), coarse(y), coarse(z)]
     }
 
+    fn vector(coordinates: [Self; 3]) -> [f32; 3] {
+        let [x, y, z] = Self::units(coordinates);
+        [x * Self::UNIT_M, y * Self::UNIT_M, z * Self::UNIT_M]
+    }
+
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn length(coordinates: [Self; 3]) -> Length<Self, f32> {
         // The upper half of the digits suffices, because the lower ones are below a nanometre.
         // `SCALE` converts the quotient to metres.
@@ -185,7 +187,7 @@ impl Absolute<f32> for Grid {
         let squares = square(x).wrapping_add(square(y)).wrapping_add(square(z));
         let squares = squares.wrapping_sub(square(Self(whole)));
         let rest = (squares >> LOWER) as i32 as f32 * SCALE / rounded;
-        Length { whole: Self(whole), rounded: rounded * Self::COARSE_STEP_M, rest }
+        Length { whole: Self(whole), rounded, rest }
     }
 }
 
@@ -215,43 +217,57 @@ fn by_bits(metres: f64) -> i64 {
     (magnitude ^ sign) - sign
 }
 
+/// Step of the grid, m.
+const STEP_M: f64 = 1.0 / (1 << Grid::DIGITS) as f64;
+
+/// Returns a number of steps in metres, exactly.
+///
+/// The double is composed of its bits, because a conversion and a product are library calls on this
+/// processor.
+fn of_bits(units: i64) -> f64 {
+    const BIAS: u32 = 1023;
+    /// Leading zeros of a number whose first bit is in the place of a mantissa's.
+    const OF_MANTISSA: u32 = 11;
+    let size = units.unsigned_abs();
+    let zeros = size.leading_zeros();
+    if size == 0 || zeros < OF_MANTISSA {
+        return units as f64 * STEP_M;
+    }
+    // The first bit of the mantissa adds 1 to the exponent.
+    let exponent = BIAS + 63 - 1 - Grid::DIGITS as u32 - zeros;
+    let bits = (size << (zeros - OF_MANTISSA)) + (u64::from(exponent) << 52);
+    f64::from_bits(bits | units.cast_unsigned() & 1 << 63)
+}
+
 /// A double whose neighbours are 2⁻¹⁴ m away, up to [`Grid::LARGEST`] steps on both sides.
 const CENTRE: f64 = 1.5 * (Grid::LARGEST >> (Grid::DIGITS - 1)) as f64;
 
-/// Returns the same as [`by_bits`] for numbers up to [`Grid::LARGEST`], by the rounding of a sum.
+/// Returns the same as [`by_bits`] for numbers below [`Grid::LARGEST`] steps, by the rounding of a
+/// sum.
 fn by_addition(metres: f64) -> i64 {
-    const HALF_STEP_M: f64 = 0.5 / (1 << Grid::DIGITS) as f64;
-    let sum = metres + CENTRE;
-    let rest_m = metres - (sum - CENTRE);
-    // A sum rounds a half to the even neighbour. NaN also returns here.
-    if !(rest_m.abs() < HALF_STEP_M) {
-        return of_half(metres);
-    }
-    sum.to_bits().wrapping_sub(CENTRE.to_bits()).cast_signed()
+    // A sum rounds a half to the even neighbour. With its last bit set, no number is a half: a half
+    // becomes larger, and the number below it has this bit already.
+    let beside_half = f64::from_bits(metres.to_bits() | 1);
+    (beside_half + CENTRE).to_bits().wrapping_sub(CENTRE.to_bits()).cast_signed()
 }
 
-/// Works like [`by_bits`], for what is rare.
-#[cold]
-#[inline(never)]
-fn of_half(metres: f64) -> i64 {
-    by_bits(metres)
-}
-
-/// Returns the same as [`by_bits`], by the rounding of a sum.
+/// Returns the same as [`by_bits`], by the rounding of a sum. Only the sign of a NaN may differ.
 fn by_doubles(metres: f64) -> i64 {
-    let units = by_addition(metres);
-    // Sums with another exponent or sign are farther away.
-    if units.unsigned_abs() <= Grid::LARGEST.unsigned_abs() {
-        units
-    } else if metres.is_sign_negative() {
-        -Grid::LARGEST
-    } else {
-        Grid::LARGEST
-    }
+    /// The number that is rounded up to the largest.
+    const LARGEST_M: f64 = ((Grid::LARGEST >> Grid::DIGITS) as f64).next_down();
+    // An instruction each: the order of the comparisons settles NaN.
+    let metres = if metres < LARGEST_M { metres } else { LARGEST_M };
+    by_addition(if metres > -LARGEST_M { metres } else { -LARGEST_M })
 }
 
 /// Number below which [`in_two_words`] rounds once, as a conversion by an instruction does.
-const ROUNDED_ONCE: u64 = 1 << 46;
+const ROUNDED_ONCE: i64 = 1 << 46;
+
+/// Returns true from −[`ROUNDED_ONCE`] up to it.
+fn is_rounded_once(units: i64) -> bool {
+    const DIGITS: u32 = ROUNDED_ONCE.trailing_zeros() + 1;
+    units.wrapping_add(ROUNDED_ONCE).cast_unsigned() >> DIGITS == 0
+}
 
 /// Returns a single from two words, which the processor converts: below [`ROUNDED_ONCE`] both
 /// exactly, so that one rounding remains.
@@ -287,7 +303,8 @@ fn coarse(Grid(value): Grid) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::{
-        Grid, ROUNDED_ONCE, WHOLE, by_addition, by_bits, by_conversion, by_doubles, by_sum, in_two_words,
+        Absolute, Grid, ROUNDED_ONCE, WHOLE, by_addition, by_bits, by_conversion, by_doubles, by_sum,
+        in_two_words, of_bits,
     };
 
     /// Patterns of bits that repeat only after 2⁶⁴ (`SplitMix64`).
@@ -303,7 +320,9 @@ mod tests {
 
     fn agree(metres: f64) {
         for metres in [metres, -metres] {
-            assert_eq!(by_doubles(metres), by_bits(metres), "{metres:e}");
+            let (have, want) = (by_doubles(metres), by_bits(metres));
+            let is_alike = if metres.is_nan() { have.abs() == want.abs() } else { have == want };
+            assert!(is_alike, "{metres:e}: {have}, not {want}");
             if metres.abs() <= 1e10 {
                 assert_eq!(by_addition(metres), by_bits(metres), "{metres:e}");
             }
@@ -348,13 +367,27 @@ mod tests {
     }
 
     #[test]
+    fn both_ways_from_the_grid_agree() {
+        patterns().take(1_000_000).map(|bits| (bits >> (bits % 64)).cast_signed()).for_each(|units| {
+            for units in [units, -units] {
+                assert_eq!(
+                    Absolute::<f32>::widen(Grid(units)).to_bits(),
+                    of_bits(units).to_bits(),
+                    "{units}"
+                );
+            }
+        });
+        assert_eq!(of_bits(0).to_bits(), 0);
+    }
+
+    #[test]
     fn a_conversion_rounds_once_as_two_words_do() {
         let agree = |units: i64| {
             for units in [units, -units] {
                 assert_eq!((units as f32).to_bits(), in_two_words(units).to_bits(), "{units}");
             }
         };
-        let limit = ROUNDED_ONCE.cast_signed();
+        let limit = ROUNDED_ONCE;
         [0, 1, (1 << 24) - 1, (1 << 24) + 1, (1 << 22) - 1, 1 << 22, limit - 1].into_iter().for_each(agree);
         patterns().take(1_000_000).for_each(|bits| agree((bits >> (18 + bits % 46)).cast_signed()));
         // A number whose 25th digit and last digit are 1 alone tells one rounding from two.

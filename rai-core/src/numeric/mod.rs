@@ -5,6 +5,7 @@ pub mod angle;
 pub mod bounds;
 pub mod chi_square;
 pub(crate) mod cholesky;
+pub mod four;
 pub mod normal;
 pub mod precision;
 pub mod probability;

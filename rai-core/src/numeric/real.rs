@@ -8,6 +8,7 @@
 use nalgebra::RealField;
 
 use super::absolute::Absolute;
+use super::four::Four;
 use super::precision::Precision;
 
 /// Tail of the normal distribution at a point `u`.
@@ -23,6 +24,8 @@ pub struct Tail<T> {
 pub trait Real: RealField + Copy {
     /// Type of coordinates and ranges; their small differences are converted to this scalar.
     type Absolute: Absolute<Self>;
+    /// Type of four numbers with which the processor computes at once, if it can.
+    type Four: Four<Self>;
 
     /// Redundancy number below which a satellite counts as untestable, dimensionless.
     const UNTESTABLE: Self;

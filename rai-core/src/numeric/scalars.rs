@@ -2,6 +2,7 @@
 
 use super::absolute::Grid;
 use super::angle::sine;
+use super::four::Apart;
 use super::normal;
 use super::precision::{DOUBLE, Precision, SINGLE};
 use super::real::{Real, Tail};
@@ -9,6 +10,7 @@ use super::sqrt;
 
 impl Real for f64 {
     type Absolute = f64;
+    type Four = Apart<f64>;
 
     const UNTESTABLE: Self = 1e-9;
     const UNMOVED: Self = 1e-6;
@@ -41,6 +43,10 @@ impl Real for f64 {
 
 impl Real for f32 {
     type Absolute = Grid;
+    #[cfg(target_os = "none")]
+    type Four = Apart<f32>;
+    #[cfg(not(target_os = "none"))]
+    type Four = wide::f32x4;
 
     // Some hundred units in the last place of sums over 40 satellites, with which it is compared.
     const UNTESTABLE: Self = 1e-5;

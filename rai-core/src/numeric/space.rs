@@ -11,7 +11,7 @@
 //! scaled     f a                 sum          a + b          symmetric_product   S v
 //! products   a_i b_i             magnitudes   |a_i|          matrix_product      A B
 //! trace      tr M                diagonal     M_ii           matrix_sum, matrix_difference  A ± B
-//! upper_triangle  S, six numbers
+//! upper_triangle  S, six numbers                     combination     v_1 c_1 + v_2 c_2 + v_3 c_3
 //! add_outer_product  S + a bᵀ    add_outer_square  S + a aᵀ/f    add_whole_outer_product  M + a bᵀ
 //! ```
 //!
@@ -20,6 +20,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::four::Four;
 use super::real::Real;
 
 /// Returns `a·b`.
@@ -153,13 +154,11 @@ pub(crate) fn symmetric_product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T
     )
 }
 
-/// Returns `M v` of a matrix with four rows, from its columns: one product and one sum of a host's
-/// vectors for each column of singles.
+/// Returns `M v` of a matrix with four rows, from its columns `c_i`.
 #[inline]
-pub(crate) fn four_rows<T: Real>(columns: &[[T; 4]; 3], vector: &Vector3<T>) -> [T; 4] {
-    let [[x1, x2, x3, x4], [y1, y2, y3, y4], [z1, z2, z3, z4]] = *columns;
-    let row = |x, y, z| x * vector.x + y * vector.y + z * vector.z;
-    [row(x1, y1, z1), row(x2, y2, z2), row(x3, y3, z3), row(x4, y4, z4)]
+pub(crate) fn combination<T: Real>(columns: &[T::Four; 3], vector: &Vector3<T>) -> T::Four {
+    let [x, y, z] = *columns;
+    x * T::Four::repeat(vector.x) + y * T::Four::repeat(vector.y) + z * T::Four::repeat(vector.z)
 }
 
 /// Adds `a bᵀ` to a symmetric matrix.

@@ -64,6 +64,24 @@ proptest! {
     }
 
     #[test]
+    fn a_vector_is_in_metres_and_its_units_are_what_they_say(
+        coordinates in prop::array::uniform3(-1.15e8..1.15e8_f64),
+    ) {
+        /// Error of a coordinate: its step, and the rounding to 24 digits.
+        const ERROR_M: f64 = 0.125 + 1.15e8 / (1 << 24) as f64;
+        let vector = coordinates.map(Grid::of);
+        let unit_m = <Grid as Absolute<f32>>::UNIT_M;
+        let parts = Grid::vector(vector).into_iter().zip(Grid::units(vector));
+        for ((part_m, units), want_m) in parts.zip(coordinates) {
+            prop_assert!((f64::from(part_m) - want_m).abs() <= ERROR_M, "{part_m} for {want_m}");
+            prop_assert_eq!(units * unit_m, part_m);
+        }
+        let length = Grid::length(vector);
+        let length_m = f64::from(length.rounded * unit_m);
+        prop_assert!((length_m - length.whole.widen()).abs() <= ERROR_M, "{length:?}");
+    }
+
+    #[test]
     fn whatever_comes_in_is_some_number(bits in prop::array::uniform3(any::<u64>())) {
         let vector = bits.map(f64::from_bits).map(Grid::of);
         let length = Grid::length(vector);

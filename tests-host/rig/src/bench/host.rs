@@ -134,10 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_host_pays_little_for_single_precision() {
-        /// Largest cost in `f32` relative to `f64`. Lengths as integers are more expensive than
-        /// doubles: 1.05 to 1.15 in a release, 1.22 in this profile, which inlines less.
-        const MOST: f64 = 1.25;
+    fn a_host_pays_nothing_for_single_precision() {
         if !is_measurable() {
             return crate::skip::say("valgrind");
         }
@@ -145,7 +142,7 @@ mod tests {
         let name = "bench::host::tests::epochs_that_are_asked_for_are_judged";
         let cost = measure(&[&program, "--exact", name], (20, 0)).expect("a measurement");
         println!("{cost}");
-        assert!(cost.single as f64 <= MOST * cost.double as f64, "{cost:?}");
+        assert!(cost.single <= cost.double, "{cost:?}");
         // A program that judges nothing costs nothing.
         assert!(cost.double > 1_000, "{cost:?}");
     }

@@ -234,6 +234,7 @@ fn absolute_lengths() {
         <f64 as Absolute<f64>>::less as fn(_, _) -> _,
         <f64 as Absolute<f64>>::widen as fn(_) -> _,
         <f64 as Absolute<f64>>::narrow as fn(_) -> _,
+        <f64 as Absolute<f64>>::units as fn(_) -> _,
         <f64 as Absolute<f64>>::vector as fn(_) -> _,
         <f64 as Absolute<f64>>::length as fn(_) -> _,
         Grid::of_multiple as fn(_, _) -> _,
@@ -242,6 +243,7 @@ fn absolute_lengths() {
         <Grid as Absolute<f32>>::less as fn(_, _) -> _,
         <Grid as Absolute<f32>>::widen as fn(_) -> _,
         <Grid as Absolute<f32>>::narrow as fn(_) -> _,
+        <Grid as Absolute<f32>>::units as fn(_) -> _,
         <Grid as Absolute<f32>>::vector as fn(_) -> _,
         <Grid as Absolute<f32>>::length as fn(_) -> _,
     );
