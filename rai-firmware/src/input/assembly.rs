@@ -10,6 +10,7 @@
 //! | a system states that no message follows, but one does | that message is left out; the system's statement is ignored until it has been right [`FORGIVEN_AFTER`] times, and meanwhile epochs end with the next instant or a pause |
 //! | every message states that more follow, and the next epoch comes a minute later | the epoch is complete when the line is silent; a message that comes after the silence is left out, and later silences are then ignored like wrong statements |
 //! | a message without satellites is tagged ahead | it does not advance time, because no range supports its tag; if the tag is far ahead, the message is skipped |
+//! | a message without satellites comes between the others with another tag | it is left out, with its statement whether others follow |
 //! | ranges come again under a new tag, bit for bit | the repeat is dropped: satellites move by metres in a millisecond, so that its tag must be wrong |
 //! | bytes are lost | the open epoch is dropped; the next message and all others of its instant are dropped too |
 //! | two receivers with one station number share the line | the first ranges are used; a second, different range of a satellite is reported ([`Rivalry`]), and so are ranges that alternate between two receivers ([`super::turns`]) |
@@ -83,8 +84,7 @@ pub(super) struct Assembly {
     ranges_before: Option<u32>,
 }
 
-/// Longest time between the arrivals of a UTC tag and of a GPS tag that together give the leap
-/// seconds, ms.
+/// Longest time between the arrivals of two messages of one burst, ms.
 const BURST_MS: u64 = 100;
 
 impl Assembly {
@@ -127,6 +127,10 @@ impl Assembly {
             None if ranges.of_utc_ms.is_some() => count(&mut counters.leap_unknown),
             None => count(&mut counters.observations_other),
             Some(tow_ms) if self.is_unsure(ranges, tow_ms, calendar) => count(&mut counters.leap_unknown),
+            // It says nothing about the open epoch, not even that it ends.
+            Some(tow_ms) if self.is_aside(ranges, tow_ms, came_ms) => {
+                return count(&mut counters.observations_ahead);
+            }
             Some(tow_ms) if self.chain.take(ranges, tow_ms) => count(&mut counters.observations_astray),
             Some(tow_ms) => {
                 if self.admits(ranges, tow_ms, came_ms, calendar, counters, tell) {
@@ -165,17 +169,29 @@ impl Assembly {
         })
     }
 
+    /// Returns true if a message without satellites has another tag than the open epoch, which has
+    /// some, although it came in the same burst or its tag is nearer than that of another epoch.
+    fn is_aside(&self, ranges: &Ranges<'_>, tow_ms: u32, came_ms: u64) -> bool {
+        let apart_ms = apart_ms(tow_ms, self.epoch.time.tow_ms);
+        ranges.measured.is_empty()
+            && self.is_open()
+            && !self.epoch.satellites.is_empty()
+            && apart_ms >= SAME_INSTANT_MS
+            && (apart_ms < HALVES_MS || came_ms.saturating_sub(self.came_ms) < BURST_MS)
+    }
+
     /// Moves the open epoch to the week of the present.
     pub(super) fn redate(&mut self, present: GpsTime) {
         self.epoch.time = GpsTime::nearest(self.epoch.time.tow_ms, present);
     }
 
-    /// Completes an epoch that a series stated as complete. The line pauses, so that the statement
-    /// was right.
+    /// Completes an epoch with ranges that a series stated as complete. The line pauses, so that the
+    /// statement was right. An epoch without ranges may have begun before its burst.
     pub(super) fn pause(&mut self, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
         self.chain.forget();
         if let Phase::Open(Some(series)) = self.phase
             && series != SILENCE
+            && !self.epoch.satellites.is_empty()
         {
             self.forgive(series);
             self.complete(Some(series), counters, tell);
@@ -241,7 +257,9 @@ impl Assembly {
                 self.complete(None, counters, tell);
             }
             Phase::Complete(complete_ms, ended) if is_same(tow_ms, complete_ms) => {
-                if self.has_heard(ranges.series) {
+                // An epoch without satellites does not come again with some: its end was stated early.
+                let is_alike = is_empty || !self.epoch.satellites.is_empty();
+                if is_alike && self.has_heard(ranges.series) {
                     // The epoch comes again, so that the statement of its end was right.
                     count(&mut counters.epochs_backwards);
                 } else {

@@ -8,6 +8,7 @@ use super::names_of_nonzero;
 use crate::wire::B1I;
 use crate::wire::Cell;
 use crate::wire::E1C;
+use crate::wire::Seen;
 use crate::wire::end_epoch;
 use crate::wire::epochs;
 use crate::wire::feed;
@@ -180,6 +181,45 @@ fn an_empty_message_an_hour_ahead_costs_no_epoch() {
         let whole: Vec<_> = have.iter().filter(|(_, satellites)| *satellites == 3).collect();
         assert!(whole.len() >= 3, "place {place}, more {more}: {have:?}");
         assert_eq!(input.counters().observations_ahead, 4, "{have:?}");
+    }
+}
+
+#[test]
+fn an_empty_message_between_two_others_splits_no_epoch() {
+    for ahead_ms in [20, 100, 480, 1000, 10_000] {
+        for more in [true, false] {
+            let mut input = knowing();
+            let have: Vec<_> = (0..4)
+                .flat_map(|n| {
+                    let tow_ms = TOW_MS + n * 1000;
+                    let galileo = msm(1097, tow_ms, false, &[Cell(31, E1C, 2.5e7, 50.0)]);
+                    let empty = msm(1127, tow_ms + ahead_ms - 14_000, more, &[]);
+                    sizes(&epochs(feed(&mut input, &[gps(tow_ms, true), empty, galileo].concat())))
+                })
+                .collect();
+            assert_eq!(have, [(0, 2), (1000, 2), (2000, 2), (3000, 2)], "{ahead_ms} ms ahead, more {more}");
+            assert_eq!(input.counters().observations_ahead, 4);
+        }
+    }
+}
+
+#[test]
+fn an_empty_message_that_states_the_end_too_early_costs_the_first_epoch_alone() {
+    // Before the ranges of its own epoch, and behind those of the epoch before.
+    for ahead_ms in [0, 1000] {
+        let mut input = knowing();
+        let mut have = Vec::new();
+        for n in 0..6 {
+            let tow_ms = TOW_MS + n * 1000;
+            let empty = msm(1077, tow_ms + ahead_ms, false, &[]);
+            let galileo = msm(1097, tow_ms, false, &[Cell(31, E1C, 2.5e7, 50.0)]);
+            let whole = [gps(tow_ms, true), galileo].concat();
+            let bytes = if ahead_ms == 0 { [empty, whole].concat() } else { [whole, empty].concat() };
+            have.extend(sizes(&epochs(feed(&mut input, &bytes))));
+            input.pause(|event| have.extend(sizes(&epochs(vec![Seen::from(event)]))));
+        }
+        let whole = have.iter().filter(|(_, satellites)| *satellites == 2).count();
+        assert_eq!(whole, 5, "{ahead_ms} ms ahead: {have:?}");
     }
 }
 
