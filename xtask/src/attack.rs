@@ -34,6 +34,9 @@ pub(crate) struct Arguments {
     /// Print rows of a Markdown table
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
+    /// Attack the module with the parts of the image `small`, and print what it withstands
+    #[arg(long, conflicts_with_all = ["json", "markdown", "several"])]
+    small: bool,
     /// Print only the rate at which two to four faults pass undetected, from this many epochs of
     /// each kind
     #[arg(long, value_name = "EPOCHS")]
@@ -50,7 +53,10 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(epochs) = arguments.several {
         return several(epochs, arguments.record);
     }
-    let effort = if arguments.long { Effort::Long } else { Effort::Quick };
+    if arguments.small {
+        return crate::attack_small::run(&attacks, effort_of(arguments), arguments.record);
+    }
+    let effort = effort_of(arguments);
     let mut lost = Vec::new();
     let mut outcomes = Vec::new();
     for attack in &attacks {
@@ -83,6 +89,10 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
+fn effort_of(arguments: &Arguments) -> Effort {
+    if arguments.long { Effort::Long } else { Effort::Quick }
+}
+
 /// Returns the requested work. Attacks run one after another on one processor.
 fn requested(arguments: &Arguments, attacks: usize) -> Work {
     if let Some(epochs) = arguments.several {
@@ -90,7 +100,7 @@ fn requested(arguments: &Arguments, attacks: usize) -> Work {
         let source = format!("{epochs} epochs of {} kinds, by a measured mean", several_faults::KINDS);
         return Work { serial_s: 0.0, parallel_s, source };
     }
-    work(attacks, if arguments.long { Effort::Long } else { Effort::Quick })
+    work(attacks, effort_of(arguments))
 }
 
 /// Returns the work of so many attacks.

@@ -4,6 +4,7 @@
 //! `rai` are those of the package `raim`.
 
 mod attack;
+mod attack_small;
 mod bench;
 mod campaign;
 mod cargo;

@@ -15,8 +15,6 @@
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Sub};
 
-use super::real::Real;
-
 /// Four numbers of type `T`.
 pub trait Four<T>:
     Copy + Debug + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
@@ -33,7 +31,7 @@ pub trait Four<T>:
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Apart<T>([T; 4]);
 
-impl<T: Real> Add for Apart<T> {
+impl<T: Add<Output = T>> Add for Apart<T> {
     type Output = Self;
     #[inline(always)]
     fn add(self, Self([e, f, g, h]): Self) -> Self {
@@ -42,7 +40,7 @@ impl<T: Real> Add for Apart<T> {
     }
 }
 
-impl<T: Real> Sub for Apart<T> {
+impl<T: Sub<Output = T>> Sub for Apart<T> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, Self([e, f, g, h]): Self) -> Self {
@@ -51,7 +49,7 @@ impl<T: Real> Sub for Apart<T> {
     }
 }
 
-impl<T: Real> Mul for Apart<T> {
+impl<T: Mul<Output = T>> Mul for Apart<T> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, Self([e, f, g, h]): Self) -> Self {
@@ -60,7 +58,10 @@ impl<T: Real> Mul for Apart<T> {
     }
 }
 
-impl<T: Real> Four<T> for Apart<T> {
+impl<T> Four<T> for Apart<T>
+where
+    T: Copy + Debug + PartialEq + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
+{
     #[inline(always)]
     fn join(numbers: [T; 4]) -> Self {
         Self(numbers)

@@ -2,12 +2,13 @@
 //!
 //! | sentence | becomes |
 //! |---|---|
-//! | `GNS` | [`Sentence::Position`]: a position, or none |
+//! | `GNS`, `GGA` | [`Sentence::Position`]: a position, or none |
 //! | `PRAIS` | [`Sentence::State`]: verdict, test, protection levels |
 //! | `PRAIX` | [`Sentence::Excluded`]: one satellite left out |
 //! | others | [`Sentence::Other`] |
 //!
-//! [`epochs`] combines them again: an epoch begins with its `GNS`.
+//! [`epochs`] combines them again: an epoch begins with its position. A module that says both `GNS`
+//! and `GGA` says the same in them; the small one has `GGA` alone.
 
 use anyhow::{Context, bail, ensure};
 use raim_core::frame::Geodetic;
@@ -18,7 +19,7 @@ use crate::signal::fault::satellite;
 /// One sentence.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sentence {
-    /// `GNS`: the position, `None` without a fix.
+    /// `GNS` or `GGA`: the position, `None` without a fix.
     Position(Option<Geodetic>),
     /// `PRAIS`.
     State(State),
@@ -159,7 +160,8 @@ pub fn parse(line: &str) -> anyhow::Result<Sentence> {
         fields
     };
     let read = match body.split(',').next() {
-        Some("GNGNS") => position(&fields()).map(Sentence::Position),
+        Some("GNGNS") => position(&fields(), [9, 10]).map(Sentence::Position),
+        Some("GNGGA") => position(&fields(), [9, 11]).map(Sentence::Position),
         Some("PRAIS") => state(&fields()).map(Sentence::State),
         Some("PRAIX") => excluded(&fields()).map(Sentence::Excluded),
         _ => Ok(Sentence::Other),
@@ -227,9 +229,11 @@ fn angle_rad(fields: &[&str], index: usize, negative: &str) -> anyhow::Result<Op
     Ok(Some(sign * angle_deg.to_radians()))
 }
 
-fn position(fields: &[&str]) -> anyhow::Result<Option<Geodetic>> {
+/// Parses a position. The indices are of the fields of its altitude and separation of the geoid.
+fn position(fields: &[&str], heights: [usize; 2]) -> anyhow::Result<Option<Geodetic>> {
     let (latitude, longitude) = (angle_rad(fields, 2, "S")?, angle_rad(fields, 4, "W")?);
-    let (altitude, separation) = (optional::<f64>(fields, 9)?, optional::<f64>(fields, 10)?);
+    let [altitude, separation] = heights.map(|index| optional::<f64>(fields, index));
+    let (altitude, separation) = (altitude?, separation?);
     let (Some(latitude_rad), Some(longitude_rad), Some(altitude)) = (latitude, longitude, altitude) else {
         return Ok(None);
     };

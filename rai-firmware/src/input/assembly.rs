@@ -185,8 +185,8 @@ impl Assembly {
         self.epoch.time = GpsTime::nearest(self.epoch.time.tow_ms, present);
     }
 
-    /// Completes an epoch with ranges that a series stated as complete. The line pauses, so that the
-    /// statement was right. An epoch without ranges may have begun before its burst.
+    /// Completes an epoch with ranges that a series stated as complete. The line pauses, so that
+    /// the statement was right. An epoch without ranges may have begun before its burst.
     pub(super) fn pause(&mut self, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
         self.chain.forget();
         if let Phase::Open(Some(series)) = self.phase
@@ -257,7 +257,8 @@ impl Assembly {
                 self.complete(None, counters, tell);
             }
             Phase::Complete(complete_ms, ended) if is_same(tow_ms, complete_ms) => {
-                // An epoch without satellites does not come again with some: its end was stated early.
+                // An epoch without satellites does not come again with some: its end was stated
+                // early.
                 let is_alike = is_empty || !self.epoch.satellites.is_empty();
                 if is_alike && self.has_heard(ranges.series) {
                     // The epoch comes again, so that the statement of its end was right.

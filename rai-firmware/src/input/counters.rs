@@ -65,8 +65,8 @@ counters! {
         epochs_broken,
         /// Epochs with observations after a message had stated that none would follow.
         observations_after_end,
-        /// Observations without satellites whose time is far ahead or not that of the open epoch, or that
-        /// came before all others.
+        /// Observations without satellites whose time is far ahead or not that of the open epoch,
+        /// or that came before all others.
         observations_ahead,
         /// Observations of a system with a wrong time: the message before stated that more of its
         /// instant follow.

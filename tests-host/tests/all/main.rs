@@ -7,6 +7,7 @@ mod accuracy;
 mod araim;
 mod araim_constellation;
 mod attack;
+mod attack_small;
 mod board;
 mod board_clock_aid;
 mod board_recording;

@@ -125,10 +125,10 @@ fn hear(recording: &Recording, systems: &str, caster: Option<&Caster>, step_s: u
         bytes.extend(encoder.epoch(epoch).unwrap());
         // An alert for a silent line may follow it.
         outcome.seen.extend(victim.hear(&bytes, truth).unwrap().into_iter().next());
-        let missing = victim.counter("ephemeris_missing");
+        let missing = victim.counter("ephemeris_missing").expect("an answer");
         outcome.missing.push(missing - std::mem::replace(&mut before, missing));
     }
-    outcome.displaced = victim.counter("ephemerides_displaced");
+    outcome.displaced = victim.counter("ephemerides_displaced").expect("an answer");
     outcome
 }
 

@@ -13,7 +13,7 @@ use adversary::attack::{ATTACKS, Effort};
 use rig::document;
 
 use crate::numbers;
-use crate::passages;
+use crate::passages::{self, Passage, Source};
 
 const DOCUMENT: &str = "results/adversary.md";
 
@@ -43,16 +43,24 @@ const ELSEWHERE: &[(&str, &str, &str, Effort)] = &[
     ("LIMITS.md", "and 96 to 100 % of the steps are detected", "one-frequency-recorded", Effort::Long),
     (DOCUMENT, "Of the 36 epochs of `SIGMAS` all have a truth, and 34 have", "false-signs", Effort::Quick),
     (DOCUMENT, "248 of 353 promised epochs with a truth are as far off", "false-signs", Effort::Quick),
-    (DOCUMENT, "each clock runs for 32 hours at 1 Hz and one for 914 hours at 30 s, and no sign alarms", "false-signs", Effort::Long),
+    (
+        DOCUMENT,
+        "each clock runs for 32 hours at 1 Hz and one for 914 hours at 30 s, and no sign alarms",
+        "false-signs",
+        Effort::Long,
+    ),
 ];
 
 /// Row of a table: attack, last cell, form of its first numbers.
 type Row = (String, String, Effort);
 
-/// Returns the rows of both tables.
+/// Returns the rows of both tables. Another test compares generated ones.
 fn rows() -> Vec<Row> {
-    let texts = passages::of(&document::text(DOCUMENT)).into_iter().map(|passage| passage.text);
-    texts.filter_map(|text| row(&text)).collect()
+    let is_generated =
+        |passage: &Passage| passage.sources.iter().any(|source| matches!(source, Source::Block(_)));
+    let passages = passages::of(&document::text(DOCUMENT));
+    let written = passages.into_iter().filter(|passage| !is_generated(passage));
+    written.filter_map(|passage| row(&passage.text)).collect()
 }
 
 fn row(text: &str) -> Option<Row> {

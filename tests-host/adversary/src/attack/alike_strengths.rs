@@ -107,5 +107,5 @@ fn false_signs(recording: &Recording, systems: &str, most: usize) -> Result<(f64
         victim.hear(&encoder.epoch(epoch)?, Ecef::CENTRE)?;
     }
     let hours = step_s * recording.epochs.len().min(most) as f64 / 3600.0;
-    Ok((f64::from(victim.counter("strengths_alike")), hours))
+    Ok((f64::from(victim.counter("strengths_alike")?), hours))
 }

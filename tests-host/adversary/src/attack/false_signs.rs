@@ -227,7 +227,7 @@ fn simulated(
             signs.add(&seen, true);
         }
     }
-    Ok(finished(signs, &victim, step_s))
+    finished(signs, &mut victim, step_s)
 }
 
 fn recorded(
@@ -253,11 +253,13 @@ fn recorded(
             signs.add(seen, point.is_some());
         }
     }
-    Ok(finished(signs, &victim, step_s))
+    finished(signs, &mut victim, step_s)
 }
 
-fn finished(mut signs: Signs, victim: &Victim, step_s: f64) -> Signs {
+fn finished(mut signs: Signs, victim: &mut Victim, step_s: f64) -> Result<Signs> {
     signs.hours = signs.epochs as f64 * step_s / 3600.0;
-    signs.counts = COUNTERS.map(|counter| victim.counter(counter) as usize);
-    signs
+    for (count, counter) in signs.counts.iter_mut().zip(COUNTERS) {
+        *count = victim.counter(counter)? as usize;
+    }
+    Ok(signs)
 }

@@ -52,7 +52,10 @@
 //! | [`streets`] | real recordings between walls that block low satellites or reflect them late |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
 
+pub mod module;
 pub mod record;
+pub mod seen;
+pub mod small;
 pub mod tally;
 pub mod victim;
 

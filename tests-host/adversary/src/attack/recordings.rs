@@ -158,7 +158,7 @@ fn play(
             tally.add_all(&seen);
         }
     }
-    Ok((tally, victim.counter("bands_apart")))
+    Ok((tally, victim.counter("bands_apart")?))
 }
 
 /// Returns the place of the antenna at a time. A receiver's time tag may differ from the full

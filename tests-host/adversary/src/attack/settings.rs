@@ -71,9 +71,9 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
     {
         let mut sealed = [0; SEALED_BYTES];
         let mut victim = Victim::new(&commands, 1.0)?;
-        let hash = victim.settings_hash();
+        let hash = victim.settings_hash()?;
         victim.restart(&mut sealed)?;
-        let kept = f64::from(u8::from(victim.settings_hash() == hash));
+        let kept = f64::from(u8::from(victim.settings_hash()? == hash));
         figures.push(Figure::at_least(format!("kept over a restart: {what}"), kept, 1.0));
 
         sealed[SEALED_BYTES - 1] ^= 1;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use raim::outcomes::{Outcome, Outcomes};
 
 use super::Figure;
-use super::victim::Seen;
+use super::seen::Seen;
 
 /// Outcomes of the epochs, and what else an attack counts.
 #[derive(Clone, Debug, Default)]

@@ -1,58 +1,54 @@
-//! The module in process, and its report on each epoch beside the truth.
+//! The module, and its report on each epoch beside the truth.
 
-use anyhow::{Context as _, Result, ensure};
+use std::fmt;
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
+
+use anyhow::{Result, ensure};
 use raim::sentence::{self, EpochOutput};
 use raim_core::frame::{Ecef, Enu, LocalFrame};
 use raim_core::velocity::Velocity;
 use raim_firmware::input::Suspicion;
-use raim_firmware::pin::MemoryPin;
-use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::SEALED_BYTES;
+
+use super::module::Module;
+use super::tally::Tally;
+
+pub use super::seen::Seen;
 
 /// Delay between an epoch's bytes and the next look at the clock, as a share of the time between
 /// epochs.
 const LOOK: f64 = 0.6;
 
+/// Tally of all modules since it was taken last.
+static ALL: LazyLock<Mutex<Tally>> = LazyLock::new(Mutex::default);
+
+fn all() -> MutexGuard<'static, Tally> {
+    // A tally is whole after each epoch, so that one of a thread that panicked is too.
+    ALL.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Returns the tally of all modules since the last call.
+pub fn take_tally() -> Tally {
+    std::mem::take(&mut *all())
+}
+
+/// Error of an attack that finds no opportunity.
+#[derive(Debug)]
+pub struct NoOpportunity(pub &'static str);
+
+impl fmt::Display for NoOpportunity {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.0)
+    }
+}
+
+impl std::error::Error for NoOpportunity {}
+
 /// A module under attack.
 pub struct Victim {
-    receiver: Receiver<MemoryPin>,
+    module: Module,
     now_ms: u64,
     step_ms: u64,
-}
-
-/// Returns a module that has received nothing.
-fn started() -> Result<Receiver<MemoryPin>> {
-    let boot = Boot::on_host("attack");
-    Receiver::new(MemoryPin::default(), boot).context("the module cannot start")
-}
-
-/// The report on one epoch, and its error.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Seen {
-    /// Sentences of the epoch.
-    pub said: EpochOutput,
-    /// Horizontal distance from the truth, m; infinite without a position.
-    pub horizontal_error_m: f64,
-    /// Difference in height, m; infinite without a position.
-    pub vertical_error_m: f64,
-    /// True if the pin was high at the end.
-    pub is_promised: bool,
-}
-
-impl Seen {
-    /// Returns true for a promised position with an error above one of its levels.
-    pub fn is_misleading(&self) -> bool {
-        self.is_promised && self.said.state.is_misleading(self.error_m())
-    }
-
-    /// Returns true for a promised position with an error above one of the limits in force.
-    pub fn is_hazardous(&self) -> bool {
-        self.is_promised && self.said.state.is_hazardous(self.error_m())
-    }
-
-    fn error_m(&self) -> [f64; 2] {
-        [self.horizontal_error_m, self.vertical_error_m]
-    }
 }
 
 impl Victim {
@@ -62,9 +58,13 @@ impl Victim {
     /// # Errors
     /// If a command is refused.
     pub fn new(commands: &[&str], step_s: f64) -> Result<Self> {
-        let mut victim = Self { receiver: started()?, now_ms: 0, step_ms: (step_s * 1e3) as u64 };
+        let mut victim = Self { module: Module::start()?, now_ms: 0, step_ms: (step_s * 1e3) as u64 };
         for command in commands {
             let answer = victim.obey(command)?;
+            // A module without this part is attacked without it.
+            if answer.contains("not in this build") {
+                continue;
+            }
             ensure!(answer.contains(",OK"), "`{command}` is refused: {answer}");
         }
         Ok(victim)
@@ -75,7 +75,7 @@ impl Victim {
     /// # Errors
     /// If the module cannot start.
     pub fn restart(&mut self, sealed: &mut [u8; SEALED_BYTES]) -> Result<()> {
-        self.receiver.seal(sealed);
+        self.module.seal(sealed)?;
         self.restart_from(sealed)
     }
 
@@ -85,15 +85,15 @@ impl Victim {
     /// # Errors
     /// If the module cannot start.
     pub fn restart_from(&mut self, sealed: &mut [u8; SEALED_BYTES]) -> Result<()> {
-        self.receiver = started()?;
-        self.receiver.restore(sealed, false);
-        self.receiver.seal(sealed);
-        Ok(())
+        self.module.restart(sealed)
     }
 
     /// Returns the hash of the settings in force.
-    pub fn settings_hash(&self) -> u32 {
-        self.receiver.configuration().hash()
+    ///
+    /// # Errors
+    /// If the module does not answer.
+    pub fn settings_hash(&mut self) -> Result<u32> {
+        self.module.settings_hash()
     }
 
     /// Sends a command and returns the answer.
@@ -101,9 +101,7 @@ impl Victim {
     /// # Errors
     /// If the answer is not UTF-8.
     pub fn obey(&mut self, command: &str) -> Result<String> {
-        let mut answer = Vec::new();
-        self.receiver.command(sentence::command(command).as_bytes(), &mut answer);
-        Ok(String::from_utf8(answer)?)
+        Ok(String::from_utf8(self.module.command(sentence::command(command).as_bytes())?)?)
     }
 
     /// Sends the bytes of one time step to the GNSS port and returns the reports. At the end of the
@@ -112,9 +110,8 @@ impl Victim {
     /// # Errors
     /// If a sentence cannot be read.
     pub fn hear(&mut self, bytes: &[u8], truth: Ecef) -> Result<Vec<Seen>> {
-        let mut said = Vec::new();
-        self.receiver.gnss(bytes, self.now_ms, &mut said);
-        self.receiver.tick(self.now_ms + (self.step_ms as f64 * LOOK) as u64, &mut said);
+        let mut said = self.module.gnss(bytes, self.now_ms)?;
+        said.extend(self.module.tick(self.now_ms + (self.step_ms as f64 * LOOK) as u64)?);
         self.now_ms += self.step_ms;
         self.seen(&said, truth)
     }
@@ -127,7 +124,7 @@ impl Victim {
         let mut said = Vec::new();
         let end_ms = self.now_ms + (for_s * 1e3) as u64;
         for now_ms in (self.now_ms..=end_ms).step_by(100) {
-            self.receiver.tick(now_ms, &mut said);
+            said.extend(self.module.tick(now_ms)?);
         }
         self.now_ms = end_ms;
         self.seen(&said, truth)
@@ -135,7 +132,7 @@ impl Victim {
 
     fn seen(&self, said: &[u8], truth: Ecef) -> Result<Vec<Seen>> {
         let outputs = sentence::epochs(std::str::from_utf8(said)?)?;
-        let (is_promised, last) = (self.receiver.pin().high, outputs.len().saturating_sub(1));
+        let (is_promised, last) = (self.module.is_promised(), outputs.len().saturating_sub(1));
         let seen = |(index, said): (usize, EpochOutput)| {
             let error =
                 said.position.map(|position| LocalFrame::at(truth).rotate(position.to_ecef() - truth));
@@ -148,7 +145,12 @@ impl Victim {
                 said,
             }
         };
-        Ok(outputs.into_iter().enumerate().map(seen).collect())
+        let seen: Vec<Seen> = outputs.into_iter().enumerate().map(seen).collect();
+        // Recordings without a known place are told from the centre of the earth.
+        if truth != Ecef::CENTRE {
+            all().add_all(&seen);
+        }
+        Ok(seen)
     }
 
     /// Returns the module's own clock, s.
@@ -158,21 +160,24 @@ impl Victim {
 
     /// Returns true while the pin is high.
     pub fn is_promised(&self) -> bool {
-        self.receiver.pin().high
+        self.module.is_promised()
     }
 
     /// Returns the current state of spoofing detection.
     pub fn spoofing(&self) -> Suspicion {
-        self.receiver.interference().1
+        self.module.spoofing()
     }
 
     /// Returns the velocity of the last epoch, if there is one.
     pub fn velocity(&self) -> Option<&Velocity> {
-        self.receiver.velocity()
+        self.module.velocity()
     }
 
     /// Returns a counter, or 0 if no counter has this name.
-    pub fn counter(&self, name: &str) -> u32 {
-        self.receiver.statistics().find(|(counter, _)| *counter == name).map_or(0, |(_, count)| count)
+    ///
+    /// # Errors
+    /// If the module does not answer.
+    pub fn counter(&mut self, name: &str) -> Result<u32> {
+        self.module.counter(name)
     }
 }

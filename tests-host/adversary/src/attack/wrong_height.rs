@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 use super::forgery::Sky;
 use super::tally::Tally;
-use super::victim::{Seen, Victim};
+use super::victim::{NoOpportunity, Seen, Victim};
 use super::{Attack, Effort, Figure};
 
 /// Attack with wrong heights, few satellites, and a fault of one of them.
@@ -250,7 +250,9 @@ fn ramps(effort: Effort) -> Result<Vec<Figure>> {
             let runs: Vec<_> = runs.into_iter().flatten().collect();
             let mut times: Vec<f64> = runs.iter().map(|run| run.0).collect();
             times.sort_by(f64::total_cmp);
-            let Some(latest_s) = times.last() else { bail!("no sky of the ramps is promised at first") };
+            let Some(latest_s) = times.last() else {
+                bail!(NoOpportunity("no sky of the ramps is promised at first"))
+            };
             beyond += runs.iter().map(|run| run.1).sum::<usize>();
             let rate = of_satellite.unwrap_or(altimeter_m_min);
             let what = format!("s at {rate} m/min {name}");

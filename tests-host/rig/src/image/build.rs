@@ -90,6 +90,18 @@ pub(crate) fn built(cargo: &mut Command) -> anyhow::Result<PathBuf> {
     executable(&String::from_utf8_lossy(&output.stdout)).context("cargo built no image")
 }
 
+/// Builds the program of the module with the parts of the image `small`, for this system, and
+/// returns its path. It is built by itself, because a build of several packages joins their
+/// features.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_small_module() -> anyhow::Result<PathBuf> {
+    let mut cargo = cargo();
+    cargo.args(["build", "--package", "small-module", "--bin", "small-module"]);
+    built(apart(&mut cargo, Path::new("target/small-module")))
+}
+
 /// Compiler flags for the second board's processor.
 pub(crate) const SECOND_BOARD_FLAGS: &str =
     "-C target-cpu=cortex-m7 -C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
