@@ -16,9 +16,7 @@ use core::fmt::Debug;
 use core::ops::{Add, Mul, Sub};
 
 /// Four numbers of type `T`.
-pub trait Four<T>:
-    Copy + Debug + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
-{
+pub trait Four<T>: Number {
     /// Joins four numbers.
     fn join(numbers: [T; 4]) -> Self;
     /// Repeats a number four times.
@@ -26,6 +24,14 @@ pub trait Four<T>:
     /// Returns the four numbers.
     fn numbers(self) -> [T; 4];
 }
+
+/// Number that can be added, subtracted and multiplied.
+pub trait Number:
+    Copy + Debug + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
+}
+
+impl<T> Number for T where T: Copy + Debug + PartialEq + Add<Output = T> + Sub<Output = T> + Mul<Output = T> {}
 
 /// Four numbers, each of which is computed by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,10 +64,7 @@ impl<T: Mul<Output = T>> Mul for Apart<T> {
     }
 }
 
-impl<T> Four<T> for Apart<T>
-where
-    T: Copy + Debug + PartialEq + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
-{
+impl<T: Number> Four<T> for Apart<T> {
     #[inline(always)]
     fn join(numbers: [T; 4]) -> Self {
         Self(numbers)

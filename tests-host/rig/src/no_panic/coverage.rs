@@ -13,7 +13,7 @@
 //! Generic arguments do not count. A name that several types share must occur as often. Functions
 //! of a trait cannot be called from outside if the trait or the type is nowhere public, and need
 //! not be listed. Functions that a derive or a macro makes are not seen, except those in
-//! `unstable!`.
+//! `unstable!`. Implementations that only a host has are on no chip.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -81,6 +81,9 @@ fn without_visibility(line: &str) -> &str {
     rest.map_or(line, |(_, rest)| rest)
 }
 
+/// Attribute before an implementation that only a host has.
+const OF_HOST: &str = "#[cfg(not(target_os = \"none\"))]";
+
 /// Names under which a list may contain a public function.
 type Names = Vec<String>;
 
@@ -129,12 +132,18 @@ fn module_declared(line: &str) -> Option<&str> {
 
 fn functions_of(code: &str, module: &str) -> Vec<Function> {
     let mut functions = Vec::new();
-    let mut owner = None;
+    let (mut owner, mut is_of_host) = (None, false);
+    let mut attribute = "";
     for line in code.lines() {
         if line.starts_with("impl") {
             owner = Owner::of(line);
+            is_of_host = attribute == OF_HOST;
         } else if line == "}" {
-            owner = None;
+            (owner, is_of_host) = (None, false);
+        }
+        attribute = line;
+        if is_of_host {
+            continue;
         }
         let names = match &owner {
             Some(owner) => line.strip_prefix("    ").and_then(|line| owner.function(line)),
@@ -242,6 +251,13 @@ mod tests {
     #[test]
     fn whatever_is_public_is_missing_from_an_empty_list() {
         assert_eq!(missing_from(""), ["snapshot::solve", "Snapshot::new", "<Fix as Display>::fmt"]);
+    }
+
+    #[test]
+    fn what_only_a_host_has_is_in_no_proof() {
+        let source = "#[cfg(not(target_os = \"none\"))]\nimpl Four for Wide {\n    fn join() {}\n}\n\
+                      impl Four for Apart {\n    fn join() {}\n}\n";
+        assert_eq!(not_in("", &functions(source, "crate")), ["<Apart as Four>::join"]);
     }
 
     #[test]

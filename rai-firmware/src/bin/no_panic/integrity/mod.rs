@@ -3,6 +3,7 @@
 mod values;
 
 use core::fmt::Display;
+use core::ops::{Add, Mul, Sub};
 
 use raim_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
 use raim_core::continuity::{Continuity, ContinuitySettings, Motion, Recovery};
@@ -22,6 +23,7 @@ use raim_core::least_squares::{Excludable, RowFit, Snapshot, Workspace};
 use raim_core::monitor::{EpochOutcome, Monitor, MonitorWorkspace, ValidatedRequirements};
 use raim_core::numeric::absolute::{Absolute, Grid};
 use raim_core::numeric::chi_square::ChiSquare;
+use raim_core::numeric::four::{Apart, Four};
 use raim_core::numeric::real::Real;
 use raim_core::numeric::{angle, bounds, normal};
 use raim_core::velocity::{self, RangeRate, Velocity, VelocityError};
@@ -249,6 +251,17 @@ fn absolute_lengths() {
     );
 }
 
+fn four_numbers() {
+    reach!(
+        <Apart<f32> as Four<f32>>::join as fn(_) -> _,
+        <Apart<f32> as Four<f32>>::repeat as fn(_) -> _,
+        <Apart<f32> as Four<f32>>::numbers as fn(_) -> _,
+        <Apart<f32> as Add>::add as fn(_, _) -> _,
+        <Apart<f32> as Sub>::sub as fn(_, _) -> _,
+        <Apart<f32> as Mul>::mul as fn(_, _) -> _,
+    );
+}
+
 fn thresholds<T: Real>() {
     reach!(
         ChiSquare::<T>::new as fn(_) -> _,
@@ -324,6 +337,7 @@ fn the_pipeline<T: Real>() {
 pub fn reach_what_has_no_precision() {
     as_a_module_runs_it();
     absolute_lengths();
+    four_numbers();
     continuity();
     values::reach_all();
 }
