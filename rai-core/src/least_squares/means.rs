@@ -49,7 +49,8 @@ impl<T: Real> ClockMeans<T> {
     }
 
     /// Returns the design row and the residual of a row minus their means, joined.
-    #[inline]
+    #[allow(clippy::inline_always, reason = "shorter in its place than a call is")]
+    #[inline(always)]
     pub(super) fn centred(&self, row: &Row<T>) -> T::Four {
         numbers(row) - T::Four::join(self.means)
     }

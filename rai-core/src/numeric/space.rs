@@ -155,7 +155,8 @@ pub(crate) fn symmetric_product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T
 }
 
 /// Returns `M v` of a matrix with four rows, from its columns `c_i`.
-#[inline]
+#[allow(clippy::inline_always, reason = "shorter in its place than a call is")]
+#[inline(always)]
 pub(crate) fn combination<T: Real>(columns: &[T::Four; 3], vector: &Vector3<T>) -> T::Four {
     let [x, y, z] = *columns;
     x * T::Four::repeat(vector.x) + y * T::Four::repeat(vector.y) + z * T::Four::repeat(vector.z)
