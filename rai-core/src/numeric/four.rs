@@ -95,3 +95,34 @@ impl Four<f32> for wide::f32x4 {
         self.to_array()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Apart, Four};
+
+    /// Returns the bits of sum, difference and product.
+    fn bits<F: Four<f32>>(a: [f32; 4], b: [f32; 4]) -> [[u32; 4]; 3] {
+        let (a, b) = (F::join(a), F::join(b));
+        [a + b, a - b, a * b].map(|result| result.numbers().map(f32::to_bits))
+    }
+
+    #[test]
+    fn four_at_once_are_four_apart_bit_by_bit() {
+        let mut state = 2026_u32;
+        let mut number = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // From 2⁻⁶⁰ to 2⁶⁰, with either sign.
+            f32::from_bits((state & 0x807F_FFFF) | (67 + (state >> 8) % 121) << 23)
+        };
+        for _ in 0..100_000 {
+            let (a, b) = ([(); 4].map(|()| number()), [(); 4].map(|()| number()));
+            assert_eq!(bits::<wide::f32x4>(a, b), bits::<Apart<f32>>(a, b), "{a:?} {b:?}");
+        }
+        let edges = [0.0, -0.0, f32::MIN_POSITIVE, f32::MAX];
+        for other in [[1.0; 4], [-0.0; 4], [f32::EPSILON; 4], [f32::MIN_POSITIVE; 4]] {
+            assert_eq!(bits::<wide::f32x4>(edges, other), bits::<Apart<f32>>(edges, other), "{other:?}");
+        }
+        let three = <wide::f32x4 as Four<f32>>::repeat(3.0);
+        assert_eq!(three.numbers().map(f32::to_bits), [3.0_f32.to_bits(); 4]);
+    }
+}

@@ -26,6 +26,11 @@ pub const NOT_SHOWN: &[(&str, &str)] = &[
          the rates. ARAIM bounds those that its integrity support message describes.",
     ),
     (
+        "Attacks on the image `small`",
+        "The attacks of this page are on the whole module. The image `small` lacks parts that some of them call for; \
+         `attack --small` prints which mislead it.",
+    ),
+    (
         "Distributions other than those assumed",
         "Noise in the experiments is Gaussian with the model's sigma. Recordings have their own noise, but they are \
          hours, not years.",
