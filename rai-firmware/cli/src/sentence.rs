@@ -297,6 +297,18 @@ mod tests {
     }
 
     #[test]
+    fn a_position_is_read_from_gga_too() {
+        // The example that descriptions of NMEA 0183 give: 545.4 m above the sea, geoid 46.9 m.
+        let line = nmea_line("GNGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,");
+        let Ok(Sentence::Position(Some(position))) = parse(line.trim_end()) else { panic!("{line}") };
+        assert!((position.latitude_rad.to_degrees() - (48.0 + 7.038 / 60.0)).abs() < 1e-12);
+        assert!((position.longitude_rad.to_degrees() - (11.0 + 31.0 / 60.0)).abs() < 1e-12);
+        assert!((position.height_m - 592.3).abs() < 1e-9);
+        let without = nmea_line("GNGGA,123519,,,,,0,00,,,M,,M,,");
+        assert_eq!(parse(without.trim_end()).unwrap(), Sentence::Position(None));
+    }
+
+    #[test]
     fn a_damaged_sentence_is_an_error() {
         assert!(parse("$PRAIS,1*00").unwrap_err().to_string().contains("checksum"));
         assert!(parse("PRAIS").is_err());

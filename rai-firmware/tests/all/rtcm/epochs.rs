@@ -13,6 +13,7 @@ use crate::wire::end_epoch;
 use crate::wire::epochs;
 use crate::wire::feed;
 use crate::wire::msm;
+use proptest::prelude::*;
 use raim_firmware::raw::RawEpoch;
 use raim_firmware::time::WEEK_MS;
 
@@ -186,20 +187,45 @@ fn an_empty_message_an_hour_ahead_costs_no_epoch() {
 
 #[test]
 fn an_empty_message_between_two_others_splits_no_epoch() {
-    for ahead_ms in [20, 100, 480, 1000, 10_000] {
+    for ahead_ms in [-10_000_i32, -1000, -300, -20, 20, 100, 480, 1000, 10_000] {
         for more in [true, false] {
             let mut input = knowing();
             let have: Vec<_> = (0..4)
                 .flat_map(|n| {
                     let tow_ms = TOW_MS + n * 1000;
                     let galileo = msm(1097, tow_ms, false, &[Cell(31, E1C, 2.5e7, 50.0)]);
-                    let empty = msm(1127, tow_ms + ahead_ms - 14_000, more, &[]);
+                    let empty = msm(1127, (tow_ms - 14_000).saturating_add_signed(ahead_ms), more, &[]);
                     sizes(&epochs(feed(&mut input, &[gps(tow_ms, true), empty, galileo].concat())))
                 })
                 .collect();
             assert_eq!(have, [(0, 2), (1000, 2), (2000, 2), (3000, 2)], "{ahead_ms} ms ahead, more {more}");
             assert_eq!(input.counters().observations_ahead, 4);
         }
+    }
+}
+
+proptest! {
+    /// A wrong statement of the end costs the epoch in which the system is not distrusted yet.
+    #[test]
+    fn empty_messages_with_any_tags_anywhere_cost_one_epoch_at_most(
+        empties in prop::array::uniform8((0..4_usize, -5000..5000_i32, any::<bool>(), 0..3_usize)),
+    ) {
+        let mut input = knowing();
+        let mut whole = 0;
+        for (n, (place, apart_ms, more, system)) in empties.into_iter().enumerate() {
+            let tow_ms = TOW_MS + 1000 * n as u32;
+            let mut frames = vec![
+                gps(tow_ms, true),
+                msm(1097, tow_ms, true, &[Cell(31, E1C, 2.5e7, 50.0)]),
+                msm(1127, tow_ms - 14_000, false, &[Cell(6, B1I, 3.8e7, 42.0)]),
+            ];
+            let (number, tag_ms) = [(1077, tow_ms), (1097, tow_ms), (1127, tow_ms - 14_000)][system];
+            frames.insert(place, msm(number, tag_ms.saturating_add_signed(apart_ms), more, &[]));
+            let mut have = epochs(feed(&mut input, &frames.concat()));
+            input.pause(|event| have.extend(epochs(vec![Seen::from(event)])));
+            whole += have.iter().filter(|epoch| epoch.satellites.len() == 3).count();
+        }
+        prop_assert!(whole >= 7, "{whole} of 8");
     }
 }
 
