@@ -73,9 +73,10 @@ fn receive(capture: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Types the lines of a person up to the first that fails.
+/// Types the lines of a person up to the first that fails. The home then stays for a look.
 fn follow(person: &Person, capture: &Path) -> Result<Vec<Typed>> {
-    let home: PathBuf = std::env::temp_dir().join(format!("rai-journey-{}", std::process::id()));
+    let home: PathBuf =
+        std::env::temp_dir().join(format!("rai-journey-{}-{}", person.name, std::process::id()));
     let terminal = Terminal::open(&home)?;
     if person.has_capture {
         fs::copy(capture, terminal.clone_folder().join(CAPTURE))?;
@@ -88,7 +89,8 @@ fn follow(person: &Person, capture: &Path) -> Result<Vec<Typed>> {
         let is_end = outcome.failure.is_some();
         typed.push(outcome);
         if is_end {
-            break;
+            eprintln!("{}: home and clone are left in {}", person.name, home.display());
+            return Ok(typed);
         }
     }
     terminal.close()?;
