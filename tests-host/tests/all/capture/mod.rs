@@ -1,28 +1,25 @@
-//! Captures of a receiver through the module: the epochs of an independent program's streams, with
-//! any defects of the file, and with injected faults.
+//! Captures of a receiver through the module: the epochs of an independent program's streams. Here
+//! is what the tests share, and the epochs as they are, whole and in part.
 
+mod damage;
 mod date;
 mod injection;
+mod refused;
+mod ways_in;
 
 use std::fs::File;
-use std::io::{Read as _, Write as _};
-use std::net::TcpListener;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::io::Read as _;
+use std::path::PathBuf;
 
-use flate2::Compression;
 use flate2::read::GzDecoder;
-use flate2::write::GzEncoder;
 use raim::replay::{self, Lump, Moment, Pace, Summary, Track, Truth, Window};
-use raim::signal::capture::{self, Capture, Orbits};
+use raim::signal::capture::Capture;
 use raim::signal::encode::{Frequency, Selection, ubx};
 use raim::signal::fault::Fault;
 use raim::signal::measurement::MeasuredEpoch;
 use raim::signal::pieces::{Kind, pieces};
 use raim::signal::recording::Recording;
 use raim_firmware::time::GpsTime;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
 use rig::shared;
 
 /// A stream of the reference folder, its sources, and the place of the antenna.
@@ -208,172 +205,6 @@ fn streams_are_judged_as_the_recordings_that_they_were_made_of() {
 }
 
 #[test]
-fn a_capture_that_breaks_off_anywhere_has_the_epochs_before() {
-    let Some(bytes) = epochs(12) else { return };
-    let whole = judged(&bytes, &[]);
-    // Ends of the frames of ranges.
-    let mut end = 0;
-    let ends: Vec<usize> = pieces(&bytes)
-        .filter_map(|piece| {
-            end += piece.bytes.len();
-            (piece.kind == Kind::RAWX).then_some(end)
-        })
-        .collect();
-    assert_eq!(whole.len(), ends.len());
-    for length in (ends[0]..bytes.len()).step_by(97).chain(ends.clone()) {
-        let want = ends.partition_point(|end| *end <= length);
-        assert_eq!(judged(&bytes[..length], &[]), whole[..want], "the first {length} bytes");
-    }
-    for start in (1..ends[ends.len() - 3]).step_by(997) {
-        let lost = ends.partition_point(|end| *end < start + 1);
-        let begins_in_ranges = pieces(&bytes[start..]).next().is_some_and(|piece| piece.kind == Kind::Rest);
-        let have = times(&judged(&bytes[start..], &[]));
-        let want = times(&whole)[lost..].to_vec();
-        assert!(have == want || begins_in_ranges && have == want[1..], "from byte {start}");
-    }
-}
-
-#[test]
-fn noise_between_frames_costs_no_epoch() {
-    /// Beginnings of frames that announce more bytes than follow.
-    const FALSE: [&[u8]; 5] = [
-        &[0xB5, 0x62, 0x02, 0x15, 0xF0, 0x10],
-        &[0xB5, 0x62, 0x01, 0x07, 0xFF, 0x03],
-        &[0xD3, 0x03, 0xFF],
-        b"$GNRMC,120041.00,A*",
-        &[0xB5, 0x62, 0xB5],
-    ];
-    let Some(bytes) = epochs(40) else { return };
-    let whole = judged(&bytes, &[]);
-    let mut random = ChaCha8Rng::seed_from_u64(7);
-    for round in 0..8 {
-        let mut noisy = Vec::new();
-        for piece in pieces(&bytes) {
-            // More of the long ones in a row would be too expensive: the module checks four bytes
-            // for each received one.
-            if random.random_bool(0.02) {
-                noisy.extend_from_slice(FALSE[random.random_range(0..FALSE.len())]);
-            }
-            if random.random_bool(0.1) {
-                noisy.extend((0..random.random_range(1..60)).map(|_| random.random::<u8>()));
-            }
-            noisy.extend_from_slice(piece.bytes);
-        }
-        let have = judged(&noisy, &[]);
-        assert_eq!(times(&have), times(&whole), "round {round}");
-        for (have, want) in have.iter().zip(&whole) {
-            assert_eq!(have.output, want.output, "round {round}: {:?}", want.time);
-        }
-    }
-}
-
-#[test]
-fn a_frame_of_ranges_that_is_damaged_costs_its_epoch_and_no_other() {
-    let Some(bytes) = epochs(24) else { return };
-    let whole = times(&judged(&bytes, &[]));
-    for hurt in 0..whole.len() {
-        let (mut damaged, mut seen) = (Vec::new(), 0);
-        for piece in pieces(&bytes) {
-            let begin = damaged.len();
-            damaged.extend_from_slice(piece.bytes);
-            if piece.kind == Kind::RAWX {
-                match hurt % 3 {
-                    _ if seen != hurt => {}
-                    0 => damaged[begin + 100] ^= 4,
-                    1 => damaged.truncate(begin + 200),
-                    _ => drop(damaged.drain(begin..begin + 50)),
-                }
-                seen += 1;
-            }
-        }
-        let mut want = whole.clone();
-        want.remove(hurt);
-        assert_eq!(times(&judged(&damaged, &[])), want, "epoch {hurt}");
-    }
-}
-
-/// Reads standard input if [`every_way_in_gives_the_same_bytes`] has started it, and reports the
-/// result.
-#[test]
-fn standard_input_of_a_child() {
-    let Some(path) = std::env::var_os("RAI_CAPTURE_WANT") else { return };
-    assert!(capture::read("-", f64::INFINITY).unwrap() == std::fs::read(path).unwrap(), "other bytes");
-    println!("the same bytes");
-}
-
-#[test]
-fn every_way_in_gives_the_same_bytes() {
-    let Some(want) = epochs(6) else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let (plain, packed) = (folder.path().join("plain"), folder.path().join("packed"));
-    std::fs::write(&plain, &want).unwrap();
-    let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
-    encoder.write_all(&want).unwrap();
-    let gz = encoder.finish().unwrap();
-    std::fs::write(&packed, &gz).unwrap();
-    let read = |name: &str| capture::read(name, 1.0).unwrap();
-    let name = |path: &Path| path.display().to_string();
-    assert!(read(&name(&plain)) == want && read(&name(&packed)) == want);
-    assert!(read(&format!("serial:{}", name(&plain))) == want);
-
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = listener.local_addr().unwrap();
-    let served = want.clone();
-    let server = std::thread::spawn(move || {
-        let (mut stream, _) = listener.accept().unwrap();
-        served.chunks(999).for_each(|chunk| stream.write_all(chunk).unwrap());
-    });
-    assert!(read(&format!("tcp://{address}")) == want);
-    server.join().unwrap();
-
-    for sent in [&want, &gz] {
-        let mut child = Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "capture::standard_input_of_a_child", "--nocapture"])
-            .env("RAI_CAPTURE_WANT", &plain)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        child.stdin.take().unwrap().write_all(sent).unwrap();
-        let output = child.wait_with_output().unwrap();
-        assert!(output.status.success());
-        assert!(String::from_utf8_lossy(&output.stdout).contains("the same bytes"));
-    }
-}
-
-#[test]
-fn what_has_no_end_needs_one() {
-    for name in ["tcp://127.0.0.1:9", "serial:/dev/ttyS0", "/dev/ptmx"] {
-        let error = format!("{:#}", capture::read(name, f64::INFINITY).unwrap_err());
-        assert!(error.contains("--to"), "{name}: {error}");
-    }
-}
-
-#[test]
-fn what_no_message_has_room_for_is_refused() {
-    let stream = &STREAMS[1];
-    let Some(bytes) = epochs(6) else { return };
-    let window = Window { to_s: 5.0, ..Window::ALL };
-    let selection = Selection::new("G", Frequency::Dual).unwrap();
-    let recorded = replay::encode(&stream.recording(), &selection, &[], &window).unwrap();
-    let rtcm = Capture::of(recorded.into_iter().flat_map(|lump| lump.bytes).collect(), None).unwrap();
-    let ubx = Capture::of(bytes, None).unwrap();
-    let satellite = rtcm.content().satellites()[0];
-    for (capture, text, want) in [
-        (&rtcm, format!("{satellite}:+1e9@2.."), "has no room"),
-        (&rtcm, "E31:+100@2..".to_owned(), "E31 is never received; the satellites are"),
-        (&ubx, "G99".to_owned() + ":+1@2..", ""),
-    ] {
-        let Ok(fault) = Fault::parse_inject(&text) else { continue };
-        let error = format!("{:#}", capture.lumps(&[fault], &Window::ALL).unwrap_err());
-        assert!(error.contains(want), "{text}: {error}");
-    }
-    let window = Window { from_s: 1e4, ..Window::ALL };
-    let error = format!("{:#}", ubx.lumps(&[], &window).unwrap_err());
-    assert!(error.contains("no epoch between 10000 s"), "{error}");
-}
-
-#[test]
 fn a_part_of_a_capture_is_judged_as_within_the_whole() {
     let Some(bytes) = epochs(105) else { return };
     let capture = Capture::of(bytes, None).unwrap();
@@ -394,73 +225,5 @@ fn a_part_of_a_capture_is_judged_as_within_the_whole() {
         // The first fix of the part has no starting point, that of the whole starts from the fix
         // before.
         assert!(apart_m < 0.1, "{apart_m} m");
-    }
-}
-
-#[test]
-fn ranges_without_orbits_say_what_to_switch_on_and_take_them_from_a_file() {
-    let Some(bytes) = epochs(24) else { return };
-    let stream = &STREAMS[1];
-    let of = |kept: &dyn Fn(Kind) -> bool, bytes: &[u8]| -> Vec<u8> {
-        pieces(bytes).filter(|piece| kept(piece.kind)).flat_map(|piece| piece.bytes).copied().collect()
-    };
-    let orbits =
-        || Orbits::load(&stream.navigation(), &Selection::new("GCE", Frequency::Dual).unwrap()).unwrap();
-    let ranges = of(&|kind| kind == Kind::RAWX, &bytes);
-    let capture = Capture::of(ranges.clone(), None).unwrap();
-    let track = run(&capture.lumps(&[], &Window::ALL).unwrap().lumps, None);
-    assert!(track.iter().all(|moment| moment.output.as_ref().unwrap().state.reason == "EPHEMERIS"));
-    let missing = capture.missing().unwrap();
-    assert!(missing.contains("RXM-SFRBX") && missing.contains("--nav"), "{missing}");
-
-    let capture = Capture::of(ranges, Some(orbits())).unwrap();
-    assert_eq!(capture.missing(), None);
-    let track = run(&capture.lumps(&[], &Window::ALL).unwrap().lumps, None);
-    assert!(track.iter().all(is_protected));
-
-    // This RTCM carries neither the orbits nor the week.
-    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
-    let window = Window { to_s: 20.0, ..Window::ALL };
-    let recorded = replay::encode(&stream.recording(), &selection, &[], &window).unwrap();
-    let rtcm: Vec<u8> = recorded.iter().flat_map(|lump| lump.bytes.clone()).collect();
-    let ranges = of(&|kind| kind.has_ranges(), &rtcm);
-    let error = Capture::of(ranges.clone(), None).err().map(|error| format!("{error:#}")).unwrap();
-    assert!(error.contains("1019") && error.contains("--nav"), "{error}");
-    let capture = Capture::of(ranges, Some(orbits())).unwrap();
-    assert_eq!(run(&capture.lumps(&[], &Window::ALL).unwrap().lumps, None), run(&recorded, None));
-}
-
-#[test]
-fn orbits_of_another_day_are_refused() {
-    let Some(bytes) = epochs(24) else { return };
-    let other = [path(STREAMS[3].navigation[0])];
-    let orbits = Orbits::load(&other, &Selection::new("GCE", Frequency::Dual).unwrap()).unwrap();
-    let error = Capture::of(bytes, Some(orbits)).err().map(|error| format!("{error:#}")).unwrap();
-    assert!(error.contains("2024-06-24") && error.contains("2024-01-02"), "{error}");
-}
-
-#[test]
-fn what_is_no_capture_is_refused_by_name() {
-    let line = "$GNGGA,120041.00,3520.3592243,N,13931.3304234,E,1,19,0.59,65.560,M,0.0,M,,*4B\r\n";
-    let sum = line[1..line.find('*').unwrap()].bytes().fold(0_u8, |sum, byte| sum ^ byte);
-    let nmea = line.replace("*4B", &format!("*{sum:02X}")).repeat(9);
-    let rinex =
-        |kind: &str| format!("     3.04           {kind:<20}M                   RINEX VERSION / TYPE\n");
-    let position = ubx::frame([0x01, 0x07], &[0; 92]).repeat(3);
-    let without_week = ubx::frame([0x02, 0x15], &[&[0; 13][..], &[1, 0, 0]].concat());
-    for (bytes, want) in [
-        (Vec::new(), "is empty"),
-        (nmea.into_bytes(), "9 lines of NMEA and no ranges"),
-        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec(), "a picture"),
-        (b"%PDF-1.7 etc".to_vec(), "a PDF"),
-        (b"week,tow,x_m,y_m,z_m\n".to_vec(), "text"),
-        (vec![0; 9999], "no frame of UBX or RTCM 3"),
-        (rinex("OBSERVATION DATA").into_bytes(), "RINEX observation file: give it with --obs"),
-        (rinex("NAVIGATION DATA").into_bytes(), "RINEX navigation file: give it with --nav"),
-        (position, "3 NAV-PVT, and no ranges: the module needs"),
-        (without_week, "RXM-RAWX: in none of them the receiver knows the week"),
-    ] {
-        let error = Capture::of(bytes, None).err().map(|error| format!("{error:#}")).unwrap();
-        assert!(error.contains(want), "{want}: {error}");
     }
 }

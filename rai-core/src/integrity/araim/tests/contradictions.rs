@@ -4,7 +4,8 @@ use std::prelude::rust_2024::*;
 
 use nalgebra::Vector3;
 
-use super::{EXAMPLE, Epoch, solutions};
+use super::worked_example::EXAMPLE;
+use super::{Epoch, solutions};
 use crate::integrity::araim::Prior;
 use crate::integrity::araim::modes::{Hypothesis, members, row};
 use crate::least_squares::Workspace;

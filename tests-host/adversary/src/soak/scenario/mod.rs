@@ -12,23 +12,24 @@
 //! The receiver sends an ephemeris as soon as it knows it, and repeats a few in each epoch in turn.
 //! A module that was reset has them again within a minute.
 
-use std::collections::VecDeque;
+mod diary;
+mod sending;
 
 use anyhow::Result;
-use raim::signal::encode::{Encoder, Selection};
+use raim::signal::encode::Selection;
 use raim::signal::measurement::{MeasuredEpoch, TimedEphemeris};
 use raim::signal::recording::Recording;
-use raim::signal::sky::Site;
 use raim_core::frame::Ecef;
 use raim_core::satellite::SatelliteId;
 use raim_firmware::time::GpsTime;
 use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rig::demo::Accepter;
 
+use super::early;
 use super::incident::{Falsified, Incidents};
-use super::{early, noise};
+use diary::{Diary, Recurring};
+use sending::Sending;
 
 /// Settings that the host changes in turn besides alert limits: every method, and the clock
 /// forecast.
@@ -47,10 +48,6 @@ const SETTINGS: [&str; 10] = [
 
 /// Largest number of noise bytes on an open line in the time of an epoch.
 const OPEN_LINE_BYTES: usize = 400;
-
-/// Elevation mask of the module at start, degrees, also applied to the position from all
-/// satellites.
-const MASK_DEG: f64 = 10.0;
 
 /// Number of epochs by which the receiver's time goes back: enough for the module to accept it in
 /// the end.
@@ -139,44 +136,6 @@ pub struct Turn {
     pub mishap: Option<Mishap>,
 }
 
-/// A recurring event.
-#[derive(Clone, Copy, Debug)]
-struct Recurring {
-    mean_epochs: u32,
-    next: u32,
-}
-
-impl Recurring {
-    fn new(mean_epochs: u32, rng: &mut ChaCha8Rng) -> Self {
-        let mut recurring = Self { mean_epochs, next: 0 };
-        recurring.put_off(0, rng);
-        recurring
-    }
-
-    fn is_due(&mut self, turn: u32, rng: &mut ChaCha8Rng) -> bool {
-        let is_due = turn >= self.next;
-        if is_due {
-            self.put_off(turn, rng);
-        }
-        is_due
-    }
-
-    fn put_off(&mut self, turn: u32, rng: &mut ChaCha8Rng) {
-        self.next = turn + rng.random_range(self.mean_epochs / 2..=self.mean_epochs * 3 / 2).max(1);
-    }
-}
-
-/// Next occurrence of each mishap.
-#[derive(Clone, Copy, Debug)]
-struct Diary {
-    unplug: Recurring,
-    power_on: Recurring,
-    rewind: Recurring,
-    unread: Recurring,
-    setting: Recurring,
-    questions: Recurring,
-}
-
 /// State of a disconnected cable.
 #[derive(Clone, Copy, Debug)]
 struct Unplugged {
@@ -200,29 +159,12 @@ pub struct Scenario {
     is_to_forget: bool,
 }
 
-/// State of sending a passage.
-struct Sending<'a> {
-    passage: &'a Passage,
-    encoder: Encoder,
-    repeated: VecDeque<Vec<u8>>,
-    accepter: Accepter,
-    site: Site,
-}
-
 impl Scenario {
     /// Returns a scenario whose random choices all follow from `seed`.
     pub fn new(tempo: Tempo, seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let calm = tempo.calm_epochs;
-        let mut each = |mean_epochs| Recurring::new(mean_epochs, &mut rng);
-        let diary = Diary {
-            unplug: each(calm),
-            power_on: each(calm),
-            rewind: each(calm * 2),
-            unread: each(calm * 2),
-            setting: each(calm / 4),
-            questions: each(calm),
-        };
+        let diary = Diary::new(calm, &mut rng);
         // Early ephemerides have their own generator, so that they change nothing else in a run.
         let mut early_rng = ChaCha8Rng::seed_from_u64(seed ^ 0xEA71);
         let early = Recurring::new(calm * 2, &mut early_rng);
@@ -343,47 +285,11 @@ impl Scenario {
     }
 }
 
-impl<'a> Sending<'a> {
-    fn new(passage: &'a Passage) -> Self {
-        let encoder = Encoder::new(&passage.recording.ephemerides, passage.selection.clone());
-        let (accepter, site) = (Accepter::new(MASK_DEG.to_radians()), Site::at(passage.truth));
-        Self { passage, encoder, repeated: VecDeque::new(), accepter, site }
-    }
-
-    /// Encodes an epoch after the ephemerides whose turn it is.
-    fn bytes(&mut self, epoch: &MeasuredEpoch, repeated: usize) -> Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        for _ in 0..repeated {
-            if self.repeated.is_empty() {
-                self.repeated = self.known(epoch)?;
-            }
-            bytes.extend(self.repeated.pop_front().unwrap_or_default());
-        }
-        bytes.extend(self.encoder.epoch(epoch)?);
-        Ok(bytes)
-    }
-
-    /// Returns a frame for each known ephemeris of a satellite in view.
-    fn known(&self, epoch: &MeasuredEpoch) -> Result<VecDeque<Vec<u8>>> {
-        let is_seen = |ephemeris: &&TimedEphemeris| {
-            epoch.satellites.iter().any(|seen| seen.satellite == ephemeris.satellite)
-        };
-        let seen: Vec<TimedEphemeris> =
-            self.passage.recording.ephemerides.iter().filter(is_seen).cloned().collect();
-        let lump = self.frames(epoch, &seen)?;
-        Ok(noise::frames(&lump).into_iter().map(<[u8]>::to_vec).collect())
-    }
-    /// Encodes ephemerides as they are sent at an epoch.
-    fn frames(&self, epoch: &MeasuredEpoch, sets: &[TimedEphemeris]) -> Result<Vec<u8>> {
-        let nothing = MeasuredEpoch { time: epoch.time, satellites: Vec::new() };
-        Encoder::new(sets, self.passage.selection.clone()).epoch(&nothing)
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::tally::RENEWAL_EPOCHS;
     use super::*;
+    use crate::soak::noise;
+    use crate::soak::tally::RENEWAL_EPOCHS;
     use raim::signal::encode::Frequency;
     use raim::signal::sky::raw::Simulation;
 
