@@ -16,6 +16,7 @@ mod common_error;
 mod continuity;
 mod detection;
 mod epoch;
+mod exclusion_levels;
 mod frame;
 mod kept_subsets;
 mod known_height;

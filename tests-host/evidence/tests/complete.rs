@@ -55,6 +55,7 @@ fn every_command_names_something_that_can_be_run() {
             ["cargo", "test", "-p", "raim-firmware", "--test", "all", module] => {
                 is_test("rai-firmware", module)
             }
+            ["cargo", "test", "-p", "raim-core", "--test", "all", module] => is_test("rai-core", module),
             _ => false,
         };
         assert!(can_be_run, "`{command}` names nothing that can be run");

@@ -256,3 +256,13 @@ fn every_aided_epoch_that_is_none_says_what_and_where() {
         assert_eq!(answer_as(Part::ClockRaim, &line)["error"], want, "{line}");
     }
 }
+
+#[test]
+fn exclusion_level_is_told_or_null() {
+    let bound = answer(&epoch())["out"]["bound"].clone();
+    let level = |name: &str| bound[name].as_f64().expect("a level");
+    assert!(level("hel") > level("hpl") && level("vel") > level("vpl"), "{bound}");
+    // With a clock more, one degree of freedom is left, which tells no satellite apart.
+    let bound = answer(&with("con", json!([0, 0, 0, 0, 1, 1])))["out"]["bound"].clone();
+    assert!(bound["hpl"].is_number() && bound["hel"].is_null() && bound["vel"].is_null(), "{bound}");
+}

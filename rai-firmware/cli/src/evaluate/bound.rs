@@ -1,6 +1,8 @@
-//! Protection levels `BOUND`, beside those of the papers in the least-squares part.
+//! Protection levels `BOUND`, beside those of the papers in the least-squares part, and exclusion
+//! levels.
 
 use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::exclusion_levels::exclusion_levels;
 use raim_core::integrity::raim::levels::{KFactors, LevelInputs, Levels};
 use raim_core::least_squares::Snapshot;
 use raim_core::numeric::probability::Probability;
@@ -18,6 +20,9 @@ const FAULT_FREE: f64 = 1e-7;
 pub(super) struct Bound {
     hpl: Number,
     vpl: Number,
+    /// Exclusion levels; `null` if a row could not be excluded.
+    hel: Option<Number>,
+    vel: Option<Number>,
 }
 
 impl Bound {
@@ -26,7 +31,7 @@ impl Bound {
     /// The error names the value that the tables do not cover.
     pub(super) fn of<T: Real>(
         line: &Line,
-        snapshot: &Snapshot<'_, T>,
+        snapshot: &mut Snapshot<'_, T>,
         thresholds: &Thresholds<'_>,
     ) -> Result<Self, String> {
         let dof = snapshot.dof();
@@ -36,6 +41,12 @@ impl Bound {
         let fault_free: Probability = line::probability("pff", FAULT_FREE)?;
         let factors = KFactors::new(missed_detection, fault_free);
         let levels = LevelInputs::of(snapshot, Levels::Bound, &factors).protect(lambda);
-        Ok(Self { hpl: levels.hpl_m.into(), vpl: levels.vpl_m.into() })
+        let excluding = exclusion_levels(snapshot, thresholds, Levels::Bound, &factors);
+        Ok(Self {
+            hpl: levels.hpl_m.into(),
+            vpl: levels.vpl_m.into(),
+            hel: excluding.map(|levels| levels.hpl_m.into()),
+            vel: excluding.map(|levels| levels.vpl_m.into()),
+        })
     }
 }

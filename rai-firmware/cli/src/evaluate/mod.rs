@@ -319,13 +319,13 @@ fn parts<T: Real>(
     let lsr = lsr::evaluate::<T>(line, thresholds)?;
     let mut workspace = lsr::workspace::<T>(line);
     let snapshot = workspace.as_mut().and_then(|workspace| workspace.solve().ok());
-    let Some(snapshot) = snapshot.filter(|snapshot| snapshot.dof() > 0) else { return Ok(lsr.into()) };
+    let Some(mut snapshot) = snapshot.filter(|snapshot| snapshot.dof() > 0) else { return Ok(lsr.into()) };
     Ok(Out {
         lsr,
-        bound: Some(Bound::of(line, &snapshot, thresholds)?),
         iso: Some(iso::evaluate(&line.isolation, &snapshot, thresholds)?),
         ransac: ransac::evaluate(line, &snapshot, limits),
         ransac_trad: ransac::traditional(line, &limits.consensus),
+        bound: Some(Bound::of(line, &mut snapshot, thresholds)?),
     })
 }
 

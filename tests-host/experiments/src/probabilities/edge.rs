@@ -5,7 +5,7 @@
 //! Here every geometry is at its edge, because its alert limit is what its own level just meets:
 //!
 //! ```text
-//! detection   HAL = 1.02 HPL                                exclusion   HAL = 1.02 max over i of HPL without i
+//! detection   HAL = 1.02 HPL                                exclusion   HAL = 1.02 HEL
 //! ```
 //!
 //! | row | event | requirement |
@@ -14,13 +14,10 @@
 //! | false alert | no fault, and no position is promised | `P_fa` |
 //! | missed alert | a fault, the error exceeds HAL, and the position is promised | `P_md` |
 //! | wrong exclusion | the same, and only healthy satellites are excluded | `P_md`, with the others |
-//! | failed exclusion | a fault that moves the position by HAL or more, and nothing is promised | `P_fe` |
+//! | failed exclusion | a fault that moves the position by HAL or more, and nothing is promised ([`exclusion`](super::exclusion)) | `P_fe` |
 //!
-//! A failed exclusion has no bound here, because the module computes no level at which it could
-//! also tell which satellite failed. If several exclusions explain the ranges, it promises nothing,
-//! and that is counted.
-//!
-//! The fault is a bias on the satellite with the largest horizontal slope. Rare events are drawn by
+//! The fault is a bias on the satellite with the largest horizontal slope. For exclusions it is on
+//! the satellite that is hardest to exclude. Rare events are drawn by
 //! importance sampling. Half of the draws are shifted so that about half of the faults are missed.
 //! The weight is the ratio of the densities, so it is at most 2:
 //!
@@ -37,7 +34,7 @@
 use anyhow::{Context as _, Result, ensure};
 use indicatif::ProgressBar;
 use nalgebra::DVector;
-use raim::signal::sky::{Sight, Site};
+use raim::signal::sky::Site;
 use raim_core::epoch::Epoch;
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::integrity::raim::levels::Levels;
@@ -48,10 +45,11 @@ use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use super::exclusion::{FAILED_EXCLUSION, Failures, HardestExclusion};
 use super::geometry::{Worst, epoch};
 use super::sampling::{Alarming, alarming, normal};
 use super::skies::{Scene, scene};
-use super::{CAPACITY, worst};
+use super::{CAPACITY, exclusion, worst};
 use crate::draw::generator;
 use crate::{Effort, Experiment, Finding, Interval, Judgement, Outcome, Row, Section};
 
@@ -69,12 +67,6 @@ const ABOVE: f64 = 1.02;
 /// Sizes of the bias, as multiples of the one that corresponds to `√λ`.
 const SIZES: [f64; 8] = [0.5, 0.65, 0.8, 1.0, 1.25, 1.5, 2.0, 4.0];
 
-/// Sizes of the bias, as multiples of the one that moves the position by the alert limit.
-const FAILURES: [f64; 5] = [1.0, 1.25, 1.5, 2.0, 4.0];
-
-/// Required probability that a fault is not excluded, as that of a missed alert.
-const FAILED_EXCLUSION: f64 = 1e-3;
-
 /// Numbers of satellites of a geometry, by the number of constellations less one.
 const COUNTS: [&[usize]; 2] = [&[6, 7, 8, 9, 10, 11], &[8, 10, 12, 14, 16]];
 
@@ -85,7 +77,7 @@ const FEW: usize = 10;
 const SEED: u64 = 9000;
 
 /// Number of rates that must hold together.
-const FAMILY: usize = 2 + 2 * SIZES.len();
+const FAMILY: usize = 2 + 2 * SIZES.len() + exclusion::RATES;
 
 fn run(effort: Effort, bar: &ProgressBar) -> Result<Outcome> {
     let count = effort.pick(500, 100_000);
@@ -107,7 +99,8 @@ fn run(effort: Effort, bar: &ProgressBar) -> Result<Outcome> {
             "{} geometries (of {count} drawn, those with a level within 556 m): places uniform over the globe, \
              instants of a day, 6 to 16 satellites of one or two constellations chosen at random; sigma 1.5 m / sin of \
              the elevation; method AUTO with BOUND; the alert limit of each geometry is 1.02 times its own level. \
-             Faults are on the satellite with the largest horizontal slope. P_fa {:e}, P_md {:e}, P_fe \
+             Faults are on the satellite with the largest horizontal slope, and for exclusions on the one that is hardest \
+             to exclude. P_fa {:e}, P_md {:e}, P_fe \
              {FAILED_EXCLUSION:e}. Held: no interval lies above 1, {FAMILY} intervals together at 95 % (Bonferroni).",
             counts.len(),
             requirements.false_alarm.get(),
@@ -124,8 +117,8 @@ struct Edge {
     scene: Scene,
     worst: Worst,
     requirements: Requirements,
-    /// Limit within which any satellite may be excluded, m; `None` if a satellite is needed.
-    exclusion_m: Option<f64>,
+    /// The hardest exclusion; `None` if its level is beyond the limit of the approach.
+    exclusion: Option<HardestExclusion>,
 }
 
 /// Weights of one geometry.
@@ -137,8 +130,8 @@ struct Counts {
     heaviest: f64,
     missed: [f64; SIZES.len()],
     wrong: [f64; SIZES.len()],
-    /// True if the exclusion failed; `None` if exclusion is not available.
-    failed: Option<[bool; FAILURES.len()]>,
+    /// Failed exclusions; `None` if exclusion is not available.
+    failed: Option<Failures>,
     /// Largest risk over every size of the fault in closed form, over `P_md`.
     closed_form: f64,
 }
@@ -156,18 +149,15 @@ impl Edge {
         let Some(scene) = scene(&site, constellations, count, number) else { return Ok(None) };
         let Some(worst) = scene.geometry.worst() else { return Ok(None) };
         let approach = Requirements { guard_fraction: 1.0, ..Requirements::non_precision_approach() };
-        let level_m = level_m(&approach, &site, &scene, None)?;
+        let level_m = level_m(&approach, &site, &scene)?;
         let Some(hal_m) = level_m.map(|level_m| level_m * ABOVE).filter(|&hal_m| hal_m < approach.hal_m)
         else {
             return Ok(None);
         };
-        let without = |index: usize| level_m_without(&approach, &site, &scene, index);
-        let levels_m: Option<Vec<f64>> = (0..scene.sights.len()).map(without).collect::<Result<_>>()?;
-        let exclusion_m = levels_m
-            .map(|levels_m| levels_m.into_iter().fold(hal_m, |most, level_m| most.max(level_m * ABOVE)))
-            .filter(|&limit_m| limit_m < approach.hal_m);
+        let exclusion = HardestExclusion::of(&scene.geometry, &approach)?
+            .filter(|exclusion| exclusion.level_m * ABOVE < approach.hal_m);
         let requirements = Requirements { hal_m, ..approach };
-        Ok(Some(Self { site, scene, worst, requirements, exclusion_m }))
+        Ok(Some(Self { site, scene, worst, requirements, exclusion }))
     }
 
     /// Judges draws of every kind.
@@ -187,8 +177,9 @@ impl Edge {
         for (size, (missed, wrong)) in SIZES.iter().zip(counts.missed.iter_mut().zip(&mut counts.wrong)) {
             (*missed, *wrong) = judge.with_fault(thresholds, *size, &mut chance)?;
         }
-        counts.failed =
-            self.exclusion_m.map(|limit_m| judge.failed_exclusions(limit_m, &mut chance)).transpose()?;
+        if let Some(exclusion) = &self.exclusion {
+            counts.failed = Some(judge.failed_exclusions(exclusion, &mut chance)?);
+        }
         Ok(counts)
     }
 
@@ -268,18 +259,20 @@ impl<'e> Judge<'e> {
         Ok((weigh(is_missed), weigh(is_wrong)))
     }
 
-    /// Returns true for each size of a positioning failure after which nothing is promised.
-    fn failed_exclusions(&mut self, limit_m: f64, chance: &mut ChaCha8Rng) -> Result<[bool; FAILURES.len()]> {
-        let Edge { scene, worst, requirements, .. } = self.edge;
-        self.monitor = monitor(Requirements { hal_m: limit_m, ..*requirements })?;
-        let mut failed = [false; FAILURES.len()];
-        for (failed, size) in failed.iter_mut().zip(FAILURES) {
-            let bias_m = size * limit_m / worst.moved.norm();
+    /// Judges faults of each size, within 1.02 times the exclusion level.
+    fn failed_exclusions(
+        &mut self,
+        exclusion: &HardestExclusion,
+        chance: &mut ChaCha8Rng,
+    ) -> Result<Failures> {
+        let Edge { scene, requirements, .. } = self.edge;
+        let hal_m = requirements.hal_m.max(exclusion.level_m * ABOVE);
+        self.monitor = monitor(Requirements { hal_m, ..*requirements })?;
+        exclusion.failures(hal_m, |bias_m| {
             let noise = normal(scene.sights.len(), chance);
-            let verdict = self.report(&noise, Some((worst.index, bias_m)))?.0.verdict;
-            *failed = !matches!(verdict, Verdict::Protected(_));
-        }
-        Ok(failed)
+            let verdict = self.report(&noise, Some((exclusion.index, bias_m)))?.0.verdict;
+            Ok(!matches!(verdict, Verdict::Protected(_)))
+        })
     }
 }
 
@@ -291,29 +284,12 @@ fn monitor(requirements: Requirements) -> Result<Monitor<f32, CAPACITY>> {
 }
 
 /// Returns the horizontal level of the satellites in view without noise, m.
-fn level_m(
-    requirements: &Requirements,
-    site: &Site,
-    scene: &Scene,
-    without: Option<usize>,
-) -> Result<Option<f64>> {
-    let kept = |index: &usize| Some(*index) != without;
-    let sights: Vec<Sight> = (0..scene.sights.len()).filter(kept).map(|index| scene.sights[index]).collect();
-    let rows: Vec<_> = (0..scene.sights.len()).filter(kept).map(|index| scene.geometry.rows[index]).collect();
-    let epoch: Epoch<CAPACITY> = epoch(0.0, &sights, &rows)?;
+fn level_m(requirements: &Requirements, site: &Site, scene: &Scene) -> Result<Option<f64>> {
+    let epoch: Epoch<CAPACITY> = epoch(0.0, &scene.sights, &scene.geometry.rows)?;
     let mut memory = Box::new(MonitorWorkspace::new());
     let monitor = monitor(*requirements)?;
     let report = &monitor.judge(&epoch, site.position, Search::Anew, None, &mut memory).report;
     Ok(report.protection.map(|levels| levels.hpl_m))
-}
-
-fn level_m_without(
-    requirements: &Requirements,
-    site: &Site,
-    scene: &Scene,
-    index: usize,
-) -> Result<Option<f64>> {
-    level_m(requirements, site, scene, Some(index))
 }
 
 fn sections(counts: &[Counts], requirements: &Requirements) -> Vec<Section> {
@@ -347,8 +323,8 @@ fn sections(counts: &[Counts], requirements: &Requirements) -> Vec<Section> {
     vec![
         Section { title: "Detection: the limit is what the level just meets".into(), rows },
         Section {
-            title: "Exclusion: the limit is what the level without any one satellite just meets".into(),
-            rows: exclusions(counts),
+            title: "Exclusion: the limit is what the exclusion level just meets".into(),
+            rows: exclusion::rows(&counts.iter().map(|counts| counts.failed).collect::<Vec<_>>(), FAMILY),
         },
     ]
 }
@@ -379,23 +355,4 @@ fn rate(what: &str, weights: &[f64], asked: f64, heaviest: f64) -> Row {
     Row::new(what, "", Finding::Number { value, decimals: 3, interval: Some(interval) }, Judgement::Ours)
         .because(format!("{hits} of {} draws", weights.len()))
         .holding("interval not above 1", sampled.as_one_in(FAMILY).low <= 1.0)
-}
-
-fn exclusions(counts: &[Counts]) -> Vec<Row> {
-    let available: Vec<_> = counts.iter().filter_map(|counts| counts.failed).collect();
-    let of_size = |(index, size): (usize, &f64)| {
-        let hits = available.iter().filter(|failed| failed[index]).count();
-        let expected = FAILED_EXCLUSION * available.len() as f64;
-        let Interval { low, high } = Interval::of_count(hits);
-        let interval = Some(Interval { low: low / expected, high: high / expected });
-        let ours = Finding::Number { value: hits as f64 / expected, decimals: 3, interval };
-        Row::new(
-            format!("failed exclusion, bias {size} of the one that moves the position by HAL, over P_fe"),
-            "",
-            ours,
-            Judgement::Ours,
-        )
-        .because(format!("{hits} of {} geometries in which exclusion is available", available.len()))
-    };
-    FAILURES.iter().enumerate().map(of_size).collect()
 }

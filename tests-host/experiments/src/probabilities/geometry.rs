@@ -21,7 +21,7 @@ const STEP_S: f64 = 1800.0;
 const INSTANTS: usize = 48;
 
 /// Redundancy number below which dense inversion, too, is inaccurate; no largest slope is there.
-const UNTESTABLE: f64 = 1e-9;
+pub(super) const UNTESTABLE: f64 = 1e-9;
 
 /// Rows of an instant without noise, and their dense least squares.
 pub(super) struct Geometry {

@@ -8,7 +8,7 @@
 //! | skies of six to forty satellites | [`skies`] |
 //! | risk that a level lets pass, over every size of the fault | [`worst`] |
 //! | the same for the whole monitor, by every method | [`every_method`] |
-//! | detection and exclusion at the edge of availability | [`edge`] |
+//! | detection and exclusion at the edge of availability | [`edge`], [`exclusion`] |
 //! | a day of positions with errors above their promise | [`day`], [`disc`] |
 //!
 //! Rates are multiples of the required probability, so 1 is exact. Every interval is one of 95 %,
@@ -19,6 +19,7 @@ mod day;
 mod disc;
 pub(super) mod edge;
 mod every_method;
+mod exclusion;
 mod geometry;
 mod sampling;
 mod skies;

@@ -29,11 +29,13 @@
 //! Their shift is therefore no rival for an exclusion among them. It is a rival for an exclusion of
 //! others, if all others agree without it.
 
+use core::cell::Cell;
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::least_squares::equations::Row;
-use crate::least_squares::{RowFit, Snapshot, invert};
+use crate::least_squares::{RowFit, Snapshot, infinity, invert, larger};
 use crate::numeric::real::Real;
 use crate::numeric::space::{add_outer_product, dot, plus_scaled, scaled, symmetric_product, zero, zeros};
 use crate::satellite::Constellation;
@@ -86,6 +88,29 @@ pub(crate) fn rivals<T: Real, const N: usize>(
         let threshold = thresholds.tau1::<T>(split.dof()).filter(|_| excluded.iter().any(is_told));
         threshold.is_some_and(|tau1| split.sse(snapshot) < tau1.min(most))
     })
+}
+
+/// Returns the largest squared bias of a row, in units of its variance, that a shift may explain:
+/// with more, the shift fails its own test but for the probability of a missed fault. 0 without
+/// such a shift.
+pub(crate) fn hides<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    index: usize,
+    thresholds: &Thresholds<'_>,
+) -> T {
+    let most = Cell::new(T::zero());
+    let Some((row, fit)) = snapshot.row(index) else { return most.get() };
+    any_split(snapshot, &|split| {
+        let part = split.part(row);
+        if part.is_tested() {
+            let lambda = thresholds.lambda::<T>(split.dof()).unwrap_or_else(infinity);
+            let shown = part.redundancy(row, fit, snapshot.level_variance(row));
+            let hidden = if shown >= T::UNTESTABLE { lambda / shown } else { infinity() };
+            most.set(larger(most.get(), hidden));
+        }
+        false
+    });
+    most.get()
 }
 
 /// Returns true if a predicate is true for the shift of any constellation.
@@ -187,6 +212,14 @@ impl<T: Real> PositionPart<T> {
         let place = invert(&self.normal).map(|covariance| symmetric_product(&covariance, &self.gradient));
         self.place = place.unwrap_or_else(|_| zero());
         place.is_ok()
+    }
+
+    /// Returns the redundancy of a row among the rows of this part alone, whose clock has this
+    /// variance at a known position.
+    fn redundancy(&self, row: &Row<T>, fit: &RowFit<T>, clock_m2: T) -> T {
+        let Ok(covariance) = invert(&self.normal) else { return T::zero() };
+        let position_m2 = dot(&fit.centred, &symmetric_product(&covariance, &fit.centred));
+        T::one() - row.weight * (position_m2 + clock_m2)
     }
 
     /// Returns true if the rows can contradict each other. Otherwise their residuals are 0 for any

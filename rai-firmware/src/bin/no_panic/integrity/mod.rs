@@ -10,6 +10,7 @@ use raim_core::continuity::{Continuity, ContinuitySettings, Motion, Recovery};
 use raim_core::integrity::araim::{self, AraimScratch, Finding};
 use raim_core::integrity::raim::detection::threshold::policy::ThresholdProblem;
 use raim_core::integrity::raim::detection::{self, Detection};
+use raim_core::integrity::raim::exclusion_levels;
 use raim_core::integrity::raim::hypotheses::separability;
 use raim_core::integrity::raim::isolation::ransac::{self, Selection};
 use raim_core::integrity::raim::isolation::{baarda, exclusion, parity};
@@ -106,6 +107,7 @@ fn detection_and_protection<T: Real>() {
         levels::PositionSigma::<T>::of as fn(_) -> _,
         shared_errors::shared_shift::<T, N> as fn(_, _) -> _,
         levels::KFactors::<T>::new as fn(_, _) -> _,
+        exclusion_levels::exclusion_levels::<T, N> as fn(_, _, _, _) -> _,
         levels::LevelInputs::<T>::of::<N> as fn(_, _, _) -> _,
         levels::LevelInputs::<T>::to_faults as fn(_) -> _,
         levels::LevelInputs::<T>::protect as fn(_, _) -> _,
