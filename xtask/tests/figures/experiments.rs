@@ -173,7 +173,10 @@ fn table_of_the_edge_of_availability_is_that_of_the_record() {
         setup.split(' ').next().and_then(|word| word.parse().ok()).expect("a number of geometries");
     document::must_say(DOCUMENT, &format!("{},{:03} geometries", count / 1000, count % 1000));
     let share = 100.0 * number(recorded.row("", "geometries with an exclusion level"), "ours");
-    document::must_say(DOCUMENT, &format!("In {share:.0} % of the geometries the exclusion level is within 556 m"));
+    document::must_say(
+        DOCUMENT,
+        &format!("In {share:.0} % of the geometries the exclusion level is within 556 m"),
+    );
 }
 
 /// Returns the snapshot of an experiment in the reduced form.
