@@ -41,7 +41,7 @@ use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::hypotheses::constellation_shift;
 use crate::integrity::raim::levels::{KFactors, LevelInputs, Levels, slopes};
 use crate::least_squares::downdate::{NormalisedRow, NormalisedRows, testable_rows};
-use crate::least_squares::{Snapshot, infinity, larger};
+use crate::least_squares::{Snapshot, larger};
 use crate::numeric::real::Real;
 use crate::report::ProtectionLevels;
 
@@ -88,8 +88,8 @@ fn told_apart<T: Real, const N: usize>(
     snapshot: &Snapshot<'_, T, N>,
     thresholds: &Thresholds<'_>,
 ) -> Option<ProtectionLevels> {
-    let detected = thresholds.lambda::<T>(snapshot.dof())?;
-    let isolated = thresholds.lambda::<T>(snapshot.dof().checked_sub(1)?)?;
+    let dof = snapshot.dof();
+    let dof_without = dof.checked_sub(1)?;
     let mut rows = NormalisedRows::<T, N>::new();
     testable_rows(snapshot, &mut rows);
     let (mut horizontal, mut vertical) = (T::zero(), T::zero());
@@ -102,11 +102,12 @@ fn told_apart<T: Real, const N: usize>(
             continue;
         };
         let others = rows.iter().filter(|other| other.index != index);
-        let hidden = others.fold(quotient(detected, tested.redundancy), |hidden, other| {
-            larger(hidden, quotient(isolated, visible_without(tested, other)))
+        let hidden = others.fold(thresholds.hidden(dof, tested.redundancy), |hidden, other| {
+            larger(hidden, thresholds.hidden(dof_without, shown_without(tested, other)))
         });
         let squared = larger(hidden, constellation_shift::hides(snapshot, index, thresholds)) * row.weight;
         let (gain_h, gain_v) = fit.squared_gains();
+        // If a row moves nothing, any bias may be hidden: the product is NaN then, and not larger.
         horizontal = larger(horizontal, (squared * gain_h).sqrt_approx());
         vertical = larger(vertical, (squared * gain_v).sqrt_approx());
     }
@@ -114,12 +115,7 @@ fn told_apart<T: Real, const N: usize>(
 }
 
 /// Returns the share of a row's squared bias that shows without another row.
-fn visible_without<T: Real>(row: &NormalisedRow<T>, rival: &NormalisedRow<T>) -> T {
+fn shown_without<T: Real>(row: &NormalisedRow<T>, rival: &NormalisedRow<T>) -> T {
     let shared = row.projection(rival);
     row.redundancy - shared * shared / rival.redundancy
-}
-
-/// Returns the squared bias that is needed for a non-centrality; infinity if too little shows.
-fn quotient<T: Real>(lambda: T, visible: T) -> T {
-    if visible >= T::UNTESTABLE { lambda / visible } else { infinity() }
 }

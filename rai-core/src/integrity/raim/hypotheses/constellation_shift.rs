@@ -35,7 +35,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::least_squares::equations::Row;
-use crate::least_squares::{RowFit, Snapshot, infinity, invert, larger};
+use crate::least_squares::{RowFit, Snapshot, invert, larger};
 use crate::numeric::real::Real;
 use crate::numeric::space::{add_outer_product, dot, plus_scaled, scaled, symmetric_product, zero, zeros};
 use crate::satellite::Constellation;
@@ -103,10 +103,8 @@ pub(crate) fn hides<T: Real, const N: usize>(
     any_split(snapshot, &|split| {
         let part = split.part(row);
         if part.is_tested() {
-            let lambda = thresholds.lambda::<T>(split.dof()).unwrap_or_else(infinity);
             let shown = part.redundancy(row, fit, snapshot.level_variance(row));
-            let hidden = if shown >= T::UNTESTABLE { lambda / shown } else { infinity() };
-            most.set(larger(most.get(), hidden));
+            most.set(larger(most.get(), thresholds.hidden(split.dof(), shown)));
         }
         false
     });

@@ -157,6 +157,14 @@ impl Thresholds<'_> {
         element(self.lambda, dof)
     }
 
+    /// Returns the squared bias, in units of its variance, that is missed with the required
+    /// probability if this share of its square shows; infinity if too little shows, or without
+    /// [`Self::lambda`].
+    pub(crate) fn hidden<T: Real>(&self, dof: usize, shown: T) -> T {
+        let lambda = self.lambda::<T>(dof).filter(|_| shown >= T::UNTESTABLE);
+        lambda.map_or_else(|| T::narrow(f64::INFINITY), |lambda| lambda / shown)
+    }
+
     /// Returns the two-sided threshold of each of `tests` w-tests, or `None` for 0 tests or beyond
     /// the row.
     pub fn w_test<T: Real>(&self, tests: usize) -> Option<T> {
