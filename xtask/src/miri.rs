@@ -4,7 +4,9 @@
 //! Neither has unsafe code of its own outside the board files. Their dependencies have some, and so
 //! has the C interface around them. A test that is left out gives its reason where it is defined.
 
-use anyhow::{Context as _, ensure};
+use anyhow::{Context as _, Result, ensure};
+use pico_args::Arguments;
+use xtask::nightly;
 
 /// Target like the chip, with 32 bits, little-endian. Its square roots are no inline assembly,
 /// which Miri cannot interpret.
@@ -21,12 +23,13 @@ const TESTS: [&[&str]; 4] = [
 ];
 
 /// Runs the command.
-pub(crate) fn run() -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &mut Arguments) -> Result<()> {
+    crate::test::ensure_none_is_left(arguments)?;
     let install = "rustup component add --toolchain nightly miri rust-src";
-    crate::nightly::ensure(&["miri", "--version"], install)?;
+    nightly::ensure(&["miri", "--version"], install)?;
     for tests in TESTS {
         let mut command =
-            crate::nightly::cargo(&["miri", "test", "--target", TARGET, "--target-dir", "target/miri"]);
+            nightly::cargo(&["miri", "test", "--target", TARGET, "--target-dir", "target/miri"]);
         // Only tests of reference values read files, and they are skipped without them.
         command.args(tests).env("MIRIFLAGS", "-Zmiri-disable-isolation").env("PROPTEST_CASES", "8");
         let status = command.status().context("miri cannot be run")?;

@@ -2,31 +2,29 @@
 //! fails.
 //!
 //! Each change is a build, and all of them take hours: `cargo xtask mutants -- --shard 0/20` takes
-//! a share, `-- --file '*/snapshot.rs'` a file. `rai-core/mutants.md` lists the changes that no
-//! test detects, with reasons.
+//! a share, `-- --file '*/snapshot.rs'` a file.
 
-use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
-use anyhow::{Context as _, ensure};
+use anyhow::{Context as _, Result, ensure};
+use pico_args::Arguments;
+use xtask::cargo::command;
 
-/// Arguments of the command.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Arguments for cargo-mutants
-    #[arg(last = true)]
-    rest: Vec<String>,
-}
+/// Options of the command.
+pub(crate) const OPTIONS: &str = "
+  -- OPTION…  Options for cargo-mutants
+";
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let probe = cargo().args(["mutants", "--version"]).stdout(Stdio::null()).stderr(Stdio::null()).status();
+pub(crate) fn run(arguments: &mut Arguments) -> Result<()> {
+    let rest = std::mem::replace(arguments, Arguments::from_vec(Vec::new())).finish();
+    let mut probe = command(&["mutants", "--version"]);
     ensure!(
-        probe.is_ok_and(|status| status.success()),
+        probe.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success()),
         "cargo-mutants is missing: cargo install cargo-mutants"
     );
-    let mut command = cargo();
-    command.args(["mutants", "--package", "raim-core", "--output", "target"]).args(&arguments.rest);
+    let mut command = command(&["mutants", "--package", "raim-core", "--output", "target"]);
+    command.args(rest.iter().filter(|word| *word != "--"));
     // A test with a counterexample has detected the change, so the smallest one is not needed.
     command.env("PROPTEST_MAX_SHRINK_ITERS", "0").env("PROPTEST_FAILURE_PERSISTENCE", "off");
     let status = command.status().context("cargo-mutants cannot be run")?;
@@ -35,10 +33,4 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         "some changes were not detected or could not be tried; target/mutants.out lists them"
     );
     Ok(())
-}
-
-fn cargo() -> Command {
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));
-    command
 }

@@ -1,17 +1,18 @@
 //! Tools that need the nightly toolchain, which the product itself never does.
 
-use std::path::Path;
 use std::process::{Command, Stdio};
 
 use anyhow::ensure;
 
+use crate::cargo::root;
+
 /// Returns the nightly toolchain's cargo, at the root of the repository.
-pub(crate) fn cargo(arguments: &[&str]) -> Command {
+pub fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new("rustup");
     command.args(["run", "nightly", "cargo"]).args(arguments);
     // These variables belong to the toolchain that runs this command, not to nightly.
     command.env_remove("RUSTUP_TOOLCHAIN").env_remove("CARGO").env_remove("RUSTC");
-    command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));
+    command.current_dir(root());
     command
 }
 
@@ -19,7 +20,7 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
 ///
 /// # Errors
 /// If one is missing; the error is the command that installs it.
-pub(crate) fn ensure(probe: &[&str], install: &str) -> anyhow::Result<()> {
+pub fn ensure(probe: &[&str], install: &str) -> anyhow::Result<()> {
     ensure!(
         answers(&["--version"]),
         "nightly is missing: rustup toolchain install nightly --profile minimal"

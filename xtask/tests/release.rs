@@ -25,8 +25,10 @@ fn least_version_of_rust_is_the_one_that_every_test_runs_with() {
 #[test]
 fn forge_runs_the_tests_that_the_readme_names() {
     assert!(text(".github/workflows/ci.yml").contains("- run: .ci/run\n"));
-    assert!(text(".ci/run").lines().any(|line| line == "cargo xtask test"));
-    assert!(text("README.md").contains("cargo xtask test "));
+    for command in ["cargo xtask test", "cargo xtask check"] {
+        assert!(text(".ci/run").lines().any(|line| line == command), "{command}");
+        assert!(text("README.md").contains(&format!("{command} ")), "{command}");
+    }
 }
 
 #[test]

@@ -2,6 +2,30 @@
 
 use std::process::ExitCode;
 
+use clap::Parser;
+use clap::error::ErrorKind;
+
+/// Returns the arguments of this process. If they are wrong, it ends the process after one line
+/// about them; if help was requested, after the help.
+pub fn arguments<A: Parser>() -> A {
+    A::try_parse().unwrap_or_else(|error| std::process::exit(refuse(&error)))
+}
+
+/// Prints the help or the error, and returns the exit code.
+fn refuse(error: &clap::Error) -> i32 {
+    let is_help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+    if is_help || !error.use_stderr() {
+        // If standard output is closed, there is nobody left to inform.
+        let _ = error.print();
+        return i32::from(is_help);
+    }
+    // The error stands before the first blank line; usage and hints follow.
+    let text = error.to_string();
+    let lines = text.lines().map(str::trim).take_while(|line| !line.is_empty());
+    eprintln!("{}", lines.collect::<Vec<_>>().join(" "));
+    1
+}
+
 /// Runs a command, prints its error, and returns the exit code. A closed output, as by `head`, is
 /// the reader's choice and no error.
 pub fn code_of(command: impl FnOnce() -> anyhow::Result<()> + std::panic::UnwindSafe) -> ExitCode {

@@ -6,13 +6,28 @@
 //! writes the block if the environment variable `RAI_BLESS` is set.
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::{env, fs};
+
+use anyhow::Context as _;
 
 /// Mark behind a generated block.
 const END: &str = "<!-- end -->";
 
 fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
+}
+
+/// Returns the version of the sources, as git describes it, for what is recorded.
+///
+/// # Errors
+/// If git does not describe it.
+pub fn version() -> anyhow::Result<String> {
+    let git = ["describe", "--always", "--dirty", "--abbrev=12"];
+    let output = Command::new("git").args(git).current_dir(path("")).output();
+    let output = output.ok().filter(|output| output.status.success());
+    let output = output.context("git must describe the version that is recorded")?;
+    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
 /// Returns a document of the project, by its path from the root.

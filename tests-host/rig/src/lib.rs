@@ -10,7 +10,7 @@
 //! | [`bench`](mod@bench), [`laboratory`] | cost of each stage on the chip; single stages on the emulated core |
 //! | [`capi`] | the C interface: its header, its library, and programs that call it |
 //! | [`document`] | documents of the project, compared with what tests compute |
-//! | [`setup`], [`skip`] | missing requirements of a machine; tests that are skipped without them |
+//! | [`skip`] | tests that are skipped on a machine without their requirements |
 //! | [`shared`], [`stations`], [`recordings`] | recordings of real stations: in the reference folder, and in packages |
 //!
 //! # References
@@ -32,8 +32,9 @@ pub mod lockstep;
 pub mod no_panic;
 pub mod paced;
 pub mod recordings;
-pub mod setup;
 pub mod shared;
 pub mod skip;
 mod source_lines;
 pub mod stations;
+
+pub use xtask::setup;

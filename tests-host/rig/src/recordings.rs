@@ -14,7 +14,8 @@ use raim::signal::sample::{self, Sample};
 use raim_core::frame::Ecef;
 
 use crate::bench::peers::sources;
-use crate::setup::{agree, root};
+use xtask::cargo::root;
+use xtask::setup::agree;
 
 /// Folder of RTKLIB's recordings, below `target`.
 const FOLDER: &str = "target/recordings/rtklib";

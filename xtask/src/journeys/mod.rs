@@ -1,5 +1,5 @@
-//! `cargo xtask journeys`: types what README tells five people to type, and writes down what they
-//! see.
+//! `cargo xtask journeys`: types what README tells five people to type, and writes what they see
+//! below `target/journeys`.
 //!
 //! Each person starts with a clone of the last commit, an empty home, and no folder beside the
 //! clone. The compiler's toolchain is the one of this machine, because rustup brings it. A journey
@@ -11,55 +11,50 @@ mod transcript;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 use anyhow::{Context as _, Result, ensure};
+use pico_args::Arguments;
+use xtask::cargo::{program, root};
 
-use crate::cargo::root;
 use people::{PEOPLE, Person};
 use terminal::{Terminal, Typed};
 
 /// File name of the capture.
 const CAPTURE: &str = "capture.rtcm3";
 
-/// Arguments of the command.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// People to follow (default: all)
-    people: Vec<String>,
-    /// Also write a short form of each journey into results/journeys
-    #[arg(long)]
-    record: bool,
-}
+/// Options of the command.
+pub(crate) const OPTIONS: &str = "
+  NAME…  People to follow (default: all)
+";
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+pub(crate) fn run(arguments: &mut Arguments) -> Result<()> {
+    let mut asked = Vec::new();
+    while let Some(name) = arguments.opt_free_from_str::<String>()? {
+        asked.push(name);
+    }
     let names = PEOPLE.map(|person| person.name);
-    let unknown = arguments.people.iter().find(|name| !names.contains(&name.as_str()));
+    let unknown = asked.iter().find(|name| !names.contains(&name.as_str()));
     ensure!(
         unknown.is_none(),
         "unknown person: {}; known are {}",
         unknown.map_or("", |n| n),
         names.join(", ")
     );
-    let is_asked = |person: &&Person| {
-        arguments.people.is_empty() || arguments.people.iter().any(|name| name == person.name)
-    };
+    let is_asked = |person: &&Person| asked.is_empty() || asked.iter().any(|name| name == person.name);
     let folder = root().join("target/journeys");
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let capture = folder.join(CAPTURE);
     receive(&capture)?;
     let mut failures = Vec::new();
     for person in PEOPLE.iter().filter(is_asked) {
+        eprintln!("{}: {}", person.title, person.aim);
         let typed = follow(person, &capture)?;
         let path = folder.join(format!("{}.txt", person.name));
         fs::write(&path, transcript::whole(&typed)).with_context(|| path.display().to_string())?;
         eprintln!("{}: the transcript is {}", person.name, path.display());
         failures.extend(typed.iter().filter_map(|line| line.failure.clone()));
-        if arguments.record {
-            let path = root().join(format!("results/journeys/{}.md", person.name));
-            fs::write(&path, transcript::page(person, &typed)).with_context(|| path.display().to_string())?;
-        }
     }
     ensure!(failures.is_empty(), "{}", failures.join("; "));
     Ok(())
@@ -67,7 +62,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 
 /// Writes the capture of those who have one: the messages of the sample, as a receiver sends them.
 fn receive(capture: &Path) -> Result<()> {
-    let mut replay = Command::new(std::env::current_exe()?);
+    let mut replay = program("rig", "rig", "");
     replay.args(["replay", "--sample", "--rtcm"]).arg(capture).stdout(Stdio::null());
     ensure!(replay.status()?.success(), "the sample cannot be replayed");
     Ok(())

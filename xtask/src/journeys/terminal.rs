@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result, ensure};
 
 use super::people::Line;
-use crate::cargo::root;
+use xtask::cargo::root;
 
 /// Longest duration of a line, s.
 const LIMIT_S: u32 = 3600;

@@ -1,4 +1,4 @@
-//! `cargo xtask test`: the checks that every change must pass.
+//! `cargo xtask test` and `cargo xtask check`: what every change must pass.
 //!
 //! Each step runs in a process of its own, whatever the steps before it found, so that one run
 //! reports all failures. Its output goes to a log; the terminal gets one line per step, and the end
@@ -15,27 +15,20 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
-use rig::setup;
+use pico_args::Arguments;
+use xtask::cargo::root;
+use xtask::setup::{self, Need};
 
 use counts::Counts;
-use steps::{Done, Lane, STEPS, Step};
+use steps::{CHECK, Done, Lane, Options, QUICK, Step, TEST};
 
-/// Arguments of the command.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Accept the present output of the snapshot tests as the wanted one.
-    #[arg(long)]
-    bless: bool,
-    /// Fail if a test is skipped because a recording or a program is missing.
-    #[arg(long)]
-    all: bool,
-    /// Run only format, lints, unit tests and the sizes of the image: about a minute when warm.
-    #[arg(long)]
-    quick: bool,
-    /// Run one step with its output on the terminal; a wrong name lists the names.
-    #[arg(long, value_name = "NAME", conflicts_with = "quick")]
-    step: Option<String>,
-}
+/// Options of both commands.
+pub(crate) const OPTIONS: &str = "
+  --quick      Run only format, lints, unit tests and the size of the image (`test`)
+  --step NAME  Run one step with its output on the terminal; a wrong name lists the names
+  --bless      Accept the present output of the snapshot tests as the wanted one
+  --all        Fail if a test is skipped because a recording or a program is missing
+";
 
 /// The result of one step, after so many seconds.
 struct Outcome {
@@ -44,26 +37,50 @@ struct Outcome {
     seconds: f64,
 }
 
-/// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    setup::ensure()?;
-    if let Some(name) = &arguments.step {
-        return alone(name, arguments);
+/// Runs the tests.
+pub(crate) fn test(arguments: &mut Arguments) -> Result<()> {
+    let is_quick = arguments.contains("--quick");
+    if is_quick {
+        setup::ensure(&[Need::Components])?;
     }
-    let logs = crate::cargo::root().join("target/test");
+    run("test", if is_quick { QUICK } else { TEST }, arguments)
+}
+
+/// Runs the other checks.
+pub(crate) fn check(arguments: &mut Arguments) -> Result<()> {
+    run("check", CHECK, arguments)
+}
+
+/// Fails if the command line has words that no option has taken.
+///
+/// # Errors
+/// With the words.
+pub(crate) fn ensure_none_is_left(arguments: &mut Arguments) -> Result<()> {
+    let left = std::mem::replace(arguments, Arguments::from_vec(Vec::new())).finish();
+    let words: Vec<_> = left.iter().map(|word| word.to_string_lossy()).collect();
+    ensure!(words.is_empty(), "unexpected: {}; --help lists the options", words.join(" "));
+    Ok(())
+}
+
+fn run(verb: &'static str, steps: &'static [Step], arguments: &mut Arguments) -> Result<()> {
+    let step: Option<String> = arguments.opt_value_from_str("--step")?;
+    let options = Options { bless: arguments.contains("--bless"), all: arguments.contains("--all") };
+    ensure_none_is_left(arguments)?;
+    if let Some(name) = step {
+        return alone(&name, options);
+    }
+    let logs = root().join("target").join(verb);
     fs::create_dir_all(&logs).with_context(|| logs.display().to_string())?;
-    let chosen = || STEPS.iter().filter(|step| step.is_part_of(arguments.quick));
-    let count = chosen().count();
-    println!("{count} steps; their output is in {}", logs.display());
+    println!("{} steps; their output is in {}", steps.len(), logs.display());
     let outcomes = Mutex::new(Vec::new());
     let walk = |lane: Lane| {
-        for step in chosen().filter(|step| step.lane == lane) {
-            let outcome = take(step, arguments, &logs);
+        for step in steps.iter().filter(|step| step.lane == lane) {
+            let outcome = take(step, options, &logs);
             let mut outcomes = outcomes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             outcomes.push(outcome);
             let number = outcomes.len();
             if let Some(outcome) = outcomes.last() {
-                report(outcome, number, count, &logs);
+                report(outcome, number, steps.len(), &logs);
             }
         }
     };
@@ -76,13 +93,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Runs a step in this process, for its parent or for a person.
-fn alone(name: &str, arguments: &Arguments) -> Result<()> {
-    let step = STEPS.iter().find(|step| step.name == name);
-    let step = step.with_context(|| {
-        let names: Vec<_> = STEPS.iter().map(|step| step.name).collect();
-        format!("there is no step `{name}`: choose one of {}", names.join(", "))
+fn alone(name: &str, options: Options) -> Result<()> {
+    let all = || [QUICK, TEST, CHECK].into_iter().flatten();
+    let step = all().find(|step| step.name == name).with_context(|| {
+        let names: std::collections::BTreeSet<_> = all().map(|step| step.name).collect();
+        format!("there is no step `{name}`: choose one of {}", Vec::from_iter(names).join(", "))
     })?;
-    match (step.run)(arguments.bless, arguments.all)? {
+    match (step.run)(options)? {
         Done::Passed => Ok(()),
         Done::Skipped(needs) => {
             println!("{SKIPPED}{needs}");
@@ -95,19 +112,19 @@ fn alone(name: &str, arguments: &Arguments) -> Result<()> {
 const SKIPPED: &str = "step skipped: needs ";
 
 /// Runs a step in a process of its own.
-fn take(step: &'static Step, arguments: &Arguments, logs: &Path) -> Outcome {
+fn take(step: &'static Step, options: Options, logs: &Path) -> Outcome {
     let start = Instant::now();
-    let result = child(step, arguments, &log_of(step, logs));
+    let result = child(step, options, &log_of(step, logs));
     Outcome { step, result, seconds: start.elapsed().as_secs_f64() }
 }
 
-fn child(step: &Step, arguments: &Arguments, log: &Path) -> Result<Done> {
+fn child(step: &Step, options: Options, log: &Path) -> Result<Done> {
     let file = File::create(log).with_context(|| log.display().to_string())?;
     // Not the path of the running file: a build may have replaced it.
     let program = std::env::args_os().next().context("this program has no name")?;
     let mut command = Command::new(program);
     command.args(["test", "--step", step.name]);
-    command.args(arguments.bless.then_some("--bless")).args(arguments.all.then_some("--all"));
+    command.args(options.bless.then_some("--bless")).args(options.all.then_some("--all"));
     let status =
         command.stdout(file.try_clone()?).stderr(file).status().context("a step cannot be started")?;
     ensure!(status.success(), "see {}", log.display());

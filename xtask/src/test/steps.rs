@@ -1,42 +1,31 @@
-//! The steps of `cargo xtask test`, in the order in which each lane takes them.
+//! The steps of `cargo xtask test` and `cargo xtask check`, in the order in which each lane takes
+//! them.
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
+use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
-use rig::bench::Scope;
-use rig::image::{self, Chip, NAMED, Named};
-use rig::setup;
-use rig::skip;
+use xtask::cargo::{command, program, root, spawn};
+use xtask::setup::TARGETS;
 
 use super::counts::SKIPPED_TESTS;
-use crate::cargo::{command, root, spawn};
 
 /// One check.
 pub(super) struct Step {
     pub(super) name: &'static str,
     pub(super) lane: Lane,
-    when: When,
-    /// Runs it with `--bless` and `--all`.
-    pub(super) run: fn(bool, bool) -> Result<Done>,
+    /// Runs it.
+    pub(super) run: fn(Options) -> Result<Done>,
 }
 
-/// The runs that include a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum When {
-    /// Only the whole.
-    Whole,
-    /// Only `--quick`: a step of the whole includes it.
-    Quick,
-    /// Both.
-    Both,
-}
-
-impl Step {
-    /// Returns true if the run includes this step.
-    pub(super) fn is_part_of(&self, quick: bool) -> bool {
-        self.when == When::Both || (self.when == When::Quick) == quick
-    }
+/// Wishes of the person who runs the steps.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Options {
+    /// The present output of the snapshot tests is the wanted one.
+    pub(super) bless: bool,
+    /// A skipped test is a failure.
+    pub(super) all: bool,
 }
 
 /// Steps of one lane run one after another.
@@ -55,43 +44,52 @@ pub(super) enum Done {
     Skipped(String),
 }
 
-const fn step(name: &'static str, lane: Lane, when: When, run: fn(bool, bool) -> Result<Done>) -> Step {
-    Step { name, lane, when, run }
+const fn host(name: &'static str, run: fn(Options) -> Result<Done>) -> Step {
+    Step { name, lane: Lane::Host, run }
 }
+
+const fn target(name: &'static str, run: fn(Options) -> Result<Done>) -> Step {
+    Step { name, lane: Lane::Target, run }
+}
+
+const FORMAT: Step = host("format", |_| cargo(&["fmt", "--all", "--check"]));
+const LINTS: Step =
+    host("lints", |_| cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]));
+const UNIT_TESTS: Step =
+    host("unit tests", |_| cargo(&["test", "--package=raim-core", "--package=raim-firmware", "--lib"]));
+const IMAGE: Step = target("image and its memory", |_| rig(&["image", "--board", "fast"]));
+
+/// The short ones.
+pub(super) const QUICK: &[Step] = &[FORMAT, LINTS, UNIT_TESTS, IMAGE];
+
+/// Those of `test`.
+pub(super) const TEST: &[Step] = &[
+    host("tests", |options| tests(Share::Short, options)),
+    IMAGE,
+    target("no panic", |_| rig(&["prove"])),
+    target("costs on the target", |_| rig(&["bench", "--tested"])),
+];
+
+/// Those of `check`.
+pub(super) const CHECK: &[Step] = &[
+    FORMAT,
+    LINTS,
+    host("features of the core", |_| features_of_the_core()),
+    host("tests at length", |options| tests(Share::AtLength, options)),
+    host("examples in the documentation", |_| cargo(&["test", "--workspace", "--doc"])),
+    host("documentation", |_| documentation()),
+    host("packages", |_| run("release", &["packages"])),
+    host("licences and sources of dependencies", |_| dependencies()),
+    target("lints of the image", |_| lints_of_the_image()),
+    target("libraries on other processors", |_| libraries()),
+    target("other operating systems", |_| other_systems()),
+    target("memory of the other named images", |_| rig(&["image", "--board", "whole", "small"])),
+    target("threshold tables", |_| run("oracle", &["tables", "--check"])),
+    target("hostile input", |_| run("adversary", &["fuzz", "--smoke"])),
+];
 
 /// Targets of the operating systems on which `rai` must compile besides Linux.
 const SYSTEMS: [&str; 2] = ["x86_64-pc-windows-gnu", "aarch64-apple-darwin"];
-
-/// All of them.
-pub(super) const STEPS: &[Step] = &[
-    step("format", Lane::Host, When::Both, |_, _| cargo(&["fmt", "--all", "--check"])),
-    step("lints", Lane::Host, When::Both, |_, _| {
-        cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])
-    }),
-    step("unit tests", Lane::Host, When::Quick, |_, _| {
-        cargo(&["test", "--package=raim-core", "--package=raim-firmware", "--lib"])
-    }),
-    step("tests", Lane::Host, When::Whole, tests),
-    step("examples in the documentation", Lane::Host, When::Whole, |_, _| {
-        cargo(&["test", "--workspace", "--doc"])
-    }),
-    step("documentation", Lane::Host, When::Whole, |_, _| documentation()),
-    step("packages", Lane::Host, When::Whole, |_, _| done(crate::packages::verify())),
-    step("licences and sources of dependencies", Lane::Host, When::Whole, |_, _| dependencies()),
-    step("lints of the image", Lane::Target, When::Whole, |_, _| lints_of_the_image()),
-    step("libraries on other processors", Lane::Target, When::Whole, |_, _| libraries()),
-    step("other operating systems", Lane::Target, When::Whole, |_, _| other_systems()),
-    step("features of the core", Lane::Target, When::Whole, |_, _| features_of_the_core()),
-    step("image", Lane::Target, When::Both, |_, _| done(image::build())),
-    step("memory of the image", Lane::Target, When::Both, |_, _| sizes(&NAMED[..1])),
-    step("memory of the other named images", Lane::Target, When::Whole, |_, _| sizes(&NAMED[1..])),
-    step("no panic", Lane::Target, When::Whole, |_, _| done(rig::no_panic::prove())),
-    step("costs on the target", Lane::Target, When::Whole, |_, _| done(crate::bench::check(Scope::Tested))),
-    step("threshold tables", Lane::Target, When::Whole, |_, _| {
-        done(crate::tables::run(&crate::tables::Arguments { check: true, geoid: None }))
-    }),
-    step("hostile input", Lane::Target, When::Whole, |_, _| done(crate::fuzz::smoke())),
-];
 
 fn done<T>(result: Result<T>) -> Result<Done> {
     result.map(|_| Done::Passed)
@@ -101,8 +99,17 @@ fn cargo(arguments: &[&str]) -> Result<Done> {
     done(spawn(&mut command(arguments)))
 }
 
+/// Runs the program of a package whose name it has.
+fn run(package: &str, arguments: &[&str]) -> Result<Done> {
+    done(spawn(program(package, package, "").args(arguments)))
+}
+
+fn rig(arguments: &[&str]) -> Result<Done> {
+    run("rig", arguments)
+}
+
 fn lints_of_the_image() -> Result<Done> {
-    let target = format!("--target={}", setup::TARGETS[0]);
+    let target = format!("--target={}", TARGETS[0]);
     let what = ["--profile=firmware", &target, "--package=raim-firmware", "--features=stm32f405,instruments"];
     cargo(&[&["clippy"], &what[..], &["--", "-D", "warnings"]].concat())
 }
@@ -110,7 +117,7 @@ fn lints_of_the_image() -> Result<Done> {
 fn libraries() -> Result<Done> {
     let mut arguments =
         vec!["check", "--profile=firmware", "--package=raim-core", "--package=raim-firmware", "--lib"];
-    arguments.extend(setup::TARGETS.iter().flat_map(|target| ["--target", target]));
+    arguments.extend(TARGETS.iter().flat_map(|target| ["--target", target]));
     cargo(&arguments)
 }
 
@@ -147,34 +154,34 @@ fn features_of_the_core() -> Result<Done> {
     cargo(&[&lacking[..], &["method_that_this_build_lacks"]].concat())
 }
 
-/// Runs all tests, by nextest if it is installed because it is faster, and counts those that cannot
-/// run here.
-fn tests(bless: bool, all: bool) -> Result<Done> {
+/// Module of the tests that take many seconds each, which `test` leaves to `check`.
+const AT_LENGTH: &str = "at_length::";
+
+/// Share of the tests.
+#[derive(Clone, Copy)]
+enum Share {
+    Short,
+    AtLength,
+}
+
+/// Runs a share of the tests, by nextest if it is installed because it is faster, and counts those
+/// that cannot run here.
+fn tests(share: Share, Options { bless, all }: Options) -> Result<Done> {
     let nextest = command(&["nextest", "--version"]).output().is_ok_and(|output| output.status.success());
-    // One more than there are processors, because the tests of a group mostly wait.
-    let threads = std::thread::available_parallelism().map_or(2, |count| count.get() + 1).to_string();
-    let config = root().join("xtask/nextest.toml");
-    let of_nextest = [
-        "nextest",
-        "run",
-        "--workspace",
-        "--no-fail-fast",
-        "--config-file",
-        &config.to_string_lossy(),
-        "--test-threads",
-        &threads,
-    ];
-    let of_cargo = ["test", "--workspace", "--all-targets", "--no-fail-fast"];
-    let arguments: &[&str] = if nextest { &of_nextest } else { &of_cargo };
-    let skips = root().join("target/skipped-tests");
-    match std::fs::remove_file(&skips) {
-        Err(error) if error.kind() != ErrorKind::NotFound => {
-            return Err(error).with_context(|| skips.display().to_string());
+    let mut arguments = if nextest { nextest_command() } else { command(&["test"]) };
+    arguments.arg("--no-fail-fast");
+    match share {
+        Share::Short => {
+            arguments.args(["--workspace", "--lib", "--bins", "--tests", "--", "--skip", AT_LENGTH]);
         }
-        _ => {}
+        Share::AtLength => {
+            arguments.args(["--package", "tests-host", "--test", "all", "--", AT_LENGTH]);
+        }
     }
+    let skips = root().join("target/skipped-tests");
+    forget(&skips)?;
     let update = if bless { "always" } else { "no" };
-    let outcome = spawn(command(arguments).env("INSTA_UPDATE", update).env(skip::VARIABLE, &skips));
+    let outcome = spawn(arguments.env("INSTA_UPDATE", update).env("RAI_SKIPS", &skips));
     let lines = std::fs::read_to_string(&skips).unwrap_or_default();
     let skipped = skipped(&lines);
     for (test, needs) in &skipped {
@@ -184,6 +191,26 @@ fn tests(bless: bool, all: bool) -> Result<Done> {
     outcome?;
     ensure!(!all || skipped.is_empty(), "{} tests were skipped", skipped.len());
     Ok(Done::Passed)
+}
+
+/// Returns the command that runs tests by nextest.
+fn nextest_command() -> std::process::Command {
+    let mut nextest = command(&["nextest", "run", "--config-file"]);
+    nextest.arg(root().join("xtask/nextest.toml"));
+    // One more than there are processors, because the tests of a group mostly wait.
+    let threads = std::thread::available_parallelism().map_or(2, |count| count.get() + 1);
+    nextest.args(["--test-threads", &threads.to_string()]);
+    nextest
+}
+
+/// Removes a file that may be there.
+fn forget(path: &Path) -> Result<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(error).with_context(|| path.display().to_string())
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Returns each skipped test with all that it needs.
@@ -214,20 +241,9 @@ fn documentation() -> Result<Done> {
     done(spawn(command(&arguments).env("RUSTDOCFLAGS", "-D warnings")))
 }
 
-/// Compares images with their limits and with the chip of the board.
-fn sizes(images: &[Named]) -> Result<Done> {
-    let chip = Chip::named("STM32F405RGTx")?;
-    for named in images {
-        let (_, image) = crate::image::build(named)?;
-        let findings = image.check(&chip);
-        ensure!(findings.is_empty(), "{}: {}", named.name, findings.join("; "));
-    }
-    Ok(Done::Passed)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{STEPS, skipped};
+    use super::{CHECK, QUICK, TEST, skipped};
 
     #[test]
     fn test_that_lacks_two_things_is_skipped_once() {
@@ -237,8 +253,9 @@ mod tests {
     }
 
     #[test]
-    fn steps_have_names_of_their_own() {
-        let names: std::collections::BTreeSet<_> = STEPS.iter().map(|step| step.name).collect();
-        assert_eq!(names.len(), STEPS.len());
+    fn every_short_step_is_one_of_the_others_but_for_the_unit_tests() {
+        let is_known = |name| TEST.iter().chain(CHECK).any(|step| step.name == name);
+        let alone: Vec<_> = QUICK.iter().map(|step| step.name).filter(|name| !is_known(*name)).collect();
+        assert_eq!(alone, ["unit tests"]);
     }
 }

@@ -102,6 +102,14 @@ pub fn build_small_module() -> anyhow::Result<PathBuf> {
     built(apart(&mut cargo, Path::new("target/small-module")))
 }
 
+/// Builds the program `rai` as it is installed, and returns its path.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_rai() -> anyhow::Result<PathBuf> {
+    built(cargo().args(["build", "--release", "--locked", "--package", "raim", "--bin", "rai"]))
+}
+
 /// Compiler flags for the second board's processor.
 pub(crate) const SECOND_BOARD_FLAGS: &str =
     "-C target-cpu=cortex-m7 -C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";

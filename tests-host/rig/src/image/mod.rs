@@ -25,7 +25,7 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind};
 
-pub use build::{CompiledFor, SHIPPED, build, build_for, build_small_module, build_with};
+pub use build::{CompiledFor, SHIPPED, build, build_for, build_rai, build_small_module, build_with};
 pub(crate) use build::{SECOND_BOARD_FLAGS, apart, cargo, executable};
 pub use chips::Chip;
 pub use named::{NAMED, Named};

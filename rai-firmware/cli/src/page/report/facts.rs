@@ -50,13 +50,16 @@ pub fn settings_of(configuration: &Configuration) -> (String, Vec<(String, Strin
     (format!("{:08X}", configuration.hash()), settings.collect())
 }
 
+/// Variable with the name under which a person called this program, if it is not that of its file.
+const CALLED_AS: &str = "RAI_CALLED_AS";
+
 /// Returns the command of this process, quoted for a shell. Passwords in addresses are masked.
 pub fn command_line() -> String {
     let mut words: Vec<String> = std::env::args().collect();
     if let Some(program) = words.first_mut() {
         let name = std::path::Path::new(program.as_str()).file_name();
         let name = name.map_or_else(|| program.clone(), |name| name.to_string_lossy().into_owned());
-        *program = if name.starts_with("xtask") { "cargo xtask".to_owned() } else { name };
+        *program = std::env::var(CALLED_AS).unwrap_or(name);
     }
     let quoted = |(index, word): (usize, &String)| {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_=.,:/@+".contains(c);

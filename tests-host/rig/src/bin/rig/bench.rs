@@ -1,0 +1,108 @@
+//! `cargo xtask bench`: the cost of the module on the chip.
+
+use anyhow::{Context as _, ensure};
+use rig::bench::peers::Comparison;
+use rig::bench::peers::sources::Sources;
+use rig::bench::{self, Measurement, Scope, budget};
+use rig::board;
+use rig::setup;
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+#[allow(clippy::struct_excessive_bools, reason = "each is another thing to do")]
+pub(crate) struct Arguments {
+    /// Fail if a figure exceeds its budget by more than 2 %
+    #[arg(long, conflicts_with = "save")]
+    check: bool,
+    /// As --check, for the figures that `test` measures: a part of them, sooner
+    #[arg(long, conflicts_with_all = ["check", "save"])]
+    tested: bool,
+    /// Accept the current figures as budgets
+    #[arg(long)]
+    save: bool,
+    /// Measure epochs per second and instructions on this machine instead; not compared with a
+    /// budget
+    #[arg(long, conflicts_with_all = ["check", "save"])]
+    host: bool,
+    /// Measure libswiftnav and RTKLIB on the same epochs; fetches their sources, and installs the C
+    /// compiler
+    #[arg(long, conflicts_with_all = ["check", "save", "host"])]
+    peers: bool,
+    /// Time ARAIM on this machine beside sidereon-core; the first run compiles for minutes
+    #[arg(long, conflicts_with_all = ["check", "save", "host", "peers"])]
+    sidereon: bool,
+    /// Profile the first stage whose name contains this text, by function
+    #[arg(long, value_name = "STAGE", conflicts_with_all = ["check", "save", "host", "peers", "sidereon"])]
+    profile: Option<String>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    match &arguments.profile {
+        Some(stage) => profile(stage),
+        None if arguments.host => host(),
+        None if arguments.peers => peers(),
+        None if arguments.sidereon => sidereon(),
+        None => target(arguments),
+    }
+}
+
+fn profile(stage: &str) -> anyhow::Result<()> {
+    ensure!(board::is_installed(), "the emulator is needed: `cargo xtask setup` installs it");
+    let (name, profile) = bench::profile(stage)?;
+    println!("{name}\n\n{profile}");
+    Ok(())
+}
+
+fn host() -> anyhow::Result<()> {
+    cargo(&["bench", "--package", "tests-host", "--bench", "throughput"])?;
+    cargo(&["run", "--release", "--package", "rig", "--example", "judged"])
+}
+
+fn peers() -> anyhow::Result<()> {
+    ensure!(board::is_installed(), "the emulator is needed: `cargo xtask setup` installs it");
+    setup::peers()?;
+    let sources = Sources::fetch(|what| eprintln!("fetching {what}"))?;
+    println!("{}", Comparison::take(&sources, |at| eprintln!("measuring {at}"))?);
+    Ok(())
+}
+
+fn sidereon() -> anyhow::Result<()> {
+    const PROGRAM: &str = "tests-host/peers/sidereon/Cargo.toml";
+    cargo(&["run", "--release", "--manifest-path", PROGRAM, "--target-dir", "target/peers/sidereon"])
+}
+
+fn cargo(arguments: &[&str]) -> anyhow::Result<()> {
+    xtask::cargo::spawn(&mut xtask::cargo::command(arguments))
+}
+
+fn target(arguments: &Arguments) -> anyhow::Result<()> {
+    if arguments.tested {
+        return compare(&measure(Scope::Tested)?);
+    }
+    let measurement = measure(Scope::All)?;
+    if arguments.save {
+        let path = budget::path();
+        std::fs::write(&path, budget::render(&measurement.figures))
+            .with_context(|| path.display().to_string())?;
+        println!("wrote {}", path.display());
+    }
+    if arguments.check { compare(&measurement) } else { Ok(()) }
+}
+
+fn measure(scope: Scope) -> anyhow::Result<Measurement> {
+    ensure!(board::is_installed(), "the emulator is needed: `cargo xtask setup` installs it");
+    let measurement = Measurement::take(scope, |at| eprintln!("measuring {at}"))?;
+    println!("{measurement}");
+    Ok(measurement)
+}
+
+fn compare(measurement: &Measurement) -> anyhow::Result<()> {
+    let findings = measurement.check()?;
+    ensure!(
+        findings.is_empty(),
+        "{}\nif the growth is intended, `cargo xtask bench --save` accepts the new figures",
+        findings.join("\n")
+    );
+    Ok(())
+}

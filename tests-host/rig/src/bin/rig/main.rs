@@ -1,0 +1,62 @@
+//! The commands of developers that need the emulated boards, the images or the C interface.
+//! `cargo xtask` builds and calls this program.
+
+mod bench;
+mod demo;
+mod flash;
+mod header;
+mod image;
+mod replay;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Shows the module at work: a simulated sky, a drifting satellite, the emulated board.
+    Demo(demo::Arguments),
+    /// Replays a recording through the module, on the host or on the emulated board.
+    Replay(Box<raim::replay::command::Arguments>),
+    /// Shows the state of a module on a serial port.
+    Monitor(raim::monitor::command::Arguments),
+    /// Measures the cost of the module on the chip: instructions by stage, flash, RAM, stack.
+    Bench(bench::Arguments),
+    /// Proves by the linker that no panic is reachable.
+    Prove,
+    /// Builds named images, and compares their memory with their limits.
+    Image(image::Arguments),
+    /// Writes an image to a chip, or checks that it fits.
+    Flash(flash::Arguments),
+    /// Generates the header of the C interface.
+    Header(header::Arguments),
+    /// Fetches real recordings that packages carry.
+    Recordings,
+}
+
+fn main() -> ExitCode {
+    let Arguments { command } = raim::exit::arguments();
+    raim::exit::code_of(|| dispatch(command))
+}
+
+fn dispatch(command: Command) -> Result<()> {
+    match command {
+        Command::Demo(arguments) => demo::run(&arguments),
+        Command::Replay(arguments) => replay::run(&arguments),
+        Command::Monitor(arguments) => raim::monitor::command::run(&arguments, Some(&rig::demo::watched)),
+        Command::Bench(arguments) => bench::run(&arguments),
+        Command::Prove => rig::no_panic::prove().map(drop),
+        Command::Image(arguments) => image::run(&arguments),
+        Command::Flash(arguments) => flash::run(&arguments),
+        Command::Header(arguments) => header::run(&arguments),
+        Command::Recordings => rig::recordings::fetch(),
+    }
+}

@@ -1,0 +1,12 @@
+//! Tests that take many seconds each: builds of other images and of the libraries for C, and long
+//! runs on the emulated boards. `cargo xtask check` runs them, and `cargo xtask test` the others.
+
+mod attack_small;
+mod board_clock_aid;
+mod board_recording;
+mod capi;
+mod merged_stream;
+mod no_panic;
+mod parity;
+mod second_board;
+mod soak;
