@@ -138,20 +138,20 @@ fn other_systems() -> Result<Done> {
     Ok(Done::Skipped(format!("targets of other systems (rustup target add {})", missing.join(" "))))
 }
 
-/// Checks the core without features, with each alone and with all. `cargo test -p xtask --test
-/// public_items` compares what they add.
+/// Checks the core without features, with each alone and with all, in a folder of its own: it
+/// waits for no other build, and flags of its own make nothing else stale.
 fn features_of_the_core() -> Result<Done> {
-    let check = |features: &[&str]| {
-        let what = ["clippy", "--quiet", "--package=raim-core", "--lib"];
-        spawn(command(&what).args(features).args(["--", "-D", "warnings"]))
+    let core = |verb: &str, features: &[&str], more: &[&str]| {
+        let what = [verb, "--quiet", "--package=raim-core", "--lib", "--target-dir=target/features"];
+        let mut cargo = command(&what);
+        spawn(cargo.args(features).args(more).env("RUSTFLAGS", "-D warnings"))
     };
     let features = "araim searches tables double-tables policies past hypotheses aiding";
     for feature in std::iter::once("").chain(features.split(' ')) {
-        check(&["--no-default-features", "--features", feature])?;
+        core("check", &["--no-default-features", "--features", feature], &[])?;
     }
-    check(&["--all-features"])?;
-    let lacking = ["test", "--quiet", "--package=raim-core", "--lib", "--no-default-features"];
-    cargo(&[&lacking[..], &["method_that_this_build_lacks"]].concat())
+    core("check", &["--all-features"], &[])?;
+    done(core("test", &["--no-default-features"], &["method_that_this_build_lacks"]))
 }
 
 /// Module of the tests that take many seconds each, which `test` leaves to `check`.
