@@ -374,7 +374,7 @@ mod tests {
         let mut moments: Vec<Moment> =
             (0..30).map(|number| at(f64::from(number), Verdict::Protected)).collect();
         moments.push(at(30.0, Verdict::Alert));
-        let svg = bands_svg(&moments, 960, Ground::Page).unwrap();
+        let svg = bands_svg(&moments, 960, Ground::Sheet).unwrap();
         let (left, width) = *boxes(&svg, RED).last().expect("an alert");
         let (room, edge) = (f64::from(960 - LEFT_PX - RIGHT_PX), f64::from(960 - RIGHT_PX));
         assert!((left + width - edge).abs() <= 1.0, "{left} {width}");

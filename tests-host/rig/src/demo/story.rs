@@ -230,6 +230,6 @@ const fn level(is_high: bool) -> &'static str {
 
 impl fmt::Display for Story {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.figures().iter().try_for_each(|(name, value)| writeln!(formatter, "  {name:<12} {value}"))
+        self.figures().iter().try_for_each(|(name, value)| writeln!(formatter, "  {name:<13} {value}"))
     }
 }
