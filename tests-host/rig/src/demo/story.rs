@@ -126,8 +126,9 @@ impl Story {
             epochs => format!("left out for {epochs} epochs"),
         };
         let others = excluded.iter().filter(|(one, _)| *one != satellite);
-        let others: String = others.map(|(one, epochs)| format!("; {one} left out for {epochs}")).collect();
-        format!("{satellite} was wrong from {FAULT_START_S} s; {noticed}; {left_out}{others}")
+        let mut parts = vec![format!("{satellite} was wrong from {FAULT_START_S} s"), noticed, left_out];
+        parts.extend(others.map(|(one, epochs)| format!("{one} left out for {epochs}")));
+        parts.join("; ")
     }
 
     fn told_position(&self) -> String {
