@@ -87,8 +87,9 @@ const BEIDOU: Convention = Convention {
 const GEOSTATIONARY_TILT: Direction =
     Direction { sin_q62: -401_934_920_255_029_411, cos_q62: 4_594_137_160_821_195_716 };
 
-/// Cosine of 4°, the most that a geostationary orbit is inclined to the equator, 2⁻⁶².
-const MOST_INCLINED_COS_Q62: i64 = 4_600_452_183_069_027_328;
+/// Cosine of 10°, the most that a geostationary orbit is inclined to the equator, 2⁻⁶². That is
+/// eleven years of drift.
+const MOST_INCLINED_COS_Q62: i64 = 4_541_624_145_405_292_122;
 
 /// Steps of Newton's method from `e sin M`, each of which squares the error.
 ///

@@ -9,14 +9,15 @@
 //! | | E14, E18: 27,978 km | 5275–5304 | 0.13–0.2 | 45–55 | European GNSS Service Centre, constellation: 0.162, 49.85° |
 //! | `BeiDou` | MEO, 27,906 km | 5268–5297 | to 0.02 | 49–61 | [BDS-SIS-B1I] 3.1: 21,528 km high, 55° |
 //! | | inclined, 42,164 km | 6478–6508 | to 0.03 | 45–65 | the same: 35,786 km high, 55° |
-//! | | geostationary | 6478–6508 | to 0.02 | to 4 to the equator | the same; table 4-1 for the numbers |
+//! | | geostationary | 6478–6508 | to 0.02 | to 10 to the equator | the same; table 4-1 for the numbers |
 //! | GLONASS | MEO, 25,508 km | 5040–5061 | to 0.03 | 60–70 | [GLO-ICD] 3.1: 64.8° |
 //!
 //! The bounds leave room for drift: all of 10,000 broadcast sets of 2008 to 2025 are well within
 //! them. If semicircles are read as radians, or the reverse, the inclination is far outside, except
 //! for some geostationary orbits. The elements of geostationary `BeiDou` satellites refer to a
 //! plane tilted by 5°, so that their inclination does not describe the orbit. The angle between
-//! orbit and equator does: it was 0.7° to 3.3° in those sets, and grows by up to 0.9° a year.
+//! orbit and equator does: it was 0.7° to 3.3° in those sets and 4.2° in 2026. Without manoeuvres it
+//! grows by up to 0.9° a year, so the bound leaves years, as for QZSS.
 //!
 //! [IS-GPS-200]: crate#references
 //! [GPS-SPS-PS]: crate#references
@@ -49,7 +50,7 @@ const GALILEO: [OrbitType; 2] =
     [orbit((5425.0, 5456.0), (0.0, 0.02), (51.0, 61.0)), orbit((5275.0, 5304.0), (0.13, 0.2), (45.0, 55.0))];
 const BEIDOU: [OrbitType; 2] =
     [orbit((5268.0, 5297.0), (0.0, 0.02), (49.0, 61.0)), orbit(SYNCHRONOUS, (0.0, 0.03), (45.0, 65.0))];
-const BEIDOU_GEOSTATIONARY: [OrbitType; 1] = [orbit(SYNCHRONOUS, (0.0, 0.02), (0.0, 4.0))];
+const BEIDOU_GEOSTATIONARY: [OrbitType; 1] = [orbit(SYNCHRONOUS, (0.0, 0.02), (0.0, 10.0))];
 
 /// Semi-major axes of GLONASS, m.
 #[cfg(feature = "glonass")]

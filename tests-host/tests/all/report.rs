@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use raim::page::report::{self, Facts, Happened, Journal, explanation};
+use raim::page::timeline::Incident;
 use raim::replay::{Lump, Pace, Playback};
 use raim::satellites::{Fate, Seen, View};
 use raim::sentence::{self, EpochOutput};
@@ -219,6 +220,37 @@ fn opened(browser: &str, path: &Path, folder: &Path) -> String {
         .output()
         .unwrap();
     String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// The fault is in the capture from 20 s to 40 s; the module leaves its satellite out.
+#[test]
+fn the_pointer_names_the_satellite_that_is_left_out() {
+    let Some(browser) = chromium() else { return rig::skip::say("a browser (chromium)") };
+    let folder = tempfile::tempdir().unwrap();
+    let (epochs, _) = played(faulty(), &[]);
+    let satellite = epochs[30].0.excluded[0].satellite;
+    let incident = Incident { name: format!("fault of {satellite}"), range_s: 20.0..40.0 };
+    let facts = Facts { title: "a fault".to_owned(), incidents: vec![incident], ..Facts::default() };
+    let html = report::page(&journal(&epochs), &facts).unwrap().html();
+    // The rows show 0 s to 60 s between the labels, 58 pixels, and the margin, 14 pixels.
+    let script = "const frame=document.querySelector('.frame'),box=frame.getBoundingClientRect();for(const t of [10,30]){\
+                  frame.dispatchEvent(new PointerEvent('pointermove',{clientX:box.left+58+t/60*(box.width-72)}));\
+                  document.body.dataset['at'+t]=document.querySelector('output.instantly').textContent}\
+                  document.body.dataset.legends=[...document.querySelectorAll('.row-live')].filter((row)=>\
+                  row.querySelector('.legend').textContent.includes('fault of')).length;\
+                  document.body.dataset.rows=document.querySelectorAll('.row-live').length";
+    let path = folder.path().join("page.html");
+    std::fs::write(&path, format!("{html}<script>{script}</script>")).unwrap();
+    let dom = opened(browser, &path, folder.path());
+    let value = |name: &str| {
+        let (_, rest) = dom.split_once(&format!("data-{name}=\"")).unwrap_or_else(|| panic!("{name}: {dom}"));
+        rest.split_once('"').unwrap().0.to_owned()
+    };
+    assert!(!value("at10").contains("left out"), "{}", value("at10"));
+    assert!(value("at30").ends_with(&format!(" used, {satellite} left out")), "{}", value("at30"));
+    // Every row but that of the states has the tint of the fault.
+    let [legends, rows] = ["legends", "rows"].map(|name| value(name).parse::<u32>().unwrap());
+    assert!(legends >= 4 && legends == rows - 1, "{legends} of {rows}");
 }
 
 /// Returns a day at one epoch a second with thirty satellites.

@@ -23,6 +23,9 @@ pub struct Page {
 /// Number of headings above which a page begins with a list of them.
 const CONTENTS: usize = 8;
 
+/// Number of bytes above which a figure is a sentence, in smaller letters.
+const SENTENCE: usize = 24;
+
 const STYLE: &str = include_str!("page.css");
 
 impl Page {
@@ -52,11 +55,17 @@ impl Page {
         let _ = writeln!(self.body, "<p>{}</p>", escaped(words));
     }
 
-    /// Adds large numbers, each with its name below.
+    /// Adds large numbers or whole sentences, each with its name below.
     pub fn figures(&mut self, figures: &[(String, String)]) {
         self.body.push_str("<dl>\n");
         for (name, value) in figures {
-            let _ = writeln!(self.body, "<div><dd>{}</dd><dt>{}</dt></div>", escaped(value), escaped(name));
+            let class = if value.len() > SENTENCE { " class=\"sentence\"" } else { "" };
+            let _ = writeln!(
+                self.body,
+                "<div><dd{class}>{}</dd><dt>{}</dt></div>",
+                escaped(value),
+                escaped(name)
+            );
         }
         self.body.push_str("</dl>\n");
     }

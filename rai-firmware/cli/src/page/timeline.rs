@@ -53,11 +53,20 @@ fn spans(incidents: &[Incident]) -> Vec<Span> {
     incidents.iter().zip(TINTS.iter().cycle()).map(span).collect()
 }
 
-/// Returns the axis from the first to the last epoch.
+/// Returns the axis from the first epoch to the end of the last.
 fn time_axis(moments: &[Moment]) -> Axis {
     let first_s = moments.first().map_or(0.0, |moment| moment.time_s);
-    let last_s = moments.last().map_or(1.0, |moment| moment.time_s);
-    Axis::linear("time / s").over(first_s..last_s.max(first_s + 1.0))
+    Axis::linear("time / s").over(first_s..end_s(moments).max(first_s + 1.0))
+}
+
+/// Returns the end of the last epoch, s. It lasts as long as the one before, but at most a twentieth
+/// of all, so that a long gap before it does not look like a long state after it. Of fewer than
+/// three epochs the last lasts a second.
+fn end_s(moments: &[Moment]) -> f64 {
+    let [first, .., before, last] = moments else {
+        return moments.last().map_or(1.0, |moment| moment.time_s + 1.0);
+    };
+    last.time_s + (last.time_s - before.time_s).min((last.time_s - first.time_s) / 20.0)
 }
 
 /// Returns the chart of the test statistic against its threshold.
@@ -191,8 +200,8 @@ impl Strip {
         let mut rest = moments;
         while let Some(first) = rest.first() {
             let count = rest.iter().take_while(|moment| colour(moment) == colour(first)).count();
-            let (run, after) = rest.split_at(count);
-            let end = after.first().or(run.last()).map_or(self.right, |moment| self.x(moment.time_s));
+            let (_, after) = rest.split_at(count);
+            let end = after.first().map_or(self.right, |moment| self.x(moment.time_s));
             let corners = [(self.x(first.time_s), y), (end, y + ROW_PX)];
             match colour(first) {
                 Some((colour, Mark::Hatched)) => hatched(area, corners, colour)?,
@@ -327,6 +336,49 @@ mod tests {
             check(&chart.title, &chart.legend());
         }
         check(BANDS_TITLE, &BANDS_LEGEND);
+    }
+
+    fn at(time_s: f64, verdict: Verdict) -> Moment {
+        Moment {
+            time_s,
+            verdict,
+            reason: "OK".to_owned(),
+            statistic: Some(1.0),
+            threshold: Some(2.0),
+            hpl_m: Some(9.0),
+            vpl_m: Some(9.0),
+            hal_m: Some(40.0),
+            val_m: Some(35.0),
+            horizontal_error_m: Some(1.0),
+            vertical_error_m: Some(1.0),
+            pin_is_high: Some(verdict == Verdict::Protected),
+            used: 9,
+            excluded: Vec::new(),
+        }
+    }
+
+    /// Returns the position of the left edge of each box in a colour, and its width.
+    fn boxes(svg: &str, colour: RGBColor) -> Vec<(f64, f64)> {
+        let colour = format!("#{:02X}{:02X}{:02X}", colour.0, colour.1, colour.2);
+        let number = |line: &str, name: &str| {
+            let (_, rest) = line.split_once(&format!(" {name}=\""))?;
+            rest.split_once('"')?.0.parse().ok()
+        };
+        let rectangles = svg.lines().filter(|line| line.starts_with("<rect") && line.contains(&colour));
+        rectangles.filter_map(|line| Some((number(line, "x")?, number(line, "width")?))).collect()
+    }
+
+    /// Of 31 epochs of a second each, the last has one part in 31 of the axis.
+    #[test]
+    fn last_state_reaches_the_edge() {
+        let mut moments: Vec<Moment> =
+            (0..30).map(|number| at(f64::from(number), Verdict::Protected)).collect();
+        moments.push(at(30.0, Verdict::Alert));
+        let svg = bands_svg(&moments, 960, Ground::Sheet).unwrap();
+        let (left, width) = *boxes(&svg, RED).last().expect("an alert");
+        let (room, edge) = (f64::from(960 - LEFT_PX - RIGHT_PX), f64::from(960 - RIGHT_PX));
+        assert!((left + width - edge).abs() <= 1.0, "{left} {width}");
+        assert!((width - room / 31.0).abs() <= 1.0, "{width} of {room}");
     }
 
     #[test]

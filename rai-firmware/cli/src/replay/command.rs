@@ -1,6 +1,7 @@
 //! Command `replay`: a recording, or a capture of a receiver, through the module.
 
 use std::iter;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
@@ -61,7 +62,8 @@ pub fn run(arguments: &Arguments, board: Option<OnBoard>) -> Result<()> {
         None => played.try_for_each(|lump| lump.map(drop)).map(|()| None)?,
         Some(on_board) => Some(on_board(&mut played, &commands)?),
     };
-    let about = About { source: names(arguments), configuration: *playback.configuration() };
+    let about =
+        About { title: title(arguments), source: names(arguments), configuration: *playback.configuration() };
     let counters = playback.counters()?.into_iter().filter(|(_, count)| *count > 0).collect();
     let identical = board.as_ref().map(|board| board.difference.is_none());
     let summary =
@@ -73,6 +75,17 @@ pub fn run(arguments: &Arguments, board: Option<OnBoard>) -> Result<()> {
         bail!("the board's sentences differ from the host's: {target:?} is not {host:?}");
     }
     Ok(())
+}
+
+/// Returns the name of the recording, without its folder: the title of its report.
+fn title(arguments: &Arguments) -> String {
+    let first = arguments.capture.as_ref().map(Path::new).or(arguments.obs.first().map(PathBuf::as_path));
+    let name = first.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+    match name {
+        Some(name) if name == "-" => "standard input".to_owned(),
+        Some(name) => name,
+        None => names(arguments),
+    }
 }
 
 /// Returns the names of the files that are replayed.

@@ -21,6 +21,8 @@ pub struct Report {
 
 /// Facts of a replay that no epoch has.
 pub struct About {
+    /// Name of the recording, without its folder.
+    pub title: String,
     /// Names of the files.
     pub source: String,
     /// Settings in force.
@@ -64,7 +66,7 @@ impl Report {
     ) -> Result<PathBuf> {
         let (settings_hash, settings) = settings_of(&about.configuration);
         let facts = Facts {
-            title: "A recording through the module".to_owned(),
+            title: about.title.clone(),
             summary: headline(summary),
             figures: figures(summary),
             source: about.source.clone(),

@@ -1,5 +1,6 @@
 //! True position of the antenna.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
@@ -10,9 +11,9 @@ use raim_firmware::time::GpsTime;
 /// some ms off the second, and a car moves a metre in this time.
 const NEAREST_MS: i64 = 50;
 
-/// Largest distance of a truth from the ellipsoid, m, because a position beyond it was written in
-/// another form.
-const GROUND_M: f64 = 1e5;
+/// Heights above the ellipsoid that a truth may have, m: those of the setting `HEIGHT`, which a
+/// receiver on an orbit needs, and a margin below. A position beyond was written in another form.
+const HEIGHTS_M: RangeInclusive<f64> = -1e5..=2e6;
 
 /// True position of the antenna.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +33,7 @@ enum Form {
 
 impl Truth {
     /// Reads `X,Y,Z` in metres, or latitude and longitude in degrees and height above the ellipsoid
-    /// in metres. No position near the ground is valid in both forms.
+    /// in metres. No position at such a height is valid in both forms.
     ///
     /// # Errors
     /// The text has another form; the message has an example.
@@ -51,7 +52,7 @@ impl Truth {
             numbers.iter().any(|number| *number != 0.0),
             "{text:?} is where a position that was never set is"
         );
-        let is_geodetic = a.abs() <= 90.0 && b.abs() <= 360.0 && c.abs() <= GROUND_M;
+        let is_geodetic = a.abs() <= 90.0 && b.abs() <= 360.0 && HEIGHTS_M.contains(&c);
         let point = if is_geodetic { geodetic(a, b, c) } else { Ecef::new(a, b, c) };
         near_ground(point).with_context(|| format!("{text:?}")).map(Self::Fixed)
     }
@@ -148,8 +149,8 @@ fn geodetic(latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Ecef {
 fn near_ground(point: Ecef) -> Result<Ecef> {
     let height_m = LocalFrame::at(point).height_m();
     ensure!(
-        point.is_finite() && height_m.abs() < GROUND_M,
-        "is no position near the ground: {:.0} km above the ellipsoid",
+        point.is_finite() && HEIGHTS_M.contains(&height_m),
+        "must be -100 to 2000 km above the ellipsoid, not {:.0} km",
         height_m * 1e-3
     );
     Ok(point)
@@ -189,10 +190,24 @@ mod tests {
 
     #[test]
     fn what_is_no_position_is_refused_with_the_reason() {
-        for (text, want) in [("55.5,8.4", "2 numbers"), ("5e6,8,9e6", "km above"), ("a,b,c", "nor latitude")]
+        for (text, want) in
+            [("55.5,8.4", "2 numbers"), ("5e6,8,9e6", "-100 to 2000 km above"), ("a,b,c", "nor latitude")]
         {
             let error = format!("{:#}", Truth::parse(text).unwrap_err());
             assert!(error.contains(want), "{text}: {error}");
+        }
+    }
+
+    /// 500 km above the equator: the radius of the ellipsoid there is 6,378,137 m.
+    #[test]
+    fn a_truth_may_be_on_an_orbit() {
+        let want = Ecef::new(6_878_137.0, 0.0, 0.0);
+        assert!(point("6878137,0,0").distance_m(want) < 1e-6);
+        assert!(point("0,0,500000").distance_m(want) < 1e-6);
+        let table = csv("week,tow,x_m,y_m,z_m\n2051,10,6878137,0,0\n").unwrap();
+        assert_eq!(table.at(time(10_000)), Some(want));
+        for (text, is_accepted) in [("0,0,2000000", true), ("0,0,2000001", false), ("0,0,-100001", false)] {
+            assert_eq!(Truth::parse(text).is_ok(), is_accepted, "{text}");
         }
     }
 

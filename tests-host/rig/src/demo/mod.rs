@@ -15,8 +15,9 @@
 //!
 //! The next epoch is sent when the module has reported the last one, so two minutes pass as fast as
 //! the host runs. Beside the module an ordinary receiver processes the same bytes and accepts every
-//! satellite above the same mask. The silence passes on the board's own clock, with the time to
-//! alert set to [`SILENCE_S`].
+//! satellite above the same mask. The silence passes on the board's own clock. Its time to alert is
+//! set to [`SILENCE_S`] before the first epoch, because a new setting takes the promise back and
+//! would drop the pin itself.
 
 mod live;
 mod ordinary;
@@ -131,9 +132,11 @@ impl Plan {
         let mut module = Module::start(image)?;
         let (mut moments, mut ordinary) = (Vec::new(), Vec::new());
         let pin_at_boot = module.board.pin_is_high();
+        let setup = format!("TTA,{SILENCE_S}");
+        module.set(&setup)?;
         // The same firmware in process: the sentences of the board have no residuals and no
         // directions.
-        let mut twin = replay::Module::start(&[])?;
+        let mut twin = replay::Module::start(&[setup])?;
         twin.watch();
         let mut journal = Journal::default();
         let mut accepter = Accepter::new(MASK_DEG.to_radians());
@@ -149,7 +152,6 @@ impl Plan {
             moments.push(Moment::of(time_s, &said, error, pin_is_high));
             watch(&moments);
         }
-        module.shorten_patience()?;
         // The report comes twice, to show that the alarm lasts.
         for times in 1..=2 {
             let (said, pin_is_high) = module.fall_silent().context("the silent line")?;
@@ -178,9 +180,9 @@ impl Module {
         Ok(Self { board, epochs: 0 })
     }
 
-    /// Sets the time to alert to [`SILENCE_S`].
-    fn shorten_patience(&mut self) -> Result<()> {
-        self.board.command(&format!("TTA,{SILENCE_S}"))?;
+    /// Sends a setting and waits for its answer.
+    fn set(&mut self, command: &str) -> Result<()> {
+        self.board.command(command)?;
         self.board.read_through("$PRAIA", PATIENCE).map(drop)
     }
 

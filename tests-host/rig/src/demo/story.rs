@@ -14,7 +14,7 @@ use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::SatelliteId;
 use raim_firmware::settings::Configuration;
 
-use super::{FAULT_END_S, FAULT_START_S, Ordinary, Plan, SILENCE_S};
+use super::{EPOCHS, FAULT_END_S, FAULT_START_S, Ordinary, Plan, SILENCE_S};
 
 /// Width of the picture, pixels.
 const WIDTH_PX: u32 = 960;
@@ -64,6 +64,11 @@ impl Story {
         protected.filter_map(|moment| moment.horizontal_error_m).fold(0.0, f64::max)
     }
 
+    /// Returns the largest horizontal error of the receiver that accepts every satellite, m.
+    pub fn largest_accepted_error_m(&self) -> f64 {
+        self.ordinary.iter().map(|said| said.horizontal_error_m).fold(0.0, f64::max)
+    }
+
     /// Returns all satellites that were ever left out, with the number of epochs.
     pub fn excluded(&self) -> Vec<(SatelliteId, usize)> {
         let mut all: Vec<SatelliteId> =
@@ -73,72 +78,93 @@ impl Story {
         all.chunk_by(|a, b| a == b).filter_map(of).collect()
     }
 
-    /// Returns the module's report at the end, on the silent line.
-    fn silence(&self) -> String {
-        let Some(last) = self.moments.last() else { return "nothing".to_owned() };
-        let pin = last.pin_is_high.map_or("unknown", level);
-        format!("{} {} after {SILENCE_S} s, pin {pin}", last.verdict.word(), last.reason)
-    }
-
-    fn pin_low(&self) -> usize {
-        let epochs = self.moments.iter().filter(|moment| moment.reason != "STALE");
-        epochs.filter(|moment| moment.pin_is_high == Some(false)).count()
+    /// Returns the first report on the silent line.
+    pub fn silence(&self) -> Option<&Moment> {
+        self.moments.iter().find(|moment| moment.time_s > f64::from(EPOCHS - 1))
     }
 
     fn incidents(&self) -> [Incident; 2] {
         let name = format!("{} drifts off, to {:+} m", self.plan.satellite, self.plan.bias_m);
-        let end_s = self.moments.last().map_or(0.0, |moment| moment.time_s);
+        // Without an end: the silence lasts to the edge of a picture.
+        let silence_s = f64::from(EPOCHS - 1)..f64::INFINITY;
         [
             Incident { name, range_s: FAULT_START_S..FAULT_END_S },
-            Incident { name: "the line is silent".to_owned(), range_s: end_s - 2.0 * SILENCE_S..end_s },
+            Incident { name: "the line is silent".to_owned(), range_s: silence_s },
         ]
     }
 
-    /// Returns names and values of the most important figures.
+    /// Returns the result in sentences, each with its subject.
     pub fn figures(&self) -> Vec<(String, String)> {
-        let [protected, alerts, unavailable] = timeline::tally(&self.moments);
-        let detected = self.detection().map_or_else(
-            || "not detected".to_owned(),
-            |moment| {
-                let bias_m = self.plan.fault().bias_m(moment.time_s);
-                format!("{:.0} s, at {bias_m:+.1} m", moment.time_s - FAULT_START_S)
-            },
-        );
-        let excluded: Vec<String> = self
-            .excluded()
-            .iter()
-            .map(|(satellite, epochs)| format!("{satellite} ({epochs} epochs)"))
-            .collect();
-        let excluded = if excluded.is_empty() { "none".to_owned() } else { excluded.join(", ") };
-        let error_m = self.largest_protected_error_m();
         let mut figures = vec![
-            ("fault noticed after".to_owned(), detected),
-            ("left out".to_owned(), excluded),
-            ("largest error of a protected position".to_owned(), format!("{error_m:.1} m")),
-            (
-                "largest error, all satellites accepted".to_owned(),
-                format!(
-                    "{:.1} m",
-                    self.ordinary.iter().map(|said| said.horizontal_error_m).fold(0.0, f64::max)
-                ),
-            ),
-            ("misleading epochs".to_owned(), self.misleading().to_string()),
-            (
-                "epochs protected, alert, unavailable".to_owned(),
-                format!("{protected}, {alerts}, {unavailable}"),
-            ),
-            (
-                "integrity pin".to_owned(),
-                format!("{} at boot, low in {} epochs", level(self.pin_at_boot), self.pin_low()),
-            ),
-            ("when the line fell silent".to_owned(), self.silence()),
+            ("the fault".to_owned(), self.told_fault()),
+            ("the position".to_owned(), self.told_position()),
+            ("the promise".to_owned(), self.told_promise()),
+            ("the pin".to_owned(), self.told_pin()),
         ];
         if let Some(most) = self.instructions.iter().max() {
             let millions = *most as f64 * 1e-6;
-            figures
-                .push(("costliest epoch on the target".to_owned(), format!("{millions:.1} M instructions")));
+            let cost =
+                format!("The most expensive epoch took {millions:.2} million instructions on the board");
+            figures.push(("the cost".to_owned(), cost));
         }
         figures
+    }
+
+    fn told_fault(&self) -> String {
+        let Plan { satellite, .. } = self.plan;
+        let noticed = self.detection().map_or_else(
+            || "not noticed".to_owned(),
+            |moment| {
+                let bias_m = self.plan.fault().bias_m(moment.time_s).abs();
+                format!("noticed after {:.0} s at {bias_m:.0} m", moment.time_s - FAULT_START_S)
+            },
+        );
+        let excluded = self.excluded();
+        let own = excluded.iter().find(|(one, _)| *one == satellite).map_or(0, |(_, epochs)| *epochs);
+        let left_out = match own {
+            0 => "never left out".to_owned(),
+            epochs => format!("left out for {epochs} epochs"),
+        };
+        let others = excluded.iter().filter(|(one, _)| *one != satellite);
+        let mut parts = vec![format!("{satellite} was wrong from {FAULT_START_S} s"), noticed, left_out];
+        parts.extend(others.map(|(one, epochs)| format!("{one} left out for {epochs}")));
+        parts.join("; ")
+    }
+
+    fn told_position(&self) -> String {
+        format!(
+            "A protected position was at most {:.1} m off; with all satellites accepted it was {:.1} m off",
+            self.largest_protected_error_m(),
+            self.largest_accepted_error_m()
+        )
+    }
+
+    fn told_promise(&self) -> String {
+        let [protected, alerts, unavailable] = timeline::tally(&self.moments);
+        let misleading = match self.misleading() {
+            0 => "none of them misleading".to_owned(),
+            misleading => format!("{misleading} of them misleading"),
+        };
+        format!(
+            "{protected} epochs were protected, {misleading}; {alerts} were alerts, {unavailable} unavailable"
+        )
+    }
+
+    fn told_pin(&self) -> String {
+        let start = level(self.pin_at_boot);
+        let high = self.moments.iter().filter(|moment| moment.pin_is_high == Some(true)).count();
+        let silence = self.silence().map_or_else(
+            || "the line was never silent".to_owned(),
+            |moment| {
+                let pin = moment.pin_is_high.map_or("unknown", level);
+                format!(
+                    "{pin} {SILENCE_S} s after the line fell silent ({} {})",
+                    moment.verdict.word(),
+                    moment.reason
+                )
+            },
+        );
+        format!("It was {start} at start, high in {high} epochs, and {silence}")
     }
 
     /// Draws the module catching a fault, in one picture.
@@ -205,6 +231,6 @@ const fn level(is_high: bool) -> &'static str {
 
 impl fmt::Display for Story {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.figures().iter().try_for_each(|(name, value)| writeln!(formatter, "  {name:<38} {value}"))
+        self.figures().iter().try_for_each(|(name, value)| writeln!(formatter, "  {name:<13} {value}"))
     }
 }

@@ -156,6 +156,8 @@ const report = () => {
   const x = (t) => LEFT + (t - view[0]) / (view[1] - view[0]) * (width - LEFT - RIGHT);
   const instant = (px) => view[0] + (px - LEFT) / (width - LEFT - RIGHT) * (view[1] - view[0]);
   const rows = [];
+  // As in the pictures without script: overlapping faults differ.
+  const tint = (index) => ["red", "teal", "violet", "orange", "blue"][index % 5];
 
   class Row {
     constructor(title, height, parent) {
@@ -176,11 +178,11 @@ const report = () => {
     }
     key(name, colour, dash, mark) {
       const entry = this.legend.appendChild(element("span", "entry"));
-      const box = mark ? `<rect x="2" y="1" width="18" height="10" fill="var(--${colour})"/>`
+      const box = mark ? `<rect x="2" y="1" width="18" height="10" fill="var(--${colour})"${mark === "band" ? ' opacity=".35"' : ""}/>`
         : `<path d="M1 6H23" stroke="var(--${colour})" stroke-width="2.5" stroke-dasharray="${dash.join(" ")}"/>`;
       if (mark !== "cross") entry.innerHTML = `<svg width="24" height="12" viewBox="0 0 24 12" aria-hidden="true">${box}</svg>`;
       entry.append(name + " ");
-      return entry.appendChild(element("output"));
+      if (mark !== "band") return entry.appendChild(element("output"));
     }
     prepare() {
       const ratio = window.devicePixelRatio || 1;
@@ -194,8 +196,8 @@ const report = () => {
     }
     faults(pen) {
       pen.globalAlpha = 0.14;
-      pen.fillStyle = ink.orange;
-      for (const [, from, to] of data.faults) {
+      for (const [index, [, from, to]] of data.faults.entries()) {
+        pen.fillStyle = ink[tint(index)];
         const [a, b] = [Math.max(x(from), LEFT), Math.min(x(to ?? whole[1]), width - RIGHT)];
         if (b > a) pen.fillRect(a, TOP, b - a, this.height - TOP - BOTTOM);
       }
@@ -256,6 +258,7 @@ const report = () => {
       super(title + ", " + unit, height, parent);
       Object.assign(this, { scale: scales[scale], kind: scale, lines });
       for (const line of lines) if (line.name) line.output = this.key(line.name, line.colour, line.dash, line.cross && "cross");
+      data.faults.forEach(([name], index) => this.key(name, tint(index), [], "band"));
     }
     range() {
       let low = Infinity, high = -Infinity;
@@ -441,8 +444,15 @@ const report = () => {
       this.axis(pen);
     }
     show(index) {
-      this.output.textContent = index === null ? "" :
-        `${stamp(time[index], 1)} ${data.scale} ${data.reasons[reason[index]].join(" ")}, ${used[index]} used`;
+      if (index === null) return void (this.output.textContent = "");
+      // The same instant as that of the epoch: satellites have no bucket in a silence.
+      const left = (one) => {
+        const i = present(one, time[index]);
+        return i >= 0 && data.fates[one.fate[i]].startsWith("excluded");
+      };
+      const out = excluded[index] ? satellites.filter(left).map((one) => one.name).join(" ") : "";
+      this.output.textContent = `${stamp(time[index], 1)} ${data.scale} ${data.reasons[reason[index]].join(" ")}, ` +
+        `${used[index]} used` + (out ? `, ${out} left out` : "");
     }
   }
 
