@@ -93,7 +93,7 @@ fn health_and_clock(row: Row, m: &Msg1042T) -> Result<Row> {
     let delay = |seconds: f32| f64::from((seconds * 1e10).round());
     let is_d2 = row.bits().len() == 42;
     let row = row.unsigned(u64::from(m.sv_health_flag), 1)?.unsigned(u64::from(m.aodc), 5)?;
-    debug_assert_eq!(row.bits().len(), if is_d2 { 48 } else { 44 });
+    assert_eq!(row.bits().len(), if is_d2 { 48 } else { 44 });
     row.unsigned(u64::from(m.ura_index), 4)?
         .unsigned(u64::from(m.bds_week_number), 13)?
         .unsigned(m.toc_s as u64 / 8, 17)?
