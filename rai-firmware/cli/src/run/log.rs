@@ -73,11 +73,6 @@ impl Log {
         );
     }
 
-    /// Reports an event in words.
-    pub(super) fn note(&self, words: &str) {
-        self.line(words, json!({"event": "note", "text": words}));
-    }
-
     fn line(&self, words: &str, mut object: Value) {
         match self.form {
             None => {}

@@ -43,6 +43,7 @@ mod signals;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
 use raim_firmware::board::SEALED_BYTES;
@@ -62,6 +63,12 @@ use pin::{Pin, Wire};
 use report::Recorder;
 
 pub use plan::{Arguments, Plan};
+
+/// Longest wait for a consumer of a file's sentences.
+const FILE_PATIENCE: Duration = Duration::from_hours(1);
+/// Longest wait for a consumer of a pipe's sentences. The dozen sentences of an epoch wait for less
+/// than the guard's patience.
+const PIPE_PATIENCE: Duration = Duration::from_millis(50);
 
 /// Runs the service as the command line asks, until the input ends or a signal stops it.
 ///
@@ -103,7 +110,14 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
     wire.lower().context("the pin cannot be set")?;
     let inbox = Arc::new(Inbox::new(Arc::clone(clock)));
     let is_file = plan.input == Source::Standard && played::is_file();
-    let mut outbox = Outbox::new(is_file);
+    // A file waits for its readers. A pipe may be that of a receiver, for which the epoch loop must
+    // come round.
+    let patience = match plan.input {
+        Source::Standard if is_file => FILE_PATIENCE,
+        Source::Standard => PIPE_PATIENCE,
+        _ => Duration::ZERO,
+    };
+    let mut outbox = Outbox::new(patience);
     outbox.keep_log(Log::new(plan.log));
     let mut clients = Clients::new(plan.clients, is_file)?;
     for output in &plan.outputs {

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use mio::Waker;
 use raim_firmware::settings::Configuration;
@@ -20,6 +20,9 @@ use crate::page::report::settings_of;
 
 /// Sentences that may wait for a consumer: some ten epochs.
 pub(super) const QUEUE: usize = 256;
+
+/// Pause between two looks at a full queue.
+const LOOK: Duration = Duration::from_millis(1);
 
 /// Longest time in which consumers may read their queues at the end.
 const FAREWELL: Duration = Duration::from_secs(3);
@@ -55,8 +58,8 @@ struct Consumer {
 #[derive(Debug)]
 pub(super) struct Outbox {
     consumers: Vec<Consumer>,
-    /// True if a full queue is waited for.
-    waits: bool,
+    /// Longest wait for a full queue.
+    patience: Duration,
     lost: Arc<AtomicU32>,
     /// The first error of each consumer.
     errors: Arc<Mutex<Vec<std::io::Error>>>,
@@ -69,11 +72,11 @@ pub(super) struct Outbox {
 }
 
 impl Outbox {
-    /// Returns a way out without consumers, which `waits` for them or not.
-    pub(super) fn new(waits: bool) -> Self {
+    /// Returns a way out without consumers, which waits as long for a full queue.
+    pub(super) fn new(patience: Duration) -> Self {
         Self {
             consumers: Vec::new(),
-            waits,
+            patience,
             lost: Arc::default(),
             errors: Arc::default(),
             done: channel(),
@@ -149,14 +152,13 @@ impl Outbox {
         }
         self.log.hear(message);
         let message: Arc<[u8]> = message.into();
-        let Self { consumers, lost, waits, .. } = self;
+        let Self { consumers, lost, patience, .. } = self;
         consumers.retain(|consumer| {
             if consumer.wanted != kind {
                 return true;
             }
-            let is_there = match consumer.queue.try_send(Arc::clone(&message)) {
+            let is_there = match send_within(*patience, &consumer.queue, &message) {
                 Ok(()) => true,
-                Err(TrySendError::Full(message)) if *waits => consumer.queue.send(message).is_ok(),
                 Err(TrySendError::Full(_)) => {
                     lost.fetch_add(1, Ordering::Relaxed);
                     true
@@ -184,6 +186,23 @@ impl Outbox {
     }
 }
 
+/// Puts a message into a queue as soon as there is room.
+fn send_within(
+    patience: Duration,
+    queue: &SyncSender<Arc<[u8]>>,
+    message: &Arc<[u8]>,
+) -> Result<(), TrySendError<Arc<[u8]>>> {
+    let mut start = None;
+    loop {
+        match queue.try_send(Arc::clone(message)) {
+            Err(TrySendError::Full(_)) if start.get_or_insert_with(Instant::now).elapsed() < patience => {
+                thread::sleep(LOOK);
+            }
+            outcome => return outcome,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -196,7 +215,7 @@ mod tests {
 
     #[test]
     fn full_and_dead_consumers_cost_nobody_else_a_sentence() {
-        let mut outbox = Outbox::new(false);
+        let mut outbox = Outbox::new(Duration::ZERO);
         let (quick, read) = sync_channel(8);
         let (slow, kept) = sync_channel(1);
         let (dead, gone) = sync_channel(1);
@@ -213,7 +232,7 @@ mod tests {
 
     #[test]
     fn last_sentences_are_written_before_the_end() {
-        let mut outbox = Outbox::new(false);
+        let mut outbox = Outbox::new(Duration::ZERO);
         let written = Arc::new(Mutex::new(Vec::new()));
         let copy = Arc::clone(&written);
         outbox.add(Kind::Nmea, move |messages| {
@@ -232,7 +251,7 @@ mod tests {
 
     #[test]
     fn sentences_of_a_recording_wait_for_a_slow_consumer() {
-        let mut outbox = Outbox::new(true);
+        let mut outbox = Outbox::new(Duration::from_secs(5));
         let count = Arc::new(AtomicU32::new(0));
         let copy = Arc::clone(&count);
         outbox.add(Kind::Nmea, move |messages| {

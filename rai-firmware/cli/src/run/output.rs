@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn full_disk_costs_no_other_consumer_a_sentence() {
-        let mut outbox = Outbox::new(false);
+        let mut outbox = Outbox::new(Duration::ZERO);
         let (hear, heard) = std::sync::mpsc::channel();
         let full = OpenOptions::new().write(true).open("/dev/full").expect("the device of Linux");
         spawn(&mut outbox, Kind::Nmea, full);

@@ -10,7 +10,7 @@ use super::*;
 
 /// Variable with the arguments of the service, one on each line, in the process of
 /// [`service_of_its_own`].
-const ARGUMENTS: &str = "RAI_ARGUMENTS";
+pub(super) const ARGUMENTS: &str = "RAI_ARGUMENTS";
 
 /// The command line of the program.
 #[derive(clap::Parser)]

@@ -5,11 +5,14 @@
 //! | [`consumers`] | gpsd on the pseudo-terminal, `pymavlink` over UDP |
 //! | [`time`] | chrony behind gpsd |
 //! | [`ports`] | a serial port, and a caster for a receiver without orbits |
+//! | [`played`] | a file on standard input |
 //! | [`endurance`] | the service as a program, between cuts, kills and dead clients |
 
 mod consumers;
 #[cfg(target_os = "linux")]
 mod endurance;
+#[cfg(target_os = "linux")]
+mod played;
 mod ports;
 mod time;
 
@@ -155,7 +158,8 @@ fn read_until(reader: &mut TcpStream, want: &[&str]) -> String {
     let (start, mut bytes, mut chunk) = (Instant::now(), Vec::new(), [0; 4096]);
     reader.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
     loop {
-        bytes.extend_from_slice(&chunk[..reader.read(&mut chunk).unwrap_or(0)]);
+        let count = reader.read(&mut chunk).unwrap_or(0);
+        bytes.extend_from_slice(&chunk[..count]);
         let text = String::from_utf8_lossy(&bytes);
         if want.iter().all(|want| text.contains(want)) {
             return text.into_owned();
