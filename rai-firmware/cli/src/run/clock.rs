@@ -88,9 +88,7 @@ impl Clock {
             let mut state = led.state();
             state.now += step;
             state.events += 1;
-            state.wanted = state.rests + 2;
-            led.change.notify_all();
-            led.wait_until(state, "it does not come round", |state| state.rests >= state.wanted);
+            led.come_round(state);
         }
     }
 
@@ -101,6 +99,8 @@ impl Clock {
     pub fn await_bytes(&self, count: u64) {
         let led = self.led.as_ref().expect("a led clock");
         led.wait_until(led.state(), "bytes are missing", |state| state.heard[0] >= count);
+        // Bytes that a step overtook would have waited for as long as the step.
+        led.come_round(led.state());
     }
 
     /// Waits in real time until this number of frames of the caster have come since the start.
@@ -134,9 +134,8 @@ impl Clock {
         let mut state = led.state();
         state.rests += 1;
         led.change.notify_all();
-        if state.events == seen && state.rests >= state.wanted {
-            drop(led.change.wait_timeout(state, ROUND));
-        }
+        let is_idle = |state: &mut State| state.events == seen && state.rests >= state.wanted;
+        drop(led.change.wait_timeout_while(state, ROUND, is_idle));
     }
 
     /// Notes that the service has ended, so that nobody waits for it.
@@ -151,6 +150,13 @@ impl Clock {
 impl Led {
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until the loop has come round and found nothing to do.
+    fn come_round(&self, mut state: MutexGuard<'_, State>) {
+        state.wanted = state.rests + 2;
+        self.change.notify_all();
+        self.wait_until(state, "it does not come round", |state| state.rests >= state.wanted);
     }
 
     fn wait_until(&self, state: MutexGuard<'_, State>, what: &str, is_met: impl Fn(&State) -> bool) {
