@@ -225,9 +225,10 @@ fn gpsd_drops_the_fix_when_there_is_none() -> Result<()> {
 /// Start of GPS time in Unix time, ms: 1980-01-06 00:00:00 UTC.
 const GPS_BEGAN_MS: u64 = 315_964_800_000;
 
-/// Reports each full second as it begins, for `seconds` seconds; returns the state of chronyd's
-/// source then.
+/// Reports each full second as it begins, for at most `seconds` seconds or until chronyd follows
+/// its source; returns the state of that source then.
 fn tell_the_time(gpsd: &mut Gpsd, chronyd: &Chronyd, report: &Report<64>, seconds: u32) -> Result<Source> {
+    let mut told = None;
     for _ in 0..seconds {
         let now_ms = u64::try_from(SystemTime::now().duration_since(SystemTime::UNIX_EPOCH)?.as_millis())?;
         let to_next_ms = 1000 - now_ms % 1000;
@@ -236,8 +237,12 @@ fn tell_the_time(gpsd: &mut Gpsd, chronyd: &Chronyd, report: &Report<64>, second
         let time = GpsTime::from_ms(utc_ms + u64::from(GPS_MINUS_UTC_S) * 1000);
         gpsd.feed(&sentences_at(report, time))?;
         let _ = gpsd.objects()?;
+        told = chronyd.source()?;
+        if told.is_some_and(|told| told.is_followed && told.reach.count_ones() >= 4) {
+            break;
+        }
     }
-    chronyd.source()?.context("chronyd does not answer")
+    told.context("chronyd does not answer")
 }
 
 /// The time goes from the sentences over gpsd and its shared memory to the clock of a server. It

@@ -12,11 +12,16 @@ use raim_firmware::timed_ring::Taken;
 use super::guard::Guard;
 use super::inbox::Inbox;
 use super::outbox::Outbox;
-use super::pin::Pin;
+use super::pin::{Pin, Wire};
 use super::report::Recorder;
 
-/// Longest sleep of the loop: it looks at the clock at least ten times a second.
+/// Longest sleep of the loop while the pin is high or bytes have come lately.
 const LONGEST_SLEEP: Duration = Duration::from_millis(50);
+/// Longest sleep of the loop on a silent line with a low pin, when nothing can fall or be completed.
+const IDLE_SLEEP: Duration = Duration::from_millis(300);
+/// Silence after which the line counts as silent, ms: longer than the module waits for the rest of
+/// an epoch.
+const SILENT_MS: u64 = 2000;
 
 /// The ports of the service, as the epoch loop sees them.
 pub(super) struct Computer<'s> {
@@ -24,6 +29,7 @@ pub(super) struct Computer<'s> {
     outbox: &'s mut Outbox,
     sealed: &'s mut [u8; SEALED_BYTES],
     guard: &'s Guard,
+    wire: &'s Wire,
     recorder: Option<&'s mut Recorder>,
 }
 
@@ -33,9 +39,10 @@ impl<'s> Computer<'s> {
         outbox: &'s mut Outbox,
         sealed: &'s mut [u8; SEALED_BYTES],
         guard: &'s Guard,
+        wire: &'s Wire,
         recorder: Option<&'s mut Recorder>,
     ) -> Self {
-        Self { inbox, outbox, sealed, guard, recorder }
+        Self { inbox, outbox, sealed, guard, wire, recorder }
     }
 
     /// Passes the sentences since the last call to the recorder, if there is one.
@@ -119,7 +126,8 @@ impl Board for Computer<'_> {
     }
 
     fn sleep(&mut self) -> Option<u64> {
-        self.inbox.wait(LONGEST_SLEEP);
+        let is_idle = !self.wire.is_high() && self.inbox.silent_ms() > SILENT_MS;
+        self.inbox.wait(if is_idle { IDLE_SLEEP } else { LONGEST_SLEEP });
         Some(self.inbox.now_ns())
     }
 

@@ -3,7 +3,7 @@
 //! A caster's stream also carries the ranges of its own station. They never reach the module: only
 //! whole frames of RTCM 3 that hold an ephemeris are passed on, each with its check.
 
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result, bail, ensure};
 
 use super::inbox::Inbox;
-use super::input::{connect, is_timeout, wait};
+use super::input::{connect, is_timeout};
 use crate::signal::checksum::crc24q;
 
 /// Messages of RTCM 3 that hold an ephemeris.
@@ -23,6 +23,11 @@ const EPHEMERIDES: [u16; 6] = [1019, 1020, 1042, 1044, 1045, 1046];
 const PAUSE: Duration = Duration::from_secs(10);
 /// A caster that sends nothing for this time is taken for gone.
 const DEAD: Duration = Duration::from_mins(1);
+
+/// Longest first line of an answer, bytes.
+const LONGEST_STATUS: usize = 512;
+/// Longest time to that line.
+const ANSWER: Duration = Duration::from_secs(10);
 
 /// A stream of a caster: `ntrip://user:password@host:port/mountpoint`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,13 +64,13 @@ pub(super) fn start(caster: Caster, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) 
             if let Err(error) = read(&caster, &inbox, &stop) {
                 eprintln!("ntrip://{}/{}: {error:#}", caster.address, caster.mountpoint);
             }
-            wait(PAUSE, &stop);
+            inbox.clock().sleep(PAUSE, &stop);
         }
     });
 }
 
 fn read(caster: &Caster, inbox: &Inbox, stop: &AtomicBool) -> Result<()> {
-    let mut reader = BufReader::new(request(caster)?);
+    let mut reader = request(caster)?;
     let (mut waiting, mut bytes, mut last) = (Vec::new(), [0; 2048], Instant::now());
     while !stop.load(Ordering::Relaxed) {
         match reader.read(&mut bytes) {
@@ -94,20 +99,30 @@ fn request(caster: &Caster) -> Result<TcpStream> {
     let request =
         format!("GET /{mountpoint} HTTP/1.0\r\nUser-Agent: NTRIP rai/{version}\r\n{authorization}\r\n");
     stream.write_all(request.as_bytes())?;
-    let mut lines = BufReader::with_capacity(1, stream.try_clone()?);
-    let mut status = String::new();
-    let start = Instant::now();
-    while !status.ends_with('\n') && start.elapsed() < Duration::from_secs(10) {
-        match lines.read_line(&mut status) {
+    let status = status_line(&mut stream)?;
+    let status = status.trim();
+    ensure!(status.contains(" 200 "), "the caster answers `{status}`: are mountpoint and password right?");
+    Ok(stream)
+}
+
+/// Reads the first line of an answer, byte by byte, because ranges may follow it. Its length and
+/// its time are bounded, because a caster may send anything.
+fn status_line(stream: &mut impl Read) -> Result<String> {
+    let (start, mut line, mut byte) = (Instant::now(), Vec::new(), [0]);
+    while line.last() != Some(&b'\n') {
+        ensure!(
+            line.len() < LONGEST_STATUS,
+            "the answer must begin with a line of at most {LONGEST_STATUS} bytes"
+        );
+        ensure!(start.elapsed() < ANSWER, "the answer must come within {} s", ANSWER.as_secs());
+        match stream.read(&mut byte) {
             Ok(0) => break,
-            Ok(_) => {}
+            Ok(_) => line.extend(byte),
             Err(error) if is_timeout(&error) => {}
             Err(error) => return Err(error).context("no answer"),
         }
     }
-    let status = status.trim();
-    ensure!(status.contains(" 200 "), "the caster answers `{status}`: are mountpoint and password right?");
-    Ok(stream)
+    Ok(String::from_utf8_lossy(&line).into_owned())
 }
 
 /// Takes every whole frame off the front of the bytes, and hands on those with an ephemeris.
@@ -176,6 +191,23 @@ mod tests {
         for wrong in ["", "ntrip://host:1", "http://host/MOUNT"] {
             assert!(wrong.parse::<Caster>().is_err(), "{wrong}");
         }
+    }
+
+    /// An answer without an end.
+    struct Endless;
+
+    impl Read for Endless {
+        fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+            into.fill(b'x');
+            Ok(into.len())
+        }
+    }
+
+    #[test]
+    fn answer_without_an_end_of_its_line_is_refused() {
+        let error = status_line(&mut Endless).unwrap_err().to_string();
+        assert!(error.contains("at most 512 bytes"), "{error}");
+        assert_eq!(status_line(&mut &b"ICY 200 OK\r\nrest"[..]).unwrap(), "ICY 200 OK\r\n");
     }
 
     /// Returns a frame of RTCM 3 with a message of this number and nothing else in it.

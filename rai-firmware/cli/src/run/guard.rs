@@ -9,50 +9,64 @@ use std::time::{Duration, Instant};
 
 use super::pin::Wire;
 
-/// Longest time that the loop may take to come round, ms.
-const PATIENCE_MS: u64 = 2000;
-/// Interval between two checks of the guard.
-const LOOK: Duration = Duration::from_millis(100);
+/// Longest time that the loop may take to come round.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Longest time between two signs of life for systemd, whose limit is 3 s.
+const SIGN_OF_LIFE: Duration = Duration::from_secs(1);
 
 /// The loop's side of the guard.
 #[derive(Debug)]
 pub(super) struct Guard {
     start: Instant,
+    /// Time at which the loop came round last, and at which systemd was told, ms.
     fed_ms: Arc<AtomicU64>,
+    told_ms: AtomicU64,
 }
 
 impl Guard {
-    /// Starts the guard's thread.
+    /// Starts the guard's thread. It wakes only when the loop could be late.
     pub(super) fn start(wire: &Arc<Wire>, stop: &Arc<AtomicBool>) -> Self {
         let (start, fed_ms) = (Instant::now(), Arc::new(AtomicU64::new(0)));
         let (wire, stop, fed) = (Arc::clone(wire), Arc::clone(stop), Arc::clone(&fed_ms));
         std::thread::spawn(move || watch(&wire, &stop, &fed, start));
-        Self { start, fed_ms }
+        Self { start, fed_ms, told_ms: AtomicU64::new(0) }
     }
 
     /// Notes that the loop came round.
     pub(super) fn feed(&self) {
-        self.fed_ms.store(milliseconds(self.start), Ordering::Relaxed);
+        let now_ms = milliseconds(self.start.elapsed());
+        self.fed_ms.store(now_ms, Ordering::Relaxed);
+        if now_ms.saturating_sub(self.told_ms.load(Ordering::Relaxed)) >= milliseconds(SIGN_OF_LIFE) {
+            self.told_ms.store(now_ms, Ordering::Relaxed);
+            keep_alive();
+        }
     }
 }
 
-fn milliseconds(since: Instant) -> u64 {
-    u64::try_from(since.elapsed().as_millis()).unwrap_or(u64::MAX)
+fn milliseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_millis()).unwrap_or(u64::MAX)
 }
 
 fn watch(wire: &Wire, stop: &AtomicBool, fed_ms: &AtomicU64, start: Instant) {
-    while !stop.load(Ordering::Relaxed) {
-        std::thread::sleep(LOOK);
-        let silent_ms = milliseconds(start).saturating_sub(fed_ms.load(Ordering::Relaxed));
-        if silent_ms > PATIENCE_MS && fed_ms.load(Ordering::Relaxed) > 0 {
+    let mut pause = PATIENCE;
+    loop {
+        std::thread::sleep(pause);
+        if stop.load(Ordering::Relaxed) {
+            return;
+        }
+        let fed = Duration::from_millis(fed_ms.load(Ordering::Relaxed));
+        let silent = start.elapsed().saturating_sub(fed);
+        if silent > PATIENCE && !fed.is_zero() {
             // The program ends either way; a pin that cannot be set is systemd's to drop.
-            let _ = wire.drive(false);
-            eprintln!("error: the epoch loop has not come round for {silent_ms} ms; the pin is low");
+            let _ = wire.close();
+            eprintln!(
+                "error: the epoch loop has not come round for {} ms; the pin is low",
+                silent.as_millis()
+            );
             std::process::abort();
         }
-        if silent_ms <= PATIENCE_MS {
-            keep_alive();
-        }
+        // A millisecond more, because the time is counted in whole ones.
+        pause = PATIENCE.saturating_sub(silent).max(Duration::from_millis(50)) + Duration::from_millis(1);
     }
 }
 

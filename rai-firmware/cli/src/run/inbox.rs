@@ -4,10 +4,12 @@
 //! caster. The receiver's line is never interrupted: an orbit waits until the line has paused.
 
 use std::collections::VecDeque;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use raim_firmware::timed_ring::Taken;
+
+use super::clock::Clock;
 
 /// Bytes of the receiver that may wait: two seconds of the fastest line.
 const MOST_BYTES: usize = 1 << 18;
@@ -22,9 +24,11 @@ const PAUSE_MS: u64 = 30;
 /// The queue.
 #[derive(Debug)]
 pub(super) struct Inbox {
-    start: Instant,
+    clock: Arc<Clock>,
     state: Mutex<State>,
     arrival: Condvar,
+    /// Signalled when bytes have been taken.
+    room: Condvar,
 }
 
 #[derive(Debug, Default)]
@@ -41,18 +45,18 @@ struct State {
 }
 
 impl Inbox {
-    pub(super) fn new() -> Self {
-        Self { start: Instant::now(), state: Mutex::default(), arrival: Condvar::new() }
+    pub(super) fn new(clock: Arc<Clock>) -> Self {
+        Self { clock, state: Mutex::default(), arrival: Condvar::new(), room: Condvar::new() }
     }
 
     /// Milliseconds since the program started.
     pub(super) fn now_ms(&self) -> u64 {
-        u64::try_from(self.start.elapsed().as_millis()).unwrap_or(u64::MAX)
+        u64::try_from(self.clock.now().as_millis()).unwrap_or(u64::MAX)
     }
 
     /// Nanoseconds since the program started.
     pub(super) fn now_ns(&self) -> u64 {
-        u64::try_from(self.start.elapsed().as_nanos()).unwrap_or(u64::MAX)
+        u64::try_from(self.clock.now().as_nanos()).unwrap_or(u64::MAX)
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -71,7 +75,16 @@ impl Inbox {
         state.bytes.extend(bytes);
         state.arrivals.push_back((bytes.len(), now_ms));
         state.last_ms = now_ms;
+        drop(state);
         self.arrival.notify_one();
+        self.clock.hear(bytes.len(), 0);
+    }
+
+    /// Takes bytes of a source that can wait, as soon as there is room for them.
+    pub(super) fn push_in_turn(&self, bytes: &[u8]) {
+        let state = self.state();
+        drop(self.room.wait_while(state, |state| state.bytes.len() + bytes.len() > MOST_BYTES));
+        self.push(bytes);
     }
 
     /// Notes that bytes of the receiver are missing here: its line was connected anew.
@@ -85,6 +98,8 @@ impl Inbox {
         if state.orbits.len() < MOST_ORBITS {
             state.orbits.push_back(frame);
         }
+        drop(state);
+        self.clock.hear(0, 1);
     }
 
     /// Takes bytes of a host's commands.
@@ -93,13 +108,16 @@ impl Inbox {
         let mut state = self.state();
         let room = MOST_COMMANDS - state.commands.len().min(MOST_COMMANDS);
         state.commands.extend(bytes.iter().take(room));
+        drop(state);
         self.arrival.notify_one();
+        self.clock.hear(0, 0);
     }
 
     /// Notes that no more bytes come.
     pub(super) fn end(&self) {
         self.state().has_ended = true;
         self.arrival.notify_one();
+        self.clock.hear(0, 0);
     }
 
     /// Returns true once no more bytes come and all have been taken.
@@ -133,6 +151,8 @@ impl Inbox {
             Some(front) if many > count => front.0 = many - count,
             _ => drop(state.arrivals.pop_front()),
         }
+        drop(state);
+        self.room.notify_one();
         Taken::Bytes { count, came_ms }
     }
 
@@ -141,10 +161,25 @@ impl Inbox {
         self.state().commands.pop_front()
     }
 
+    /// Returns the clock of the service.
+    pub(super) fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    /// Returns the time since bytes of the receiver came last, ms.
+    pub(super) fn silent_ms(&self) -> u64 {
+        self.now_ms().saturating_sub(self.state().last_ms)
+    }
+
     /// Waits until something arrives, at most so long.
     pub(super) fn wait(&self, longest: Duration) {
+        let seen = self.clock.events();
         let state = self.state();
         if state.arrivals.is_empty() && state.commands.is_empty() && !state.has_ended {
+            if let Some(seen) = seen {
+                drop(state);
+                return self.clock.rest(seen);
+            }
             // Whether it arrived or the time is over, the caller looks.
             drop(self.arrival.wait_timeout(state, longest));
         }
@@ -164,7 +199,7 @@ mod tests {
 
     #[test]
     fn bytes_come_out_in_order_with_their_time() {
-        let inbox = Inbox::new();
+        let inbox = Inbox::new(Clock::of_the_computer());
         inbox.push(b"abc");
         inbox.push(b"de");
         let mut chunk = [0; 2];
@@ -177,7 +212,7 @@ mod tests {
 
     #[test]
     fn orbit_waits_for_a_pause_of_the_line() {
-        let inbox = Inbox::new();
+        let inbox = Inbox::new(Clock::of_the_computer());
         inbox.push(b"a");
         inbox.push_orbit(b"orbit".to_vec());
         let mut chunk = [0; 16];
@@ -189,7 +224,7 @@ mod tests {
 
     #[test]
     fn flood_is_bounded_and_counted() {
-        let inbox = Inbox::new();
+        let inbox = Inbox::new(Clock::of_the_computer());
         for _ in 0..2 * MOST_BYTES / 1024 {
             inbox.push(&[0; 1024]);
         }

@@ -10,7 +10,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
 
@@ -19,8 +19,8 @@ use crate::serial;
 
 /// Rate of a serial port if none is named: the module's own first guess.
 const BAUD: u32 = 115_200;
-/// A read comes back after this time even if nothing arrives, so that a stop is noticed.
-const READ_TIMEOUT: Duration = Duration::from_millis(200);
+/// A read comes back after this time even if nothing arrives, so that a dead line is noticed.
+const READ_TIMEOUT: Duration = Duration::from_secs(2);
 /// A TCP server that sends nothing for this time is taken for gone.
 const DEAD: Duration = Duration::from_secs(15);
 const FIRST_PAUSE: Duration = Duration::from_millis(250);
@@ -117,9 +117,13 @@ fn keep_reading(source: &Source, first: Option<Port>, inbox: &Inbox, stop: &Atom
     while !stop.load(Ordering::Relaxed) {
         match port.take().map_or_else(|| open(source), Ok) {
             Ok(open) => {
-                inbox.interrupt();
-                let (count, reason) = read(open, inbox, stop);
-                if *source == Source::Standard {
+                // Standard input is whole from its first byte, and a pipe can wait.
+                let can_wait = *source == Source::Standard;
+                if !can_wait {
+                    inbox.interrupt();
+                }
+                let (count, reason) = read(open, can_wait, inbox, stop);
+                if can_wait {
                     return inbox.end();
                 }
                 if count > 0 {
@@ -129,31 +133,28 @@ fn keep_reading(source: &Source, first: Option<Port>, inbox: &Inbox, stop: &Atom
             }
             Err(error) => eprintln!("{source}: {error:#}; trying again in {} ms", pause.as_millis()),
         }
-        wait(pause, stop);
+        inbox.clock().sleep(pause, stop);
         pause = LONGEST_PAUSE.min(2 * pause);
     }
 }
 
-/// Sleeps in short pieces, so that a stop is noticed.
-pub(super) fn wait(pause: Duration, stop: &AtomicBool) {
-    let start = Instant::now();
-    while start.elapsed() < pause && !stop.load(Ordering::Relaxed) {
-        thread::sleep(Duration::from_millis(50).min(pause));
-    }
-}
-
 /// Reads until the port ends; returns how many bytes came, and why it ended.
-fn read(mut port: Port, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
-    let (mut bytes, mut total, mut last) = ([0; 4096], 0, Instant::now());
+fn read(mut port: Port, can_wait: bool, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
+    let (mut bytes, mut total, mut last) = ([0; 4096], 0, inbox.clock().now());
     while !stop.load(Ordering::Relaxed) {
         match port.read(&mut bytes) {
             Ok(0) => return (total, "the other side has closed it".into()),
             Ok(count) => {
-                inbox.push(bytes.get(..count).unwrap_or_default());
+                let bytes = bytes.get(..count).unwrap_or_default();
+                if can_wait {
+                    inbox.push_in_turn(bytes);
+                } else {
+                    inbox.push(bytes);
+                }
                 total += count as u64;
-                last = Instant::now();
+                last = inbox.clock().now();
             }
-            Err(error) if is_timeout(&error) && last.elapsed() < DEAD => {}
+            Err(error) if is_timeout(&error) && inbox.clock().now().saturating_sub(last) < DEAD => {}
             Err(error) if is_timeout(&error) => return (total, format!("silent for {} s", DEAD.as_secs())),
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
             Err(error) => return (total, error.to_string()),

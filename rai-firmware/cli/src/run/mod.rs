@@ -11,57 +11,80 @@
 //! | [`plan`] | reads the command line and the configuration file |
 //! | `input`, `caster`, `inbox` | read bytes with their time of arrival, and reconnect |
 //! | `board` | implements the firmware's `Board` on a computer |
-//! | `outbox`, `output` | send sentences to consumers, none of which another one waits for |
-//! | [`pin`] | drives the integrity pin |
+//! | `played` | plays a file on standard input, in the time of its epochs |
+//! | `outbox`, `output`, `clients` | send sentences to consumers, none of which another one waits for |
+//! | [`pin`], `actuator`, `reserve` | drive the integrity pin, whatever the computer has run out of |
+//! | `signals` | lowers the pin before a signal or a panic ends the program |
+//! | [`clock`] | has the time, which a test may move |
+//! | [`log`] | reports the start and each change of the state |
 //! | `report` | takes notes of every epoch, for a page as `replay` writes it |
 //! | `guard` | drops the pin and ends the program if the epoch loop hangs |
 //!
 //! The epoch loop runs in the calling thread. Every port has a thread of its own, with a bounded
 //! queue between the two: a slow or dead consumer loses its own sentences only.
 
+mod actuator;
 mod board;
 mod caster;
+mod clients;
+pub mod clock;
 mod guard;
 mod inbox;
 mod input;
+pub mod log;
 mod outbox;
 mod output;
 pub mod pin;
 pub mod plan;
+mod played;
 mod report;
+mod reserve;
+mod signals;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
 use raim_firmware::board::SEALED_BYTES;
 use raim_firmware::epoch_loop::EpochLoop;
 use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::settings::Configuration;
 
 use board::Computer;
+use clients::Clients;
+use clock::Clock;
 use guard::Guard;
 use inbox::Inbox;
+use input::Source;
+use log::Log;
 use outbox::Outbox;
 use pin::{Pin, Wire};
 use report::Recorder;
 
 pub use plan::{Arguments, Plan};
 
+/// Longest wait for a consumer of a file's sentences.
+const FILE_PATIENCE: Duration = Duration::from_hours(1);
+/// Longest wait for a consumer of a pipe's sentences. The dozen sentences of an epoch wait for less
+/// than the guard's patience.
+const PIPE_PATIENCE: Duration = Duration::from_millis(50);
+
 /// Runs the service as the command line asks, until the input ends or a signal stops it.
 ///
 /// # Errors
-/// If the configuration is wrong, or if a port that was named does not exist.
+/// If the configuration is wrong, if a port that was named does not exist, or if a finite input
+/// lost bytes or sentences.
 pub fn run(arguments: Arguments) -> Result<()> {
     if arguments.lower_pin {
-        return Wire::open(&Plan::read(arguments)?.pin)?.drive(false).context("the pin");
+        return Wire::open(&plan::pin_alone(arguments)?)?.lower().context("the pin");
     }
     let plan = Plan::read(arguments)?;
     let stop = Arc::new(AtomicBool::new(false));
-    #[cfg(unix)]
-    for signal in [signal_hook::consts::SIGTERM, signal_hook::consts::SIGINT] {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).context("a signal cannot be caught")?;
-    }
-    serve(&plan, &stop)
+    let wire = Arc::new(Wire::open(&plan.pin)?);
+    signals::catch(&wire, &stop)?;
+    signals::end_on_panic(&wire);
+    serve_on(&plan, &wire, &stop, &Clock::of_the_computer())
 }
 
 /// Runs the service until `stop` is set or a finite input ends.
@@ -69,28 +92,83 @@ pub fn run(arguments: Arguments) -> Result<()> {
 /// # Errors
 /// As [`run`].
 pub fn serve(plan: &Plan, stop: &Arc<AtomicBool>) -> Result<()> {
+    serve_by(plan, stop, &Clock::of_the_computer())
+}
+
+/// Runs the service by a clock that the caller may move.
+///
+/// # Errors
+/// As [`run`].
+pub fn serve_by(plan: &Plan, stop: &Arc<AtomicBool>, clock: &Arc<Clock>) -> Result<()> {
+    serve_on(plan, &Arc::new(Wire::open(&plan.pin)?), stop, clock)
+}
+
+fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<Clock>) -> Result<()> {
+    // Whatever ends this function, the pin is low and nobody waits for the service.
+    let _lowered = Lowered { wire, clock };
     // The pin first: it is low before anything else can fail.
-    let wire = Arc::new(Wire::open(&plan.pin)?);
-    wire.drive(false).context("the pin cannot be set")?;
-    let mut outbox = Outbox::default();
-    let inbox = Arc::new(Inbox::new());
+    wire.lower().context("the pin cannot be set")?;
+    let inbox = Arc::new(Inbox::new(Arc::clone(clock)));
+    let is_file = plan.input == Source::Standard && played::is_file();
+    // A file waits for its readers. A pipe may be that of a receiver, for which the epoch loop must
+    // come round.
+    let patience = match plan.input {
+        Source::Standard if is_file => FILE_PATIENCE,
+        Source::Standard => PIPE_PATIENCE,
+        _ => Duration::ZERO,
+    };
+    let mut outbox = Outbox::new(patience);
+    outbox.keep_log(Log::new(plan.log));
+    let mut clients = Clients::new(plan.clients, is_file)?;
     for output in &plan.outputs {
-        output::open(output, &mut outbox, &inbox).with_context(|| output.to_string())?;
+        output::open(output, &mut outbox, &inbox, &mut clients).with_context(|| output.to_string())?;
     }
-    input::start(&plan.input, &inbox, stop)?;
-    if let Some(caster) = &plan.caster {
-        caster::start(caster.clone(), &inbox, stop);
+    if clients.has_listeners() {
+        let (lost, done) = outbox.for_clients();
+        outbox.add_clients(clients.start(lost, done)?);
     }
-    let guard = Guard::start(&wire, stop);
-    let mut sealed = Box::new([0; SEALED_BYTES]);
     let mut recorder = plan.report.clone().map(|folder| Recorder::new(folder, plan.input.to_string()));
     outbox.keep_tape(recorder.is_some());
+    let configuration = if is_file {
+        Some(played::play(plan, wire, &mut outbox, recorder.as_mut(), stop)?)
+    } else {
+        live(plan, wire, &inbox, &mut outbox, recorder.as_mut(), stop)?
+    };
+    wire.lower().context("the pin cannot be set")?;
+    let is_finite = is_file || inbox.has_ended();
+    let lost = [inbox.dropped(), outbox.lost()];
+    let errors = outbox.close();
+    if let Some((recorder, configuration)) = recorder.zip(configuration) {
+        recorder.end(&configuration)?;
+    }
+    say_losses(lost, errors, is_finite)
+}
+
+/// Runs the module in real time; returns its settings at the end.
+fn live(
+    plan: &Plan,
+    wire: &Arc<Wire>,
+    inbox: &Arc<Inbox>,
+    outbox: &mut Outbox,
+    mut recorder: Option<&mut Recorder>,
+    stop: &Arc<AtomicBool>,
+) -> Result<Option<Configuration>> {
+    let guard = Guard::start(wire, stop);
+    let mut sealed = Box::new([0; SEALED_BYTES]);
     let (mut after_power_on, mut configuration) = (true, None);
     while !stop.load(Ordering::Relaxed) && !inbox.has_ended() {
-        let mut receiver = receiver(&wire)?;
-        let mut board = Computer::new(&inbox, &mut outbox, &mut sealed, &guard, recorder.as_mut());
+        let mut receiver = receiver(wire)?;
+        let mut board = Computer::new(inbox, outbox, &mut sealed, &guard, wire, recorder.as_deref_mut());
         receiver.restore(board.sealed_memory(), after_power_on);
         apply(plan, &mut receiver)?;
+        if after_power_on {
+            // The settings are in force before the first byte.
+            input::start(&plan.input, inbox, stop)?;
+            if let Some(caster) = &plan.caster {
+                caster::start(caster.clone(), inbox, stop);
+            }
+            board.outbox().report_start(plan, receiver.configuration());
+        }
         receiver.greet(board.outbox());
         guard::ready();
         let mut epochs = EpochLoop::new();
@@ -103,12 +181,41 @@ pub fn serve(plan: &Plan, stop: &Arc<AtomicBool>) -> Result<()> {
         configuration = Some(*receiver.configuration());
         after_power_on = false;
     }
-    wire.drive(false).context("the pin cannot be set")?;
-    outbox.close();
-    if let Some((recorder, configuration)) = recorder.zip(configuration) {
-        recorder.end(&configuration)?;
+    Ok(configuration)
+}
+
+/// Reports what was lost. A finite input could have waited, so that a loss of it is an error.
+fn say_losses([bytes, sentences]: [u32; 2], errors: Vec<std::io::Error>, is_finite: bool) -> Result<()> {
+    if bytes > 0 || sentences > 0 {
+        let words = format!("{bytes} bytes of the receiver and {sentences} sentences found no room");
+        if is_finite {
+            bail!("{words}");
+        }
+        eprintln!("{words}");
     }
-    Ok(())
+    match errors.into_iter().next() {
+        Some(error) if is_finite => Err(error).context("an output"),
+        Some(error) => {
+            eprintln!("an output: {error}");
+            Ok(())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Lowers the pin when the service ends, also by an error or a panic.
+struct Lowered<'w> {
+    wire: &'w Wire,
+    clock: &'w Clock,
+}
+
+impl Drop for Lowered<'_> {
+    fn drop(&mut self) {
+        self.clock.end();
+        if let Err(error) = self.wire.close() {
+            eprintln!("error: the pin cannot be set: {error}");
+        }
+    }
 }
 
 /// Makes the module; its pin is low.

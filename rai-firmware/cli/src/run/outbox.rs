@@ -1,13 +1,31 @@
 //! Sentences to every consumer, each through a bounded queue of its own.
 //!
 //! The epoch loop never waits for a consumer. A consumer whose queue is full loses that sentence,
-//! and the loss is counted; one that is gone is forgotten.
+//! and the loss is counted; one that is gone is forgotten. A recording is another matter: it can
+//! wait, so that no consumer loses a sentence of it.
 
-use std::sync::mpsc::{SyncSender, TrySendError};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use mio::Waker;
+use raim_firmware::settings::Configuration;
+
+use super::Plan;
+use super::clients::Way;
+use super::log::Log;
+use crate::page::report::settings_of;
 
 /// Sentences that may wait for a consumer: some ten epochs.
 pub(super) const QUEUE: usize = 256;
+
+/// Pause between two looks at a full queue.
+const LOOK: Duration = Duration::from_millis(1);
+
+/// Longest time in which consumers may read their queues at the end.
+const FAREWELL: Duration = Duration::from_secs(3);
 
 /// First byte of a frame of `MAVLink` 2.
 const MAVLINK: u8 = 0xFD;
@@ -27,33 +45,83 @@ impl Kind {
     }
 }
 
-/// The queue of a consumer.
-type Queue = SyncSender<Arc<[u8]>>;
-
-/// A place to which new consumers are added, from any thread.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Consumers(Arc<Mutex<Vec<(Kind, Queue)>>>);
-
-impl Consumers {
-    /// Adds a consumer.
-    pub(super) fn add(&self, kind: Kind, queue: Queue) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push((kind, queue));
-    }
+/// A consumer: the messages that it wants, its queue, and the waker of a thread that waits for more
+/// than its queue.
+#[derive(Debug)]
+struct Consumer {
+    wanted: Kind,
+    queue: SyncSender<Arc<[u8]>>,
+    waker: Option<Arc<Waker>>,
 }
 
 /// The way out.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Outbox {
-    consumers: Consumers,
-    lost: u32,
+    consumers: Vec<Consumer>,
+    /// Longest wait for a full queue.
+    patience: Duration,
+    lost: Arc<AtomicU32>,
+    /// The first error of each consumer.
+    errors: Arc<Mutex<Vec<std::io::Error>>>,
+    /// Every thread of a consumer holds a copy of the first, so that the second ends with the last
+    /// of them.
+    done: (Sender<()>, Receiver<()>),
     /// Sentences for the report; `None` if there is none.
     tape: Option<Vec<u8>>,
+    log: Log,
 }
 
 impl Outbox {
-    /// Returns the place to which new consumers are added.
-    pub(super) fn consumers(&self) -> Consumers {
-        self.consumers.clone()
+    /// Returns a way out without consumers, which waits as long for a full queue.
+    pub(super) fn new(patience: Duration) -> Self {
+        Self {
+            consumers: Vec::new(),
+            patience,
+            lost: Arc::default(),
+            errors: Arc::default(),
+            done: channel(),
+            tape: None,
+            log: Log::new(None),
+        }
+    }
+
+    /// Adds a consumer; a thread of its own runs `write` with its messages.
+    pub(super) fn add(
+        &mut self,
+        wanted: Kind,
+        write: impl FnOnce(&Receiver<Arc<[u8]>>) -> std::io::Result<()> + Send + 'static,
+    ) {
+        let (queue, messages) = sync_channel(QUEUE);
+        self.consumers.push(Consumer { wanted, queue, waker: None });
+        let (errors, done) = (Arc::clone(&self.errors), self.done.0.clone());
+        thread::spawn(move || {
+            if let Err(error) = write(&messages) {
+                errors.lock().unwrap_or_else(PoisonError::into_inner).push(error);
+            }
+            drop(done);
+        });
+    }
+
+    /// Adds the TCP clients, whose thread is started with what [`Self::for_clients`] returns.
+    pub(super) fn add_clients(&mut self, (queue, waker): Way) {
+        self.consumers.push(Consumer { wanted: Kind::Nmea, queue, waker: Some(waker) });
+    }
+
+    /// Returns the counter of lost sentences, and the sender that the thread of the clients holds.
+    pub(super) fn for_clients(&self) -> (Arc<AtomicU32>, Sender<()>) {
+        (Arc::clone(&self.lost), self.done.0.clone())
+    }
+
+    /// Lets this log have the states.
+    pub(super) fn keep_log(&mut self, log: Log) {
+        self.log = log;
+    }
+
+    /// Reports the start of the service in the log.
+    pub(super) fn report_start(&self, plan: &Plan, configuration: &Configuration) {
+        let outputs: Vec<String> = plan.outputs.iter().map(ToString::to_string).collect();
+        let (_, settings) = settings_of(configuration);
+        self.log.start(&plan.input.to_string(), &outputs, &plan.pin.to_string(), &settings);
     }
 
     /// Lets the sentences be kept for the report, or not.
@@ -68,7 +136,12 @@ impl Outbox {
 
     /// Messages that a consumer's full queue has lost.
     pub(super) fn lost(&self) -> u32 {
-        self.lost
+        self.lost.load(Ordering::Relaxed)
+    }
+
+    /// Returns true if a consumer has failed.
+    pub(super) fn has_failed(&self) -> bool {
+        !self.errors.lock().unwrap_or_else(PoisonError::into_inner).is_empty()
     }
 
     /// Sends a whole message to every consumer of its kind.
@@ -77,43 +150,77 @@ impl Outbox {
         if let Some(tape) = self.tape.as_mut().filter(|_| kind == Kind::Nmea) {
             tape.extend_from_slice(message);
         }
+        self.log.hear(message);
         let message: Arc<[u8]> = message.into();
-        let mut consumers = self.consumers.0.lock().unwrap_or_else(PoisonError::into_inner);
-        consumers.retain(|(wanted, queue)| {
-            if *wanted != kind {
+        let Self { consumers, lost, patience, .. } = self;
+        consumers.retain(|consumer| {
+            if consumer.wanted != kind {
                 return true;
             }
-            match queue.try_send(Arc::clone(&message)) {
+            let is_there = match send_within(*patience, &consumer.queue, &message) {
                 Ok(()) => true,
                 Err(TrySendError::Full(_)) => {
-                    self.lost = self.lost.saturating_add(1);
+                    lost.fetch_add(1, Ordering::Relaxed);
                     true
                 }
                 Err(TrySendError::Disconnected(_)) => false,
-            }
+            };
+            // A waker fails only if its thread has ended.
+            is_there && consumer.waker.as_ref().is_none_or(|waker| waker.wake().is_ok())
         });
     }
 
-    /// Lets every consumer end once it has read its queue.
-    pub(super) fn close(self) {
-        self.consumers.0.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    /// Lets every consumer end once it has read its queue, and waits for that; returns the errors
+    /// of the consumers.
+    pub(super) fn close(self) -> Vec<std::io::Error> {
+        let Self { consumers, done: (own, all), errors, .. } = self;
+        let wakers: Vec<_> = consumers.iter().filter_map(|consumer| consumer.waker.clone()).collect();
+        drop((consumers, own));
+        for waker in wakers {
+            let _ = waker.wake();
+        }
+        if all.recv_timeout(FAREWELL) == Err(RecvTimeoutError::Timeout) {
+            eprintln!("a consumer does not read; its last sentences are lost");
+        }
+        std::mem::take(&mut errors.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// Puts a message into a queue as soon as there is room.
+fn send_within(
+    patience: Duration,
+    queue: &SyncSender<Arc<[u8]>>,
+    message: &Arc<[u8]>,
+) -> Result<(), TrySendError<Arc<[u8]>>> {
+    let mut start = None;
+    loop {
+        match queue.try_send(Arc::clone(message)) {
+            Err(TrySendError::Full(_)) if start.get_or_insert_with(Instant::now).elapsed() < patience => {
+                thread::sleep(LOOK);
+            }
+            outcome => return outcome,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::mpsc::sync_channel;
-
     use super::*;
+
+    impl Outbox {
+        fn push(&mut self, wanted: Kind, queue: SyncSender<Arc<[u8]>>) {
+            self.consumers.push(Consumer { wanted, queue, waker: None });
+        }
+    }
 
     #[test]
     fn full_and_dead_consumers_cost_nobody_else_a_sentence() {
-        let mut outbox = Outbox::default();
+        let mut outbox = Outbox::new(Duration::ZERO);
         let (quick, read) = sync_channel(8);
         let (slow, kept) = sync_channel(1);
         let (dead, gone) = sync_channel(1);
         for queue in [dead, slow, quick] {
-            outbox.consumers().add(Kind::Nmea, queue);
+            outbox.push(Kind::Nmea, queue);
         }
         drop(gone);
         for _ in 0..3 {
@@ -121,5 +228,44 @@ mod tests {
         }
         outbox.send(&[MAVLINK, 0]);
         assert_eq!((read.try_iter().count(), kept.try_iter().count(), outbox.lost()), (3, 1, 2));
+    }
+
+    #[test]
+    fn last_sentences_are_written_before_the_end() {
+        let mut outbox = Outbox::new(Duration::ZERO);
+        let written = Arc::new(Mutex::new(Vec::new()));
+        let copy = Arc::clone(&written);
+        outbox.add(Kind::Nmea, move |messages| {
+            for message in messages {
+                thread::sleep(Duration::from_millis(5));
+                copy.lock().unwrap().extend_from_slice(&message);
+            }
+            Ok(())
+        });
+        for _ in 0..10 {
+            outbox.send(b"$GPRMC\r\n");
+        }
+        assert!(outbox.close().is_empty());
+        assert_eq!(*written.lock().unwrap(), b"$GPRMC\r\n".repeat(10));
+    }
+
+    #[test]
+    fn sentences_of_a_recording_wait_for_a_slow_consumer() {
+        let mut outbox = Outbox::new(Duration::from_secs(5));
+        let count = Arc::new(AtomicU32::new(0));
+        let copy = Arc::clone(&count);
+        outbox.add(Kind::Nmea, move |messages| {
+            for _ in messages {
+                thread::sleep(Duration::from_micros(50));
+                copy.fetch_add(1, Ordering::Relaxed);
+            }
+            Ok(())
+        });
+        for _ in 0..3 * QUEUE {
+            outbox.send(b"$GPRMC\r\n");
+        }
+        assert_eq!(outbox.lost(), 0);
+        outbox.close();
+        assert_eq!(count.load(Ordering::Relaxed) as usize, 3 * QUEUE);
     }
 }

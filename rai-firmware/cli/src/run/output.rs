@@ -1,25 +1,26 @@
 //! Consumers of the sentences: standard output, a pseudo-terminal, TCP clients, UDP.
 //!
-//! Each has a thread and a bounded queue. A TCP client that does not read for [`PATIENCE`] is
-//! disconnected; a pseudo-terminal that nobody reads loses sentences and nothing else.
+//! Each has a thread and a bounded queue; all TCP clients share one thread (`clients`). A
+//! pseudo-terminal that nobody reads loses sentences and nothing else.
 
 use std::fmt;
 use std::io::{self, Write};
-use std::net::{TcpListener, TcpStream, UdpSocket};
+use std::net::UdpSocket;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::Receiver;
 use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
 
+use super::clients::Clients;
 use super::inbox::Inbox;
-use super::outbox::{Consumers, Kind, Outbox, QUEUE};
+use super::outbox::{Kind, Outbox};
 use crate::serial;
 
-/// Longest time that a client may take to read.
+/// Longest time that a serial port may take to send a message.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// A place that sentences or messages go to, as the user names it.
@@ -85,63 +86,42 @@ impl fmt::Display for Sink {
     }
 }
 
-/// Opens a consumer.
+/// Opens a consumer. The clients of a TCP port are served once their thread is started.
 ///
 /// # Errors
 /// If its address or port cannot be used.
-pub(super) fn open(sink: &Sink, outbox: &mut Outbox, inbox: &Arc<Inbox>) -> Result<()> {
-    let consumers = outbox.consumers();
+pub(super) fn open(
+    sink: &Sink,
+    outbox: &mut Outbox,
+    inbox: &Arc<Inbox>,
+    clients: &mut Clients,
+) -> Result<()> {
     match sink {
-        Sink::Standard => spawn(&consumers, Kind::Nmea, io::stdout()),
-        Sink::Udp(address) => spawn(&consumers, Kind::Nmea, Datagrams::to(address)?),
-        Sink::MavlinkUdp(address) => spawn(&consumers, Kind::Mavlink, Datagrams::to(address)?),
+        Sink::Standard => spawn(outbox, Kind::Nmea, io::stdout()),
+        Sink::Udp(address) => spawn(outbox, Kind::Nmea, Datagrams::to(address)?),
+        Sink::MavlinkUdp(address) => spawn(outbox, Kind::Mavlink, Datagrams::to(address)?),
         Sink::MavlinkSerial(port, baud) => {
             let port = serial::open(port, *baud, PATIENCE)?;
-            spawn(&consumers, Kind::Mavlink, port);
+            spawn(outbox, Kind::Mavlink, port);
         }
-        Sink::Tcp(address) => listen(TcpListener::bind(address)?, consumers),
-        Sink::Pty(path) => terminal(path, &consumers, inbox)?,
+        Sink::Tcp(address) => clients.listen(address)?,
+        Sink::Pty(path) => terminal(path, outbox, inbox)?,
     }
     Ok(())
 }
 
 /// Adds a consumer that a thread writes to until it fails.
-fn spawn(consumers: &Consumers, kind: Kind, writer: impl Write + Send + 'static) {
-    let (queue, messages) = sync_channel(QUEUE);
-    consumers.add(kind, queue);
-    thread::spawn(move || write_all(writer, &messages));
+fn spawn(outbox: &mut Outbox, kind: Kind, writer: impl Write + Send + 'static) {
+    outbox.add(kind, move |messages| write_all(writer, messages));
 }
 
-fn write_all(mut writer: impl Write, messages: &Receiver<Arc<[u8]>>) {
+fn write_all(mut writer: impl Write, messages: &Receiver<Arc<[u8]>>) -> io::Result<()> {
     // An error ends the thread, and the queue's other side finds its receiver gone.
     while let Ok(message) = messages.recv() {
-        if writer.write_all(&message).and_then(|()| writer.flush()).is_err() {
-            return;
-        }
+        writer.write_all(&message)?;
+        writer.flush()?;
     }
-}
-
-fn listen(listener: TcpListener, consumers: Consumers) {
-    thread::spawn(move || {
-        for client in listener.incoming().flatten() {
-            if client.set_write_timeout(Some(PATIENCE)).is_ok() && client.set_nodelay(true).is_ok() {
-                spawn(&consumers, Kind::Nmea, Client(client));
-            }
-        }
-    });
-}
-
-/// A TCP client; a write that takes too long ends it.
-struct Client(TcpStream);
-
-impl Write for Client {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
+    Ok(())
 }
 
 /// One datagram for each message. Nobody has to listen.
@@ -169,12 +149,13 @@ impl Write for Datagrams {
 }
 
 #[cfg(unix)]
-fn terminal(path: &std::path::Path, consumers: &Consumers, inbox: &Arc<Inbox>) -> Result<()> {
+fn terminal(path: &std::path::Path, outbox: &mut Outbox, inbox: &Arc<Inbox>) -> Result<()> {
     use std::fs::File;
     use std::io::Read as _;
     use std::os::fd::AsFd as _;
 
     use nix::fcntl::{FcntlArg, OFlag, fcntl};
+    use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
     use nix::pty::openpty;
     use nix::sys::termios::{SetArg, cfmakeraw, tcgetattr, tcsetattr};
 
@@ -195,26 +176,29 @@ fn terminal(path: &std::path::Path, consumers: &Consumers, inbox: &Arc<Inbox>) -
         .with_context(|| format!("cannot make the link {}", path.display()))?;
     fcntl(pair.master.as_fd(), FcntlArg::F_SETFL(OFlag::O_NONBLOCK))?;
     let master = File::from(pair.master);
-    spawn(consumers, Kind::Nmea, Terminal(master.try_clone()?));
+    spawn(outbox, Kind::Nmea, Terminal(master.try_clone()?));
     let (inbox, mut commands, slave) = (Arc::clone(inbox), master, pair.slave);
     thread::spawn(move || {
         // While this end is open, the terminal exists without a reader.
         let _slave = slave;
         let mut bytes = [0; 256];
         loop {
+            let mut ready = [PollFd::new(commands.as_fd(), PollFlags::POLLIN)];
+            // An error returns at once, and the read then has it too.
+            let _ = poll(&mut ready, PollTimeout::NONE);
             match commands.read(&mut bytes) {
                 Ok(count) => inbox.push_commands(bytes.get(..count).unwrap_or_default()),
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+                Err(error)
+                    if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted) => {}
                 Err(_) => return,
             }
-            thread::sleep(Duration::from_millis(50));
         }
     });
     Ok(())
 }
 
 #[cfg(not(unix))]
-fn terminal(_: &std::path::Path, _: &Consumers, _: &Arc<Inbox>) -> Result<()> {
+fn terminal(_: &std::path::Path, _: &mut Outbox, _: &Arc<Inbox>) -> Result<()> {
     bail!("pseudo-terminals exist on Unix only: use tcp:// or udp://")
 }
 
@@ -259,12 +243,12 @@ mod tests {
 
     #[test]
     fn full_disk_costs_no_other_consumer_a_sentence() {
-        let mut outbox = Outbox::default();
+        let mut outbox = Outbox::new(Duration::ZERO);
         let (hear, heard) = std::sync::mpsc::channel();
         let full = OpenOptions::new().write(true).open("/dev/full").expect("the device of Linux");
-        spawn(&outbox.consumers(), Kind::Nmea, full);
-        spawn(&outbox.consumers(), Kind::Nmea, Reader(hear));
-        for _ in 0..2 * QUEUE {
+        spawn(&mut outbox, Kind::Nmea, full);
+        spawn(&mut outbox, Kind::Nmea, Reader(hear));
+        for _ in 0..2 * super::super::outbox::QUEUE {
             outbox.send(b"$GPRMC\r\n");
             assert_eq!(heard.recv_timeout(PATIENCE).expect("the sentence"), b"$GPRMC\r\n");
         }

@@ -4,15 +4,24 @@
 //! file falls even on a full disk: if it cannot be replaced, it is overwritten where it is, or
 //! removed.
 
-use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::str::FromStr;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
+use std::time::{Duration, Instant};
+use std::{fmt, fs};
 
 use anyhow::{Context as _, Result, bail};
 use embedded_hal::digital::{Error, ErrorKind, ErrorType, OutputPin};
+
+use super::actuator::Actuator;
+use super::reserve::Reserve;
+
+/// Longest time in which a program must drive the pin low at the start and at the end.
+const LONGEST_LOW: Duration = Duration::from_secs(5);
+/// Longest wait for another thread that drives the pin.
+const LONGEST_TURN: Duration = Duration::from_millis(500);
 
 /// The place of the pin, as the user names it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -48,9 +57,29 @@ impl FromStr for Place {
     }
 }
 
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nowhere => f.write_str("none"),
+            Self::Gpio(chip, line) => write!(f, "gpio:{}:{line}", chip.display()),
+            Self::File(path) => write!(f, "file:{}", path.display()),
+            Self::Program(program) => write!(f, "exec:{program}"),
+        }
+    }
+}
+
 /// The wire behind the pin, which every thread may drive.
 #[derive(Debug)]
-pub enum Wire {
+pub struct Wire {
+    kind: Kind,
+    /// Held while the wire is driven; true once it must stay low.
+    is_closed: Mutex<bool>,
+    is_high: AtomicBool,
+    reserve: Reserve,
+}
+
+#[derive(Debug)]
+enum Kind {
     /// No wire.
     Nowhere,
     /// A requested GPIO line.
@@ -59,7 +88,7 @@ pub enum Wire {
     /// A file, replaced as a whole so that no reader sees half of it.
     File(PathBuf),
     /// A program.
-    Program(String),
+    Program(Actuator),
 }
 
 impl Wire {
@@ -68,38 +97,92 @@ impl Wire {
     /// # Errors
     /// If the line cannot be requested, or the folder of the file does not exist.
     pub fn open(place: &Place) -> Result<Self> {
-        Ok(match place {
-            Place::Nowhere => Self::Nowhere,
-            Place::File(path) => Self::File(path.clone()),
-            Place::Program(program) => Self::Program(program.clone()),
+        let kind = match place {
+            Place::Nowhere => Kind::Nowhere,
+            Place::File(path) => Kind::File(path.clone()),
+            Place::Program(program) => Kind::Program(Actuator::start(program)),
             Place::Gpio(chip, line) => gpio(chip, *line)?,
-        })
+        };
+        let (is_closed, is_high) = (Mutex::new(false), AtomicBool::new(false));
+        Ok(Self { kind, is_closed, is_high, reserve: Reserve::new() })
     }
 
-    /// Drives the wire.
+    /// Drives the wire. A program is started and not waited for.
     ///
     /// # Errors
-    /// As the system reports them.
+    /// As the system reports them, or if the wire must rise and is [closed](Self::close).
     pub fn drive(&self, high: bool) -> io::Result<()> {
-        match self {
-            Self::Nowhere => Ok(()),
+        let is_closed = self.is_closed.lock().unwrap_or_else(PoisonError::into_inner);
+        if high && *is_closed {
+            return Err(io::Error::other("the service is about to end"));
+        }
+        self.set(high)
+    }
+
+    fn set(&self, high: bool) -> io::Result<()> {
+        let done = self.reserve.with(|| match &self.kind {
+            Kind::Nowhere => Ok(()),
             #[cfg(target_os = "linux")]
-            Self::Gpio(line) => line.drive(high),
-            Self::File(path) => match replace(path, high) {
+            Kind::Gpio(line) => line.drive(high),
+            Kind::File(path) => match replace(path, high) {
                 // A level that stays low is safe, one that stays high is not.
                 Err(error) if !high => overwrite(path).or_else(|_| fs::remove_file(path)).map_err(|_| error),
                 replaced => replaced,
             },
-            Self::Program(program) => {
-                let mut words = program.split_whitespace();
-                let mut command = Command::new(words.next().unwrap_or_default());
-                command.args(words).arg(if high { "high" } else { "low" }).stdin(Stdio::null());
-                let mut child = command.spawn()?;
-                // The loop does not wait for it; a thread takes its end.
-                std::thread::spawn(move || child.wait());
+            Kind::Program(actuator) => {
+                actuator.order(high);
                 Ok(())
             }
+        });
+        if done.is_ok() {
+            self.is_high.store(high, Ordering::Relaxed);
         }
+        done
+    }
+
+    /// Returns true if the wire was driven high last.
+    pub(super) fn is_high(&self) -> bool {
+        self.is_high.load(Ordering::Relaxed)
+    }
+
+    /// Drives the wire low, and waits for a program to do so.
+    ///
+    /// # Errors
+    /// As the system reports them, or if the program does not exit with 0 in time.
+    pub fn lower(&self) -> io::Result<()> {
+        self.drive(false)?;
+        self.await_low()
+    }
+
+    fn await_low(&self) -> io::Result<()> {
+        match &self.kind {
+            Kind::Program(actuator) => actuator.lower(LONGEST_LOW),
+            _ => Ok(()),
+        }
+    }
+
+    /// Drives the wire low for good: from now on no thread can raise it.
+    ///
+    /// # Errors
+    /// As [`Self::lower`], or if another thread has hung while it drives the wire.
+    pub fn close(&self) -> io::Result<()> {
+        let start = Instant::now();
+        let mut is_closed = loop {
+            match self.is_closed.try_lock() {
+                Ok(guard) => break guard,
+                Err(TryLockError::Poisoned(poisoned)) => break poisoned.into_inner(),
+                Err(TryLockError::WouldBlock) if start.elapsed() < LONGEST_TURN => {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                Err(TryLockError::WouldBlock) => {
+                    return Err(io::Error::other("another thread drives the pin"));
+                }
+            }
+        };
+        *is_closed = true;
+        let done = self.set(false);
+        drop(is_closed);
+        done.and_then(|()| self.await_low())
     }
 }
 
@@ -150,10 +233,10 @@ impl<L: Lines> Line<L> {
 }
 
 #[cfg(target_os = "linux")]
-fn gpio(chip: &Path, line: u32) -> Result<Wire> {
+fn gpio(chip: &Path, line: u32) -> Result<Kind> {
     let lines =
         request(chip, line).request().with_context(|| format!("line {line} of {}", chip.display()))?;
-    Ok(Wire::Gpio(Line { lines, number: line }))
+    Ok(Kind::Gpio(Line { lines, number: line }))
 }
 
 /// Returns the request for a line: an output, low from the beginning.
@@ -166,7 +249,7 @@ fn request(chip: &Path, line: u32) -> gpiocdev::request::Builder {
 }
 
 #[cfg(not(target_os = "linux"))]
-fn gpio(_: &Path, _: u32) -> Result<Wire> {
+fn gpio(_: &Path, _: u32) -> Result<Kind> {
     bail!("GPIO lines are known on Linux only: use file:PATH or exec:PROGRAM")
 }
 
@@ -260,6 +343,20 @@ mod tests {
         fs::create_dir(path.with_extension("next")).unwrap();
         pin.set_low().unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "0\n");
+        assert_eq!(pin.set_high(), Err(PinError));
+        assert_eq!(fs::read_to_string(&path).unwrap(), "0\n");
+    }
+
+    #[test]
+    fn closed_wire_falls_and_does_not_rise_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pin");
+        let wire = Arc::new(Wire::open(&Place::File(path.clone())).unwrap());
+        let mut pin = Pin::new(Arc::clone(&wire));
+        pin.set_high().unwrap();
+        wire.close().unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "0\n");
+        pin.set_low().unwrap();
         assert_eq!(pin.set_high(), Err(PinError));
         assert_eq!(fs::read_to_string(&path).unwrap(), "0\n");
     }

@@ -19,9 +19,14 @@ use anyhow::{Context as _, Result, ensure};
 use serde::Deserialize;
 
 use super::caster::Caster;
+use super::clients::MOST_CLIENTS;
 use super::input::Source;
+use super::log::Form;
 use super::output::Sink;
 use super::pin::Place;
+
+/// Largest number of TCP clients that a user may allow. A process has 1024 files by default.
+const LARGEST_CLIENTS: usize = 512;
 
 /// Arguments of `rai run`.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -46,12 +51,21 @@ pub struct Arguments {
     /// Setting of the module, such as PHASE=LPV200; repeatable, in this order.
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Write a report into this folder, once a minute and at the end: one HTML page.
+    /// Serve at most this many TCP clients at once; 16 unless given.
+    #[arg(long, value_name = "N")]
+    pub clients: Option<usize>,
+    /// Write a report into this folder, every ten minutes and at the end: one HTML page.
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
     /// Only drive the pin low, and end: what a service manager calls after the service has died.
     #[arg(long)]
     pub lower_pin: bool,
+    /// Report neither the start nor changes of the state on standard error; errors remain.
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Form of the start and of the changes of the state on standard error.
+    #[arg(long, value_enum, value_name = "FORM", default_value = "text")]
+    pub log: Form,
 }
 
 /// The configuration file.
@@ -63,6 +77,7 @@ struct File {
     #[serde(default)]
     outputs: Vec<String>,
     pin: Option<String>,
+    clients: Option<usize>,
     report: Option<PathBuf>,
     #[serde(default)]
     settings: BTreeMap<String, String>,
@@ -79,6 +94,10 @@ pub struct Plan {
     pub outputs: Vec<Sink>,
     /// The pin.
     pub pin: Place,
+    /// Largest number of TCP clients at once.
+    pub clients: usize,
+    /// Form of the log; `None` if the service is quiet.
+    pub log: Option<Form>,
     /// Folder of the report.
     pub report: Option<PathBuf>,
     /// Settings of the module in the order in which they are given: key, value.
@@ -91,7 +110,8 @@ impl Plan {
     /// # Errors
     /// If the file cannot be read or has an unknown entry, or if a value has the wrong form.
     pub fn read(arguments: Arguments) -> Result<Self> {
-        let Arguments { config, input, caster, output, pin, set, report, lower_pin: _ } = arguments;
+        let Arguments { config, input, caster, output, pin, set, clients, report, quiet, log, lower_pin: _ } =
+            arguments;
         let file = config.map_or_else(|| Ok(File::default()), |path| read_file(&path))?;
         let input = input.or(file.input).unwrap_or_else(|| "-".into());
         let mut outputs = if output.is_empty() { file.outputs } else { output };
@@ -101,15 +121,60 @@ impl Plan {
         // PHASE sets what other keys refine, so it comes first.
         let (phase, rest): (Vec<_>, Vec<_>) = file.settings.into_iter().partition(|(key, _)| key == "PHASE");
         let given = set.iter().map(|text| setting(text)).collect::<Result<Vec<_>>>()?;
+        let settings = [phase, rest, given].concat();
+        ensure!(
+            settings.iter().all(|(key, _)| !key.eq_ignore_ascii_case("RESET")),
+            "RESET is a command and no setting: it would start the module again without an end"
+        );
+        let clients = clients.or(file.clients).unwrap_or(MOST_CLIENTS);
+        ensure!(
+            (1..=LARGEST_CLIENTS).contains(&clients),
+            "clients must be within 1 to {LARGEST_CLIENTS}, not {clients}"
+        );
         Ok(Self {
             input: input.parse()?,
             caster: caster.or(file.caster).map(|text| text.parse()).transpose()?,
             outputs: outputs.iter().map(|text| text.parse()).collect::<Result<_>>()?,
             pin: pin.or(file.pin).map_or(Ok(Place::Nowhere), |text| text.parse())?,
             report: report.or(file.report),
-            settings: [phase, rest, given].concat(),
+            clients,
+            log: (!quiet).then_some(log),
+            settings,
         })
     }
+}
+
+/// Returns the place of the pin alone, so that no other mistake in the file keeps it high.
+///
+/// # Errors
+/// If there is no file, or its pin has the wrong form.
+pub(super) fn pin_alone(arguments: Arguments) -> Result<Place> {
+    let named = match (arguments.pin, arguments.config) {
+        (None, Some(path)) => {
+            // Bytes that are no text are another mistake.
+            let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
+            pin_line(&String::from_utf8_lossy(&bytes)).with_context(|| path.display().to_string())?
+        }
+        (pin, _) => pin,
+    };
+    named.map_or(Ok(Place::Nowhere), |text| text.parse())
+}
+
+/// The line of the pin.
+#[derive(Deserialize)]
+struct Pin {
+    pin: String,
+}
+
+/// Returns the value of the line `pin = …` before the first table.
+fn pin_line(text: &str) -> Result<Option<String>> {
+    let is_table = |line: &&str| line.starts_with('[') && line.trim_end().ends_with(']');
+    let lines = text.lines().map(str::trim_start).take_while(|line| !is_table(line));
+    let mut pins =
+        lines.filter(|line| line.strip_prefix("pin").is_some_and(|rest| rest.trim_start().starts_with('=')));
+    let Some(line) = pins.next() else { return Ok(None) };
+    let Pin { pin } = toml::from_str(line).context("the line of the pin")?;
+    Ok(Some(pin))
 }
 
 fn read_file(path: &std::path::Path) -> Result<File> {

@@ -1,7 +1,8 @@
 //! The report of the service: what happened since it started, as `replay` reports a recording.
 //!
-//! The epoch loop only takes notes. A thread writes the page, once a minute and at the end, and
-//! replaces the last one in one step.
+//! The epoch loop only takes notes. A thread writes the page, every ten minutes and at the end, and
+//! replaces the last one in one step. A page of a day has some 6 MB, so that a page a minute would
+//! write up to 9 GB a day onto a card that wears out.
 
 use std::path::PathBuf;
 use std::thread::{self, JoinHandle};
@@ -12,11 +13,11 @@ use raim_firmware::receiver::Receiver;
 use raim_firmware::settings::Configuration;
 
 use crate::page::report::{self, Facts, Happened, Journal, command_line, settings_of};
-use crate::satellites::Watcher;
+use crate::satellites::{View, Watcher};
 use crate::sentence;
 
 /// Milliseconds between two pages.
-const INTERVAL_MS: u64 = 60_000;
+const INTERVAL_MS: u64 = 600_000;
 
 /// Notes of the service.
 #[derive(Debug)]
@@ -56,15 +57,30 @@ impl Recorder {
         pin_is_high: bool,
         now_ms: u64,
     ) {
-        let outputs = sentence::sentences(said).and_then(|text| sentence::epochs(&text)).unwrap_or_default();
-        for output in &outputs {
-            let time_s = (now_ms - *self.first_ms.get_or_insert(now_ms)) as f64 * 1e-3;
-            let view = output.state.has_epoch().then(|| self.watcher.view(receiver));
-            self.journal.push(&Happened { time_s, output, error: None, pin_is_high, view: view.as_ref() });
-        }
+        self.journalize(said, pin_is_high, now_ms, |watcher| Some(watcher.view(receiver)));
         if now_ms.saturating_sub(self.written_ms) >= INTERVAL_MS && !self.journal.is_empty() {
             self.written_ms = now_ms;
             self.write(receiver.configuration());
+        }
+    }
+
+    /// Takes the sentences of an epoch of a file, with the module's view of it.
+    pub(super) fn take(&mut self, said: &[u8], pin_is_high: bool, now_ms: u64, view: Option<&View>) {
+        self.journalize(said, pin_is_high, now_ms, |_| view.cloned());
+    }
+
+    fn journalize(
+        &mut self,
+        said: &[u8],
+        pin_is_high: bool,
+        now_ms: u64,
+        view: impl Fn(&mut Watcher) -> Option<View>,
+    ) {
+        let outputs = sentence::sentences(said).and_then(|text| sentence::epochs(&text)).unwrap_or_default();
+        for output in &outputs {
+            let time_s = (now_ms - *self.first_ms.get_or_insert(now_ms)) as f64 * 1e-3;
+            let view = if output.state.has_epoch() { view(&mut self.watcher) } else { None };
+            self.journal.push(&Happened { time_s, output, error: None, pin_is_high, view: view.as_ref() });
         }
     }
 
@@ -134,24 +150,28 @@ mod tests {
     }
 
     #[test]
-    fn page_is_replaced_every_minute_while_the_service_runs() {
+    fn page_is_replaced_every_ten_minutes_while_the_service_runs() {
         let folder = tempfile::tempdir().unwrap();
         let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("test")).unwrap();
         let mut recorder = Recorder::new(folder.path().to_owned(), "-".to_owned());
         observe(&mut recorder, &mut receiver, 60);
         assert!(recorder.writer.is_none() && !folder.path().join("report.html").exists());
         let mut epochs = [0; 2];
-        for (now_ms, epochs) in [60_000, 120_000].into_iter().zip(&mut epochs) {
+        for (now_ms, epochs) in [600_000, 1_200_000].into_iter().zip(&mut epochs) {
             let mut said = Vec::new();
+            receiver.tick(now_ms - 1000, &mut said);
+            recorder.note(&said, &receiver, false, now_ms - 1000);
+            assert!(recorder.writer.is_none(), "no page before its time");
+            said.clear();
             receiver.tick(now_ms, &mut said);
             recorder.note(&said, &receiver, false, now_ms);
-            recorder.writer.take().expect("a page each minute").join().unwrap().unwrap();
+            recorder.writer.take().expect("a page every ten minutes").join().unwrap().unwrap();
             let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
             assert!(html.ends_with("</html>\n"));
             let (before, _) = html.split_once(" epochs and silences").expect("a summary");
             *epochs = before.rsplit('>').next().unwrap().parse().unwrap();
         }
-        // After a minute of epochs, a minute of silence adds its alerts.
+        // After a minute of epochs, the silence adds its alerts.
         assert!(epochs[0] >= 60 && epochs[1] > epochs[0], "{epochs:?}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing stays beside the page");
     }

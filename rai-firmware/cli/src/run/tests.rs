@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{Arguments, Plan, serve};
+use super::clock::Clock;
+use super::{Arguments, Plan, serve, serve_by};
 
 fn plan(arguments: Arguments) -> anyhow::Result<Plan> {
     Plan::read(arguments)
@@ -63,9 +64,10 @@ fn client_gets_the_first_sentences_and_the_receiver_may_come_late() {
         ..Arguments::default()
     };
     let (plan, stop) = (plan(arguments).unwrap(), Arc::new(AtomicBool::new(false)));
+    let clock = Clock::led();
     let service = {
-        let stop = Arc::clone(&stop);
-        thread::spawn(move || serve(&plan, &stop))
+        let (stop, clock) = (Arc::clone(&stop), Arc::clone(&clock));
+        thread::spawn(move || serve_by(&plan, &stop, &clock))
     };
     let start = Instant::now();
     let mut client = loop {
@@ -77,7 +79,11 @@ fn client_gets_the_first_sentences_and_the_receiver_may_come_late() {
     };
     let (mut line, _) = receiver.accept().unwrap();
     line.write_all(b"no frame at all\r\n").unwrap();
-    client.set_read_timeout(Some(Duration::from_secs(90))).unwrap();
+    client.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+    clock.await_bytes(17);
+    // The service takes the client that has just connected.
+    thread::sleep(Duration::from_millis(100));
+    clock.advance(Duration::from_secs(70));
     let mut have = [0; 7];
     // The module repeats its settings once a minute, whatever comes.
     client.read_exact(&mut have).unwrap();
@@ -85,4 +91,27 @@ fn client_gets_the_first_sentences_and_the_receiver_may_come_late() {
     assert_eq!(std::fs::read_to_string(&pin).unwrap(), "0\n");
     stop.store(true, Ordering::Relaxed);
     service.join().unwrap().unwrap();
+}
+
+#[test]
+fn reset_is_no_setting() {
+    let arguments = Arguments { set: vec!["RESET=".into()], ..Arguments::default() };
+    let error = plan(arguments).unwrap_err().to_string();
+    assert!(error.contains("RESET is a command"), "{error}");
+}
+
+#[test]
+fn pin_is_lowered_whatever_else_is_wrong_in_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, pin) = (folder.path().join("rai.toml"), folder.path().join("pin"));
+    std::fs::write(&pin, "1\n").unwrap();
+    let line = format!("pin = \"file:{}\"", pin.display());
+    let text = format!("input = serial\noutputs = [\"\npins = 3\n{line}\n[settings\nMASK = 95\n");
+    std::fs::write(&path, text).unwrap();
+    let arguments = Arguments { config: Some(path.clone()), lower_pin: true, ..Arguments::default() };
+    super::run(arguments.clone()).unwrap();
+    assert_eq!(std::fs::read_to_string(&pin).unwrap(), "0\n");
+    // A pin of a wrong form must not pass for one that was lowered.
+    std::fs::write(&path, "pin = \"usb:1\"\n").unwrap();
+    assert!(super::run(arguments).is_err());
 }

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::pace::Pace;
 use anyhow::{Context as _, Result, bail};
 use raim::signal::encode::{Frequency, Selection, ubx};
 use raim::signal::recording::Recording;
@@ -63,18 +64,18 @@ pub(super) struct Feed {
 }
 
 impl Feed {
-    pub(super) fn accept(listener: TcpListener) -> Result<Self> {
+    pub(super) fn accept(listener: TcpListener, pace: &mut Pace) -> Result<Self> {
         listener.set_nonblocking(true)?;
-        Self::of(Arc::new(listener))
+        Self::of(Arc::new(listener), pace)
     }
 
     /// Closes the line and waits for the service to connect anew.
-    pub(super) fn again(&mut self) -> Result<Self> {
+    pub(super) fn again(&mut self, pace: &mut Pace) -> Result<Self> {
         self.cut();
-        Self::of(Arc::clone(&self.listener))
+        Self::of(Arc::clone(&self.listener), pace)
     }
 
-    fn of(listener: Arc<TcpListener>) -> Result<Self> {
+    fn of(listener: Arc<TcpListener>, pace: &mut Pace) -> Result<Self> {
         let start = Instant::now();
         loop {
             if let Ok((line, _)) = listener.accept() {
@@ -85,7 +86,8 @@ impl Feed {
             if start.elapsed() > PATIENCE {
                 bail!("the service does not connect to its receiver");
             }
-            thread::sleep(Duration::from_millis(20));
+            // The service tries again by its own clock.
+            pace.pass(Duration::from_millis(20))?;
         }
     }
 

@@ -15,12 +15,16 @@
 //! first epoch on a line, because it may have begun before the service connected. Those of the two
 //! seconds before a kill may be on their way.
 //!
+//! A test program brings a clock that this program moves ([`raim::run::clock`]), so that two minutes
+//! take some seconds. The processes, their connections, their ends and their pins are real.
+//!
 //! | figure | source |
 //! |---|---|
 //! | memory | `VmRSS` of `/proc/PID/status`, once a second |
 //! | processor | `utime` and `stime` of `/proc/PID/stat`, over the life of each process |
 
 mod feed;
+mod pace;
 mod process;
 
 use std::collections::BTreeSet;
@@ -28,11 +32,12 @@ use std::ffi::OsString;
 use std::fmt;
 use std::net::TcpListener;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 
 use feed::{Feed, Reader, Sky};
+use pace::Pace;
 use process::{Process, is_high};
 
 /// Largest resident memory, KiB.
@@ -57,7 +62,8 @@ pub struct Program {
     /// Path, and arguments before those of the service.
     pub command: Vec<OsString>,
     /// Variables of its environment, name and value. A program with variables is a test program: it
-    /// takes the arguments of the service from `RAI_ARGUMENTS`, one on each line.
+    /// takes the arguments of the service from `RAI_ARGUMENTS`, one on each line, and lets its clock
+    /// be moved from the address in `RAI_CLOCK`.
     pub variables: Vec<(String, String)>,
 }
 
@@ -128,16 +134,15 @@ impl fmt::Display for Outcome {
 /// If the program does not start, or a port cannot be opened.
 pub fn run(program: &Program, seconds: u32, folder: &Path, tell: impl Fn(&Outcome)) -> Result<Outcome> {
     let mut trial = Trial::start(program, seconds, folder)?;
-    let start = Instant::now();
     for second in 0..seconds {
-        let due = start + Duration::from_secs(second.into());
-        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+        trial.pace.wait_until(Duration::from_secs(second.into()))?;
         trial.second(second)?;
         if second % 60 == 59 {
             tell(&trial.outcome);
         }
     }
-    std::thread::sleep(Duration::from_secs(2));
+    trial.pace.pass(Duration::from_secs(2))?;
+    trial.pace.settle();
     trial.end()
 }
 
@@ -150,9 +155,10 @@ struct Trial<'p> {
     feed: Feed,
     reader: Reader,
     process: Process,
+    pace: Pace,
     /// Epochs that must be reported.
     expected: BTreeSet<u32>,
-    last_sent: Instant,
+    last_sent: Duration,
     outcome: Outcome,
     idle: Vec<(u32, std::net::TcpStream)>,
     /// Processor time and life of the processes that have ended, s.
@@ -175,9 +181,11 @@ impl<'p> Trial<'p> {
             "--set=OUTPUT=GSV,1".into(),
         ]
         .into();
-        let process = Process::start(program, &arguments)?;
+        let mut pace = Pace::of(program)?;
+        let process = Process::start(program, &arguments, &pace)?;
+        pace.connect()?;
         let reader = Reader::of(clients);
-        let feed = Feed::accept(receiver)?;
+        let feed = Feed::accept(receiver, &mut pace)?;
         Ok(Self {
             program,
             folder,
@@ -186,8 +194,9 @@ impl<'p> Trial<'p> {
             feed,
             reader,
             process,
+            pace,
             expected: BTreeSet::new(),
-            last_sent: Instant::now(),
+            last_sent: Duration::ZERO,
             outcome: Outcome::default(),
             idle: Vec::new(),
             spent_s: [0.0; 2],
@@ -202,11 +211,10 @@ impl<'p> Trial<'p> {
         if second >= CUT_EVERY && phase == 0 {
             self.feed.cut();
         } else if second >= CUT_EVERY && phase == CUT_FOR {
-            self.feed = self.feed.again()?;
+            self.feed = self.feed.again(&mut self.pace)?;
         }
         if is_cut {
-            self.watch_fall(phase);
-            return Ok(());
+            return self.watch_fall(phase);
         }
         if second % CUT_EVERY == CUT_EVERY - 1 && !is_high(self.folder) {
             self.outcome.dark += 1;
@@ -214,9 +222,11 @@ impl<'p> Trial<'p> {
         if second % KILL_EVERY == KILL_AT {
             self.kill(second)?;
         }
-        if let Ok(must_be_reported) = self.feed.send_epoch(&self.sky.epoch(second)?) {
+        let epoch = self.sky.epoch(second)?;
+        if let Ok(must_be_reported) = self.feed.send_epoch(&epoch) {
+            self.pace.sent(epoch.len())?;
             self.outcome.sent += 1;
-            self.last_sent = Instant::now();
+            self.last_sent = self.pace.now();
             if must_be_reported {
                 self.expected.insert(second);
             }
@@ -237,26 +247,28 @@ impl<'p> Trial<'p> {
     }
 
     /// Notes when the pin falls during a cut; the pause between two seconds is spent here.
-    fn watch_fall(&mut self, phase: u32) {
+    fn watch_fall(&mut self, phase: u32) -> Result<()> {
         if phase + 1 < CUT_FOR && phase > 0 {
-            return;
+            return Ok(());
         }
         if phase == 0 {
             self.outcome.cuts[0] += 1;
             let longest = Duration::from_secs((CUT_FOR - 2).into());
-            let begin = Instant::now();
-            while is_high(self.folder) && begin.elapsed() < longest {
-                std::thread::sleep(Duration::from_millis(10));
+            let until = self.pace.now() + longest;
+            while is_high(self.folder) && self.pace.now() < until {
+                self.pace.pass(Duration::from_millis(10))?;
             }
-            let fall_s = self.last_sent.elapsed().as_secs_f64();
+            let fall_s = self.pace.now().saturating_sub(self.last_sent).as_secs_f64();
             self.outcome.slowest_fall_s = self.outcome.slowest_fall_s.max(fall_s);
         } else if is_high(self.folder) {
             self.outcome.cuts[1] += 1;
         }
+        Ok(())
     }
 
     /// Kills the process, does what the service manager does then, and starts another one.
     fn kill(&mut self, second: u32) -> Result<()> {
+        self.pace.settle();
         self.expected.retain(|epoch| *epoch + ON_THEIR_WAY < second || self.reader.has(&self.sky, *epoch));
         self.account();
         self.process.kill()?;
@@ -265,12 +277,15 @@ impl<'p> Trial<'p> {
         if is_high(self.folder) {
             self.outcome.kills[1] += 1;
         }
-        self.process = Process::start(self.program, &self.arguments)?;
-        self.feed = self.feed.again()?;
+        self.process = Process::start(self.program, &self.arguments, &self.pace)?;
+        self.pace.connect()?;
+        self.feed = self.feed.again(&mut self.pace)?;
         self.reader.connect();
         // The service takes the client that has just connected.
         std::thread::sleep(Duration::from_millis(200));
-        self.feed.send(&self.sky.orbits())
+        let orbits = self.sky.orbits();
+        self.feed.send(&orbits)?;
+        self.pace.sent(orbits.len())
     }
 
     /// Adds the figures of the process to the outcome.

@@ -8,6 +8,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 
 use super::Program;
+use super::pace::Pace;
 
 /// Ticks of `/proc/PID/stat` in a second, on every Linux.
 const TICKS: f64 = 100.0;
@@ -36,10 +37,12 @@ fn command(program: &Program, arguments: &[String]) -> Result<Command> {
 impl Process {
     /// Starts the service with standard output on a disk that is full; a test program, which prints
     /// lines of its own, without any.
-    pub(super) fn start(program: &Program, arguments: &[String]) -> Result<Self> {
+    pub(super) fn start(program: &Program, arguments: &[String], pace: &Pace) -> Result<Self> {
         let full = OpenOptions::new().write(true).open("/dev/full").context("/dev/full")?;
         let out = if program.variables.is_empty() { full.into() } else { Stdio::null() };
-        let child = command(program, arguments)?.stdout(out).spawn().context("the service")?;
+        let mut command = command(program, arguments)?;
+        command.envs(pace.address().map(|address| ("RAI_CLOCK", address)));
+        let child = command.stdout(out).spawn().context("the service")?;
         Ok(Self { child, start: Instant::now(), memory_kib: Vec::new() })
     }
 

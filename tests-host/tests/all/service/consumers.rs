@@ -15,6 +15,9 @@ use super::*;
 /// Epochs before the jump, and after it.
 const EPOCHS: u32 = 30;
 
+/// Real time that another program gets for the sentences of an epoch.
+const TURN: Duration = Duration::from_millis(50);
+
 /// Returns epochs of a receiver that is 5 km farther south from one epoch to the next: an alert.
 fn jump() -> Vec<Vec<u8>> {
     let mut stray = sky(2 * EPOCHS);
@@ -42,10 +45,15 @@ fn gpsd_on_the_terminal_reports_each_epoch_once_and_its_sky_and_loses_the_fix_in
     let terminal = folder.path().join("run/nmea");
     let output = vec![format!("pty:{}", terminal.display())];
     let set = vec!["OUTPUT=GSV,1".to_owned()];
-    let _service = Service::start(folder.path(), Arguments { input, output, set, ..Arguments::default() });
+    let arguments = Arguments { input, output, set, ..Arguments::default() };
+    let mut service = Service::start(folder.path(), arguments);
     let (mut line, _) = receiver.accept().unwrap();
     let Some(mut gpsd) = Gpsd::on_terminal_or_skip(&terminal).unwrap() else { return };
-    let feed = thread::spawn(move || send(&mut line, &jump()));
+    let feed = thread::spawn(move || {
+        service.send_each(&mut line, &jump(), || thread::sleep(TURN));
+        // The last objects come by a real clock.
+        thread::sleep(Duration::from_millis(500));
+    });
     let mut objects = Vec::new();
     while !feed.is_finished() {
         objects.extend(gpsd.objects().unwrap());
@@ -104,16 +112,19 @@ fn complete_sky(objects: &[Value]) -> Vec<(String, [f64; 3], bool)> {
     longest.iter().map(satellite).collect()
 }
 
-/// Reads for some time, and prints the last position with a fix and the last message of each kind.
+/// Reads until standard input is closed, and prints the last position with a fix and the last message of each kind.
 const LISTEN: &str = r"
-import sys, json, time
+import sys, json, select
 from pymavlink import mavutil
 link = mavutil.mavlink_connection('udpin:127.0.0.1:' + sys.argv[1], dialect='development')
 print('ready', flush=True)
-end, out = time.time() + float(sys.argv[2]), {'bad': 0}
-while time.time() < end:
+out = {'bad': 0}
+while True:
     message = link.recv_match(blocking=True, timeout=0.2)
     if message is None:
+        # All has been read once the other side has closed standard input.
+        if select.select([sys.stdin], [], [], 0)[0]:
+            break
         continue
     name, fields = message.get_type(), message.to_dict()
     if name == 'BAD_DATA':
@@ -136,8 +147,9 @@ fn pymavlink_behind_udp_gets_a_fix_while_protected_and_none_after_a_jump() {
     let folder = tempfile::tempdir().unwrap();
     let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let mut listener = Command::new(&python)
-        .args(["-c", LISTEN, &port.to_string(), "25"])
+        .args(["-c", LISTEN, &port.to_string()])
         .env("MAVLINK20", "1")
+        .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
@@ -148,9 +160,13 @@ fn pymavlink_behind_udp_gets_a_fix_while_protected_and_none_after_a_jump() {
     let (receiver, input) = receiver();
     let output = vec![format!("mavlink-udp://127.0.0.1:{port}")];
     let set = ["HEARTBEAT", "GPS_INPUT", "GNSS_INTEGRITY"].map(|item| format!("OUTPUT={item},1")).to_vec();
-    let _service = Service::start(folder.path(), Arguments { input, output, set, ..Arguments::default() });
+    let arguments = Arguments { input, output, set, ..Arguments::default() };
+    let mut service = Service::start(folder.path(), arguments);
     let (mut line, _) = receiver.accept().unwrap();
-    send(&mut line, &jump());
+    service.send_each(&mut line, &jump(), || thread::sleep(TURN / 5));
+    // All sentences are sent once the service has ended.
+    drop(service);
+    drop(listener.stdin.take());
     let mut answer = String::new();
     said.read_to_string(&mut answer).unwrap();
     listener.wait().unwrap();

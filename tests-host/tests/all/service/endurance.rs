@@ -1,13 +1,16 @@
 //! Two minutes of what `cargo xtask endure` does for an hour.
 
 use std::ffi::OsString;
+use std::io::{BufRead as _, BufReader};
 
 use adversary::endurance::{self, Program};
-use raim::run::{Arguments, run};
+use raim::run::run;
+
+use super::*;
 
 /// Variable with the arguments of the service, one on each line, in the process of
 /// [`service_of_its_own`].
-const ARGUMENTS: &str = "RAI_ARGUMENTS";
+pub(super) const ARGUMENTS: &str = "RAI_ARGUMENTS";
 
 /// The command line of the program.
 #[derive(clap::Parser)]
@@ -24,7 +27,25 @@ fn service_of_its_own() {
     let Ok(arguments) = std::env::var(ARGUMENTS) else { return };
     let line = ["rai"].into_iter().chain(arguments.lines());
     let Line { arguments } = clap::Parser::parse_from(line);
-    run(arguments).unwrap();
+    let Ok(address) = std::env::var("RAI_CLOCK") else { return run(arguments).unwrap() };
+    let (plan, stop, clock) = (Plan::read(arguments).unwrap(), Arc::default(), Clock::led());
+    let own = Arc::clone(&clock);
+    thread::spawn(move || obey(TcpStream::connect(address).unwrap(), &own));
+    serve_by(&plan, &stop, &clock).unwrap();
+}
+
+/// Moves the clock as the other side asks.
+fn obey(stream: TcpStream, clock: &Clock) {
+    stream.set_nodelay(true).unwrap();
+    let mut answers = stream.try_clone().unwrap();
+    for line in BufReader::new(stream).lines().map_while(Result::ok) {
+        match line.split_once(' ').map(|(what, count)| (what, count.parse().unwrap())) {
+            Some(("pass", ms)) => clock.advance(Duration::from_millis(ms)),
+            Some(("bytes", count)) => clock.await_bytes(count),
+            _ => panic!("{line}"),
+        }
+        answers.write_all(b"ok\n").unwrap();
+    }
 }
 
 #[test]

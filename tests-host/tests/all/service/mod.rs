@@ -5,11 +5,14 @@
 //! | [`consumers`] | gpsd on the pseudo-terminal, `pymavlink` over UDP |
 //! | [`time`] | chrony behind gpsd |
 //! | [`ports`] | a serial port, and a caster for a receiver without orbits |
+//! | [`played`] | a file on standard input |
 //! | [`endurance`] | the service as a program, between cuts, kills and dead clients |
 
 mod consumers;
 #[cfg(target_os = "linux")]
 mod endurance;
+#[cfg(target_os = "linux")]
+mod played;
 mod ports;
 mod time;
 
@@ -22,7 +25,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use raim::run::{Arguments, Plan, serve};
+use raim::run::clock::Clock;
+use raim::run::{Arguments, Plan, serve_by};
 use raim::signal::encode::{Frequency, Selection, ubx};
 use raim::signal::sky::raw::Simulation;
 
@@ -56,16 +60,11 @@ fn pieces(epochs: u32) -> Vec<Vec<u8>> {
     pieces_of(&sky(epochs))
 }
 
-/// Sends each piece in its time.
-fn send(line: &mut impl Write, pieces: &[Vec<u8>]) {
-    for piece in pieces {
-        line.write_all(piece).unwrap();
-        thread::sleep(Duration::from_secs(1) / RATE_HZ);
-    }
-}
-
-/// Service, until it is dropped.
+/// Service, until it is dropped. Its clock stands still until a test moves it.
 struct Service {
+    clock: Arc<Clock>,
+    /// Bytes of the receiver that were sent.
+    sent: u64,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<anyhow::Result<()>>>,
 }
@@ -73,14 +72,46 @@ struct Service {
 impl Service {
     /// Starts the service with its pin in this folder.
     fn start(folder: &Path, arguments: Arguments) -> Self {
+        Self::start_by(folder, arguments, Clock::led())
+    }
+
+    fn start_by(folder: &Path, arguments: Arguments, clock: Arc<Clock>) -> Self {
         let mut arguments =
             Arguments { pin: Some(format!("file:{}", folder.join("pin").display())), ..arguments };
         arguments.set.insert(0, format!("TTA={TIME_TO_ALERT_S}"));
         let plan = Plan::read(arguments).unwrap();
         let stop = Arc::new(AtomicBool::new(false));
-        let until = Arc::clone(&stop);
-        let thread = Some(thread::spawn(move || serve(&plan, &until)));
-        Self { stop, thread }
+        let (until, own) = (Arc::clone(&stop), Arc::clone(&clock));
+        let thread = Some(thread::spawn(move || serve_by(&plan, &until, &own)));
+        Self { clock, sent: 0, stop, thread }
+    }
+
+    /// Sends each piece in its time.
+    fn send(&mut self, line: &mut impl Write, pieces: &[Vec<u8>]) {
+        self.send_each(line, pieces, || ());
+    }
+
+    /// Sends each piece in its time, and does something else after each.
+    fn send_each(&mut self, line: &mut impl Write, pieces: &[Vec<u8>], mut then: impl FnMut()) {
+        for piece in pieces {
+            line.write_all(piece).unwrap();
+            self.sent += piece.len() as u64;
+            self.clock.await_bytes(self.sent);
+            self.clock.advance(Duration::from_secs(1) / RATE_HZ);
+            then();
+        }
+    }
+
+    /// Lets time pass until the pin has this level, and returns the time that it took.
+    fn wait_for(&self, folder: &Path, high: bool, longest: Duration) -> Duration {
+        let (mut passed, step) = (Duration::ZERO, Duration::from_millis(5));
+        while is_high(folder) != high {
+            let level = if high { "low" } else { "high" };
+            assert!(passed < longest, "the pin is {level} after {longest:?}");
+            self.clock.advance(step);
+            passed += step;
+        }
+        passed
     }
 }
 
@@ -122,18 +153,19 @@ fn is_high(folder: &Path) -> bool {
     fs::read_to_string(folder.join("pin")).is_ok_and(|level| level == "1\n")
 }
 
-/// Waits until the pin has this level, and returns the time that it took.
-fn wait_for(folder: &Path, high: bool, longest: Duration) -> Duration {
-    let start = Instant::now();
-    while is_high(folder) != high {
-        assert!(
-            start.elapsed() < longest,
-            "the pin is {} after {longest:?}",
-            if high { "low" } else { "high" }
-        );
-        thread::sleep(Duration::from_millis(5));
+/// Reads until the sentences have all of this, in real time.
+fn read_until(reader: &mut TcpStream, want: &[&str]) -> String {
+    let (start, mut bytes, mut chunk) = (Instant::now(), Vec::new(), [0; 4096]);
+    reader.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
+    loop {
+        let count = reader.read(&mut chunk).unwrap_or(0);
+        bytes.extend_from_slice(&chunk[..count]);
+        let text = String::from_utf8_lossy(&bytes);
+        if want.iter().all(|want| text.contains(want)) {
+            return text.into_owned();
+        }
+        assert!(start.elapsed() < Duration::from_secs(5), "{want:?}: {text}");
     }
-    start.elapsed()
 }
 
 #[test]
@@ -142,27 +174,46 @@ fn pin_falls_within_the_time_to_alert_of_a_silent_receiver_whatever_clients_do()
     let ((receiver, input), clients) = (receiver(), free_address());
     let terminal = format!("pty:{}", folder.path().join("nmea").display());
     let output = vec![format!("tcp://{clients}"), terminal];
-    let _service = Service::start(folder.path(), Arguments { input, output, ..Arguments::default() });
+    let arguments = Arguments { input, output, ..Arguments::default() };
+    let mut service = Service::start(folder.path(), arguments);
     // One client reads, one never reads, one is gone at once; nothing opens the terminal.
     let (mut reader, _idle) = (client(clients), client(clients));
     drop(client(clients));
     let (mut line, _) = receiver.accept().unwrap();
-    send(&mut line, &pieces(20));
+    service.send(&mut line, &pieces(20));
     assert!(is_high(folder.path()), "the sky is good");
-    let last_epoch = Instant::now();
-    // The line stays open and is silent.
-    let silent = wait_for(folder.path(), false, Duration::from_secs(5)).as_secs_f64();
+    // The line stays open and is silent. The last piece has had the time of an epoch.
+    let silent = service.wait_for(folder.path(), false, Duration::from_secs(5)).as_secs_f64();
+    let silent = silent + 1.0 / f64::from(RATE_HZ);
     assert!(silent <= TIME_TO_ALERT_S + ALLOWANCE_S, "{silent:.3} s");
-    thread::sleep(Duration::from_millis(100));
-    reader.set_nonblocking(true).unwrap();
-    let mut sentences = Vec::new();
-    let _ = reader.read_to_end(&mut sentences);
-    let sentences = String::from_utf8_lossy(&sentences);
-    assert!(sentences.contains(",P,OK,") && sentences.contains(",A,STALE,"), "{sentences}");
+    read_until(&mut reader, &[",P,OK,", ",A,STALE,"]);
     // The receiver returns on time, because epochs with the tags of before would be late, and the
     // position is protected again.
-    let missed = (last_epoch.elapsed().as_secs_f64() * f64::from(RATE_HZ)).ceil() as usize;
-    let next = 21 + missed;
-    send(&mut line, &pieces(60)[next..next + 20]);
+    let missed = (silent * f64::from(RATE_HZ)).ceil();
+    service.clock.advance(Duration::from_secs_f64(missed / f64::from(RATE_HZ) - silent));
+    let next = 20 + missed as usize;
+    service.send(&mut line, &pieces(60)[next..next + 20]);
     assert!(is_high(folder.path()), "nothing contradicted");
+}
+
+/// The fall by the clock of the computer, beside that of a clock that is moved.
+#[test]
+fn pin_falls_within_the_time_to_alert_by_the_clock_of_the_computer() {
+    let folder = tempfile::tempdir().unwrap();
+    let (receiver, input) = receiver();
+    let output = vec!["udp://127.0.0.1:9".to_owned()];
+    let arguments = Arguments { input, output, ..Arguments::default() };
+    let _service = Service::start_by(folder.path(), arguments, Clock::of_the_computer());
+    let (mut line, _) = receiver.accept().unwrap();
+    for piece in pieces(10) {
+        line.write_all(&piece).unwrap();
+        thread::sleep(Duration::from_secs(1) / RATE_HZ);
+    }
+    assert!(is_high(folder.path()), "the sky is good");
+    let start = Instant::now();
+    while is_high(folder.path()) && start.elapsed() < Duration::from_secs(5) {
+        thread::sleep(Duration::from_millis(5));
+    }
+    let silent = start.elapsed().as_secs_f64() + 1.0 / f64::from(RATE_HZ);
+    assert!(silent <= TIME_TO_ALERT_S + ALLOWANCE_S, "{silent:.3} s");
 }

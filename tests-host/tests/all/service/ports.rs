@@ -48,20 +48,25 @@ fn serial_port_is_read_and_opened_again_after_it_was_gone() {
     let Some(cable) = Cable::plug(&ends) else { return };
     let input = Some(format!("serial:{}@115200", ends[1].display()));
     let output = vec!["udp://127.0.0.1:9".to_owned()];
-    let _service = Service::start(folder.path(), Arguments { input, output, ..Arguments::default() });
-    thread::sleep(Duration::from_millis(500));
+    let mut service = Service::start(folder.path(), Arguments { input, output, ..Arguments::default() });
+    // The service opens the port in real time.
+    thread::sleep(Duration::from_millis(300));
     let pieces = pieces(100);
     let open = || fs::OpenOptions::new().write(true).open(&ends[0]).unwrap();
-    send(&mut open(), &pieces[..20]);
+    service.send(&mut open(), &pieces[..20]);
     assert!(is_high(folder.path()), "the sky is good");
-    let begin = Instant::now();
     drop(cable);
-    wait_for(folder.path(), false, Duration::from_secs(5));
+    service.wait_for(folder.path(), false, Duration::from_secs(5));
     let Some(_cable) = Cable::plug(&ends) else { return };
-    // The service tries again after a pause of at most a second.
-    thread::sleep(Duration::from_millis(1500));
-    let next = 20 + (begin.elapsed().as_secs_f64() * f64::from(RATE_HZ)).ceil() as usize;
-    send(&mut open(), &pieces[next..next + 25]);
+    // The service tries again after a pause of at most a second, and opens the port in real time.
+    let gone = Duration::from_secs(4);
+    for _ in 0..8 {
+        service.clock.advance(gone / 8);
+        thread::sleep(Duration::from_millis(60));
+    }
+    // As much time has passed as until the pin fell, and these four seconds; a second more is a gap.
+    let next = 20 + ((TIME_TO_ALERT_S + gone.as_secs_f64() + 1.0) * f64::from(RATE_HZ)).ceil() as usize;
+    service.send(&mut open(), &pieces[next..next + 25]);
     assert!(is_high(folder.path()), "the port is back");
 }
 
@@ -99,7 +104,7 @@ fn caster_brings_orbits_and_its_ranges_are_never_used() {
         output: vec![format!("tcp://{clients}")],
         ..Arguments::default()
     };
-    let _service = Service::start(folder.path(), arguments);
+    let mut service = Service::start(folder.path(), arguments);
     // The caster's station is 100 km away. Its ranges would contradict those of the receiver.
     let mut station = Simulation::above_xian(3600.0, 30, 5);
     station.site = Site::geodetic(33.27, 108.57, 400.0);
@@ -110,19 +115,17 @@ fn caster_brings_orbits_and_its_ranges_are_never_used() {
     let (mut line, _) = receiver.accept().unwrap();
     let pieces: Vec<_> = pieces(100).iter().map(|piece| ranges_of(piece)).collect();
     // Without orbits nothing is promised.
-    send(&mut line, &pieces[1..10]);
+    service.send(&mut line, &pieces[1..10]);
     assert!(!is_high(folder.path()), "no orbits");
     let (request, _connection) = serve_caster(&caster, &stream);
     assert!(request[0].starts_with("GET /MOUNT HTTP/1."), "{request:?}");
     // RFC 7617: `me:secret` in Base64.
     assert!(request.contains(&"Authorization: Basic bWU6c2VjcmV0".to_owned()), "{request:?}");
-    send(&mut line, &pieces[10..80]);
+    // A frame of the caster goes in at each pause of the line.
+    service.clock.await_orbits(10);
+    service.send(&mut line, &pieces[10..80]);
     assert!(is_high(folder.path()), "the orbits of the caster");
-    reader.set_nonblocking(true).unwrap();
-    let mut sentences = Vec::new();
-    let _ = reader.read_to_end(&mut sentences);
-    let sentences = String::from_utf8_lossy(&sentences);
-    assert!(sentences.contains(",U,EPHEMERIS,") && sentences.contains(",P,OK,"), "{sentences}");
+    let sentences = read_until(&mut reader, &[",U,EPHEMERIS,", ",P,OK,"]);
     let protected = sentences.lines().filter(|line| line.contains("GNGNS") && line.contains(",A,"));
     for place in protected {
         assert!(place.contains(",3410."), "the receiver's own place, 34.17 degrees north: {place}");

@@ -1,0 +1,168 @@
+//! The time of the service: that of the computer, or one that a test moves.
+//!
+//! ```text
+//! computer:  now = time since the start of the program
+//! led:       now = sum of what `advance` was given; each step ends once the epoch loop has judged it
+//! ```
+//!
+//! A led clock passes in steps of at most [`STEP`]. A step is over once the loop has come round
+//! twice and found nothing to do, so that one of the two rounds began after the step. A test
+//! therefore sees the same states as in real time, and needs no sleep.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Longest step of a led clock: the loop looks at the clock as often in real time.
+const STEP: Duration = Duration::from_millis(50);
+/// Longest real time in which the service must do what a test waits for.
+const PATIENCE: Duration = Duration::from_secs(20);
+/// Real time after which a resting loop comes round even if nothing has happened.
+const ROUND: Duration = Duration::from_millis(100);
+
+/// The clock.
+#[derive(Debug)]
+pub struct Clock {
+    start: Instant,
+    led: Option<Led>,
+}
+
+/// A clock that a test moves.
+#[derive(Debug, Default)]
+struct Led {
+    state: Mutex<State>,
+    change: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    now: Duration,
+    /// Number of changes that the loop must look at.
+    events: u64,
+    /// Rounds in which the loop found nothing to do, and those that a step waits for.
+    rests: u64,
+    wanted: u64,
+    /// Bytes of the receiver and frames of the caster that have reached the loop's queue.
+    heard: [u64; 2],
+    has_ended: bool,
+}
+
+impl Clock {
+    /// Returns the clock of the computer.
+    pub fn of_the_computer() -> Arc<Self> {
+        Arc::new(Self { start: Instant::now(), led: None })
+    }
+
+    /// Returns a clock that stands still until it is [advanced](Self::advance).
+    pub fn led() -> Arc<Self> {
+        Arc::new(Self { start: Instant::now(), led: Some(Led::default()) })
+    }
+
+    /// Returns the time since the start.
+    pub(super) fn now(&self) -> Duration {
+        self.led.as_ref().map_or_else(|| self.start.elapsed(), |led| led.state().now)
+    }
+
+    /// Sleeps, in pieces, so that a stop is noticed.
+    pub(super) fn sleep(&self, pause: Duration, stop: &AtomicBool) {
+        let until = self.now() + pause;
+        while self.now() < until && !stop.load(Ordering::Relaxed) {
+            match &self.led {
+                Some(led) => drop(led.change.wait_timeout(led.state(), ROUND)),
+                None => thread::sleep(ROUND.min(until.saturating_sub(self.now()))),
+            }
+        }
+    }
+
+    /// Moves a led clock on, and returns once the service has judged every step.
+    ///
+    /// # Panics
+    /// If the clock is that of the computer, or if the service does not come round.
+    pub fn advance(&self, by: Duration) {
+        let led = self.led.as_ref().expect("a led clock");
+        let mut rest = by;
+        while !rest.is_zero() {
+            let step = rest.min(STEP);
+            rest -= step;
+            let mut state = led.state();
+            state.now += step;
+            state.events += 1;
+            led.come_round(state);
+        }
+    }
+
+    /// Waits in real time until this number of bytes of the receiver have come since the start.
+    ///
+    /// # Panics
+    /// As [`Self::advance`].
+    pub fn await_bytes(&self, count: u64) {
+        let led = self.led.as_ref().expect("a led clock");
+        led.wait_until(led.state(), "bytes are missing", |state| state.heard[0] >= count);
+        // Bytes that a step overtook would have waited for as long as the step.
+        led.come_round(led.state());
+    }
+
+    /// Waits in real time until this number of frames of the caster have come since the start.
+    ///
+    /// # Panics
+    /// As [`Self::advance`].
+    pub fn await_orbits(&self, count: u64) {
+        let led = self.led.as_ref().expect("a led clock");
+        led.wait_until(led.state(), "orbits are missing", |state| state.heard[1] >= count);
+    }
+
+    /// Notes bytes of the receiver and frames of the caster in the loop's queue.
+    pub(super) fn hear(&self, bytes: usize, frames: usize) {
+        if let Some(led) = &self.led {
+            let mut state = led.state();
+            state.heard[0] += bytes as u64;
+            state.heard[1] += frames as u64;
+            state.events += 1;
+            led.change.notify_all();
+        }
+    }
+
+    /// Returns the number of changes so far; `None` if the clock is that of the computer.
+    pub(super) fn events(&self) -> Option<u64> {
+        self.led.as_ref().map(|led| led.state().events)
+    }
+
+    /// Rests the loop, which has found nothing to do since it saw this number of changes.
+    pub(super) fn rest(&self, seen: u64) {
+        let Some(led) = &self.led else { return };
+        let mut state = led.state();
+        state.rests += 1;
+        led.change.notify_all();
+        let is_idle = |state: &mut State| state.events == seen && state.rests >= state.wanted;
+        drop(led.change.wait_timeout_while(state, ROUND, is_idle));
+    }
+
+    /// Notes that the service has ended, so that nobody waits for it.
+    pub(super) fn end(&self) {
+        if let Some(led) = &self.led {
+            led.state().has_ended = true;
+            led.change.notify_all();
+        }
+    }
+}
+
+impl Led {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until the loop has come round and found nothing to do.
+    fn come_round(&self, mut state: MutexGuard<'_, State>) {
+        state.wanted = state.rests + 2;
+        self.change.notify_all();
+        self.wait_until(state, "it does not come round", |state| state.rests >= state.wanted);
+    }
+
+    fn wait_until(&self, state: MutexGuard<'_, State>, what: &str, is_met: impl Fn(&State) -> bool) {
+        let waited =
+            self.change.wait_timeout_while(state, PATIENCE, |state| !state.has_ended && !is_met(state));
+        let has_failed = waited.unwrap_or_else(PoisonError::into_inner).1.timed_out();
+        assert!(!has_failed, "the service: {what}");
+    }
+}

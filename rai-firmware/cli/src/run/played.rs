@@ -1,0 +1,80 @@
+//! A file on standard input, in the time that it was recorded in.
+//!
+//! ```text
+//! rai run < FILE  =  the sentences of  rai replay FILE --nmea
+//! ```
+//!
+//! The bytes of a file come at once, so the clock of the computer would make every epoch but the
+//! first one too early. Time therefore passes by the tags of the epochs, as in `replay`. No
+//! consumer loses a sentence, because a file waits.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::{Context as _, Result};
+use raim_firmware::settings::Configuration;
+
+use super::Plan;
+use super::outbox::Outbox;
+use super::pin::Wire;
+use super::report::Recorder;
+use crate::replay::{Pace, Playback};
+use crate::signal::capture::{self, Bytes, Lumps};
+use crate::signal::lumps::Window;
+
+/// Name of standard input as a file.
+const NAME: &str = "/dev/stdin";
+
+/// Returns true if standard input is a file.
+pub(super) fn is_file() -> bool {
+    cfg!(target_os = "linux") && std::path::Path::new(NAME).is_file()
+}
+
+/// Plays the file; returns the settings at its end.
+///
+/// # Errors
+/// If the module refuses a setting, the file is no capture, or the pin cannot be set.
+pub(super) fn play(
+    plan: &Plan,
+    wire: &Wire,
+    outbox: &mut Outbox,
+    mut recorder: Option<&mut Recorder>,
+    stop: &AtomicBool,
+) -> Result<Configuration> {
+    let body = |(key, value): &(String, String)| {
+        if value.is_empty() { key.clone() } else { format!("{key},{value}") }
+    };
+    let settings: Vec<String> = plan.settings.iter().map(body).collect();
+    // A setting is refused before the first byte is read.
+    Playback::start(std::iter::empty(), &settings, Pace::Recorded)?;
+    let week = capture::week_of(NAME, None)?;
+    let mut lumps = Lumps::of(Bytes::open(NAME, f64::INFINITY)?, None, &[], &Window::ALL)?.in_week(week);
+    let first = lumps.next().context("standard input has no epoch")??;
+    let mut setup: Vec<String> = lumps.week().map(|week| format!("WEEK,{week}")).into_iter().collect();
+    if let Some(coefficients) = lumps.klobuchar() {
+        let numbers: Vec<String> = coefficients.iter().map(|value| format!("{value:e}")).collect();
+        setup.push(format!("IONO,{}", numbers.join(",")));
+    }
+    setup.extend(settings);
+    let mut playback = Playback::start(std::iter::once(Ok(first)).chain(lumps), &setup, Pace::Recorded)?;
+    outbox.report_start(plan, playback.configuration());
+    if recorder.is_some() {
+        playback.watch();
+    }
+    while let Some((lump, said)) = playback.advance()? {
+        for line in [&said.of_epoch, &said.of_silence].into_iter().flat_map(|text| text.split_inclusive('\n'))
+        {
+            outbox.send(line.as_bytes());
+        }
+        let is_high = playback.pin_is_high();
+        if is_high != wire.is_high() {
+            wire.drive(is_high).context("the pin cannot be set")?;
+        }
+        if let Some(recorder) = recorder.as_deref_mut() {
+            recorder.take(&outbox.take_tape(), is_high, lump.elapsed_ms(), said.view.as_ref());
+        }
+        if stop.load(Ordering::Relaxed) || outbox.has_failed() {
+            break;
+        }
+    }
+    Ok(*playback.configuration())
+}

@@ -1,0 +1,58 @@
+//! Signals and panics: whatever would end the program lowers the pin first.
+//!
+//! A signal that the system delivers by ending the program is caught by a thread. It drives the pin
+//! low for good, and lets the service end in order. A panic in any thread does the same and then
+//! ends the program, because a service without one of its threads would be half a service. Nobody
+//! can catch a `SIGKILL`; the unit's `ExecStopPost` lowers the pin after it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::Result;
+
+use super::pin::Wire;
+
+/// Exit code after a panic, as Rust has it.
+const PANICKED: i32 = 101;
+
+/// Catches the signals whose usual effect is the end of the program.
+///
+/// # Errors
+/// If the system refuses.
+#[cfg(unix)]
+pub(super) fn catch(wire: &Arc<Wire>, stop: &Arc<AtomicBool>) -> Result<()> {
+    use anyhow::Context as _;
+    use signal_hook::consts::{
+        SIGALRM, SIGHUP, SIGINT, SIGPROF, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGVTALRM, SIGXCPU, SIGXFSZ,
+    };
+    let ends =
+        [SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGXFSZ];
+    let mut signals = signal_hook::iterator::Signals::new(ends).context("a signal cannot be caught")?;
+    let (wire, stop) = (Arc::clone(wire), Arc::clone(stop));
+    std::thread::spawn(move || {
+        for _ in signals.forever() {
+            stop.store(true, Ordering::Relaxed);
+            if let Err(error) = wire.close() {
+                eprintln!("error: the pin cannot be set: {error}");
+            }
+        }
+    });
+    Ok(())
+}
+
+#[cfg(not(unix))]
+pub(super) fn catch(_: &Arc<Wire>, _: &Arc<AtomicBool>) -> Result<()> {
+    Ok(())
+}
+
+/// Lets a panic of any thread lower the pin and end the program.
+pub(super) fn end_on_panic(wire: &Arc<Wire>) {
+    let (wire, usual) = (Arc::clone(wire), std::panic::take_hook());
+    std::panic::set_hook(Box::new(move |panic| {
+        usual(panic);
+        if let Err(error) = wire.close() {
+            eprintln!("error: the pin cannot be set: {error}");
+        }
+        std::process::exit(PANICKED);
+    }));
+}
