@@ -19,6 +19,7 @@ use crate::frame::Ecef;
 use crate::numeric::bounds::is_within;
 use crate::satellite::{Constellation, SatelliteId};
 use crate::weighting::adaptation::Adaptation;
+use crate::weighting::noisier_sigma_m;
 use crate::weighting::shared::SharedError;
 
 /// Largest range to a navigation satellite, receiver clock included, m.
@@ -304,12 +305,14 @@ pub(crate) struct Aided<'e> {
     forecast: Option<Aiding>,
     /// Scale on all sigmas, dimensionless, if there is one.
     scale: Option<f64>,
+    /// Factor on the receiver's part of each variance, at least 1.
+    noise: f32,
 }
 
 impl<'e> Aided<'e> {
     /// Returns the epoch without a forecast.
     pub(crate) fn alone<const N: usize>(epoch: &'e Epoch<N>) -> Self {
-        Self { view: epoch.view(), forecast: None, scale: None }
+        Self { view: epoch.view(), forecast: None, scale: None, noise: 1.0 }
     }
 
     /// Returns the epoch with a forecast, if there is capacity for the row and the epoch has no
@@ -325,13 +328,20 @@ impl<'e> Aided<'e> {
         Self { scale, ..self }
     }
 
+    /// Returns the epoch with the receiver's part of each variance multiplied by a factor.
+    pub(crate) fn noisier(self, noise: f32) -> Self {
+        Self { noise, ..self }
+    }
+
     /// Iterates over the satellites, each with the standard deviation of its range, m.
     pub(crate) fn weighed(&self) -> impl Iterator<Item = (&'e Observation, f64)> {
-        let scale = self.scale;
+        let Self { scale, noise, .. } = *self;
         self.view.observations.iter().zip(self.view.shared).map(move |(observation, shared)| {
             let Observation { satellite, sigma_m, .. } = *observation;
             let scaled = |scale| Adaptation::sigma_m(scale, satellite, sigma_m, shared.common_m);
-            (observation, scale.map_or(sigma_m, scaled))
+            let sigma_m = scale.map_or(sigma_m, scaled);
+            let is_noisy = cfg!(feature = "past") && noise > 1.0;
+            (observation, if is_noisy { noisier_sigma_m(noise, satellite, sigma_m) } else { sigma_m })
         })
     }
 

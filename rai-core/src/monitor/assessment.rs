@@ -25,11 +25,12 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         &self,
         fix: &Fix<'_, T, N>,
         epoch: &EpochView<'_>,
+        noise: f32,
         judgement: &mut Judgement<T>,
         outcome: &mut EpochOutcome<N>,
     ) {
         let excluded = suspects(judgement, fix, epoch);
-        let evidence = residuals_of_all(judgement, fix.snapshot(), epoch.observations().len());
+        let evidence = residuals_of_all(judgement, fix.snapshot(), epoch, noise);
         let belief = self.belief(epoch.time_s(), &evidence);
         if let Belief::Scaled(factor) = belief {
             judgement.scale_levels(f64::from(factor));

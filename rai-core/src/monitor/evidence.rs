@@ -56,6 +56,7 @@ use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
 use crate::numeric::sqrt;
 use crate::report::{Alert, Protected, Unavailable, Verdict};
+use crate::weighting::fixed_m2;
 use crate::weighting::residuals::{RecentResiduals, Residuals};
 
 /// Length of one of the spans that make up the last minute, s.
@@ -79,16 +80,19 @@ const REST_QUANTILE: f32 = 2.326_348;
 /// Limit for the square of an excluded satellite's residual divided by its sigma.
 const MOST_EXCLUDED: f32 = 25.0;
 
-/// Largest SSE/dof with which an epoch counts. If half of a minute has this value and the other
-/// half has 1, the ratio is [`REFUTED`].
-const MOST_RATIO: f32 = 3.0;
+/// Largest square of one residual, in units of the mean of the others.
+const MOST_ONE: f32 = 9.0;
+
+/// Largest SSE/dof with which an epoch counts.
+const MOST_RATIO: f32 = 100.0;
+
+/// Largest factor on the receiver's part.
+const MOST_NOISE: f32 = 5000.0;
 
 /// Belief in the sigmas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Belief {
-    /// The residuals are no larger than the sigmas allow.
-    Sound,
-    /// The residuals are larger than the sigmas allow, and levels grow by this factor.
+    /// Levels grow by this factor, at least 1.
     Scaled(f32),
     /// The residuals contradict the sigmas.
     Refuted,
@@ -97,8 +101,12 @@ pub(super) enum Belief {
 /// Residuals of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EpochResiduals {
-    /// Residuals of every tracked satellite.
+    /// Noise that the residuals of every tracked satellite show.
     all: Residuals,
+    /// Share of the receiver in the variances in use.
+    share: f32,
+    /// Factor in use.
+    noise: f32,
     /// Residuals of the satellites used.
     rest: Residuals,
     /// Number of satellites that were excluded one by one; 0 if the rest does not agree.
@@ -107,7 +115,7 @@ pub(super) struct EpochResiduals {
 
 impl EpochResiduals {
     /// The residuals of no epoch.
-    pub(super) const NONE: Self = Self { all: Residuals::NONE, rest: Residuals::NONE, excluded: 0 };
+    pub(super) const NONE: Self = Self { all: Residuals::NONE, share: 1.0, noise: 1.0, rest: Residuals::NONE, excluded: 0 };
 }
 
 /// Residuals of the last minute.
@@ -143,8 +151,9 @@ impl Evidence {
 
     /// Returns the belief in the sigmas after an epoch with these residuals.
     pub(super) fn belief(&self, time_s: f64, latest: &EpochResiduals) -> Belief {
-        let (all, rest) = (self.all.sum_at(time_s, latest.all), latest.rest);
-        if all.excess(REFUTED_QUANTILE) >= REFUTED {
+        let rest = latest.rest;
+        let noise = self.noise(time_s, latest.all);
+        if noise >= MOST_NOISE {
             return Belief::Refuted;
         }
         if latest.excluded > 0 {
@@ -153,9 +162,15 @@ impl Evidence {
                 return Belief::Refuted;
             }
         }
-        let (of_all, of_rest) = (all.excess(SCALED_QUANTILE), rest.excess(SCALED_QUANTILE));
-        let scale = if of_all > of_rest { of_all } else { of_rest };
-        if scale > 0.0 { Belief::Scaled(sqrt(scale)) } else { Belief::Sound }
+        let of_all = 1.0 + (noise / latest.noise - 1.0) * latest.share;
+        Belief::Scaled(sqrt(of_all.max(rest.excess(SCALED_QUANTILE)).max(1.0)))
+    }
+
+    /// Returns the factor on the receiver's part of the variances that the last minute shows, with
+    /// `others`; at least 1.
+    pub(super) fn noise(&self, time_s: f64, others: Residuals) -> f32 {
+        // Without degrees of freedom the ratio is NaN, and the result 1.
+        self.all.sum_at(time_s, others).ratio().clamp(1.0, MOST_NOISE).max(1.0)
     }
 }
 
@@ -186,7 +201,15 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     pub(super) fn belief(&self, time_s: f64, latest: &EpochResiduals) -> Belief {
         match self.continuity_settings {
             Some(_) if cfg!(feature = "past") => self.evidence.belief(time_s, latest),
-            _ => Belief::Sound,
+            _ => Belief::Scaled(1.0),
+        }
+    }
+
+    /// Returns the factor on the receiver's part of the variances that the last minute shows.
+    pub(super) fn noise(&self, time_s: f64) -> f32 {
+        match self.continuity_settings {
+            Some(_) if cfg!(feature = "past") => self.evidence.noise(time_s, Residuals::NONE),
+            _ => 1.0,
         }
     }
 
@@ -234,25 +257,49 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 pub(super) fn residuals_of_all<T: Real, const N: usize>(
     judgement: &Judgement<T>,
     snapshot: &Snapshot<'_, T, N>,
-    satellites: usize,
+    epoch: &EpochView<'_>,
+    noise: f32,
 ) -> EpochResiduals {
     if judgement.outcome == ExclusionOutcome::NotIsolated(Unidentified::Time) {
         return EpochResiduals::NONE;
     }
     let (mut sum, mut largest, mut count) = (0.0_f32, 0.0_f32, 0_u32);
-    for (row, fit) in judgement.single_exclusions(snapshot, satellites) {
+    for (row, fit) in judgement.single_exclusions(snapshot, epoch.observations().len()) {
         let normalised = (fit.residual / row.sigma).widen() as f32;
         let square = (normalised * normalised).min(MOST_EXCLUDED);
         (sum, largest, count) = (sum + square, largest.max(square), count + 1);
     }
     let rest = Residuals { sse: snapshot.sse().widen() as f32, dof: snapshot.dof() as u32 };
     let dof = rest.dof + count.saturating_sub(1);
-    let sse = rest.sse + sum - largest;
-    let most = MOST_RATIO * dof as f32;
-    // An infinite or NaN sum counts as the largest permitted one.
-    let all = Residuals { sse: if sse < most { sse } else { most }, dof };
     let agrees = judgement.outcome == ExclusionOutcome::Isolated;
-    EpochResiduals { all, rest, excluded: if agrees { count as u8 } else { 0 } }
+    // One satellite's fault must not pass for noise.
+    let one = snapshot.statistics().worst.largest.widen() as f32;
+    let others = (rest.sse - one).max(0.0);
+    let most = others * (1.0 + MOST_ONE / (rest.dof as f32 - 1.0));
+    let bounded = if rest.dof > 1 && most < rest.sse { most } else { rest.sse };
+    let sse = bounded + sum - largest;
+    let median = Residuals { sse: 0.0, dof }.ratio_at(0.0);
+    let ratio = sse / (dof as f32 * median);
+    // An infinite or NaN ratio counts as the largest permitted one.
+    let ratio = if ratio < MOST_RATIO { ratio } else { MOST_RATIO };
+    let share = receivers_share(snapshot, epoch);
+    let claim = (noise * (1.0 + (ratio - 1.0) / share)).max(0.0);
+    let all = Residuals { sse: claim * dof as f32, dof };
+    EpochResiduals { all, share, noise, rest, excluded: if agrees { count as u8 } else { 0 } }
+}
+
+/// Returns the share of the receiver's part in the variances, weighted by redundancy.
+fn receivers_share<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, epoch: &EpochView<'_>) -> f32 {
+    let (mut fixed, mut all) = (0.0_f32, 0.0_f32);
+    for ((row, fit), seen) in snapshot.rows().zip(epoch.observations()) {
+        let weight = row.weight.widen() as f32;
+        if weight > 0.0 {
+            let redundancy = fit.redundancy.widen() as f32;
+            fixed += redundancy * weight * fixed_m2(seen.satellite, seen.sigma_m);
+            all += redundancy;
+        }
+    }
+    (1.0 - fixed / all).max(0.05)
 }
 
 #[cfg(test)]

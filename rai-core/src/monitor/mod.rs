@@ -237,7 +237,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let scale = self.scale(epoch.time_s());
         let MonitorWorkspace { workspace, scratch, outcome } = memory;
         // Judged in place, because a copy would be on the stack during every search.
-        match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
+        let noise = self.noise(epoch.time_s());
+        let aided = Aided::by(epoch, forecast).scaled(scale).noisier(noise);
+        match &mut Fix::about(workspace, aided, start) {
             Ok(fix) => {
                 let clock_row = fix.clock_row().filter(|_| cfg!(feature = "aiding"));
                 let kept_out = self.keep_out(fix, &epoch.view());
@@ -245,7 +247,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
                     judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
                 let is_broken = judgement.lost_systems;
                 kept_out.describe(&mut judgement);
-                self.assess(fix, &epoch.view(), &mut judgement, outcome);
+                self.assess(fix, &epoch.view(), noise, &mut judgement, outcome);
                 outcome.update.systems.excluded = is_broken;
                 outcome.update.systems.kept_out_agree = kept_out.agrees;
             }
