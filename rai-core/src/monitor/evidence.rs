@@ -86,6 +86,9 @@ const MOST_ONE: f32 = 9.0;
 /// Largest SSE/dof with which an epoch counts.
 const MOST_RATIO: f32 = 100.0;
 
+const CONFIDENCE: f32 = 0.0;
+const MOST_ALONE: f32 = 9.0;
+
 /// Largest factor on the receiver's part.
 const MOST_NOISE: f32 = 5000.0;
 
@@ -103,6 +106,7 @@ pub(super) enum Belief {
 pub(super) struct EpochResiduals {
     /// Noise that the residuals of every tracked satellite show.
     all: Residuals,
+    ratio: f32,
     /// Share of the receiver in the variances in use.
     share: f32,
     /// Factor in use.
@@ -115,7 +119,14 @@ pub(super) struct EpochResiduals {
 
 impl EpochResiduals {
     /// The residuals of no epoch.
-    pub(super) const NONE: Self = Self { all: Residuals::NONE, share: 1.0, noise: 1.0, rest: Residuals::NONE, excluded: 0 };
+    pub(super) const NONE: Self = Self { all: Residuals::NONE, ratio: 1.0, share: 1.0, noise: 1.0, rest: Residuals::NONE, excluded: 0 };
+}
+
+impl EpochResiduals {
+    fn claim(&self, normal: f32) -> f32 {
+        let quantile = Residuals { sse: 0.0, ..self.all }.ratio_at(normal).max(1e-3);
+        (self.noise * (1.0 + (self.ratio / quantile - 1.0) / self.share)).max(0.0)
+    }
 }
 
 /// Residuals of the last minute.
@@ -205,6 +216,26 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
+    /// Returns a larger factor.
+    pub(super) fn noise_of_epoch(
+        &self,
+        judgement: &Judgement<T>,
+        snapshot: &Snapshot<'_, T, N>,
+        epoch: &EpochView<'_>,
+        noise: f32,
+    ) -> Option<f32> {
+        use ExclusionOutcome::NotIsolated;
+        if self.continuity_settings.is_none()
+            || !matches!(judgement.outcome, NotIsolated(reason) if !matches!(reason, Unidentified::Time | Unidentified::Budget))
+        {
+            return None;
+        }
+        let evidence = residuals_of_all(judgement, snapshot, epoch, noise);
+        if evidence.ratio > MOST_ALONE { return None; }
+        let claim = evidence.claim(-2.326_348);
+        (claim > noise && claim < MOST_NOISE).then_some(claim)
+    }
+
     /// Returns the factor on the receiver's part of the variances that the last minute shows.
     pub(super) fn noise(&self, time_s: f64) -> f32 {
         match self.continuity_settings {
@@ -278,14 +309,14 @@ pub(super) fn residuals_of_all<T: Real, const N: usize>(
     let most = others * (1.0 + MOST_ONE / (rest.dof as f32 - 1.0));
     let bounded = if rest.dof > 1 && most < rest.sse { most } else { rest.sse };
     let sse = bounded + sum - largest;
-    let median = Residuals { sse: 0.0, dof }.ratio_at(0.0);
-    let ratio = sse / (dof as f32 * median);
+    let ratio = sse / dof as f32;
     // An infinite or NaN ratio counts as the largest permitted one.
     let ratio = if ratio < MOST_RATIO { ratio } else { MOST_RATIO };
     let share = receivers_share(snapshot, epoch);
-    let claim = (noise * (1.0 + (ratio - 1.0) / share)).max(0.0);
-    let all = Residuals { sse: claim * dof as f32, dof };
-    EpochResiduals { all, share, noise, rest, excluded: if agrees { count as u8 } else { 0 } }
+    let all = Residuals { sse: 0.0, dof };
+    let mut residuals = EpochResiduals { all, ratio, share, noise, rest, excluded: if agrees { count as u8 } else { 0 } };
+    residuals.all.sse = residuals.claim(CONFIDENCE) * dof as f32;
+    residuals
 }
 
 /// Returns the share of the receiver's part in the variances, weighted by redundancy.

@@ -237,7 +237,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let scale = self.scale(epoch.time_s());
         let MonitorWorkspace { workspace, scratch, outcome } = memory;
         // Judged in place, because a copy would be on the stack during every search.
-        let noise = self.noise(epoch.time_s());
+        let mut noise_again = None;
+        loop {
+        let noise = noise_again.unwrap_or_else(|| self.noise(epoch.time_s()));
         let aided = Aided::by(epoch, forecast).scaled(scale).noisier(noise);
         match &mut Fix::about(workspace, aided, start) {
             Ok(fix) => {
@@ -247,11 +249,19 @@ impl<T: Real, const N: usize> Monitor<T, N> {
                     judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
                 let is_broken = judgement.lost_systems;
                 kept_out.describe(&mut judgement);
+                if cfg!(feature = "past") && noise_again.is_none() {
+                    noise_again = self.noise_of_epoch(&judgement, fix.snapshot(), &epoch.view(), noise);
+                    if noise_again.is_some() {
+                        continue;
+                    }
+                }
                 self.assess(fix, &epoch.view(), noise, &mut judgement, outcome);
                 outcome.update.systems.excluded = is_broken;
                 outcome.update.systems.kept_out_agree = kept_out.agrees;
             }
             Err(error) => self.assess_without_position(*error, epoch, outcome),
+        }
+        break;
         }
         outcome
     }
