@@ -181,7 +181,10 @@ impl Evidence {
     /// `others`; at least 1.
     pub(super) fn noise(&self, time_s: f64, others: Residuals) -> f32 {
         // Without degrees of freedom the ratio is NaN, and the result 1.
-        self.all.sum_at(time_s, others).ratio().clamp(1.0, MOST_NOISE).max(1.0)
+        let mean = self.all.sum_at(time_s, others).ratio();
+        let largest = self.all.at(time_s).chain(Some(others)).fold(0.0_f32, |most, span| most.max(if span.dof > 0 { span.ratio() } else {0.0}));
+        let _ = mean;
+        largest.clamp(1.0, MOST_NOISE)
     }
 }
 
