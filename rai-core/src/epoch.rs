@@ -17,9 +17,10 @@ use heapless::Vec;
 use crate::bounded::assert_capacity;
 use crate::frame::Ecef;
 use crate::numeric::bounds::is_within;
+use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 use crate::weighting::adaptation::Adaptation;
-use crate::weighting::noisier_sigma_m;
+use crate::weighting::ephemeris_sigma_m;
 use crate::weighting::shared::SharedError;
 
 /// Largest range to a navigation satellite, receiver clock included, m.
@@ -112,6 +113,18 @@ fn is_plausible(position: Ecef) -> bool {
     (squares(RADIUS_M.start())..=squares(RADIUS_M.end())).contains(&(x * x + y * y + z * z))
 }
 
+/// Returns the receiver's part of a variance of unknown origin: what a normal orbit and clock leaves,
+/// at least a quarter, so that a caller's own small sigmas can grow too.
+fn receivers_share(satellite: SatelliteId, sigma_m: f64) -> u8 {
+    let ratio = ephemeris_sigma_m(satellite, 0.0) / sigma_m as f32;
+    in_255ths((1.0 - ratio * ratio).max(0.25))
+}
+
+/// Returns a share in 255ths, rounded up.
+fn in_255ths(share: f32) -> u8 {
+    libm::ceilf(255.0 * share) as u8
+}
+
 impl fmt::Display for EpochError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
@@ -155,6 +168,8 @@ pub struct Epoch<const N: usize> {
     observations: Vec<Observation, N>,
     /// Shared error of each observation.
     shared: Vec<SharedError, N>,
+    /// Receiver's part of each variance, in 255ths and rounded up.
+    receiver: Vec<u8, N>,
     aiding: Vec<Aiding, 2>,
 }
 
@@ -166,7 +181,13 @@ impl<const N: usize> Epoch<N> {
     pub fn new(time_s: f64) -> Self {
         const { assert_capacity(N) };
         let time_s = if time_s.is_finite() { time_s } else { 0.0 };
-        Self { time_s, observations: Vec::new(), shared: Vec::new(), aiding: Vec::new() }
+        Self {
+            time_s,
+            observations: Vec::new(),
+            shared: Vec::new(),
+            receiver: Vec::new(),
+            aiding: Vec::new(),
+        }
     }
 
     /// Empties the epoch for another instant. A caller can thus reuse one epoch in place.
@@ -174,6 +195,7 @@ impl<const N: usize> Epoch<N> {
         self.time_s = if time_s.is_finite() { time_s } else { 0.0 };
         self.observations.clear();
         self.shared.clear();
+        self.receiver.clear();
         self.aiding.clear();
     }
 
@@ -209,7 +231,22 @@ impl<const N: usize> Epoch<N> {
             return Err(EpochError::Duplicate);
         }
         self.observations.push(observation).map_err(|_| EpochError::Full)?;
+        if cfg!(feature = "past") {
+            let receiver = receivers_share(observation.satellite, observation.sigma_m);
+            self.receiver.push(receiver).map_err(|_| EpochError::Full)?;
+        }
         self.shared.push(shared).map_err(|_| EpochError::Full)
+    }
+
+    unstable! {
+        /// Sets the receiver's part of the variance of the satellite that was added last, m². The
+        /// monitor raises this part if residuals show that it is too small. Otherwise it is the
+        /// part beyond that of a normal orbit and clock, at least a quarter.
+        pub fn set_receiver_m2(&mut self, receiver_m2: f32) {
+            if let (Some(part), Some(last)) = (self.receiver.last_mut(), self.observations.last()) {
+                *part = in_255ths(receiver_m2 / (last.sigma_m * last.sigma_m) as f32);
+            }
+        }
     }
 
     /// Adds outside knowledge: one clock and one height at most.
@@ -242,8 +279,8 @@ impl<const N: usize> Epoch<N> {
     unstable! {
         /// Returns a view without the capacity.
         pub fn view(&self) -> EpochView<'_> {
-            let Self { time_s, observations, shared, aiding } = self;
-            EpochView { time_s: *time_s, observations, shared, aiding }
+            let Self { time_s, observations, shared, receiver, aiding } = self;
+            EpochView { time_s: *time_s, observations, shared, receiver, aiding }
         }
     }
 
@@ -276,6 +313,7 @@ unstable! {
         time_s: f64,
         observations: &'e [Observation],
         shared: &'e [SharedError],
+        receiver: &'e [u8],
         aiding: &'e [Aiding],
     }
 }
@@ -289,6 +327,12 @@ impl<'e> EpochView<'e> {
     /// Works like [`Epoch::observations`].
     pub fn observations(&self) -> &'e [Observation] {
         self.observations
+    }
+
+    /// Returns the receiver's part of an observation's variance, dimensionless; 1 without such an
+    /// observation.
+    pub(crate) fn receivers_part(&self, index: usize) -> f32 {
+        self.receiver.get(index).map_or(1.0, |part| f32::from(*part) / 255.0)
     }
 
     /// Works like [`Epoch::shared`].
@@ -335,13 +379,14 @@ impl<'e> Aided<'e> {
 
     /// Iterates over the satellites, each with the standard deviation of its range, m.
     pub(crate) fn weighed(&self) -> impl Iterator<Item = (&'e Observation, f64)> {
-        let Self { scale, noise, .. } = *self;
-        self.view.observations.iter().zip(self.view.shared).map(move |(observation, shared)| {
+        let Self { scale, noise, view, .. } = *self;
+        view.observations.iter().zip(view.shared).enumerate().map(move |(index, (observation, shared))| {
             let Observation { satellite, sigma_m, .. } = *observation;
             let scaled = |scale| Adaptation::sigma_m(scale, satellite, sigma_m, shared.common_m);
             let sigma_m = scale.map_or(sigma_m, scaled);
             let is_noisy = cfg!(feature = "past") && noise > 1.0;
-            (observation, if is_noisy { noisier_sigma_m(noise, satellite, sigma_m) } else { sigma_m })
+            let grown = 1.0 + (noise - 1.0) * view.receivers_part(index);
+            (observation, if is_noisy { sigma_m * f64::from(sqrt(grown)) } else { sigma_m })
         })
     }
 

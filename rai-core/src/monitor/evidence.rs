@@ -56,7 +56,6 @@ use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
 use crate::numeric::sqrt;
 use crate::report::{Alert, Protected, Unavailable, Verdict};
-use crate::weighting::fixed_m2;
 use crate::weighting::residuals::{RecentResiduals, Residuals};
 
 /// Length of one of the spans that make up the last minute, s.
@@ -315,7 +314,7 @@ pub(super) fn residuals_of_all<T: Real, const N: usize>(
     let ratio = sse / dof as f32;
     // An infinite or NaN ratio counts as the largest permitted one.
     let ratio = if ratio < MOST_RATIO { ratio } else { MOST_RATIO };
-    let share = receivers_share(snapshot, epoch);
+    let share = receivers_share(snapshot, epoch, noise);
     let all = Residuals { sse: 0.0, dof };
     let mut residuals = EpochResiduals { all, ratio, share, noise, rest, excluded: if agrees { count as u8 } else { 0 } };
     residuals.all.sse = residuals.claim(CONFIDENCE) * dof as f32;
@@ -323,13 +322,12 @@ pub(super) fn residuals_of_all<T: Real, const N: usize>(
 }
 
 /// Returns the share of the receiver's part in the variances, weighted by redundancy.
-fn receivers_share<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, epoch: &EpochView<'_>) -> f32 {
+fn receivers_share<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, epoch: &EpochView<'_>, noise: f32) -> f32 {
     let (mut fixed, mut all) = (0.0_f32, 0.0_f32);
-    for ((row, fit), seen) in snapshot.rows().zip(epoch.observations()) {
-        let weight = row.weight.widen() as f32;
-        if weight > 0.0 {
-            let redundancy = fit.redundancy.widen() as f32;
-            fixed += redundancy * weight * fixed_m2(seen.satellite, seen.sigma_m);
+    for (index, ((row, fit), _)) in snapshot.rows().zip(epoch.observations()).enumerate() {
+        if row.weight > T::zero() {
+            let (redundancy, part) = (fit.redundancy.widen() as f32, epoch.receivers_part(index));
+            fixed += redundancy * (1.0 - part) / (1.0 + (noise - 1.0) * part);
             all += redundancy;
         }
     }

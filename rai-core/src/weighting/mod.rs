@@ -117,22 +117,6 @@ pub fn ephemeris_sigma_m(satellite: SatelliteId, promised_m: f32) -> f32 {
     }
 }
 
-/// Returns the part of a variance that is not the receiver's, m²: orbit and clock in the normal
-/// state. At least a quarter of a variance is the receiver's, so that a caller's own small sigmas
-/// can grow too.
-pub(crate) fn fixed_m2(satellite: SatelliteId, sigma_m: f64) -> f32 {
-    let (orbit_m, sigma_m) = (ephemeris_sigma_m(satellite, 0.0), sigma_m as f32);
-    (orbit_m * orbit_m).min(0.75 * sigma_m * sigma_m)
-}
-
-/// Returns a sigma whose receiver's part of the variance is multiplied by `noise`, m.
-#[inline(never)]
-pub(crate) fn noisier_sigma_m(noise: f32, satellite: SatelliteId, sigma_m: f64) -> f64 {
-    let variance_m2 = (sigma_m * sigma_m) as f32;
-    let receiver_m2 = variance_m2 - fixed_m2(satellite, sigma_m);
-    f64::from(sqrt(variance_m2 + (noise - 1.0) * receiver_m2))
-}
-
 /// Returns the noise of a range relative to that of a strong signal; 1 for an unknown strength.
 pub fn noise_factor_from_cn0(cn0_dbhz: Option<f32>) -> f32 {
     const PER_DB: f32 = core::f32::consts::LN_10 / 20.0;
@@ -285,8 +269,8 @@ pub fn integrity_sigma_m(support: &IsmParameters, promised_m: f32, budget: &Erro
     sqrt(ura_m * ura_m + user_m2 + troposphere_m2)
 }
 
-/// Returns the receiver's part of the variance, m².
-fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
+/// Returns the receiver's part of the variance, m². `sin_elevation` must be at least 0.05.
+pub fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
     let is_pair = budget.noise_gain > 1.0;
     if cfg!(feature = "araim") && budget.user == UserModel::Airborne && is_pair {
         airborne_m2(sin_elevation, budget.weakness)
