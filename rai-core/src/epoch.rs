@@ -329,10 +329,9 @@ impl<'e> EpochView<'e> {
         self.observations
     }
 
-    /// Returns the receiver's part of an observation's variance, dimensionless; 1 without such an
-    /// observation.
-    pub(crate) fn receivers_part(&self, index: usize) -> f32 {
-        self.receiver.get(index).map_or(1.0, |part| f32::from(*part) / 255.0)
+    /// Iterates over the receiver's part of each variance, dimensionless.
+    pub(crate) fn receivers_parts(&self) -> impl Iterator<Item = f32> + use<'e> {
+        self.receiver.iter().map(|part| f32::from(*part) * (1.0 / 255.0))
     }
 
     /// Works like [`Epoch::shared`].
@@ -380,13 +379,15 @@ impl<'e> Aided<'e> {
     /// Iterates over the satellites, each with the standard deviation of its range, m.
     pub(crate) fn weighed(&self) -> impl Iterator<Item = (&'e Observation, f64)> {
         let Self { scale, noise, view, .. } = *self;
-        view.observations.iter().zip(view.shared).enumerate().map(move |(index, (observation, shared))| {
+        let is_noisy = cfg!(feature = "past") && noise > 1.0;
+        let mut parts = view.receivers_parts();
+        view.observations.iter().zip(view.shared).map(move |(observation, shared)| {
             let Observation { satellite, sigma_m, .. } = *observation;
             let scaled = |scale| Adaptation::sigma_m(scale, satellite, sigma_m, shared.common_m);
             let sigma_m = scale.map_or(sigma_m, scaled);
-            let is_noisy = cfg!(feature = "past") && noise > 1.0;
-            let grown = 1.0 + (noise - 1.0) * view.receivers_part(index);
-            (observation, if is_noisy { sigma_m * f64::from(sqrt(grown)) } else { sigma_m })
+            let part = if is_noisy { parts.next() } else { None };
+            let grown = |part: f32| sigma_m * f64::from(sqrt(1.0 + (noise - 1.0) * part));
+            (observation, part.map_or(sigma_m, grown))
         })
     }
 

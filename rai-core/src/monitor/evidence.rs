@@ -1,51 +1,72 @@
 //! Evidence against the sigmas: the residuals of every tracked satellite over the last minute.
 //!
 //! ```text
-//! ratio = Σ SSE / Σ dof        of the epochs of the last minute, this one included
-//! rest  = Σ SSE_r / Σ dof_r    of this epoch, and of those of the last minute that excluded satellites
-//! refuted   ratio ≥ max(2, χ²_{1−1e-7}(Σ dof) / Σ dof)
-//! refuted   rest ≥ χ²_{1−1e-2}(Σ dof_r) / Σ dof_r          only if this epoch excludes satellites
-//! scaled    ratio ≥ χ²_{1−1e-3}(Σ dof) / Σ dof             protection levels times √ratio
+//! σ²(κ) = σ² (1 + (κ − 1) p)          p: the receiver's part of the variance, noise and multipath
+//! ratio = SSE / dof                    of an epoch weighed by σ(κ); one row counts as at most 9 times the mean of the others
+//! κ_e   = κ (1 + (ratio/m − 1) / P)    m = χ²_{0.5}(dof)/dof;  P = Σ r_i κ p_i σ_i²/σ_i²(κ) / Σ r_i
+//! κ     = largest of 1, the mean of κ_e in each span of the last minute, and, for the levels, κ_e of this epoch
+//! level = level at the κ of the test, times √(1 + (κ/κ_test − 1) P)
 //! ```
-//!
-//! If the sigmas are refuted, no position is promised. The second rule for `refuted` is applied
-//! twice, to the rest of this epoch alone and to the sum over the minute. Either suffices. The rule
-//! for `scaled` is applied to the ratio of the minute and to that of this epoch's rest. The larger
-//! ratio scales the levels.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `SSE`, `dof` | [`EpochResiduals::all`]: weighted squares of the residuals against the solution, those of excluded satellites included, and their degrees of freedom | – |
-//! | `SSE_r`, `dof_r` | [`EpochResiduals::rest`]: the same of the satellites used | – |
+//! | `κ` | [`Aided::noisier`](crate::epoch::Aided::noisier), [`EpochResiduals::noise`] | – |
+//! | `p_i`, `P` | [`EpochView::receivers_part`], [`EpochResiduals::share`] | – |
+//! | `SSE`, `dof` | weighted squares of the residuals, those of excluded satellites included, and their degrees of freedom | – |
+//! | `r_i` | redundancy of a row | – |
 //! | `χ²_p(ν)/ν` | [`Residuals::ratio_at`] | – |
 //!
-//! A protection level assumes one faulty satellite at most. It also assumes that the errors of the
-//! others are as large as their sigmas state. Exclusion alone cannot check this second assumption,
-//! because it removes the residuals that contradict it. Therefore the sum contains the residuals of
-//! excluded satellites too:
+//! A protection level assumes that errors are as large as their sigmas state. Small antennas and
+//! reflections make them larger. The receiver's part of each variance is then raised, and test,
+//! search, exclusion and levels use the raised variances. Orbits, troposphere and ionosphere keep
+//! theirs. If no set of satellites explains an epoch, the epoch is judged once more by a κ that it
+//! shows itself, with the confidence 0.99. This needs a ratio of at most [`MOST_ALONE`]: the rest
+//! needs the evidence of other epochs.
+//!
+//! **A κ that is too large breaks no promise**, whatever made it so. The level contains
+//! `k' √(s² + σ²)` beyond the line `X = s Y` ([`crate::integrity::raim::levels`]). `X − s Y` has
+//! the mean 0 for any bias of one satellite. If its standard deviation is right or too large by
+//! `√κ`, a position beyond its level lies in the half-plane `X − s Y > √κ k' √(s² + σ²)`. The
+//! half-planes of larger κ lie within those of smaller ones. Together, those of all κ above the
+//! true one therefore have at most the probability `Q(k')`, also if κ depends on these residuals.
+//! One slow fault also raises κ. The test then detects it later, and the level has grown by then.
+//!
+//! **A κ that is too small breaks promises.** Multipath repeats from epoch to epoch, so that a
+//! minute may be no more than one sample. `m` is therefore the median for the degrees of freedom of
+//! one epoch. Reflections come and go, so that the noisiest span of the minute counts.
+//!
+//! **One satellite's fault must not pass for noise.** A ramp that raises κ as fast as its own
+//! residual would never be excluded. The residual of one row therefore counts as at most
+//! [`MOST_ONE`] times the mean square of the others. With one degree of freedom no other row
+//! contradicts, nothing can be excluded, and all of it counts. Excluded satellites are treated in
+//! the same spirit:
 //!
 //! - The largest residual of the excluded satellites does not count, because a level allows for one
 //!   faulty satellite. Each of the other squares counts as at most [`MOST_EXCLUDED`].
 //! - The satellites of a system that was left out as a whole do not count, because they are one
 //!   fault.
-//! - The SSE of an epoch counts as at most [`MOST_RATIO`]·dof, so that a short alert does not block
-//!   a whole minute. If the ratio is 1 in one half of the minute, the whole other half must reach
-//!   this cap to refute the sigmas.
+//! - The ratio of an epoch counts as at most [`MOST_RATIO`].
 //! - An epoch with [`Unidentified::Time`] does not count, because a wrong time tag is no error of
 //!   the ranges. It also erases the evidence of earlier epochs.
 //!
-//! If `P_fa` is above 1e-7, one epoch that passes its own test without an exclusion never refutes
-//! the sigmas: the bound for `refuted` exceeds `τ1` at the same degrees of freedom.
+//! **Refused.** From κ = [`MOST_NOISE`] on no position is promised. This is a noise of 30 m near
+//! the zenith, a tenth of a chip, with which a receiver tracks no code. Below it the levels decide.
 //!
-//! **The rest after an exclusion.** The test's `P_fa` is small, because every healthy epoch risks a
+//! **The rest after an exclusion.**
+//!
+//! ```text
+//! refuted   SSE_r / dof_r ≥ χ²_{1−1e-2}(dof_r) / dof_r          of this epoch, or of those of the minute that excluded satellites
+//! ```
+//!
+//! The test's `P_fa` is small, because every healthy epoch risks a
 //! false alarm. After an exclusion one fault is certain, and reflections come in groups. A rest
 //! just below the threshold is then far likelier to contain another fault than to be healthy. Its
 //! bound is therefore lower, and refuses a healthy rest in one of a hundred epochs that exclude
 //! satellites. In simulated street canyons 170 errors exceeded a level. In 138 of these epochs
 //! satellites were excluded, and the rest fails this bound.
 //!
-//! Assumes that the epochs of a minute are independent. Multipath that repeats from epoch to epoch
-//! increases the spread of the ratio, not its mean.
+//! **Limits.** If all errors of a minute are small by chance, or the noise grows within one epoch
+//! without contradiction, κ is too small. Errors that satellites share are no noise.
 
 use super::{EpochOutcome, Monitor};
 use crate::epoch::{EpochView, Observation};
@@ -61,15 +82,11 @@ use crate::weighting::residuals::{RecentResiduals, Residuals};
 /// Length of one of the spans that make up the last minute, s.
 const SPAN_S: f32 = 6.0;
 
-/// Least ratio that refutes the sigmas, whatever the degrees of freedom.
-const REFUTED: f32 = 2.0;
+/// `Q⁻¹(0.5)`, for the noise that an epoch adds to its span.
+const MEDIAN: f32 = 0.0;
 
-/// `Q⁻¹(1e-7)`, for the bound that refutes the sigmas. If the sigmas are right, the ratio exceeds
-/// it in one of ten million minutes.
-const REFUTED_QUANTILE: f32 = 5.199_338;
-
-/// `Q⁻¹(1e-3)`, for the bound above which levels are scaled.
-const SCALED_QUANTILE: f32 = 3.090_232;
+/// `Q⁻¹(0.99)`, for the noise of an epoch that is judged again by its own residuals.
+const CERTAIN: f32 = -2.326_348;
 
 /// `Q⁻¹(1e-2)`, for the bound on the rest after an exclusion: the significance `α` of [Parity].
 ///
@@ -79,36 +96,33 @@ const REST_QUANTILE: f32 = 2.326_348;
 /// Limit for the square of an excluded satellite's residual divided by its sigma.
 const MOST_EXCLUDED: f32 = 25.0;
 
-/// Largest square of one residual, in units of the mean of the others.
+/// Limit for the square of one residual, in units of the mean of the others: three sigmas.
 const MOST_ONE: f32 = 9.0;
 
-/// Largest SSE/dof with which an epoch counts.
-const MOST_RATIO: f32 = 100.0;
-
-const CONFIDENCE: f32 = 0.0;
+/// Largest SSE/dof by which an epoch is judged again: three times the sigmas in use.
 const MOST_ALONE: f32 = 9.0;
 
-/// Largest factor on the receiver's part.
+/// Largest SSE/dof with which an epoch counts: ten times the sigmas in use. Two such epochs suffice
+/// for any noise up to [`MOST_NOISE`].
+const MOST_RATIO: f32 = 100.0;
+
+/// Factor on the receiver's part of a variance from which on no position is promised:
+/// `(30 m)² / (0.42 m)²`.
 const MOST_NOISE: f32 = 5000.0;
 
-/// Belief in the sigmas.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Belief {
-    /// Levels grow by this factor, at least 1.
-    Scaled(f32),
-    /// The residuals contradict the sigmas.
-    Refuted,
-}
+/// Least share of the receiver in the variances, so that rounding cannot make it 0.
+const LEAST_SHARE: f32 = 0.05;
 
 /// Residuals of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EpochResiduals {
-    /// Noise that the residuals of every tracked satellite show.
-    all: Residuals,
+    /// SSE/dof of every tracked satellite.
     ratio: f32,
+    /// Their degrees of freedom.
+    dof: u32,
     /// Share of the receiver in the variances in use.
     share: f32,
-    /// Factor in use.
+    /// Factor in use on the receiver's part.
     noise: f32,
     /// Residuals of the satellites used.
     rest: Residuals,
@@ -118,19 +132,28 @@ pub(super) struct EpochResiduals {
 
 impl EpochResiduals {
     /// The residuals of no epoch.
-    pub(super) const NONE: Self = Self { all: Residuals::NONE, ratio: 1.0, share: 1.0, noise: 1.0, rest: Residuals::NONE, excluded: 0 };
-}
+    pub(super) const NONE: Self =
+        Self { ratio: 0.0, dof: 0, share: 1.0, noise: 1.0, rest: Residuals::NONE, excluded: 0 };
 
-impl EpochResiduals {
-    fn claim(&self, normal: f32) -> f32 {
-        let quantile = Residuals { sse: 0.0, ..self.all }.ratio_at(normal).max(1e-3);
-        (self.noise * (1.0 + (self.ratio / quantile - 1.0) / self.share)).max(0.0)
+    /// Returns the factor on the receiver's part that explains the residuals; `normal` is the
+    /// normal quantile of the share of epochs with smaller residuals.
+    fn noise_at(&self, normal: f32) -> f32 {
+        // With few degrees of freedom the approximation may reach 0.
+        let expected = Residuals { sse: 0.0, dof: self.dof }.ratio_at(normal).max(1e-3);
+        // Without degrees of freedom this is NaN, which becomes 0.
+        (self.noise * (1.0 + (self.ratio / expected - 1.0) / self.share)).max(0.0)
+    }
+
+    /// Returns the noise of the epoch as a sum over its degrees of freedom.
+    fn sum(&self) -> Residuals {
+        Residuals { sse: self.noise_at(MEDIAN) * self.dof as f32, dof: self.dof }
     }
 }
 
 /// Residuals of the last minute.
 #[derive(Clone, Debug)]
 pub(super) struct Evidence {
+    /// Noise of each epoch, weighted by its degrees of freedom.
     all: RecentResiduals,
     /// Residuals of the satellites used, in epochs that excluded others.
     rests: RecentResiduals,
@@ -153,37 +176,33 @@ impl Evidence {
     /// Adds an epoch. If its time is before the last span, the evidence begins anew. An epoch with
     /// a NaN time is not added.
     pub(super) fn learn(&mut self, time_s: f64, latest: &EpochResiduals) {
-        self.all.add(time_s, latest.all);
+        self.all.add(time_s, latest.sum());
         if latest.excluded > 0 {
             self.rests.add(time_s, latest.rest);
         }
     }
 
-    /// Returns the belief in the sigmas after an epoch with these residuals.
-    pub(super) fn belief(&self, time_s: f64, latest: &EpochResiduals) -> Belief {
+    /// Returns the factor on the receiver's part of the variances that the last minute shows, 1 to
+    /// [`MOST_NOISE`].
+    #[inline(never)]
+    pub(super) fn noise(&self, time_s: f64) -> f32 {
+        // The ratio of a span without degrees of freedom is NaN, which `max` ignores.
+        self.all.at(time_s).fold(1.0_f32, |most, span| most.max(span.ratio())).min(MOST_NOISE)
+    }
+
+    /// Returns the factor on the levels of an epoch with these residuals, at least 1, or `None` if
+    /// they refute the sigmas.
+    pub(super) fn growth(&self, time_s: f64, latest: &EpochResiduals) -> Option<f32> {
         let rest = latest.rest;
-        let noise = self.noise(time_s, latest.all);
-        if noise >= MOST_NOISE {
-            return Belief::Refuted;
-        }
         if latest.excluded > 0 {
             let doubt = rest.excess(REST_QUANTILE) + self.rests.sum_at(time_s, rest).excess(REST_QUANTILE);
             if doubt > 0.0 {
-                return Belief::Refuted;
+                return None;
             }
         }
-        let of_all = 1.0 + (noise / latest.noise - 1.0) * latest.share;
-        Belief::Scaled(sqrt(of_all.max(rest.excess(SCALED_QUANTILE)).max(1.0)))
-    }
-
-    /// Returns the factor on the receiver's part of the variances that the last minute shows, with
-    /// `others`; at least 1.
-    pub(super) fn noise(&self, time_s: f64, others: Residuals) -> f32 {
-        // Without degrees of freedom the ratio is NaN, and the result 1.
-        let mean = self.all.sum_at(time_s, others).ratio();
-        let largest = self.all.at(time_s).chain(Some(others)).fold(0.0_f32, |most, span| most.max(if span.dof > 0 { span.ratio() } else {0.0}));
-        let _ = mean;
-        largest.clamp(1.0, MOST_NOISE)
+        let noise = self.noise(time_s).max(latest.noise_at(MEDIAN));
+        let growth = 1.0 + (noise / latest.noise - 1.0) * latest.share;
+        (noise < MOST_NOISE).then(|| sqrt(growth.max(1.0)))
     }
 }
 
@@ -209,41 +228,39 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Returns the belief in the sigmas after an epoch with these residuals. If epochs are judged
-    /// independently, there is no evidence, and the result is [`Belief::Sound`].
-    pub(super) fn belief(&self, time_s: f64, latest: &EpochResiduals) -> Belief {
-        match self.continuity_settings {
-            Some(_) if cfg!(feature = "past") => self.evidence.belief(time_s, latest),
-            _ => Belief::Scaled(1.0),
-        }
+    /// Returns the factor on the levels of an epoch with these residuals, or `None` if they refute
+    /// the sigmas. If epochs are judged independently, there is no evidence, and the factor is 1.
+    pub(super) fn growth(&self, time_s: f64, latest: &EpochResiduals) -> Option<f32> {
+        if self.compares_residuals() { self.evidence.growth(time_s, latest) } else { Some(1.0) }
     }
 
-    /// Returns a larger factor.
-    pub(super) fn noise_of_epoch(
+    /// Returns the factor on the receiver's part of the variances that the last minute shows.
+    pub(super) fn noise(&self, time_s: f64) -> f32 {
+        if self.compares_residuals() { self.evidence.noise(time_s) } else { 1.0 }
+    }
+
+    /// Returns a larger factor that explains an epoch in which no fault is isolated; `None` if
+    /// there is none that one epoch can show.
+    // Inlined, a build without the past would contain it.
+    #[inline(never)]
+    pub(super) fn louder(
         &self,
         judgement: &Judgement<T>,
         snapshot: &Snapshot<'_, T, N>,
         epoch: &EpochView<'_>,
         noise: f32,
     ) -> Option<f32> {
-        use ExclusionOutcome::NotIsolated;
-        if self.continuity_settings.is_none()
-            || !matches!(judgement.outcome, NotIsolated(reason) if !matches!(reason, Unidentified::Time | Unidentified::Budget))
-        {
+        let ExclusionOutcome::NotIsolated(reason) = judgement.outcome else { return None };
+        if !self.compares_residuals() || matches!(reason, Unidentified::Time | Unidentified::Budget) {
             return None;
         }
-        let evidence = residuals_of_all(judgement, snapshot, epoch, noise);
-        if evidence.ratio > MOST_ALONE { return None; }
-        let claim = evidence.claim(-2.326_348);
-        (claim > noise && claim < MOST_NOISE).then_some(claim)
+        let residuals = residuals_of_all(judgement, snapshot, epoch, noise);
+        let louder = residuals.noise_at(CERTAIN);
+        (residuals.ratio <= MOST_ALONE && louder > noise && louder < MOST_NOISE).then_some(louder)
     }
 
-    /// Returns the factor on the receiver's part of the variances that the last minute shows.
-    pub(super) fn noise(&self, time_s: f64) -> f32 {
-        match self.continuity_settings {
-            Some(_) if cfg!(feature = "past") => self.evidence.noise(time_s, Residuals::NONE),
-            _ => 1.0,
-        }
+    fn compares_residuals(&self) -> bool {
+        cfg!(feature = "past") && self.continuity_settings.is_some()
     }
 
     /// Returns true if a system that should be kept out takes part, because the others alone
@@ -260,12 +277,12 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     pub(super) fn supported(
         &self,
         how: Protected,
-        belief: Belief,
+        growth: Option<f32>,
         fix: &Fix<'_, T, N>,
         epoch: &EpochView<'_>,
         excluded: u8,
     ) -> Verdict {
-        if belief == Belief::Refuted {
+        if growth.is_none() {
             return Verdict::Unavailable(Unavailable::Sigmas);
         }
         if self.rests_on_kept_out(fix, epoch) {
@@ -285,15 +302,17 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 }
 
-/// Returns two sums: `rest` has the residuals of the satellites used. `all` adds those of the
-/// excluded satellites, except for the largest one.
+/// Returns the residuals of the satellites used, and with them those of the excluded satellites,
+/// except for the largest one.
+#[inline(never)]
 pub(super) fn residuals_of_all<T: Real, const N: usize>(
     judgement: &Judgement<T>,
     snapshot: &Snapshot<'_, T, N>,
     epoch: &EpochView<'_>,
     noise: f32,
 ) -> EpochResiduals {
-    if judgement.outcome == ExclusionOutcome::NotIsolated(Unidentified::Time) {
+    let is_late = judgement.outcome == ExclusionOutcome::NotIsolated(Unidentified::Time);
+    if !cfg!(feature = "past") || is_late {
         return EpochResiduals::NONE;
     }
     let (mut sum, mut largest, mut count) = (0.0_f32, 0.0_f32, 0_u32);
@@ -304,50 +323,59 @@ pub(super) fn residuals_of_all<T: Real, const N: usize>(
     }
     let rest = Residuals { sse: snapshot.sse().widen() as f32, dof: snapshot.dof() as u32 };
     let dof = rest.dof + count.saturating_sub(1);
-    let agrees = judgement.outcome == ExclusionOutcome::Isolated;
-    // One satellite's fault must not pass for noise.
-    let one = snapshot.statistics().worst.largest.widen() as f32;
-    let others = (rest.sse - one).max(0.0);
-    let most = others * (1.0 + MOST_ONE / (rest.dof as f32 - 1.0));
-    let bounded = if rest.dof > 1 && most < rest.sse { most } else { rest.sse };
-    let sse = bounded + sum - largest;
-    let ratio = sse / dof as f32;
+    let ratio = (without_one(rest, snapshot) + sum - largest) / dof as f32;
     // An infinite or NaN ratio counts as the largest permitted one.
     let ratio = if ratio < MOST_RATIO { ratio } else { MOST_RATIO };
+    let agrees = judgement.outcome == ExclusionOutcome::Isolated;
     let share = receivers_share(snapshot, epoch, noise);
-    let all = Residuals { sse: 0.0, dof };
-    let mut residuals = EpochResiduals { all, ratio, share, noise, rest, excluded: if agrees { count as u8 } else { 0 } };
-    residuals.all.sse = residuals.claim(CONFIDENCE) * dof as f32;
-    residuals
+    EpochResiduals { ratio, dof, share, noise, rest, excluded: if agrees { count as u8 } else { 0 } }
 }
 
-/// Returns the share of the receiver's part in the variances, weighted by redundancy.
-fn receivers_share<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, epoch: &EpochView<'_>, noise: f32) -> f32 {
+/// Returns the SSE in which the row with the largest w-test counts as at most [`MOST_ONE`] times
+/// the mean of the others.
+fn without_one<T: Real, const N: usize>(rest: Residuals, snapshot: &Snapshot<'_, T, N>) -> f32 {
+    if rest.dof < 2 {
+        return rest.sse;
+    }
+    let others = (rest.sse - snapshot.statistics().worst.largest.widen() as f32).max(0.0);
+    rest.sse.min(others * (1.0 + MOST_ONE / (rest.dof - 1) as f32))
+}
+
+/// Returns the share of the receiver's part in the variances in use, weighted by redundancy.
+fn receivers_share<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    epoch: &EpochView<'_>,
+    noise: f32,
+) -> f32 {
     let (mut fixed, mut all) = (0.0_f32, 0.0_f32);
-    for (index, ((row, fit), _)) in snapshot.rows().zip(epoch.observations()).enumerate() {
+    for ((row, fit), part) in snapshot.rows().zip(epoch.receivers_parts()) {
         if row.weight > T::zero() {
-            let (redundancy, part) = (fit.redundancy.widen() as f32, epoch.receivers_part(index));
+            let redundancy = fit.redundancy.widen() as f32;
             fixed += redundancy * (1.0 - part) / (1.0 + (noise - 1.0) * part);
             all += redundancy;
         }
     }
-    (1.0 - fixed / all).max(0.05)
+    (1.0 - fixed / all).max(LEAST_SHARE)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Belief, EpochResiduals, Evidence};
+    use super::{EpochResiduals, Evidence};
     use crate::weighting::residuals::Residuals;
 
-    /// Returns an epoch with this ratio of all satellites, and one of the rest far below 1.
+    /// `χ²_{0.5}(10)/10` (printed tables: 9.342).
+    const MEDIAN_OF_TEN: f32 = 0.9342;
+
+    /// Returns an epoch with this ratio of all satellites, judged by a factor of 1, and one of the
+    /// rest far below 1.
     fn of_all(ratio: f32) -> EpochResiduals {
-        EpochResiduals { all: Residuals { sse: 10.0 * ratio, dof: 10 }, ..EpochResiduals::NONE }
+        EpochResiduals { ratio: ratio * MEDIAN_OF_TEN, dof: 10, ..EpochResiduals::NONE }
     }
 
     /// Returns an epoch whose satellites used have this ratio.
     fn of_rest(ratio: f32, is_excluding: bool) -> EpochResiduals {
         let rest = Residuals { sse: 10.0 * ratio, dof: 10 };
-        EpochResiduals { rest, excluded: u8::from(is_excluding), ..of_all(1.0) }
+        EpochResiduals { rest, excluded: u8::from(is_excluding), ..of_all(0.9) }
     }
 
     fn after(epochs: u32, step_s: f64, latest: &EpochResiduals) -> Evidence {
@@ -356,62 +384,82 @@ mod tests {
         evidence
     }
 
-    #[test]
-    fn residuals_that_the_sigmas_allow_change_nothing() {
-        let none = EpochResiduals::NONE;
-        assert_eq!(after(60, 1.0, &of_all(1.0)).belief(59.0, &none), Belief::Sound);
-        assert_eq!(after(1, 1.0, &of_all(2.5)).belief(0.0, &none), Belief::Sound);
-        assert_eq!(Evidence::new().belief(0.0, &none), Belief::Sound);
+    fn close(have: f32, want: f32) {
+        assert!((have / want - 1.0).abs() < 0.01, "have {have}, want {want}");
     }
 
     #[test]
-    fn a_minute_of_larger_ones_scales_the_levels_and_then_refutes_the_sigmas() {
-        let none = EpochResiduals::NONE;
-        let scaled = after(60, 1.0, &of_all(1.5)).belief(59.0, &none);
-        let is_root = |factor: f32| (factor - 1.5_f32.sqrt()).abs() < 1e-6;
-        assert!(matches!(scaled, Belief::Scaled(factor) if is_root(factor)), "{scaled:?}");
-        assert_eq!(after(60, 1.0, &of_all(2.1)).belief(59.0, &none), Belief::Refuted);
-        assert_eq!(after(9, 30.0, &of_all(4.0)).belief(240.0, &none), Belief::Refuted);
+    fn residuals_that_the_sigmas_allow_change_nothing() {
+        assert_eq!(after(60, 1.0, &of_all(0.9)).noise(59.0), 1.0);
+        assert_eq!(after(60, 1.0, &of_all(0.9)).growth(59.0, &of_all(0.5)), Some(1.0));
+        assert_eq!(Evidence::new().noise(0.0), 1.0);
+        assert_eq!(Evidence::new().growth(0.0, &EpochResiduals::NONE), Some(1.0));
+    }
+
+    #[test]
+    fn a_minute_of_larger_ones_raises_the_noise_by_as_much() {
+        close(after(60, 1.0, &of_all(1.5)).noise(59.0), 1.5);
+        close(after(2, 30.0, &of_all(4.0)).noise(30.0), 4.0);
+        // If the receiver's part is half of the variance, it must grow twice as much.
+        let half = EpochResiduals { share: 0.5, ..of_all(1.5) };
+        close(after(60, 1.0, &half).noise(59.0), 2.0);
+        // Residuals weighed by the right factor confirm it.
+        let settled = EpochResiduals { noise: 8.0, share: 0.9, ..of_all(1.0) };
+        close(after(60, 1.0, &settled).noise(59.0), 8.0);
+    }
+
+    #[test]
+    fn the_noisiest_span_of_the_minute_counts() {
+        let mut evidence = after(6, 1.0, &of_all(9.0));
+        (6..60).for_each(|second| evidence.learn(f64::from(second), &of_all(0.5)));
+        close(evidence.noise(59.0), 9.0);
+        assert_eq!(evidence.noise(60.0), 1.0);
+    }
+
+    #[test]
+    fn levels_grow_by_what_the_epoch_itself_shows() {
+        let quiet = after(60, 1.0, &of_all(0.5));
+        close(quiet.growth(60.0, &of_all(4.0)).unwrap_or(0.0), 2.0);
+        // A factor in use already explains three of four parts.
+        let judged = EpochResiduals { noise: 3.0, ..of_all(4.0 / 3.0) };
+        close(quiet.growth(60.0, &judged).unwrap_or(0.0), (4.0_f32 / 3.0).sqrt());
+    }
+
+    #[test]
+    fn a_noise_that_no_receiver_can_track_refutes_the_sigmas() {
+        let near = EpochResiduals { noise: 4_900.0, ..of_all(1.0) };
+        assert!(after(6, 1.0, &near).growth(5.0, &near).is_some());
+        let beyond = EpochResiduals { noise: 4_900.0, ..of_all(1.1) };
+        assert_eq!(after(6, 1.0, &beyond).growth(5.0, &of_all(0.5)), None);
     }
 
     #[test]
     fn evidence_ends_after_a_minute_or_if_time_goes_back() {
-        let none = EpochResiduals::NONE;
         let mut evidence = after(60, 1.0, &of_all(4.0));
-        assert_eq!(evidence.belief(120.0, &none), Belief::Sound);
+        assert_eq!(evidence.noise(120.0), 1.0);
         evidence.learn(f64::NAN, &of_all(0.0));
-        assert_eq!(evidence.belief(59.0, &none), Belief::Refuted);
+        close(evidence.noise(59.0), 4.0);
         evidence.learn(-100.0, &of_all(0.1));
-        assert_eq!(evidence.belief(-100.0, &none), Belief::Sound);
+        assert_eq!(evidence.noise(-100.0), 1.0);
     }
 
-    /// χ² of 10 degrees of freedom is above 23.21 once in a hundred times, and above 29.59 once in
-    /// a thousand (printed tables).
+    /// χ² of 10 degrees of freedom is above 23.21 once in a hundred times (printed table).
     #[test]
     fn rest_after_an_exclusion_must_be_as_small_as_in_99_of_100_healthy_epochs() {
         let quiet = after(60, 1.0, &of_all(0.8));
-        assert_eq!(quiet.belief(60.0, &of_rest(2.2, true)), Belief::Sound);
-        assert_eq!(quiet.belief(60.0, &of_rest(2.4, true)), Belief::Refuted);
-        assert_eq!(quiet.belief(60.0, &of_rest(2.4, false)), Belief::Sound);
+        assert_eq!(quiet.growth(60.0, &of_rest(2.2, true)), Some(1.0));
+        assert_eq!(quiet.growth(60.0, &of_rest(2.4, true)), None);
+        assert_eq!(quiet.growth(60.0, &of_rest(2.4, false)), Some(1.0));
     }
 
     /// χ² of 600 degrees of freedom is above 683.5 once in a hundred times.
     #[test]
     fn rests_of_a_minute_are_compared_together() {
         let large = after(60, 1.0, &of_rest(1.2, true));
-        assert_eq!(large.belief(60.0, &of_rest(1.2, true)), Belief::Refuted);
-        assert_eq!(large.belief(60.0, &of_rest(1.2, false)), Belief::Sound);
-        assert_eq!(large.belief(130.0, &of_rest(1.2, true)), Belief::Sound);
+        assert_eq!(large.growth(60.0, &of_rest(1.2, true)), None);
+        assert_eq!(large.growth(60.0, &of_rest(1.2, false)), Some(1.0));
+        assert_eq!(large.growth(130.0, &of_rest(1.2, true)), Some(1.0));
         let small = after(60, 1.0, &of_rest(1.05, true));
-        assert_eq!(small.belief(60.0, &of_rest(1.05, true)), Belief::Sound);
-    }
-
-    #[test]
-    fn one_epoch_with_large_residuals_scales_its_own_levels() {
-        let quiet = after(60, 1.0, &of_all(0.5));
-        let scaled = quiet.belief(60.0, &of_rest(3.2, false));
-        let is_root = |factor: f32| (factor - 3.2_f32.sqrt()).abs() < 1e-6;
-        assert!(matches!(scaled, Belief::Scaled(factor) if is_root(factor)), "{scaled:?}");
-        assert_eq!(quiet.belief(60.0, &of_rest(2.8, false)), Belief::Sound);
+        assert_eq!(small.growth(60.0, &of_rest(1.05, true)), Some(1.0));
     }
 }

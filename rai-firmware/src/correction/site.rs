@@ -189,7 +189,7 @@ impl Site {
                 }
                 _ => sigma_m(&budget),
             },
-            receiver_m2: reflection_m * reflection_m + user_m2(sin_elevation.max(0.05), &budget),
+            receiver_m2: user_m2(sin_elevation.max(0.05), &budget),
             shared: error.shared,
         })
     }
