@@ -122,7 +122,8 @@ fn receivers_share(satellite: SatelliteId, sigma_m: f64) -> u8 {
 
 /// Returns a share in 255ths, rounded up.
 fn in_255ths(share: f32) -> u8 {
-    libm::ceilf(255.0 * share) as u8
+    // The cast rounds down and saturates.
+    (255.0 * share + 1.0) as u8
 }
 
 impl fmt::Display for EpochError {
@@ -244,7 +245,7 @@ impl<const N: usize> Epoch<N> {
         /// part beyond that of a normal orbit and clock, at least a quarter.
         pub fn set_receiver_m2(&mut self, receiver_m2: f32) {
             if let (Some(part), Some(last)) = (self.receiver.last_mut(), self.observations.last()) {
-                *part = in_255ths(receiver_m2 / (last.sigma_m * last.sigma_m) as f32);
+                *part = in_255ths(receiver_m2 / (last.sigma_m as f32 * last.sigma_m as f32));
             }
         }
     }

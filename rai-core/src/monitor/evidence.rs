@@ -37,7 +37,8 @@
 //!
 //! **One satellite's fault must not pass for noise.** A ramp that raises κ as fast as its own
 //! residual would never be excluded. The residual of one row therefore counts as at most
-//! [`MOST_ONE`] times the mean square of the others. With one degree of freedom no other row
+//! [`MOST_ONE`] times the mean square of the others, and the shift of a whole constellation
+//! ([`constellation_shift`]) as at most [`MOST_SHIFT`] times. With one degree of freedom no other row
 //! contradicts, nothing can be excluded, and all of it counts. Excluded satellites are treated in
 //! the same spirit:
 //!
@@ -55,7 +56,7 @@
 //! **The rest after an exclusion.**
 //!
 //! ```text
-//! refuted   SSE_r / dof_r ≥ χ²_{1−1e-2}(dof_r) / dof_r          of this epoch, or of those of the minute that excluded satellites
+//! refuted   SSE_r / dof_r ≥ χ²_{1−1e-2}(dof_r) / dof_r          of this epoch
 //! ```
 //!
 //! The test's `P_fa` is small, because every healthy epoch risks a
@@ -71,6 +72,7 @@
 use super::{EpochOutcome, Monitor};
 use crate::epoch::{EpochView, Observation};
 use crate::integrity::Judgement;
+use crate::integrity::raim::hypotheses::constellation_shift;
 use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified, leaves_enough};
 use crate::least_squares::Snapshot;
 use crate::least_squares::fix::Fix;
@@ -98,6 +100,10 @@ const MOST_EXCLUDED: f32 = 25.0;
 
 /// Limit for the square of one residual, in units of the mean of the others: three sigmas.
 const MOST_ONE: f32 = 9.0;
+
+/// Limit for what a shifted constellation explains, in the same units: `χ²` with three degrees of
+/// freedom exceeds it as rarely as a normal number exceeds three sigmas.
+const MOST_SHIFT: f32 = 14.156;
 
 /// Largest SSE/dof by which an epoch is judged again: three times the sigmas in use.
 const MOST_ALONE: f32 = 9.0;
@@ -155,8 +161,6 @@ impl EpochResiduals {
 pub(super) struct Evidence {
     /// Noise of each epoch, weighted by its degrees of freedom.
     all: RecentResiduals,
-    /// Residuals of the satellites used, in epochs that excluded others.
-    rests: RecentResiduals,
 }
 
 impl Evidence {
@@ -164,22 +168,18 @@ impl Evidence {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub(super) const fn new() -> Self {
-        Self { all: RecentResiduals::of(SPAN_S), rests: RecentResiduals::of(SPAN_S) }
+        Self { all: RecentResiduals::of(SPAN_S) }
     }
 
     /// Forgets everything.
     pub(super) fn restart(&mut self) {
         self.all.restart();
-        self.rests.restart();
     }
 
     /// Adds an epoch. If its time is before the last span, the evidence begins anew. An epoch with
     /// a NaN time is not added.
     pub(super) fn learn(&mut self, time_s: f64, latest: &EpochResiduals) {
         self.all.add(time_s, latest.sum());
-        if latest.excluded > 0 {
-            self.rests.add(time_s, latest.rest);
-        }
     }
 
     /// Returns the factor on the receiver's part of the variances that the last minute shows, 1 to
@@ -193,12 +193,8 @@ impl Evidence {
     /// Returns the factor on the levels of an epoch with these residuals, at least 1, or `None` if
     /// they refute the sigmas.
     pub(super) fn growth(&self, time_s: f64, latest: &EpochResiduals) -> Option<f32> {
-        let rest = latest.rest;
-        if latest.excluded > 0 {
-            let doubt = rest.excess(REST_QUANTILE) + self.rests.sum_at(time_s, rest).excess(REST_QUANTILE);
-            if doubt > 0.0 {
-                return None;
-            }
+        if latest.excluded > 0 && latest.rest.excess(REST_QUANTILE) > 0.0 {
+            return None;
         }
         let noise = self.noise(time_s).max(latest.noise_at(MEDIAN));
         let growth = 1.0 + (noise / latest.noise - 1.0) * latest.share;
@@ -256,7 +252,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
         let residuals = residuals_of_all(judgement, snapshot, epoch, noise);
         let louder = residuals.noise_at(CERTAIN);
-        (residuals.ratio <= MOST_ALONE && louder > noise && louder < MOST_NOISE).then_some(louder)
+        // One degree of freedom does not tell noise from a fault.
+        let is_told = residuals.dof > 1 && residuals.ratio <= MOST_ALONE;
+        (is_told && louder > noise && louder < MOST_NOISE).then_some(louder)
     }
 
     fn compares_residuals(&self) -> bool {
@@ -323,7 +321,7 @@ pub(super) fn residuals_of_all<T: Real, const N: usize>(
     }
     let rest = Residuals { sse: snapshot.sse().widen() as f32, dof: snapshot.dof() as u32 };
     let dof = rest.dof + count.saturating_sub(1);
-    let ratio = (without_one(rest, snapshot) + sum - largest) / dof as f32;
+    let ratio = (without_fault(rest, snapshot) + sum - largest) / dof as f32;
     // An infinite or NaN ratio counts as the largest permitted one.
     let ratio = if ratio < MOST_RATIO { ratio } else { MOST_RATIO };
     let agrees = judgement.outcome == ExclusionOutcome::Isolated;
@@ -331,14 +329,21 @@ pub(super) fn residuals_of_all<T: Real, const N: usize>(
     EpochResiduals { ratio, dof, share, noise, rest, excluded: if agrees { count as u8 } else { 0 } }
 }
 
-/// Returns the SSE in which the row with the largest w-test counts as at most [`MOST_ONE`] times
-/// the mean of the others.
-fn without_one<T: Real, const N: usize>(rest: Residuals, snapshot: &Snapshot<'_, T, N>) -> f32 {
-    if rest.dof < 2 {
-        return rest.sse;
+/// Returns the SSE in which the most that one fault explains, of a row or of a constellation, is
+/// limited.
+fn without_fault<T: Real, const N: usize>(rest: Residuals, snapshot: &Snapshot<'_, T, N>) -> f32 {
+    let limited = |left: f32, unknowns: u32, most: f32| match rest.dof.checked_sub(unknowns) {
+        Some(dof) if dof > 0 => left.max(0.0) * (1.0 + most / dof as f32),
+        _ => rest.sse,
+    };
+    let one = rest.sse - snapshot.statistics().worst.largest.widen() as f32;
+    let sse = rest.sse.min(limited(one, 1, MOST_ONE));
+    // Small residuals need no explanation.
+    if sse < rest.dof as f32 {
+        return sse;
     }
-    let others = (rest.sse - snapshot.statistics().worst.largest.widen() as f32).max(0.0);
-    rest.sse.min(others * (1.0 + MOST_ONE / (rest.dof - 1) as f32))
+    let left = constellation_shift::least_sse(snapshot).widen() as f32;
+    sse.min(limited(left, constellation_shift::UNKNOWNS as u32, MOST_SHIFT))
 }
 
 /// Returns the share of the receiver's part in the variances in use, weighted by redundancy.
@@ -450,16 +455,5 @@ mod tests {
         assert_eq!(quiet.growth(60.0, &of_rest(2.2, true)), Some(1.0));
         assert_eq!(quiet.growth(60.0, &of_rest(2.4, true)), None);
         assert_eq!(quiet.growth(60.0, &of_rest(2.4, false)), Some(1.0));
-    }
-
-    /// χ² of 600 degrees of freedom is above 683.5 once in a hundred times.
-    #[test]
-    fn rests_of_a_minute_are_compared_together() {
-        let large = after(60, 1.0, &of_rest(1.2, true));
-        assert_eq!(large.growth(60.0, &of_rest(1.2, true)), None);
-        assert_eq!(large.growth(60.0, &of_rest(1.2, false)), Some(1.0));
-        assert_eq!(large.growth(130.0, &of_rest(1.2, true)), Some(1.0));
-        let small = after(60, 1.0, &of_rest(1.05, true));
-        assert_eq!(small.growth(60.0, &of_rest(1.05, true)), Some(1.0));
     }
 }
