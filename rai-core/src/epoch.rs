@@ -20,7 +20,6 @@ use crate::numeric::bounds::is_within;
 use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 use crate::weighting::adaptation::Adaptation;
-use crate::weighting::ephemeris_sigma_m;
 use crate::weighting::shared::SharedError;
 
 /// Largest range to a navigation satellite, receiver clock included, m.
@@ -111,19 +110,6 @@ fn is_plausible(position: Ecef) -> bool {
     let [x, y, z] = [position.x_m, position.y_m, position.z_m].map(|coordinate| coordinate as f32);
     let squares = |radius: &f32| radius * radius;
     (squares(RADIUS_M.start())..=squares(RADIUS_M.end())).contains(&(x * x + y * y + z * z))
-}
-
-/// Returns the receiver's part of a variance of unknown origin: what a normal orbit and clock leaves,
-/// at least a quarter, so that a caller's own small sigmas can grow too.
-fn receivers_share(satellite: SatelliteId, sigma_m: f64) -> u8 {
-    let ratio = ephemeris_sigma_m(satellite, 0.0) / sigma_m as f32;
-    in_255ths((1.0 - ratio * ratio).max(0.25))
-}
-
-/// Returns a share in 255ths, rounded up.
-fn in_255ths(share: f32) -> u8 {
-    // The cast rounds down and saturates.
-    (255.0 * share + 1.0) as u8
 }
 
 impl fmt::Display for EpochError {
@@ -233,19 +219,21 @@ impl<const N: usize> Epoch<N> {
         }
         self.observations.push(observation).map_err(|_| EpochError::Full)?;
         if cfg!(feature = "past") {
-            let receiver = receivers_share(observation.satellite, observation.sigma_m);
-            self.receiver.push(receiver).map_err(|_| EpochError::Full)?;
+            // Never full, because it is as long as `shared`.
+            let _ = self.receiver.push(u8::MAX);
         }
         self.shared.push(shared).map_err(|_| EpochError::Full)
     }
 
     unstable! {
         /// Sets the receiver's part of the variance of the satellite that was added last, m². The
-        /// monitor raises this part if residuals show that it is too small. Otherwise it is the
-        /// part beyond that of a normal orbit and clock, at least a quarter.
+        /// monitor raises this part if residuals show that it is too small. Before, it is the whole
+        /// variance.
         pub fn set_receiver_m2(&mut self, receiver_m2: f32) {
             if let (Some(part), Some(last)) = (self.receiver.last_mut(), self.observations.last()) {
-                *part = in_255ths(receiver_m2 / (last.sigma_m as f32 * last.sigma_m as f32));
+                let sigma_m = last.sigma_m as f32;
+                // Rounded up, so that a small part is not 0. The cast saturates.
+                *part = (255.0 * receiver_m2 / (sigma_m * sigma_m) + 1.0) as u8;
             }
         }
     }

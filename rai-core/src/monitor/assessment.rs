@@ -32,7 +32,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let excluded = suspects(judgement, fix, epoch);
         let evidence = residuals_of_all(judgement, fix.snapshot(), epoch, noise);
         let growth = self.growth(epoch.time_s(), &evidence);
-        if let Some(factor) = growth.filter(|factor| *factor > 1.0) {
+        if let Some(factor) = growth {
             judgement.scale_levels(f64::from(factor));
         }
         let verdict = match self.verdict(judgement, excluded.is_empty()) {

@@ -19,9 +19,9 @@
 //! A protection level assumes that errors are as large as their sigmas state. Small antennas and
 //! reflections make them larger. The receiver's part of each variance is then raised, and test,
 //! search, exclusion and levels use the raised variances. Orbits, troposphere and ionosphere keep
-//! theirs. If no set of satellites explains an epoch, the epoch is judged once more by a κ that it
-//! shows itself, with the confidence 0.99. This needs a ratio of at most [`MOST_ALONE`]: the rest
-//! needs the evidence of other epochs.
+//! theirs. An epoch is judged by the κ of those before it. If its
+//! residuals show more noise and it passes, only its levels grow. If it fails, it is refused, and
+//! the next one is judged by what it has shown.
 //!
 //! **A κ that is too large breaks no promise**, whatever made it so. The level contains
 //! `k' √(s² + σ²)` beyond the line `X = s Y` ([`crate::integrity::raim::levels`]). `X − s Y` has
@@ -87,9 +87,6 @@ const SPAN_S: f32 = 6.0;
 /// `Q⁻¹(0.5)`, for the noise that an epoch adds to its span.
 const MEDIAN: f32 = 0.0;
 
-/// `Q⁻¹(0.99)`, for the noise of an epoch that is judged again by its own residuals.
-const CERTAIN: f32 = -2.326_348;
-
 /// `Q⁻¹(1e-2)`, for the bound on the rest after an exclusion: the significance `α` of [Parity].
 ///
 /// [Parity]: crate#references
@@ -104,9 +101,6 @@ const MOST_ONE: f32 = 9.0;
 /// Limit for what a shifted constellation explains, in the same units: `χ²` with three degrees of
 /// freedom exceeds it as rarely as a normal number exceeds three sigmas.
 const MOST_SHIFT: f32 = 14.156;
-
-/// Largest SSE/dof by which an epoch is judged again: three times the sigmas in use.
-const MOST_ALONE: f32 = 9.0;
 
 /// Largest SSE/dof with which an epoch counts: ten times the sigmas in use. Two such epochs suffice
 /// for any noise up to [`MOST_NOISE`].
@@ -141,18 +135,16 @@ impl EpochResiduals {
     pub(super) const NONE: Self =
         Self { ratio: 0.0, dof: 0, share: 1.0, noise: 1.0, rest: Residuals::NONE, excluded: 0 };
 
-    /// Returns the factor on the receiver's part that explains the residuals; `normal` is the
-    /// normal quantile of the share of epochs with smaller residuals.
-    fn noise_at(&self, normal: f32) -> f32 {
-        // With few degrees of freedom the approximation may reach 0.
-        let expected = Residuals { sse: 0.0, dof: self.dof }.ratio_at(normal).max(1e-3);
+    /// Returns the factor on the receiver's part that explains the residuals.
+    fn shown(&self) -> f32 {
+        let expected = Residuals { sse: 0.0, dof: self.dof }.ratio_at(MEDIAN);
         // Without degrees of freedom this is NaN, which becomes 0.
         (self.noise * (1.0 + (self.ratio / expected - 1.0) / self.share)).max(0.0)
     }
 
     /// Returns the noise of the epoch as a sum over its degrees of freedom.
     fn sum(&self) -> Residuals {
-        Residuals { sse: self.noise_at(MEDIAN) * self.dof as f32, dof: self.dof }
+        Residuals { sse: self.shown() * self.dof as f32, dof: self.dof }
     }
 }
 
@@ -182,12 +174,12 @@ impl Evidence {
         self.all.add(time_s, latest.sum());
     }
 
-    /// Returns the factor on the receiver's part of the variances that the last minute shows, 1 to
-    /// [`MOST_NOISE`].
+    /// Returns the factor on the receiver's part of the variances that the last minute shows, at
+    /// least 1.
     #[inline(never)]
     pub(super) fn noise(&self, time_s: f64) -> f32 {
         // The ratio of a span without degrees of freedom is NaN, which `max` ignores.
-        self.all.at(time_s).fold(1.0_f32, |most, span| most.max(span.ratio())).min(MOST_NOISE)
+        self.all.at(time_s).fold(1.0, |most, span| most.max(span.ratio()))
     }
 
     /// Returns the factor on the levels of an epoch with these residuals, at least 1, or `None` if
@@ -196,7 +188,7 @@ impl Evidence {
         if latest.excluded > 0 && latest.rest.excess(REST_QUANTILE) > 0.0 {
             return None;
         }
-        let noise = self.noise(time_s).max(latest.noise_at(MEDIAN));
+        let noise = self.noise(time_s).max(latest.shown());
         let growth = 1.0 + (noise / latest.noise - 1.0) * latest.share;
         (noise < MOST_NOISE).then(|| sqrt(growth.max(1.0)))
     }
@@ -233,28 +225,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Returns the factor on the receiver's part of the variances that the last minute shows.
     pub(super) fn noise(&self, time_s: f64) -> f32 {
         if self.compares_residuals() { self.evidence.noise(time_s) } else { 1.0 }
-    }
-
-    /// Returns a larger factor that explains an epoch in which no fault is isolated; `None` if
-    /// there is none that one epoch can show.
-    // Inlined, a build without the past would contain it.
-    #[inline(never)]
-    pub(super) fn louder(
-        &self,
-        judgement: &Judgement<T>,
-        snapshot: &Snapshot<'_, T, N>,
-        epoch: &EpochView<'_>,
-        noise: f32,
-    ) -> Option<f32> {
-        let ExclusionOutcome::NotIsolated(reason) = judgement.outcome else { return None };
-        if !self.compares_residuals() || matches!(reason, Unidentified::Time | Unidentified::Budget) {
-            return None;
-        }
-        let residuals = residuals_of_all(judgement, snapshot, epoch, noise);
-        let louder = residuals.noise_at(CERTAIN);
-        // One degree of freedom does not tell noise from a fault.
-        let is_told = residuals.dof > 1 && residuals.ratio <= MOST_ALONE;
-        (is_told && louder > noise && louder < MOST_NOISE).then_some(louder)
     }
 
     fn compares_residuals(&self) -> bool {
@@ -302,7 +272,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
 /// Returns the residuals of the satellites used, and with them those of the excluded satellites,
 /// except for the largest one.
-#[inline(never)]
 pub(super) fn residuals_of_all<T: Real, const N: usize>(
     judgement: &Judgement<T>,
     snapshot: &Snapshot<'_, T, N>,

@@ -236,31 +236,22 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let forecast = if is_aided { self.clocks.aiding(&epoch.view()) } else { None };
         let scale = self.scale(epoch.time_s());
         let MonitorWorkspace { workspace, scratch, outcome } = memory;
-        let mut noise = self.noise(epoch.time_s());
-        for is_last in [!cfg!(feature = "past"), true] {
-            let aided = Aided::by(epoch, forecast).scaled(scale).noisier(noise);
-            // Judged in place, because a copy would be on the stack during every search.
-            match &mut Fix::about(workspace, aided, start) {
-                Ok(fix) => {
-                    let clock_row = fix.clock_row().filter(|_| cfg!(feature = "aiding"));
-                    let kept_out = self.keep_out(fix, &epoch.view());
-                    let mut judgement =
-                        judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
-                    if !is_last
-                        && let Some(louder) = self.louder(&judgement, fix.snapshot(), &epoch.view(), noise)
-                    {
-                        noise = louder;
-                        continue;
-                    }
-                    let is_broken = judgement.lost_systems;
-                    kept_out.describe(&mut judgement);
-                    self.assess(fix, &epoch.view(), noise, &mut judgement, outcome);
-                    outcome.update.systems.excluded = is_broken;
-                    outcome.update.systems.kept_out_agree = kept_out.agrees;
-                }
-                Err(error) => self.assess_without_position(*error, epoch, outcome),
+        let noise = self.noise(epoch.time_s());
+        let aided = Aided::by(epoch, forecast).scaled(scale).noisier(noise);
+        // Judged in place, because a copy would be on the stack during every search.
+        match &mut Fix::about(workspace, aided, start) {
+            Ok(fix) => {
+                let clock_row = fix.clock_row().filter(|_| cfg!(feature = "aiding"));
+                let kept_out = self.keep_out(fix, &epoch.view());
+                let mut judgement =
+                    judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
+                let is_broken = judgement.lost_systems;
+                kept_out.describe(&mut judgement);
+                self.assess(fix, &epoch.view(), noise, &mut judgement, outcome);
+                outcome.update.systems.excluded = is_broken;
+                outcome.update.systems.kept_out_agree = kept_out.agrees;
             }
-            break;
+            Err(error) => self.assess_without_position(*error, epoch, outcome),
         }
         outcome
     }

@@ -58,11 +58,7 @@ pub(crate) fn shows<T: Real, const N: usize>(
     let noise = thresholds.tau1::<T>(UNKNOWNS).map(|tau1| tau1 + T::narrow(RARER));
     let least = noise.map(|tau1| tau1.max(snapshot.statistics().worst.largest));
     let most = least.map(|least| snapshot.sse() - least).filter(|&most| most > T::zero());
-    most.is_some_and(|most| {
-        any_split(snapshot, &|split| {
-            split.mine.is_tested() && split.others.is_tested() && split.sse(snapshot) < most
-        })
-    })
+    most.is_some_and(|most| least_sse(snapshot) < most)
 }
 
 /// Returns the least SSE that a shift leaves; infinite without a shift that can be tested.
