@@ -11,7 +11,7 @@
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `κ` | [`Aided::noisier`](crate::epoch::Aided::noisier), [`EpochResiduals::noise`] | – |
-//! | `p_i`, `P` | [`EpochView::receivers_part`], [`EpochResiduals::share`] | – |
+//! | `p_i`, `P` | [`EpochView::receivers_parts`], [`EpochResiduals::share`] | – |
 //! | `SSE`, `dof` | weighted squares of the residuals, those of excluded satellites included, and their degrees of freedom | – |
 //! | `r_i` | redundancy of a row | – |
 //! | `χ²_p(ν)/ν` | [`Residuals::ratio_at`] | – |
@@ -19,9 +19,9 @@
 //! A protection level assumes that errors are as large as their sigmas state. Small antennas and
 //! reflections make them larger. The receiver's part of each variance is then raised, and test,
 //! search, exclusion and levels use the raised variances. Orbits, troposphere and ionosphere keep
-//! theirs. An epoch is judged by the κ of those before it. If its
-//! residuals show more noise and it passes, only its levels grow. If it fails, it is refused, and
-//! the next one is judged by what it has shown.
+//! theirs. An epoch is judged by the κ of those before it. If its residuals show more noise and it
+//! passes, only its levels grow. If it fails, it is refused, and the next one is judged by what it
+//! has shown.
 //!
 //! **A κ that is too large breaks no promise**, whatever made it so. The level contains
 //! `k' √(s² + σ²)` beyond the line `X = s Y` ([`crate::integrity::raim::levels`]). `X − s Y` has
@@ -30,6 +30,8 @@
 //! half-planes of larger κ lie within those of smaller ones. Together, those of all κ above the
 //! true one therefore have at most the probability `Q(k')`, also if κ depends on these residuals.
 //! One slow fault also raises κ. The test then detects it later, and the level has grown by then.
+//! The half-planes are nested exactly if all variances grow alike. `rai-core/tests/all/noisy_receivers.rs`
+//! simulates ramps of every satellite with noise of half the sigma to three times the sigma.
 //!
 //! **A κ that is too small breaks promises.** Multipath repeats from epoch to epoch, so that a
 //! minute may be no more than one sample. `m` is therefore the median for the degrees of freedom of
@@ -59,8 +61,7 @@
 //! refuted   SSE_r / dof_r ≥ χ²_{1−1e-2}(dof_r) / dof_r          of this epoch
 //! ```
 //!
-//! The test's `P_fa` is small, because every healthy epoch risks a
-//! false alarm. After an exclusion one fault is certain, and reflections come in groups. A rest
+//! The test's `P_fa` is small, because every healthy epoch risks a false alarm. After an exclusion one fault is certain, and reflections come in groups. A rest
 //! just below the threshold is then far likelier to contain another fault than to be healthy. Its
 //! bound is therefore lower, and refuses a healthy rest in one of a hundred epochs that exclude
 //! satellites. In simulated street canyons 170 errors exceeded a level. In 138 of these epochs
