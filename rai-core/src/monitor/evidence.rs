@@ -334,6 +334,7 @@ fn receivers_share<T: Real, const N: usize>(
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "a factor of 1 is exact")]
 mod tests {
     use super::{EpochResiduals, Evidence};
     use crate::weighting::residuals::Residuals;

@@ -16,7 +16,7 @@
 //! |---|---|---|
 //! | `start` | last position | start of the next fix |
 //! | `ratios` | SSE/dof of epochs that passed their test | sigma check |
-//! | `evidence`, `named` | residuals of the last minute; satellites excluded lately | withdraw a promise |
+//! | `evidence`, `named` | residuals of the last minute; satellites excluded lately | raise the noise; withdraw a promise |
 //! | `kept_out` | systems that were broken again and again | are left out before the test |
 //! | `height`, `motion` | last known height; last positions | are compared with the next ones |
 //! | `continuity` | earlier verdicts ([`crate::continuity`]) | jumps, recovery after an alert |
