@@ -120,8 +120,12 @@ impl Doubt {
     /// Notes an epoch with a velocity and without a contradiction. Returns true if an earlier
     /// contradiction keeps the alert.
     pub(super) fn keeps_at(&mut self, time_s: f64, is_home: bool) -> bool {
-        self.refused_s = None;
-        self.share(time_s, false);
+        // A longer gap counts as a second.
+        let elapsed_s = (time_s - self.rated_s).clamp(0.0, 1.0);
+        // A run of refused rates counts when it is over, so that it is not usual by itself.
+        let refused_s = self.refused_s.take().map_or(0.0, |since_s| (time_s - since_s).clamp(0.0, REFUSED_S));
+        self.rated_s = time_s;
+        self.share([elapsed_s as f32, refused_s as f32]);
         let Some(contradiction) = &mut self.contradiction else { return false };
         let is_old = time_s - contradiction.last_s > HELD_S;
         if contradiction.is_held && is_old {
@@ -142,9 +146,6 @@ impl Doubt {
     pub(super) fn keeps_without_velocity(&mut self, time_s: f64, is_refused: bool) -> bool {
         if is_refused {
             self.refused_s.get_or_insert(time_s);
-            if !self.is_refused_for_long(time_s) {
-                self.share(time_s, true);
-            }
         }
         let is_renewed = is_refused && self.is_unusual();
         let Some(contradiction) = &mut self.contradiction else { return false };
@@ -158,16 +159,12 @@ impl Doubt {
         self.contradiction.is_some()
     }
 
-    /// Adds an epoch to the share of refused rates.
-    fn share(&mut self, time_s: f64, is_refused: bool) {
-        // A longer gap counts as a second.
-        let elapsed_s = (time_s - self.rated_s).clamp(0.0, 1.0) as f32;
-        self.rated_s = time_s;
-        let [agreed_s, refused_s] = &mut self.shares_s;
-        *(if is_refused { &mut *refused_s } else { &mut *agreed_s }) += elapsed_s;
-        if *agreed_s + *refused_s > SHARE_S {
-            (*agreed_s, *refused_s) = (0.5 * *agreed_s, 0.5 * *refused_s);
-        }
+    /// Adds times with rates that agreed and that were refused, s.
+    fn share(&mut self, more_s: [f32; 2]) {
+        let ([agreed_s, refused_s], [more_agreed_s, more_refused_s]) = (self.shares_s, more_s);
+        let all_s = [agreed_s + more_agreed_s, refused_s + more_refused_s];
+        let is_full = all_s.iter().sum::<f32>() > SHARE_S;
+        self.shares_s = if is_full { all_s.map(|time_s| 0.5 * time_s) } else { all_s };
     }
 
     /// Returns true if rates that contradict each other are unusual for the receiver.
