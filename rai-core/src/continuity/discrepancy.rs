@@ -8,13 +8,16 @@ use crate::numeric::sqrt;
 pub(super) const LEARNED: u16 = 24;
 
 /// Number of marks over which a spread is averaged: those of ten minutes.
-const MEMORY: u16 = 120;
+pub(super) const MEMORY: u16 = 120;
 
 /// Least ratio of a drift to the mean discrepancy, and to the scatter, dimensionless.
 const DRIFT: f32 = 6.0;
 
 /// Ratio to the mean at which a new value is cut off, dimensionless.
 const TEACHING_BOUND: f32 = 3.0;
+
+/// Largest change along a straight line that is learned, relative to the scatter about the line.
+const ON_A_LINE: f32 = 2.0;
 
 /// Mean of the absolute changes of a discrepancy within a minute.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,20 +31,36 @@ impl Spread {
         Self { mean_m: 0.0, count: 0 }
     }
 
+    /// Adds a change within a minute, m. One along a straight line is no noise, and counts as at most
+    /// twice its scatter about the line.
+    pub(super) fn learn_change(&mut self, change_m: f32, scatter_m: Option<f32>) {
+        self.learn(scatter_m.map_or(change_m, |scatter_m| change_m.min(ON_A_LINE * scatter_m)));
+    }
+
     /// Adds a discrepancy, m, unless it is infinite or NaN.
-    pub(super) fn learn(&mut self, discrepancy_m: f32) {
-        let is_known = self.count >= LEARNED;
-        let value_m = if is_known { discrepancy_m.min(TEACHING_BOUND * self.mean_m) } else { discrepancy_m };
+    fn learn(&mut self, discrepancy_m: f32) {
+        let value_m =
+            if self.is_known() { discrepancy_m.min(TEACHING_BOUND * self.mean_m) } else { discrepancy_m };
         if value_m.is_finite() {
             self.count = (self.count + 1).min(MEMORY);
             self.mean_m += (value_m - self.mean_m) / f32::from(self.count);
         }
     }
 
+    /// Returns the mean, m.
+    pub(super) const fn mean_m(self) -> f32 {
+        self.mean_m
+    }
+
+    /// Returns true if the mean is known.
+    pub(super) const fn is_known(self) -> bool {
+        self.count >= LEARNED
+    }
+
     /// Returns true if a change along a straight line is large enough for a drift, or NaN.
     pub(super) fn is_drift(self, change_m: f32, scatter_m: f32, floor_m: f32) -> bool {
         let explained_m = (DRIFT * self.mean_m).max(DRIFT * scatter_m).max(floor_m);
-        self.count >= LEARNED && !(change_m <= explained_m)
+        self.is_known() && !(change_m <= explained_m)
     }
 }
 
@@ -54,11 +73,19 @@ pub(super) struct Discrepancy {
     pub(super) clock_m: f32,
     /// Largest displacement since the origin that unknown accelerations explain, m.
     pub(super) unknown_m: f32,
+    /// Largest change of the clock since the origin that an unknown walk of its drift explains, m.
+    pub(super) unknown_clock_m: f32,
     /// `HPL + VPL` of the epoch, m.
     pub(super) level_m: f32,
 }
 
 impl Discrepancy {
+    /// Returns the discrepancy of an origin.
+    pub(super) fn none(level_m: f32) -> Self {
+        let position = Vector3::new(0.0, 0.0, 0.0);
+        Self { position, clock_m: 0.0, unknown_m: 0.0, unknown_clock_m: 0.0, level_m }
+    }
+
     /// Returns the distances of position and clock from another discrepancy, m. That of the
     /// position is reduced by the displacement that unknown accelerations explain.
     pub(super) fn from(&self, other: &Self) -> [f32; 2] {

@@ -37,8 +37,10 @@
 //! reachable, unless the caller has a clock.
 
 mod discrepancy;
+mod doubt;
 mod motion;
 mod oscillator;
+mod path;
 mod reach;
 
 pub use motion::Motion;
@@ -62,7 +64,7 @@ pub const WEAK: Recovery = Recovery { epochs: 10, seconds: 10.0 };
 
 /// Required agreement after rates contradicted position or clock. It is longer than a drift needs
 /// to be detected again.
-pub const DOUBTED: Recovery = Recovery { epochs: 10, seconds: 30.0 };
+pub const DOUBTED: Recovery = Recovery { epochs: 10, seconds: doubt::SETTLED_S };
 
 /// Required length of an agreement, in epochs and in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,6 +7,7 @@
 //! δ_k = [p_k − Σ ½ (v_j + v_{j−1}) Δt_j,   b_k − Σ ½ (ḋ_j + ḋ_{j−1}) Δt_j]        j ≤ k
 //!
 //! leap    |δ_k − δ_m| > L_k + L_m                               for a mark m of the last minute
+//! step    |δ_k − δ_l| > max(20·t, √(L_k² + L_l²)/4)             for the last mark l, of the position only
 //! drift   |δ_k − δ_1| > max(floor, 6·s)  and  |δ_k − δ_1| > 6·e    for mark 1, the first of a window of 20, 30 or 60 s;
 //!         of the position also  |δ_k − δ_1| > L_k/4
 //! e²      = mean of |δ_m − δ_1 − (δ_k − δ_1) (t_m − t_1)/(t_k − t_1)|²  over the marks after the first
@@ -20,6 +21,7 @@
 //! | `L` | `HPL + VPL` of an epoch | m |
 //! | `e` | scatter of the marks about a straight line | m |
 //! | `s` | [`Spread`]: mean of `|δ_k − δ_1|` over the epochs so far | m |
+//! | `t` | [`Spread`]: mean of `|δ|` from one mark to the next | m |
 //!
 //! A contradiction of the position is [`Alert::Track`], one of the clock [`Alert::Clock`]. In one
 //! epoch, the clock reveals a second receiver, a repeater, and most counterfeit signals. Within a
@@ -27,8 +29,8 @@
 //! detect.
 //!
 //! Reflections also change `δ`, in streets by 200 m within levels of 300 m, but rarely along a
-//! straight line. A leap is therefore compared with the levels alone, and a drift also with the
-//! usual spread `s`. A drift of the position counts only above a quarter of `L`, about three
+//! straight line. A step and a drift are therefore compared with their usual size, `t` and `s`. In
+//! streets, the largest step of 746 was 15 times the mean. A drift of the position counts only above a quarter of `L`, about three
 //! quarters of the HPL. Below that, the level bounds it; a continuing drift is an alert before it
 //! exceeds the level.
 //!
@@ -46,31 +48,34 @@
 //!
 //! **Learning.** Drifts are tested after [`super::discrepancy::LEARNED`] marks. A value above three
 //! times the mean counts as three times the mean, so that a growing error needs minutes to increase
-//! its bound. The bound of a leap is not learned. Epochs under an alert are not learned.
+//! its bound. A change along a straight line counts as at most twice the scatter about it, so that a
+//! walk in the first minutes does not teach its own bound. The bound `L_k + L_m` of a leap is not
+//! learned. Epochs under an alert are not learned.
 //!
 //! **Contradicting rates.** If a position is far from the true one, the true rates fit no velocity.
 //! If the rates of an epoch contradict each other, its position must therefore be where the last
 //! velocity leads. Both levels and a change of speed by 40 m/s are allowed for. This comparison
 //! ends after [`LONGEST_GAP_S`].
 //!
-//! **Ends.** After a leap the comparison begins anew at the new position and clock, so that one
-//! leap causes one alert. An agreement is then required. A drift remains an alert until a minute
-//! after its end.
+//! **Ends.** After a leap the marks begin anew at the new position and clock, so that one leap of a
+//! clock causes one alert. A position that leapt or drifted away stays an alert ([`super::doubt`]).
 //!
 //! **Gaps.** After a step longer than [`LONGEST_STEP_S`] the comparison begins anew. Across a gap
-//! of up to [`LONGEST_GAP_S`] the clock must still be within [`WANDER_M_S`] of its drift. For each
-//! step longer than [`SMOOTH_STEP_S`], an unknown acceleration `a` increases the position's bound
-//! by `a Δt²/8`. Steps of the clock by whole milliseconds are ignored, because receivers make them
-//! on purpose.
+//! the clock is still compared ([`super::path`]). Steps of the clock by whole milliseconds are
+//! ignored, because receivers make them on purpose. If the system of the clock is missing, another
+//! one takes its place, and the comparison of the position continues.
 //!
-//! **No rates.** Without Doppler frequencies the clock is compared with its past
-//! ([`super::oscillator`]), and the position is not compared.
+//! **No rates.** Without Doppler frequencies, or if they contradict each other, the clock is
+//! compared with its past ([`super::oscillator`]). Without them the position is not compared.
 //!
-//! **Limits.** An attack is not detected here if it starts from the true position and slowly
-//! changes ranges and rates consistently.
+//! **Limits.** A step below 20 usual ones is not detected, and none in the first two minutes. An
+//! attack is not detected here if it starts from the true position and slowly changes ranges and
+//! rates consistently.
 
 use super::discrepancy::{Discrepancy, Spread};
-use super::oscillator::{Oscillator, whole_milliseconds_m};
+use super::doubt::Doubt;
+use super::oscillator::Oscillator;
+use super::path::{ACCELERATION_M_S2, LONGEST_GAP_S, LONGEST_STEP_S, Moment, Path, across_gap};
 use heapless::Deque;
 use nalgebra::Vector3;
 
@@ -92,21 +97,6 @@ const MARKS: usize = if cfg!(feature = "past") { (WINDOW_S / SPACING_S) as usize
 /// Age of the oldest mark from which the spread is learned, s.
 const TEACHING_AGE_S: f64 = 50.0;
 
-/// Longest step of the integral, s.
-const LONGEST_STEP_S: f64 = 60.0;
-
-/// Longest gap across which a clock is compared, s.
-const LONGEST_GAP_S: f64 = 900.0;
-
-/// Largest departure of a quartz from its last drift, m/s: 0.1 ppm.
-const WANDER_M_S: f64 = 30.0;
-
-/// Longest step within which an acceleration counts as constant, s.
-const SMOOTH_STEP_S: f64 = 2.0;
-
-/// Largest acceleration of a vehicle between two epochs, m/s².
-const ACCELERATION_M_S2: f64 = 5.0;
-
 /// Largest change of speed of a car while the rates contradict each other, m/s.
 const FASTER_M_S: f32 = 40.0;
 
@@ -119,32 +109,15 @@ const LEVEL_SHARE: f32 = 0.25;
 /// Smallest drift of the position and of the clock, m. The position has three components.
 const FLOORS_M: [f32; 2] = [4.0, 2.0];
 
+/// Largest step of the position from mark to mark, relative to the mean one.
+const STEPS: f32 = 20.0;
+
 /// An epoch with which later ones are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Mark {
     /// Time since the origin, s.
     time_s: f32,
     discrepancy: Discrepancy,
-}
-
-/// An epoch with its rates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Moment {
-    time_s: f64,
-    position: Ecef,
-    level_m: f32,
-    clock_m: f64,
-    velocity_m_s: Vector3<f32>,
-    drift_m_s: f64,
-}
-
-/// Integral of the rates since the origin, the first of the compared epochs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Path {
-    origin_s: f64,
-    position: Ecef,
-    clock_m: f64,
-    unknown_m: f64,
 }
 
 /// Comparison of position and clock with the integral of velocity and drift.
@@ -155,6 +128,9 @@ pub struct Motion {
     marks: Deque<Mark, MARKS>,
     position: Spread,
     clock: Spread,
+    /// Changes of the position from one mark to the next.
+    step: Spread,
+    doubt: Doubt,
     reference: Constellation,
     oscillator: Oscillator,
 }
@@ -176,6 +152,8 @@ impl Motion {
             marks: Deque::new(),
             position: Spread::new(),
             clock: Spread::new(),
+            step: Spread::new(),
+            doubt: Doubt::new(),
             reference: Constellation::Gps,
             oscillator: Oscillator::new(),
         }
@@ -185,7 +163,20 @@ impl Motion {
     pub fn restart(&mut self) {
         self.marks.clear();
         (self.last, self.path) = (None, None);
+        self.doubt.release();
         self.oscillator.restart();
+    }
+
+    /// Forgets the epochs so far and their contradictions, but not their spread.
+    pub(crate) fn forget(&mut self) {
+        self.doubt = Doubt::new();
+        self.restart();
+    }
+
+    /// Returns true if the rates have contradicted each other for so long that the position must
+    /// not be promised.
+    pub(crate) fn is_refused_for_long(&self, time_s: f64) -> bool {
+        cfg!(feature = "past") && self.doubt.is_refused_for_long(time_s)
     }
 
     /// Compares an epoch that passed its test with earlier ones. Returns the contradiction.
@@ -204,46 +195,97 @@ impl Motion {
         }
         let (solution, levels) = report.solution.as_ref().zip(report.protection)?;
         let level_m = (levels.hpl_m + levels.vpl_m) as f32;
+        let position = solution.position;
+        let (clock_m, is_of_another_clock) = self.clock_m(&solution.clocks_m, &report.used)?;
+        if is_of_another_clock {
+            self.oscillator.restart();
+        }
+        // It learns in every epoch, and judges those without a drift.
+        let leaps = self.oscillator.leaps(time_s, clock_m, level_m);
         let velocity = match velocity {
             Ok(velocity) => velocity,
-            Err(VelocityError::Fault) => return self.without_velocity(time_s, solution.position, level_m),
-            Err(VelocityError::Redundancy | VelocityError::Geometry) => {
-                let clock_m = self.clock_m(&solution.clocks_m, &report.used)?;
-                return self.oscillator.leaps(time_s, clock_m, level_m).then_some(Alert::Clock);
+            Err(error) => {
+                let is_refused = error == VelocityError::Fault;
+                let is_astray = is_refused && self.is_astray(time_s, position, level_m);
+                let contradiction = alert(is_astray, leaps);
+                // Where rates are refused as usual, a clock counts as one without rates.
+                if is_astray || leaps && is_refused && self.doubt.is_unusual() {
+                    self.doubt.contradict(time_s, false);
+                }
+                let is_kept = self.doubt.keeps_without_velocity(time_s, is_refused);
+                return contradiction.or(is_kept.then_some(Alert::Track));
             }
         };
-        let clock_m = self.clock_m(&solution.clocks_m, &report.used)?;
-        let velocity_m_s = earth_fixed(solution.position, velocity.east_north_up_m_s);
+        let velocity_m_s = earth_fixed(position, velocity.east_north_up_m_s);
         let drift_m_s = velocity.drift_m_s;
-        // An epoch with rates is compared with their drift instead.
-        self.oscillator.restart();
-        let now = Moment { time_s, position: solution.position, level_m, clock_m, velocity_m_s, drift_m_s };
-        let last = self.last.replace(now)?;
-        let elapsed_s = time_s - last.time_s;
-        // NaN fails this comparison too.
-        if !(elapsed_s > 0.0 && elapsed_s <= LONGEST_STEP_S) {
-            self.begin(&now, solution.position, level_m);
-            return across_gap(&last, &now, level_m);
-        }
-        let Some(discrepancy) = self.advance(&last, &now, solution.position, level_m) else {
-            self.begin(&now, solution.position, level_m);
-            return None;
-        };
-        let leap = self.leap(time_s, &discrepancy);
-        if leap.is_some() {
-            self.begin(&now, solution.position, level_m);
-            return leap;
-        }
-        self.drift(time_s, &discrepancy)
+        let now = Moment { time_s, position, level_m, clock_m, velocity_m_s, drift_m_s, is_of_another_clock };
+        self.with_velocity(&now)
     }
 
-    /// Compares a position whose rates contradict each other with the last position that had a
-    /// velocity.
-    fn without_velocity(&self, time_s: f64, position: Ecef, level_m: f32) -> Option<Alert> {
-        let last = self.last.as_ref()?;
+    /// Compares an epoch with a velocity with earlier ones.
+    fn with_velocity(&mut self, now: &Moment) -> Option<Alert> {
+        let last = self.last.replace(*now)?;
+        let near = Some(last).filter(|last| {
+            let elapsed_s = now.time_s - last.time_s;
+            elapsed_s > 0.0 && elapsed_s <= LONGEST_STEP_S
+        });
+        let ([is_off_track, is_off_time], is_home) = if let (Some(last), Some(path)) = (near, &mut self.path)
+        {
+            let discrepancy = path.advance(&last, now);
+            let now_s = (now.time_s - path.origin_s) as f32;
+            self.compare(now_s, now, discrepancy)
+        } else {
+            // After a silence the place may be another. Epochs whose rates were refused are none.
+            if !self.doubt.is_refused() {
+                self.doubt.release();
+            }
+            self.begin(now);
+            ([false, across_gap(&last, now)], None)
+        };
+        let contradiction = alert(is_off_track, is_off_time);
+        if contradiction.is_some() {
+            self.doubt.contradict(now.time_s, is_off_track && is_home == Some(false));
+        }
+        let is_kept = self.doubt.keeps_at(now.time_s, is_home == Some(true));
+        contradiction.or(is_kept.then_some(Alert::Track))
+    }
+
+    /// Returns whether position and clock contradict their past, and whether the position is the
+    /// usual one, if that is known.
+    fn compare(&mut self, now_s: f32, now: &Moment, discrepancy: Discrepancy) -> ([bool; 2], Option<bool>) {
+        while self.marks.front().is_some_and(|mark| now_s - mark.time_s > WINDOW_S as f32) {
+            self.marks.pop_front();
+        }
+        let [floor_m, _] = FLOORS_M;
+        let floor_m = floor_m.max(LEVEL_SHARE * now.level_m);
+        // The noise of a difference is that of both epochs.
+        let last_m = self.marks.back().map_or(now.level_m, |mark| mark.discrepancy.level_m);
+        let both_m = LEVEL_SHARE * sqrt(now.level_m * now.level_m + last_m * last_m);
+        let step_m = (STEPS * self.step.mean_m()).max(both_m);
+        let is_home = self.doubt.is_home(&discrepancy, step_m);
+        let leap = self.leap(&discrepancy, step_m, is_home);
+        if leap != [false; 2] {
+            if let Some(path) = &mut self.path {
+                path.set_clock(now.clock_m);
+            }
+            self.mark_anew(Mark { time_s: now_s, discrepancy: Discrepancy { clock_m: 0.0, ..discrepancy } });
+            return (leap, is_home);
+        }
+        // A place at the edge of the bound has not returned, whatever the noise of the epoch.
+        let is_home =
+            if is_home == Some(true) { self.doubt.is_home(&discrepancy, 0.5 * step_m) } else { is_home };
+        let drift = self.line(now_s, &discrepancy, floor_m);
+        self.mark(now_s, &discrepancy, drift == [false; 2]);
+        (drift, is_home)
+    }
+
+    /// Returns true if a position whose rates contradict each other is not where the last velocity
+    /// leads.
+    fn is_astray(&self, time_s: f64, position: Ecef, level_m: f32) -> bool {
+        let Some(last) = &self.last else { return false };
         let elapsed_s = time_s - last.time_s;
         if !(0.0..=LONGEST_GAP_S).contains(&elapsed_s) {
-            return None;
+            return false;
         }
         let elapsed_s = elapsed_s as f32;
         let way_m = last.velocity_m_s * elapsed_s;
@@ -252,89 +294,74 @@ impl Motion {
         let faster_m_s = (0.5 * ACCELERATION_M_S2 as f32 * elapsed_s).min(FASTER_M_S);
         let bound_m = level_m + last.level_m + faster_m_s * elapsed_s;
         // NaN fails this comparison, so that it counts as a contradiction.
-        alert(!(away_m.norm_squared() <= bound_m * bound_m), false)
+        !(away_m.norm_squared() <= bound_m * bound_m)
     }
 
-    /// Returns the clock of the constellation that is compared, m. If that constellation is gone,
-    /// the comparison begins anew with another one.
+    /// Returns the clock of the constellation that is compared, m, and true if it is another one
+    /// than before, because that one is gone.
     fn clock_m(
         &mut self,
         clocks_m: &[Option<f64>; Constellation::COUNT],
         used: &[crate::satellite::SatelliteId],
-    ) -> Option<f64> {
+    ) -> Option<(f64, bool)> {
         let clock_m = |constellation: Constellation| *clocks_m.get(constellation as usize)?;
         if let Some(clock_m) = clock_m(self.reference) {
-            return Some(clock_m);
+            return Some((clock_m, false));
         }
-        self.restart();
         self.reference = used.first()?.constellation();
-        clock_m(self.reference)
+        Some((clock_m(self.reference)?, true))
     }
 
     /// Begins the integral at an epoch.
-    fn begin(&mut self, now: &Moment, position: Ecef, level_m: f32) {
-        self.marks.clear();
-        let Moment { time_s, clock_m, .. } = *now;
-        self.path = Some(Path { origin_s: time_s, position, clock_m, unknown_m: 0.0 });
-        let nothing =
-            Discrepancy { position: Vector3::new(0.0, 0.0, 0.0), clock_m: 0.0, unknown_m: 0.0, level_m };
-        // Never full, because it was cleared.
-        let _ = self.marks.push_back(Mark { time_s: 0.0, discrepancy: nothing });
+    fn begin(&mut self, now: &Moment) {
+        self.path = Some(Path::from(now));
+        self.doubt.leave_home();
+        let level_m = now.level_m;
+        self.mark_anew(Mark { time_s: 0.0, discrepancy: Discrepancy::none(level_m) });
     }
 
-    /// Adds a step to the integral; returns the discrepancy after it.
-    fn advance(&mut self, last: &Moment, now: &Moment, position: Ecef, level_m: f32) -> Option<Discrepancy> {
-        let path = self.path.as_mut()?;
-        let elapsed_s = now.time_s - last.time_s;
-        let half_s = (0.5 * elapsed_s) as f32;
-        let way_m = (now.velocity_m_s + last.velocity_m_s) * half_s;
-        path.position = path.position + Ecef::new(way_m.x.into(), way_m.y.into(), way_m.z.into());
-        path.clock_m += 0.5 * elapsed_s * (now.drift_m_s + last.drift_m_s);
-        path.clock_m += whole_milliseconds_m(now.clock_m - last.clock_m - elapsed_s * now.drift_m_s);
-        if elapsed_s > SMOOTH_STEP_S {
-            path.unknown_m += ACCELERATION_M_S2 / 8.0 * elapsed_s * elapsed_s;
-        }
-        let away = position - path.position;
-        Some(Discrepancy {
-            position: Vector3::new(away.x_m as f32, away.y_m as f32, away.z_m as f32),
-            clock_m: (now.clock_m - path.clock_m) as f32,
-            unknown_m: path.unknown_m as f32,
-            level_m,
+    /// Begins the marks with one.
+    fn mark_anew(&mut self, mark: Mark) {
+        self.marks.clear();
+        // Never full, because it was cleared.
+        let _ = self.marks.push_back(mark);
+    }
+
+    /// Returns whether position and clock differ from those of a mark by more than both levels, or
+    /// the position from that of the last mark by more than `step_m`. A return to the usual place
+    /// is no step.
+    fn leap(&self, now: &Discrepancy, step_m: f32, is_home: Option<bool>) -> [bool; 2] {
+        let is_step = self.step.is_known()
+            && is_home != Some(true)
+            && self.marks.back().is_some_and(|mark| {
+                let [away_m, _] = now.from(&mark.discrepancy);
+                !(away_m <= step_m)
+            });
+        self.marks.iter().fold([is_step, false], |[track, clock], mark| {
+            let level_m = now.level_m + mark.discrepancy.level_m;
+            let unknown_m = now.unknown_clock_m - mark.discrepancy.unknown_clock_m;
+            let [away_m, apart_m] = now.from(&mark.discrepancy);
+            // NaN fails both comparisons, so that it counts as a contradiction.
+            [track || !(away_m <= level_m), clock || !(apart_m <= level_m + unknown_m)]
         })
     }
 
-    /// Returns the contradiction if a discrepancy differs from that of a mark by more than both
-    /// levels.
-    fn leap(&mut self, time_s: f64, now: &Discrepancy) -> Option<Alert> {
-        let now_s = self.since_origin_s(time_s)?;
-        while self.marks.front().is_some_and(|mark| now_s - mark.time_s > WINDOW_S as f32) {
-            self.marks.pop_front();
-        }
-        let [track, clock] = self.marks.iter().fold([true; 2], |[track, clock], mark| {
-            let level_m = now.level_m + mark.discrepancy.level_m;
-            let [away_m, apart_m] = now.from(&mark.discrepancy);
-            // NaN fails both comparisons, so that it counts as a contradiction.
-            [track && away_m <= level_m, clock && apart_m <= level_m]
-        });
-        alert(!track, !clock)
+    /// Returns whether position and clock contradict their past by a straight line through the
+    /// marks of one of the windows.
+    fn line(&self, now_s: f32, now: &Discrepancy, floor_m: f32) -> [bool; 2] {
+        let [_, clock_floor_m] = FLOORS_M;
+        let lines = WINDOWS_S.into_iter().filter_map(|window_s| self.line_of(window_s, now_s, now));
+        lines.fold([false; 2], |[track, clock], [(away_m, scatter_m), (apart_m, clock_scatter_m)]| {
+            [
+                track || self.position.is_drift(away_m, scatter_m, floor_m),
+                clock || self.clock.is_drift(apart_m, clock_scatter_m, clock_floor_m),
+            ]
+        })
     }
 
-    /// Returns the contradiction of a change along a straight line, and learns from an epoch
-    /// without a contradiction.
-    fn drift(&mut self, time_s: f64, now: &Discrepancy) -> Option<Alert> {
-        let now_s = self.since_origin_s(time_s)?;
-        let contradiction = self.line(now_s, now);
-        self.mark(now_s, now, contradiction.is_none());
-        contradiction
-    }
-
-    /// Returns the contradiction of a straight line through the marks of one of the windows.
-    fn line(&self, now_s: f32, now: &Discrepancy) -> Option<Alert> {
-        WINDOWS_S.into_iter().find_map(|window_s| self.line_of(window_s, now_s, now))
-    }
-
-    /// Returns the contradiction of a straight line through the marks of a window, if it is full.
-    fn line_of(&self, window_s: f32, now_s: f32, now: &Discrepancy) -> Option<Alert> {
+    /// Returns the changes of position and clock within a window, and the scatter of its marks
+    /// about a straight line, m, if the window is full.
+    fn line_of(&self, window_s: f32, now_s: f32, now: &Discrepancy) -> Option<[(f32, f32); 2]> {
         let marks = || self.marks.iter().filter(|mark| now_s - mark.time_s <= window_s);
         let oldest = marks().next()?;
         let (age_s, count) = (now_s - oldest.time_s, marks().count());
@@ -354,23 +381,25 @@ impl Motion {
         let [scatter_m, clock_scatter_m] =
             squares.map(|square| sqrt(square / count.saturating_sub(1) as f32));
         let [away_m, apart_m] = now.from(&oldest.discrepancy);
-        let [floor_m, clock_floor_m] = FLOORS_M;
-        let floor_m = floor_m.max(LEVEL_SHARE * now.level_m);
-        alert(
-            self.position.is_drift(away_m, scatter_m, floor_m),
-            self.clock.is_drift(apart_m, clock_scatter_m, clock_floor_m),
-        )
+        Some([(away_m, scatter_m), (apart_m, clock_scatter_m)])
     }
 
-    fn since_origin_s(&self, time_s: f64) -> Option<f32> {
-        Some((time_s - self.path.as_ref()?.origin_s) as f32)
-    }
-
-    /// Returns the oldest mark and its age, s, if the age is at least [`TEACHING_AGE_S`].
-    fn oldest(&self, now_s: f32) -> Option<(&Mark, f32)> {
-        let oldest = self.marks.front()?;
-        let age_s = now_s - oldest.time_s;
-        (age_s >= TEACHING_AGE_S as f32).then_some((oldest, age_s))
+    /// Learns from a mark without a contradiction.
+    fn learn(&mut self, now_s: f32, now: &Discrepancy) {
+        self.doubt.learn(now);
+        if let Some(last) = self.marks.back() {
+            let [away_m, _] = now.from(&last.discrepancy);
+            self.step.learn_change(away_m.max(0.0), None);
+        }
+        if let Some(oldest) = self.marks.front().filter(|mark| now_s - mark.time_s >= TEACHING_AGE_S as f32) {
+            let [away_m, apart_m] = now.from(&oldest.discrepancy);
+            let scatters_m =
+                self.line_of(WINDOW_S as f32, now_s, now).map(|line| line.map(|(_, scatter_m)| scatter_m));
+            let [scatter_m, clock_scatter_m] =
+                scatters_m.map_or([None; 2], |scatters_m| scatters_m.map(Some));
+            self.position.learn_change(away_m.max(0.0), scatter_m);
+            self.clock.learn_change(apart_m, clock_scatter_m);
+        }
     }
 
     /// Makes the epoch a mark if the last mark is old enough. The spread then also learns from an
@@ -379,10 +408,8 @@ impl Motion {
         if self.marks.back().is_some_and(|mark| now_s - mark.time_s < SPACING_S as f32) {
             return;
         }
-        if let Some((oldest, _)) = self.oldest(now_s).filter(|_| is_teaching) {
-            let [away_m, apart_m] = now.from(&oldest.discrepancy);
-            self.position.learn(away_m.max(0.0));
-            self.clock.learn(apart_m);
+        if is_teaching {
+            self.learn(now_s, now);
         }
         if self.marks.is_full() {
             self.marks.pop_front();
@@ -398,17 +425,4 @@ fn alert(is_off_track: bool, is_off_time: bool) -> Option<Alert> {
         (true, false) => Some(Alert::Track),
         (false, false) => None,
     }
-}
-
-/// Returns the contradiction of a clock across a gap, except for whole milliseconds.
-fn across_gap(last: &Moment, now: &Moment, level_m: f32) -> Option<Alert> {
-    let elapsed_s = now.time_s - last.time_s;
-    if !(LONGEST_STEP_S..=LONGEST_GAP_S).contains(&elapsed_s) {
-        return None;
-    }
-    let error_m = now.clock_m - last.clock_m - 0.5 * elapsed_s * (now.drift_m_s + last.drift_m_s);
-    let error_m = libm::fabs(error_m - whole_milliseconds_m(error_m));
-    // NaN fails this comparison, so that it counts as a contradiction.
-    let is_explained = error_m <= WANDER_M_S * elapsed_s + f64::from(level_m);
-    (!is_explained).then_some(Alert::Clock)
 }

@@ -1,11 +1,11 @@
 //! Comparison of a receiver clock with its past, for receivers without range rates.
 //!
 //! ```text
-//! i = b_k − b_{k−1} − ḋ Δt, minus whole milliseconds
-//! ḋ ← ḋ + ½ i/Δt
-//! a leap     |i| > L_k + L_{k−1} + min(8 s, m)        Δt up to a minute
+//! i = b_k − b_j − ḋ Δt, minus whole milliseconds       j: the last epoch that was 0.9 s or more after the one before
+//! ḋ ← ḋ + ½ i/Δt                                       Δt ≥ 0.9 s
+//! a leap     |i| > L_k + L_j + min(8 s g, m)          Δt up to a minute
 //!            |i| > L_k + L_{k−1} + 30 m/s Δt          Δt up to 15 minutes
-//! m = max(150 m, 1.2 m (Δt/1 s)^1.5)
+//! m = max(150 m, 1.2 m (Δt/1 s)^1.5)                  g = max(1, Δt over its mean)
 //! ```
 //!
 //! | symbol | meaning | unit |
@@ -14,7 +14,10 @@
 //! | `ḋ` | drift, learned from the clock | m/s |
 //! | `i` | innovation: the change of the clock that the drift does not explain | m |
 //! | `L` | `HPL + VPL` of an epoch | m |
-//! | `s` | mean of `|i|` over the epochs so far; each counts as at most `3 s` | m |
+//! | `s` | mean of `|i|/g` over the epochs so far; each counts as at most `3 s` | m |
+//!
+//! A drift is as uncertain as the noise of a range over a second, and the error of a prediction grows
+//! with the time. The bound therefore grows too, by `g`, if epochs are missing.
 //!
 //! With a second receiver, a repeater or most counterfeit signals, the clock changes by more than
 //! an oscillator can. A poor oscillator, or a receiver that steers its clock, increases `s` and so
@@ -25,6 +28,8 @@
 //! After a leap the comparison begins anew at the new clock, so that one leap causes one alert. An
 //! agreement is then required.
 //!
+//! In epochs with a velocity, clock and drift are learned only, and [`super::path`] judges.
+//!
 //! **Limits.** Nothing is compared before [`LEARNED`] innovations. If an attack draws the clock off
 //! slowly, the drift follows, and nothing is detected without range rates.
 
@@ -33,6 +38,10 @@ use crate::numeric::sqrt;
 
 /// Longest step for which the learned drift is used, s.
 const LONGEST_STEP_S: f32 = 60.0;
+
+/// Shortest step from which drift and spread are learned, s. The noise of a range divided by a
+/// shorter one would be a drift that no gap survives.
+const SHORTEST_STEP_S: f32 = 0.9;
 
 /// Longest gap across which a clock is compared, s.
 const LONGEST_GAP_S: f32 = 900.0;
@@ -82,6 +91,8 @@ pub(super) struct Oscillator {
     spread_m: f32,
     /// Number of innovations, up to [`MEMORY`].
     count: u16,
+    /// Mean time between the compared epochs, s.
+    step_s: f32,
 }
 
 impl Oscillator {
@@ -89,7 +100,7 @@ impl Oscillator {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub(super) const fn new() -> Self {
-        Self { last: None, drift_m_s: None, spread_m: 0.0, count: 0 }
+        Self { last: None, drift_m_s: None, spread_m: 0.0, count: 0, step_s: SHORTEST_STEP_S }
     }
 
     /// Forgets the clock and its drift, but not the spread.
@@ -100,32 +111,39 @@ impl Oscillator {
     /// Returns true if a clock leaps from the prediction by its past. `level_m` is `HPL + VPL`.
     #[inline(never)]
     pub(super) fn leaps(&mut self, time_s: f64, clock_m: f64, level_m: f32) -> bool {
-        let Some(last) = self.last.replace(Reading { time_s, clock_m, level_m }) else { return false };
+        let now = Reading { time_s, clock_m, level_m };
+        let last = *self.last.get_or_insert(now);
         let elapsed_s = (time_s - last.time_s) as f32;
         // NaN fails this comparison too.
         if !(elapsed_s > 0.0 && elapsed_s <= LONGEST_GAP_S) {
-            self.drift_m_s = None;
+            (self.last, self.drift_m_s) = (Some(now), None);
             return false;
+        }
+        let is_learned = elapsed_s >= SHORTEST_STEP_S;
+        if is_learned {
+            self.last = Some(now);
         }
         let step_m = within_a_millisecond(clock_m - last.clock_m);
         let Some(drift_m_s) = self.drift_m_s else {
-            self.drift_m_s = Some(step_m / elapsed_s);
+            self.drift_m_s = is_learned.then_some(step_m / elapsed_s);
             return false;
         };
         let innovation_m = within_a_millisecond(f64::from(step_m - drift_m_s * elapsed_s));
         let is_step = elapsed_s <= LONGEST_STEP_S;
         let most_m = (WALK_M * elapsed_s * sqrt(elapsed_s)).max(MOST_LEARNED_M);
-        let learned_m = (SPREADS * self.spread_m).min(most_m);
+        let growth = (elapsed_s / self.step_s).max(1.0);
+        let learned_m = (SPREADS * growth * self.spread_m).min(most_m);
         let explained_m = if is_step { learned_m } else { WANDER_M_S * elapsed_s };
         // NaN fails this comparison, so that it counts as a leap.
         let is_explained = innovation_m.abs() <= explained_m + last.level_m + level_m;
         if !is_explained && self.count >= LEARNED {
-            self.drift_m_s = None;
+            (self.last, self.drift_m_s) = (Some(now), None);
             return true;
         }
-        if is_step {
+        if is_step && is_learned {
             self.drift_m_s = Some(drift_m_s + GAIN * innovation_m / elapsed_s);
-            self.learn(innovation_m.abs(), most_m);
+            self.learn(innovation_m.abs() / growth, most_m);
+            self.step_s += (elapsed_s - self.step_s) / f32::from(self.count.max(1));
         }
         false
     }

@@ -163,7 +163,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     pub fn forget_position(&mut self) {
         self.continuity.forget();
         self.kept_out.restart();
-        self.motion.restart();
+        self.motion.forget();
         self.height = HeightMemory::new();
     }
 
@@ -320,6 +320,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             && let Some(contradiction) = self.motion.judge(update.time_s, report, velocity)
         {
             report.verdict = Verdict::Alert(contradiction);
+        } else if matches!(report.verdict, Verdict::Protected(_))
+            && self.motion.is_refused_for_long(update.time_s)
+        {
+            report.verdict = Verdict::Unavailable(Unavailable::Recovering);
         }
         if cfg!(feature = "aiding")
             && let Some(height) = &report.height

@@ -6,6 +6,7 @@ use heapless::Vec;
 use raim_core::continuity::Motion;
 use raim_core::frame::{Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
 use raim_core::report::{Alert, Protected, ProtectionLevels, Report, Solution, TestStatistic, Verdict};
+use raim_core::satellite::{Constellation, SatelliteId};
 use raim_core::velocity::{Velocity, VelocityError};
 
 /// `HPL + VPL`, m.
@@ -54,8 +55,12 @@ fn report(epoch: Epoch) -> Report<4> {
 }
 
 fn velocity(epoch: Epoch) -> Velocity {
+    // The way is straight, so that east where it began is not quite east where it ends.
+    let begin = Geodetic { latitude_rad: 0.8, longitude_rad: 0.1, height_m: 100.0 }.to_ecef();
+    let along = LocalFrame::at(begin).unrotate(Enu { east: epoch.speed_m_s, north: 0.0, up: 0.0 });
+    let Enu { east, north, up } = LocalFrame::at(solution(epoch).position).rotate(along);
     Velocity {
-        east_north_up_m_s: [epoch.speed_m_s, 0.0, 0.0],
+        east_north_up_m_s: [east, north, up],
         covariance_m2_s2: [0.01; 6],
         drift_m_s: epoch.drift_m_s,
         test: TestStatistic { statistic: 1.0, threshold: 2.0, dof: 5 },
@@ -228,7 +233,7 @@ fn quartz(step_s: f64, epochs: u32) -> impl Iterator<Item = Epoch> {
         drift_m_s += 0.2 * step_s.sqrt() * normal;
         clock_m += drift_m_s * step_s;
         let clock_m = clock_m + noise_m(index + 7919);
-        Epoch { time_s: f64::from(index) * step_s, clock_m, ..Epoch::default() }
+        Epoch { time_s: f64::from(index) * step_s, clock_m, drift_m_s, ..Epoch::default() }
     })
 }
 
@@ -306,9 +311,130 @@ fn a_position_far_from_where_its_rates_fit_is_an_alert() {
     for epoch in drive(100) {
         assert_eq!(motion.judge(epoch.time_s, &report(epoch), Ok(&velocity(epoch))), None);
     }
-    let at = |time_s: f64, east_m: f64| Epoch { time_s, east_m, ..Epoch::default() };
+    let at =
+        |time_s: f64, east_m: f64| Epoch { time_s, east_m, clock_m: 1e5 + 30.0 * time_s, ..Epoch::default() };
     let mut judge = |epoch: Epoch| motion.judge(epoch.time_s, &report(epoch), Err(VelocityError::Fault));
     assert_eq!(judge(at(110.0, 1980.0)), None, "stopped at once: 200 m short");
     assert_eq!(judge(at(110.0, 1980.0 + 800.0)), Some(Alert::Track));
     assert_eq!(judge(at(800.0, 60e3)), Some(Alert::Track));
+}
+
+/// Returns the alerts of a series whose rates are refused where `is_refused` says so, with their
+/// times, s.
+fn contradictions_refused(
+    epochs: impl IntoIterator<Item = Epoch>,
+    is_refused: impl Fn(&Epoch) -> bool,
+) -> std::vec::Vec<(f64, Alert)> {
+    let mut motion = Motion::new();
+    let judged = epochs.into_iter().filter_map(|epoch| {
+        let velocity = velocity(epoch);
+        let rates = if is_refused(&epoch) { Err(VelocityError::Fault) } else { Ok(&velocity) };
+        motion.judge(epoch.time_s, &report(epoch), rates).map(|alert| (epoch.time_s, alert))
+    });
+    judged.collect()
+}
+
+/// Returns whether a series has an alert in every second of a range.
+fn is_alert_throughout(seen: &[(f64, Alert)], seconds: core::ops::Range<u32>) -> bool {
+    seconds.into_iter().all(|second| seen.iter().any(|(time_s, _)| (*time_s - f64::from(second)).abs() < 0.1))
+}
+
+#[test]
+fn a_leap_below_the_levels_stays_an_alert_until_the_place_returns() {
+    for leap_m in [15.0, 20.0, 30.0, 60.0, 100.0, 500.0] {
+        let away = |epoch: &Epoch| (300.0..1000.0).contains(&epoch.time_s);
+        let leapt = drive(1200).map(|epoch| {
+            let leap_m = if away(&epoch) { leap_m } else { 0.0 };
+            Epoch { east_m: epoch.east_m + leap_m, ..epoch }
+        });
+        let seen = contradictions(leapt);
+        assert_eq!(seen.first(), Some(&(300.0, Alert::Track)), "{leap_m} m");
+        assert!(is_alert_throughout(&seen, 300..1000), "{leap_m} m: {} alerts", seen.len());
+        assert!(!is_alert_throughout(&seen, 1100..1101), "{leap_m} m: the place is right again");
+    }
+}
+
+#[test]
+fn stairs_and_a_walk_that_ends_are_not_believed_either() {
+    let stairs = |epoch: Epoch| 30.0 * (since(epoch) / 60.0).ceil();
+    let walk = |epoch: Epoch| 2.0 * since(epoch).min(60.0);
+    let shifts: [&dyn Fn(Epoch) -> f64; 2] = [&stairs, &walk];
+    for shift_m in shifts {
+        let shifted = drive(1200).map(|epoch| Epoch { east_m: epoch.east_m + shift_m(epoch), ..epoch });
+        assert!(is_alert_throughout(&contradictions(shifted), 315..1200));
+    }
+}
+
+#[test]
+fn a_walk_that_is_seen_stays_seen_when_its_rates_fit_no_velocity() {
+    // Some kilometres from the true place, true rates contradict each other.
+    for begin_s in [30.0, 300.0] {
+        let way_m = |epoch: &Epoch| 20.0 * (epoch.time_s - begin_s).max(0.0);
+        let walked = drive(1500).map(|epoch| Epoch { east_m: epoch.east_m + way_m(&epoch), ..epoch });
+        let seen = contradictions_refused(walked, |epoch| way_m(epoch) > 2000.0);
+        let refused = begin_s as u32 + 101;
+        assert!(is_alert_throughout(&seen, refused..1500), "from {begin_s} s: {} alerts", seen.len());
+    }
+}
+
+#[test]
+fn a_walk_in_the_first_minutes_does_not_teach_its_own_bound() {
+    for speed_m_s in [0.3, 0.5, 0.8] {
+        let walked = drive(1200).map(|epoch| {
+            let way_m = speed_m_s * (epoch.time_s - 30.0).max(0.0);
+            Epoch { east_m: epoch.east_m + way_m, ..epoch }
+        });
+        assert!(is_alert_throughout(&contradictions(walked), 240..1200), "{speed_m_s} m/s");
+    }
+}
+
+#[test]
+fn a_leap_shows_in_the_epoch_that_lacks_the_system_of_the_clock() {
+    let mut motion = Motion::new();
+    let mut seen = std::vec::Vec::new();
+    for epoch in drive(400) {
+        let is_after = epoch.time_s >= 300.0;
+        let epoch = Epoch { east_m: epoch.east_m + if is_after { 500.0 } else { 0.0 }, ..epoch };
+        let mut report = report(epoch);
+        if is_after {
+            let solution = report.solution.as_mut().unwrap();
+            solution.clocks_m = [None; Constellation::COUNT];
+            solution.clocks_m[Constellation::Beidou as usize] = Some(epoch.clock_m + 20.0);
+            let other = SatelliteId::new(Constellation::Beidou, 1).unwrap();
+            let _ = report.used.push(other);
+        }
+        if motion.judge(epoch.time_s, &report, Ok(&velocity(epoch))).is_some() {
+            seen.push(epoch.time_s);
+        }
+    }
+    assert_eq!(seen.first(), Some(&300.0));
+}
+
+#[test]
+fn a_clock_that_leaps_while_rates_are_refused_is_an_alert() {
+    let leapt = drive(400).map(|epoch| {
+        let leap_m = if epoch.time_s < 300.0 { 0.0 } else { 3000.0 };
+        Epoch { clock_m: epoch.clock_m + leap_m, ..epoch }
+    });
+    let seen = contradictions_refused(leapt, |epoch| epoch.time_s >= 300.0);
+    assert_eq!(seen.first(), Some(&(300.0, Alert::Clock)));
+}
+
+#[test]
+fn a_silence_of_a_fast_receiver_is_no_contradiction() {
+    for rate_hz in [1_u32, 5, 10, 20] {
+        for gap_s in [1_u32, 2, 5, 10, 15, 20, 30, 45, 59, 61, 90, 120] {
+            // Silences at other times, so that other noise is hit.
+            for begin_s in (40..200).step_by(10) {
+                let begin_s = f64::from(begin_s);
+                let silence = begin_s..begin_s + f64::from(gap_s);
+                let clock = quartz(1.0 / f64::from(rate_hz), (begin_s as u32 + gap_s + 60) * rate_hz);
+                let heard: std::vec::Vec<Epoch> =
+                    clock.filter(|epoch| !silence.contains(&epoch.time_s)).collect();
+                let about = std::format!("{rate_hz} Hz, {gap_s} s from {begin_s} s");
+                assert_eq!(contradictions_without_rates(heard.iter().copied()), [], "{about}");
+                assert_eq!(contradictions(heard), [], "{about}, with rates");
+            }
+        }
+    }
 }

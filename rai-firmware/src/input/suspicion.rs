@@ -13,6 +13,9 @@
 //! | [`AFFIRMED_MS`] | least duration of a certainty that is followed by distrust | ms |
 //! | [`AFTER_MS`] | duration of distrust after a certainty | ms |
 //!
+//! A denial lasts from message to message, so that a receiver that reports seldom can end a
+//! certainty: the last denial must come more than [`AFTER_MS`] after the first.
+//!
 //! Silence is no denial: if a receiver that was certain restarts, it knows nothing, and the
 //! certainty stays. The state *suspected* alone is no reason for distrust: a receiver at rest
 //! behind an attenuator reported it in 571 of 581 clean epochs. It counts only together with a sign
@@ -209,10 +212,13 @@ impl Suspicions {
                 self.denied_ms.get_or_insert(now_ms);
             }
             // Silence neither affirms nor denies.
-            Suspicion::Unknown => self.denied_ms = None,
+            Suspicion::Unknown => {}
         }
         self.is_held |= self.affirmed_ms.is_some_and(|since_ms| now_ms.abs_diff(since_ms) >= AFFIRMED_MS);
-        let is_over = self.denied_ms.is_some_and(|since_ms| !is_within(AFTER_MS, since_ms, now_ms));
+        // Only a denial ends the distrust, and no silence after one.
+        let is_denied = matches!(self.spoofing, Suspicion::None | Suspicion::Suspected);
+        let is_over =
+            is_denied && self.denied_ms.is_some_and(|since_ms| !is_within(AFTER_MS, since_ms, now_ms));
         self.is_held &= !is_over;
     }
 
@@ -309,6 +315,36 @@ mod tests {
         for second in 3..=30 {
             said.hear(&sec_sig(Suspicion::None, Suspicion::None), 1000 * second);
             assert_eq!(said.is_sure(), second <= 13, "{second} s");
+        }
+    }
+
+    #[test]
+    fn receiver_that_reports_seldom_can_end_a_certainty() {
+        for apart_s in [1, 5, 10, 30] {
+            let mut said = Suspicions::NONE;
+            let mut hear = |state: Suspicion, second: u64| {
+                if second.is_multiple_of(apart_s) {
+                    said.hear(&nav_status(state), 1000 * second);
+                }
+                said.age(1000 * second);
+                said.is_sure()
+            };
+            assert!((0..=60).all(|second| hear(Suspicion::Sure, second)), "every {apart_s} s");
+            let first = (61..200).find(|&second| !hear(Suspicion::None, second)).unwrap();
+            assert!((71..=61 + 3 * apart_s.max(10)).contains(&first), "every {apart_s} s: {first} s");
+        }
+    }
+
+    #[test]
+    fn silence_after_a_denial_ends_no_certainty() {
+        let mut said = Suspicions::NONE;
+        for second in 0..=5 {
+            said.hear(&nav_status(Suspicion::Sure), 1000 * second);
+        }
+        said.hear(&nav_status(Suspicion::None), 9000);
+        for second in 10..=600 {
+            said.age(1000 * second);
+            assert!(said.is_sure(), "{second} s");
         }
     }
 
