@@ -26,7 +26,6 @@ mod monitor_limits;
 mod motion;
 mod multiple_faults;
 mod noise;
-mod noisy_receivers;
 mod normal;
 mod parity;
 mod policy;
