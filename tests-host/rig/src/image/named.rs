@@ -64,8 +64,8 @@ pub const NAMED: [Named; 3] = [
         features: "whole,satellites-32",
         compiled_for: CompiledFor::Size,
         satellites: 32,
-        stack_bytes: 19 * 512,
-        flash_kib: 232,
+        stack_bytes: 37 * 256,
+        flash_kib: 234,
         ram_kib: 60,
     },
     Named {
