@@ -161,6 +161,9 @@ impl Motion {
 
     /// Forgets the epochs so far, but not their spread.
     pub fn restart(&mut self) {
+        if !cfg!(feature = "past") {
+            return;
+        }
         self.marks.clear();
         (self.last, self.path) = (None, None);
         self.doubt.release();
@@ -169,6 +172,9 @@ impl Motion {
 
     /// Forgets the epochs so far and their contradictions, but not their spread.
     pub(crate) fn forget(&mut self) {
+        if !cfg!(feature = "past") {
+            return;
+        }
         self.doubt = Doubt::new();
         self.restart();
     }
