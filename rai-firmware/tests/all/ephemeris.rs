@@ -331,7 +331,7 @@ proptest! {
 }
 
 /// Elements of a geostationary orbit refer to a plane tilted by 5° about the x axis of `toe`
-/// ([BDS-SIS-B1I] table 5-11: R_x(−5°) leads from it to the equator). The test turns the normal of
+/// ([BDS-SIS-B1I] table 5-11: `R_x(−5°)` leads from it to the equator). The test turns the normal of
 /// an orbit with a known inclination into it. Orbits drift by up to 0.9° a year; one had 4.2° in 2026.
 #[test]
 fn geostationary_orbit_that_has_drifted_for_years_is_accepted() {

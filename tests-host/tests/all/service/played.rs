@@ -34,11 +34,8 @@ fn file_on_standard_input_gives_the_sentences_of_its_replay() {
         // The test program prints lines of its own around the sentences.
         let text = String::from_utf8(output.stdout).unwrap();
         let start = text.find('$').expect("a sentence");
-        text[start..]
-            .lines()
-            .take_while(|line| line.starts_with('$'))
-            .map(|line| format!("{line}\r\n"))
-            .collect::<String>()
+        let lines = text[start..].lines().take_while(|line| line.starts_with('$'));
+        lines.flat_map(|line| [line, "\r\n"]).collect::<String>()
     };
     let want = fs::read_to_string(&want).unwrap();
     assert_eq!(want.matches("$PRAIS").count(), 300);
