@@ -11,6 +11,7 @@ pub(super) struct Bits<'a>(pub(super) &'a [u8]);
 
 impl Bits<'_> {
     /// Returns an unsigned field of 1 to 32 bits.
+    #[inline]
     pub(super) fn unsigned(self, start: usize, width: usize) -> u32 {
         // Most fields are within four bytes, which the processor loads at once.
         let four = self.0.get(start / 8..).and_then(|from| from.first_chunk());

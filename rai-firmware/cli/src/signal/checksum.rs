@@ -33,8 +33,11 @@ static PARITIES: [[u32; 256]; 4] = {
 pub fn crc24q(bytes: &[u8]) -> [u8; 3] {
     let (words, rest) = bytes.as_chunks::<4>();
     let crc = words.iter().fold(0_u32, |crc, word| {
-        let [first, second, third, last] = (crc ^ u32::from_be_bytes(*word)).to_be_bytes().map(usize::from);
-        PARITIES[3][first] ^ PARITIES[2][second] ^ PARITIES[1][third] ^ PARITIES[0][last]
+        let [first, second, third, last] = (crc ^ u32::from_be_bytes(*word)).to_be_bytes();
+        PARITIES[3][usize::from(first)]
+            ^ PARITIES[2][usize::from(second)]
+            ^ PARITIES[1][usize::from(third)]
+            ^ PARITIES[0][usize::from(last)]
     });
     let crc = rest.iter().fold(crc, |crc, byte| {
         let first = (crc >> 24) as u8 ^ byte;

@@ -254,15 +254,21 @@ fn usual(columns: &[u8]) -> Option<f64> {
     let (filled, lower) = (word | (0x10 * ONES), 0x0F * ONES);
     let are_first = blanks & !(blanks << 8 | 1) == 0 && word & (blanks * 0x0F) == 0;
     let are_digits = filled & !lower == 0x30 * ONES && ((filled & lower) + 0x06 * ONES) & !lower == 0;
-    let last = [i, j, k, l, m].map(|digit| u64::from(digit.wrapping_sub(b'0')));
-    if columns.len() != 14 || !are_first || !are_digits || last.iter().any(|digit| *digit > 9) {
+    if columns.len() != 14 || !are_first || !are_digits {
         return None;
     }
     // Neighbours are joined: digits to pairs, pairs to fours, fours to eight.
     let pairs = (filled & lower).wrapping_mul(10 << 8 | 1) >> 8 & 0x00FF_00FF_00FF_00FF;
     let fours = pairs.wrapping_mul(100 << 16 | 1) >> 16 & 0x0000_FFFF_0000_FFFF;
-    let eight = fours.wrapping_mul(10_000 << 32 | 1) >> 32;
-    Some(last.iter().fold(eight, |integer, digit| 10 * integer + digit) as f64 / 1e3)
+    let mut integer = fours.wrapping_mul(10_000 << 32 | 1) >> 32;
+    for digit in &[i, j, k, l, m] {
+        let digit = digit.wrapping_sub(b'0');
+        if digit > 9 {
+            return None;
+        }
+        integer = 10 * integer + u64::from(digit);
+    }
+    Some(integer as f64 / 1e3)
 }
 
 /// Reads a number in plain decimals as [`number`] does, in a fraction of the time; `None` for blank
