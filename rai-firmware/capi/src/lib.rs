@@ -30,7 +30,7 @@
 //!   from a later version is only an unknown number.
 //! - **Threads.** One thread at a time may use an object. Different objects are independent.
 //! - **Stack.** The top of the header states the stack of each call. A test on the emulated chip
-//!   compares it (`tests-host/tests/all/capi_bits`).
+//!   compares it (`tests-host/tests/all/at_length/capi_bits`).
 //!
 //! # Features
 //!

@@ -26,41 +26,44 @@ fn chen2009() {
 }
 
 #[test]
-fn yang2015() {
-    holds("yang2015");
-}
-
-#[test]
 fn lin2016() {
     holds("lin2016");
 }
 
-#[test]
-fn methods() {
-    holds("methods");
-}
+/// Those that take seconds.
+mod at_length {
+    #[test]
+    fn yang2015() {
+        super::holds("yang2015");
+    }
 
-#[test]
-fn parity() {
-    holds("parity");
-}
+    #[test]
+    fn methods() {
+        super::holds("methods");
+    }
 
-#[test]
-fn tian2024() {
-    holds("tian2024");
-}
+    #[test]
+    fn parity() {
+        super::holds("parity");
+    }
 
-#[test]
-fn probabilities() {
-    holds("probabilities");
-}
+    #[test]
+    fn tian2024() {
+        super::holds("tian2024");
+    }
 
-#[test]
-fn araim() {
-    holds("araim");
-}
+    #[test]
+    fn probabilities() {
+        super::holds("probabilities");
+    }
 
-#[test]
-fn fde() {
-    holds("fde");
+    #[test]
+    fn araim() {
+        super::holds("araim");
+    }
+
+    #[test]
+    fn fde() {
+        super::holds("fde");
+    }
 }

@@ -2,6 +2,8 @@
 //!
 //! `cargo xtask attack --long` runs them at length.
 
+use std::collections::BTreeSet;
+
 use adversary::attack::record::{Entry, Record};
 use adversary::attack::{ATTACKS, Effort};
 use rig::shared;
@@ -20,24 +22,32 @@ fn hold(name: &str) {
     }
 }
 
-/// Defines a test for each attack, under its name.
+/// Defines a test for each attack, under its name. Those after `at_length` take seconds.
 macro_rules! attacks {
-    ($($test:ident = $name:literal),* $(,)?) => {
+    ({ $($test:ident = $name:literal,)* } at_length { $($long_test:ident = $long_name:literal,)* }) => {
         $(#[test]
         fn $test() {
             hold($name);
         })*
 
+        mod at_length {
+            $(#[test]
+            fn $long_test() {
+                super::hold($long_name);
+            })*
+        }
+
         #[test]
         fn every_attack_has_a_test() {
-            let tested = [$($name),*];
-            let known: Vec<&str> = ATTACKS.iter().map(|attack| attack.name).collect();
+            let tested = BTreeSet::from([$($name,)* $($long_name,)*]);
+            let known: BTreeSet<&str> = ATTACKS.iter().map(|attack| attack.name).collect();
             assert_eq!(known, tested);
         }
     };
 }
 
 attacks! {
+    {
     ranges_that_agree_by_chance_end_no_alert = "false-tracking",
     ranges_that_agree_by_chance_are_no_beginning = "false-tracking-afterwards",
     place_that_leaps_is_not_promised = "leap",
@@ -45,7 +55,6 @@ attacks! {
     step_of_any_size_stays_within_the_levels = "step",
     ramp_of_any_size_stays_within_the_levels = "ramp",
     gross_fault_of_one_satellite_costs_no_epoch = "gross-fault",
-    several_gross_faults_pass_no_test = "gross-pairs",
     satellite_beside_its_orbit_stays_within_the_levels = "orbit",
     clock_forecast_does_not_follow_a_fault = "clock-ramp",
     two_faults_seldom_pass = "two-faults",
@@ -65,7 +74,6 @@ attacks! {
     ionosphere_with_a_slope_stays_within_the_levels = "ionosphere-slope",
     coefficients_of_zero_shrink_no_level = "ionosphere-zeros",
     one_forged_page_of_the_ionosphere_outdoes_no_level = "ionosphere-forged",
-    step_on_one_frequency_is_noticed_at_real_stations = "one-frequency-recorded",
     step_on_one_frequency_is_noticed_under_simulated_skies = "one-frequency-simulated",
     signal_out_of_service_is_not_used = "health",
     empty_message_from_the_future_costs_no_epoch = "empty-ahead",
@@ -73,12 +81,9 @@ attacks! {
     epochs_that_are_held_back_are_not_promised = "held-back",
     recording_that_is_sent_again_is_not_promised = "sent-again",
     recording_of_another_week_is_not_promised = "week-old",
-    rates_of_the_wrong_sign_are_no_velocity = "negated-rates",
-    rates_that_mean_nothing_are_seldom_a_velocity = "random-rates",
     place_that_walks_off_from_its_velocity_is_an_alert = "walk-off",
     clock_that_is_dragged_off_its_drift_is_an_alert = "drag-off",
     silence_makes_no_far_place_good = "after-silence",
-    repeater_is_seen_without_range_rates = "repeater",
     systems_tagged_a_millisecond_apart_are_one_epoch = "systems-apart",
     wrong_week_outvotes_nobody = "wrong-week",
     leaps_of_time_do_not_move_the_week = "moved-week",
@@ -103,18 +108,25 @@ attacks! {
     settings_that_nobody_confirmed_promise_nothing = "restarts",
     fault_that_is_promised_never_to_happen_is_seen = "never-faulty",
     quiet_minutes_take_nothing_off_a_promise = "learned-sigmas",
-    time_tags_that_are_wrong_are_an_alert = "wrong-tags",
-    time_tags_that_are_wrong_teach_no_sigma = "wrong-tags-learned",
     receiver_that_is_sure_is_not_talked_out_of_it = "suspicion-denied",
-    signals_of_one_strength_confirm_a_suspicion = "alike-strengths",
-    height_that_is_wrong_vouches_for_nothing = "wrong-height",
     sky_that_rises_away_from_a_height_is_noticed = "rising-sky",
-    ramps_of_satellite_and_altimeter_are_noticed = "altimeter-ramps",
     delays_that_are_not_broadcast_are_within_the_sigmas = "unsaid-delays",
-    signals_of_unsaid_strength_are_no_strong_ones = "unsaid-strength",
     no_muddle_makes_a_promise_wrong_or_ends_all_promises = "upheaval",
     nominal_recordings_are_protected_and_within_their_levels = "nominal-recordings",
     reflections_between_buildings_seldom_pass = "urban",
+    } at_length {
+    several_gross_faults_pass_no_test = "gross-pairs",
+    step_on_one_frequency_is_noticed_at_real_stations = "one-frequency-recorded",
+    rates_of_the_wrong_sign_are_no_velocity = "negated-rates",
+    rates_that_mean_nothing_are_seldom_a_velocity = "random-rates",
+    repeater_is_seen_without_range_rates = "repeater",
+    time_tags_that_are_wrong_are_an_alert = "wrong-tags",
+    time_tags_that_are_wrong_teach_no_sigma = "wrong-tags-learned",
+    signals_of_one_strength_confirm_a_suspicion = "alike-strengths",
+    height_that_is_wrong_vouches_for_nothing = "wrong-height",
+    ramps_of_satellite_and_altimeter_are_noticed = "altimeter-ramps",
+    signals_of_unsaid_strength_are_no_strong_ones = "unsaid-strength",
     healthy_receivers_give_no_own_signs = "false-signs",
     streets_seldom_pass = "streets",
+    }
 }

@@ -11,7 +11,6 @@ mod attack;
 mod board;
 mod board_recording;
 mod campaign;
-mod capi_bits;
 mod capture;
 mod clock_tree;
 mod cmake;

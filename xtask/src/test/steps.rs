@@ -66,8 +66,8 @@ pub(super) const QUICK: &[Step] = &[FORMAT, LINTS, UNIT_TESTS, IMAGE];
 pub(super) const TEST: &[Step] = &[
     host("tests", |options| tests(Share::Short, options)),
     IMAGE,
-    target("no panic", |_| rig(&["prove"])),
-    target("costs on the target", |_| rig(&["bench", "--tested"])),
+    target("no panic", |_| rig(&["prove", "--library"])),
+    target("costs on the target", |_| rig(&["bench", "--stages"])),
 ];
 
 /// Those of `check`.
@@ -83,7 +83,8 @@ pub(super) const CHECK: &[Step] = &[
     target("lints of the image", |_| lints_of_the_image()),
     target("libraries on other processors", |_| libraries()),
     target("other operating systems", |_| other_systems()),
-    target("memory of the other named images", |_| rig(&["image", "--board", "whole", "small"])),
+    target("no panic in what ships", |_| rig(&["prove"])),
+    target("worst costs, memory of the images and library for C", |_| rig(&["bench", "--tested"])),
     target("threshold tables", |_| run("oracle", &["tables", "--check"])),
     target("hostile input", |_| run("adversary", &["fuzz", "--smoke"])),
 ];
@@ -175,7 +176,8 @@ fn tests(share: Share, Options { bless, all }: Options) -> Result<Done> {
             arguments.args(["--workspace", "--lib", "--bins", "--tests", "--", "--skip", AT_LENGTH]);
         }
         Share::AtLength => {
-            arguments.args(["--package", "tests-host", "--test", "all", "--", AT_LENGTH]);
+            let packages = ["--package", "tests-host", "--package", "experiments"];
+            arguments.args(packages).args(["--tests", "--", AT_LENGTH]);
         }
     }
     let skips = root().join("target/skipped-tests");

@@ -95,6 +95,7 @@ fn builds(scope: Scope) -> &'static [Build] {
     match scope {
         Scope::All => &BUILDS,
         Scope::Tested => &BUILDS[..TESTED],
+        Scope::Stages => &[],
     }
 }
 

@@ -5,6 +5,7 @@ mod attack_small;
 mod board_clock_aid;
 mod board_recording;
 mod capi;
+mod capi_bits;
 mod merged_stream;
 mod no_panic;
 mod parity;

@@ -14,7 +14,10 @@ pub(crate) struct Arguments {
     /// Fail if a figure exceeds its budget by more than 2 %
     #[arg(long, conflicts_with = "save")]
     check: bool,
-    /// As --check, for the figures that `test` measures: a part of them, sooner
+    /// As --check, for the instructions of each stage alone: the part that `test` measures
+    #[arg(long, conflicts_with_all = ["check", "save", "tested"])]
+    stages: bool,
+    /// As --check, without the libraries for C that no test links
     #[arg(long, conflicts_with_all = ["check", "save"])]
     tested: bool,
     /// Accept the current figures as budgets
@@ -77,6 +80,9 @@ fn cargo(arguments: &[&str]) -> anyhow::Result<()> {
 }
 
 fn target(arguments: &Arguments) -> anyhow::Result<()> {
+    if arguments.stages {
+        return compare(&measure(Scope::Stages)?);
+    }
     if arguments.tested {
         return compare(&measure(Scope::Tested)?);
     }

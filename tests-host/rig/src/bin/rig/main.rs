@@ -12,6 +12,8 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+use rig::image::CompiledFor;
+use rig::no_panic::EVERY_FUNCTION;
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask")]
@@ -31,7 +33,7 @@ enum Command {
     /// Measures the cost of the module on the chip: instructions by stage, flash, RAM, stack.
     Bench(bench::Arguments),
     /// Proves by the linker that no panic is reachable.
-    Prove,
+    Prove(Prove),
     /// Builds named images, and compares their memory with their limits.
     Image(image::Arguments),
     /// Writes an image to a chip, or checks that it fits.
@@ -40,6 +42,13 @@ enum Command {
     Header(header::Arguments),
     /// Fetches real recordings that packages carry.
     Recordings,
+}
+
+#[derive(clap::Args)]
+struct Prove {
+    /// Only in the library, compiled as in the shipped image
+    #[arg(long)]
+    library: bool,
 }
 
 fn main() -> ExitCode {
@@ -53,7 +62,10 @@ fn dispatch(command: Command) -> Result<()> {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Monitor(arguments) => raim::monitor::command::run(&arguments, Some(&rig::demo::watched)),
         Command::Bench(arguments) => bench::run(&arguments),
-        Command::Prove => rig::no_panic::prove().map(drop),
+        Command::Prove(Prove { library: true }) => {
+            rig::no_panic::prove_library(EVERY_FUNCTION, CompiledFor::Speed)
+        }
+        Command::Prove(Prove { library: false }) => rig::no_panic::prove(),
         Command::Image(arguments) => image::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Header(arguments) => header::run(&arguments),
