@@ -76,7 +76,7 @@ use super::discrepancy::{Discrepancy, Spread};
 use super::doubt::Doubt;
 use super::oscillator::Oscillator;
 use super::path::{ACCELERATION_M_S2, LONGEST_GAP_S, LONGEST_STEP_S, Moment, Path, across_gap};
-use super::steering::Steering;
+use super::steering::{STAYS, Steering};
 use heapless::Deque;
 use nalgebra::Vector3;
 
@@ -274,14 +274,14 @@ impl Motion {
         let both_m = LEVEL_SHARE * sqrt(now.level_m * now.level_m + last_m * last_m);
         let step_m = (STEPS * self.step.mean_m()).max(both_m);
         let is_home = self.doubt.is_home(&discrepancy, step_m);
-        self.steering.observe(now_s, now.clock_m, discrepancy.clock_m);
+        self.steering.observe(now_s, discrepancy.clock_m);
         let leap = self.leap(&discrepancy, step_m, is_home);
         let leap = self.unsteered(now_s, &discrepancy, leap);
         if leap != [false; 2] {
             if let Some(path) = &mut self.path {
                 path.set_clock(now.clock_m);
             }
-            self.steering.begin(now.clock_m);
+            self.steering.begin();
             self.mark_anew(Mark { time_s: now_s, discrepancy: Discrepancy { clock_m: 0.0, ..discrepancy } });
             return (leap, is_home);
         }
@@ -296,7 +296,15 @@ impl Motion {
 
     /// Returns contradictions of position and clock without one of the clock that steering explains.
     fn unsteered(&mut self, now_s: f32, now: &Discrepancy, [track, clock]: [bool; 2]) -> [bool; 2] {
-        [track, clock && !self.steering.explains(now_s, now.clock_m)]
+        [track, clock && !self.steering.explains(now_s, now.clock_m, self.stays(now))]
+    }
+
+    /// Returns true if the clock stays where it was in the last minute, although its rates lead away.
+    fn stays(&self, now: &Discrepancy) -> bool {
+        let moved_m = |mark: &Mark| (now.moved_m - mark.discrepancy.moved_m).abs();
+        let widest_m = self.marks.iter().map(moved_m).fold(0.0, f32::max);
+        let apart_m = self.marks.front().map_or(0.0, |mark| (now.clock_m - mark.discrepancy.clock_m).abs());
+        apart_m > STAYS * widest_m
     }
 
     /// Returns true if a position whose rates contradict each other is not where the last velocity
@@ -335,7 +343,7 @@ impl Motion {
     /// Begins the integral at an epoch.
     fn begin(&mut self, now: &Moment) {
         self.path = Some(Path::from(now));
-        self.steering.begin(now.clock_m);
+        self.steering.begin();
         self.doubt.leave_home();
         let level_m = now.level_m;
         self.mark_anew(Mark { time_s: 0.0, discrepancy: Discrepancy::none(level_m) });

@@ -6,13 +6,13 @@
 //! the clock along:
 //!
 //! ```text
-//! a line      |r t_k| > 10·√(Σ (δ_j − r t_j)²/k)      r = Σ δ_j t_j / Σ t_j²      from the first epoch on
-//! it stays    |δ_k| > 3·max |b_j − b_1|
+//! a line      |r| t_k > 10·√(Σ (δ_j − r t_j)²/k)  and  |r| > 1/30 m/s     r = Σ δ_j t_j / Σ t_j²
+//! it stays    |δ_k − δ_1| > 3·max |b_k − b_m|                              for the marks m of the last minute
 //! ```
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `δ` | discrepancy of the clock since the first epoch | m |
+//! | `δ` | [`Discrepancy::clock_m`](super::discrepancy::Discrepancy), since the first epoch | m |
 //! | `b` | receiver clock times the speed of light | m |
 //! | `t` | time since the first epoch | s |
 //!
@@ -39,11 +39,11 @@ const FEWEST: u16 = 4;
 /// Least ratio of the change along a line to the scatter about it, dimensionless.
 const STRAIGHT: f32 = 10.0;
 
-/// Least ratio of the discrepancy to the largest change of a clock that stays, dimensionless.
-const STAYS: f32 = 3.0;
+/// Least rate of steering, m/s: the smallest drift in a minute.
+const SLOWEST_M_S: f32 = 2.0 / 60.0;
 
-/// Smallest discrepancy that steering makes, m: that of a drift.
-const FLOOR_M: f32 = 2.0;
+/// Least ratio of the discrepancy to the largest change of a clock that stays, dimensionless.
+pub(super) const STAYS: f32 = 3.0;
 
 /// What the epochs so far say about steering.
 #[derive(Clone, Debug)]
@@ -52,10 +52,6 @@ pub(super) struct Steering {
     /// True if a line counts no more.
     is_settled: bool,
     count: u16,
-    /// Clock of the first epoch, m.
-    first_m: f64,
-    /// Largest change of the clock since the first epoch, m.
-    widest_m: f32,
     /// `Σ t²`, `Σ δ t` and `Σ δ²`.
     sums: [f32; 3],
 }
@@ -63,14 +59,7 @@ pub(super) struct Steering {
 impl Steering {
     /// Returns the state before the first epoch.
     pub(super) const fn new() -> Self {
-        Self {
-            is_steered: false,
-            is_settled: false,
-            count: 0,
-            first_m: 0.0,
-            widest_m: 0.0,
-            sums: [0.0; 3],
-        }
+        Self { is_steered: false, is_settled: false, count: 0, sums: [0.0; 3] }
     }
 
     /// Returns true if the receiver steers its clock.
@@ -78,44 +67,43 @@ impl Steering {
         self.is_steered
     }
 
-    /// Begins anew at a clock. What is known of the receiver stays.
-    pub(super) fn begin(&mut self, clock_m: f64) {
-        let Self { is_steered, is_settled, .. } = *self;
-        *self = Self { is_steered, is_settled, first_m: clock_m, ..Self::new() };
+    /// Begins anew at another epoch. What is known of the receiver stays.
+    pub(super) fn begin(&mut self) {
+        (self.count, self.sums) = (0, [0.0; 3]);
     }
 
     /// Adds an epoch with its discrepancy, m.
-    pub(super) fn observe(&mut self, now_s: f32, clock_m: f64, apart_m: f32) {
+    pub(super) fn observe(&mut self, now_s: f32, apart_m: f32) {
         self.count = self.count.saturating_add(1);
-        self.widest_m = self.widest_m.max(((clock_m - self.first_m) as f32).abs());
         let more = [now_s * now_s, apart_m * now_s, apart_m * apart_m];
         self.sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
         if now_s > LEARNING_S && self.count >= FEWEST {
-            self.settle(now_s, apart_m);
+            self.settle(now_s);
         }
     }
 
-    /// Returns true if steering explains that the clock contradicts its rates.
-    pub(super) fn explains(&mut self, now_s: f32, apart_m: f32) -> bool {
+    /// Returns true if steering explains that the clock contradicts its rates. `stays` is true if
+    /// the clock stays where it was.
+    pub(super) fn explains(&mut self, now_s: f32, apart_m: f32, stays: bool) -> bool {
         let is_early = now_s < GRACE_S || self.count < FEWEST;
         if is_early && !self.is_settled {
             return apart_m.is_finite();
         }
-        self.settle(now_s, apart_m);
-        self.is_steered |= apart_m.abs() > STAYS * self.widest_m;
+        self.settle(now_s);
+        self.is_steered |= stays;
         self.is_steered
     }
 
-    /// Decides whether the discrepancies so far are a line.
-    fn settle(&mut self, now_s: f32, apart_m: f32) {
+    /// Decides, once, whether the discrepancies so far are a line.
+    fn settle(&mut self, now_s: f32) {
         if core::mem::replace(&mut self.is_settled, true) {
             return;
         }
         let [times, products, squares] = self.sums;
         let rate_m_s = products / times;
         let scatter_m = sqrt((squares - rate_m_s * products) / f32::from(self.count));
-        let change_m = (rate_m_s * now_s).abs();
-        // NaN fails both comparisons, so that it is no steering.
-        self.is_steered = change_m > STRAIGHT * scatter_m && apart_m.abs() > FLOOR_M;
+        let rate_m_s = rate_m_s.abs();
+        // NaN fails these comparisons, so that it is no steering.
+        self.is_steered = rate_m_s * now_s > STRAIGHT * scatter_m && rate_m_s > SLOWEST_M_S;
     }
 }

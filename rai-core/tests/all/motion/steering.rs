@@ -122,8 +122,28 @@ fn a_clock_that_is_held_from_later_on_is_a_contradiction_once() {
 #[test]
 fn steering_that_begins_later_is_a_contradiction() {
     // It cannot be told from a drag-off.
-    let seen = contradictions(drive(900).zip(steered(900, 20.0)).map(|(before, after)| {
-        if before.time_s < 300.0 { before } else { after }
-    }));
+    let seen = contradictions(
+        drive(900).zip(steered(900, 20.0)).map(
+            |(before, after)| {
+                if before.time_s < 300.0 { before } else { after }
+            },
+        ),
+    );
     assert!(seen.first().is_some_and(|(first_s, alert)| *first_s <= 310.0 && *alert == Alert::Clock));
+}
+
+#[test]
+fn a_station_whose_rates_are_off_by_little_for_hours_still_shows_a_drag_off() {
+    // A steered maser: the clock stays within a metre, and the rates are off by 14 mm/s.
+    let dragged = (0..8000).map(|second| {
+        let time_s = f64::from(second);
+        let clock_m = 0.5 * noise_m(second) + 0.5 * (time_s - 7200.0).max(0.0);
+        Epoch { time_s, clock_m, drift_m_s: 0.014, ..Epoch::default() }
+    });
+    let seen = contradictions(dragged);
+    assert!(
+        seen.first()
+            .is_some_and(|(first_s, alert)| { (7200.0..7260.0).contains(first_s) && *alert == Alert::Clock })
+    );
+    assert!(seen.len() > 600, "{} of 800 epochs", seen.len());
 }
