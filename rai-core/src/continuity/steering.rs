@@ -101,7 +101,9 @@ impl Steering {
         }
         let [times, products, squares] = self.sums;
         let rate_m_s = products / times;
-        let scatter_m = sqrt((squares - rate_m_s * products) / f32::from(self.count));
+        // Rounding makes the square of a perfect line negative. NaN stays NaN.
+        let square_m2 = squares - rate_m_s * products;
+        let scatter_m = sqrt(if square_m2 < 0.0 { 0.0 } else { square_m2 } / f32::from(self.count));
         let rate_m_s = rate_m_s.abs();
         // NaN fails these comparisons, so that it is no steering.
         self.is_steered = rate_m_s * now_s > STRAIGHT * scatter_m && rate_m_s > SLOWEST_M_S;
