@@ -65,6 +65,10 @@
 //! ignored, because receivers make them on purpose. If the system of the clock is missing, another
 //! one takes its place, and the comparison of the position continues.
 //!
+//! **Steering.** A receiver that sets its clock back again and again is recognised by its first
+//! epochs or by a clock that stays ([`super::steering`]). Its clock is compared with its own past
+//! only. The comparison of the position stays.
+//!
 //! **No rates.** Without Doppler frequencies, or if they contradict each other, the clock is
 //! compared with its past ([`super::oscillator`]). Without them the position is not compared.
 //!
