@@ -299,6 +299,8 @@ impl Motion {
     }
 
     /// Returns contradictions of position and clock without one of the clock that steering explains.
+    // Not inlined, so that its two callers share one copy.
+    #[inline(never)]
     fn unsteered(&mut self, now_s: f32, now: &Discrepancy, [track, clock]: [bool; 2]) -> [bool; 2] {
         [track, clock && !self.steering.explains(now_s, now.clock_m, self.stays(now))]
     }

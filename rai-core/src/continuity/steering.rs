@@ -95,6 +95,8 @@ impl Steering {
     }
 
     /// Decides, once, whether the discrepancies so far are a line.
+    // Not inlined, so that its two callers share one copy.
+    #[inline(never)]
     fn settle(&mut self, now_s: f32) {
         if core::mem::replace(&mut self.is_settled, true) {
             return;

@@ -143,6 +143,8 @@ pub struct Suspicions {
 }
 
 /// Returns true while something of this time counts.
+// Not inlined, so that its many callers share one copy.
+#[inline(never)]
 fn is_within(hold_ms: u64, said_ms: u64, now_ms: u64) -> bool {
     now_ms.abs_diff(said_ms) <= hold_ms
 }
