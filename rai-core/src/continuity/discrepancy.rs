@@ -71,6 +71,8 @@ pub(super) struct Discrepancy {
     pub(super) position: Vector3<f32>,
     /// Discrepancy of the clock, m.
     pub(super) clock_m: f32,
+    /// Change of the clock since the origin, m.
+    pub(super) moved_m: f32,
     /// Largest displacement since the origin that unknown accelerations explain, m.
     pub(super) unknown_m: f32,
     /// Largest change of the clock since the origin that an unknown walk of its drift explains, m.
@@ -83,7 +85,7 @@ impl Discrepancy {
     /// Returns the discrepancy of an origin.
     pub(super) fn none(level_m: f32) -> Self {
         let position = Vector3::new(0.0, 0.0, 0.0);
-        Self { position, clock_m: 0.0, unknown_m: 0.0, unknown_clock_m: 0.0, level_m }
+        Self { position, clock_m: 0.0, moved_m: 0.0, unknown_m: 0.0, unknown_clock_m: 0.0, level_m }
     }
 
     /// Returns the distances of position and clock from another discrepancy, m. That of the

@@ -42,6 +42,7 @@ mod motion;
 mod oscillator;
 mod path;
 mod reach;
+mod steering;
 
 pub use motion::Motion;
 pub use reach::DELAY_S;

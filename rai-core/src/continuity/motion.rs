@@ -65,6 +65,10 @@
 //! ignored, because receivers make them on purpose. If the system of the clock is missing, another
 //! one takes its place, and the comparison of the position continues.
 //!
+//! **Steering.** A receiver that sets its clock back again and again is recognised by its first
+//! epochs or by a clock that stays ([`super::steering`]). Its clock is compared with its own past
+//! only. The comparison of the position stays.
+//!
 //! **No rates.** Without Doppler frequencies, or if they contradict each other, the clock is
 //! compared with its past ([`super::oscillator`]). Without them the position is not compared.
 //!
@@ -76,6 +80,7 @@ use super::discrepancy::{Discrepancy, Spread};
 use super::doubt::Doubt;
 use super::oscillator::Oscillator;
 use super::path::{ACCELERATION_M_S2, LONGEST_GAP_S, LONGEST_STEP_S, Moment, Path, across_gap};
+use super::steering::{STAYS, Steering};
 use heapless::Deque;
 use nalgebra::Vector3;
 
@@ -133,6 +138,7 @@ pub struct Motion {
     doubt: Doubt,
     reference: Constellation,
     oscillator: Oscillator,
+    steering: Steering,
 }
 
 impl Default for Motion {
@@ -156,6 +162,7 @@ impl Motion {
             doubt: Doubt::new(),
             reference: Constellation::Gps,
             oscillator: Oscillator::new(),
+            steering: Steering::new(),
         }
     }
 
@@ -175,7 +182,7 @@ impl Motion {
         if !cfg!(feature = "past") {
             return;
         }
-        self.doubt = Doubt::new();
+        (self.doubt, self.steering) = (Doubt::new(), Steering::new());
         self.restart();
     }
 
@@ -207,7 +214,7 @@ impl Motion {
             self.oscillator.restart();
         }
         // It learns in every epoch, and judges those without a drift.
-        let leaps = self.oscillator.leaps(time_s, clock_m, level_m);
+        let leaps = self.oscillator.leaps(time_s, clock_m, level_m, self.steering.is_steered());
         let velocity = match velocity {
             Ok(velocity) => velocity,
             Err(error) => {
@@ -225,11 +232,12 @@ impl Motion {
         let velocity_m_s = earth_fixed(position, velocity.east_north_up_m_s);
         let drift_m_s = velocity.drift_m_s;
         let now = Moment { time_s, position, level_m, clock_m, velocity_m_s, drift_m_s, is_of_another_clock };
-        self.with_velocity(&now)
+        self.with_velocity(&now, leaps)
     }
 
-    /// Compares an epoch with a velocity with earlier ones.
-    fn with_velocity(&mut self, now: &Moment) -> Option<Alert> {
+    /// Compares an epoch with a velocity with earlier ones. `leaps` is true if its clock contradicts
+    /// its own past.
+    fn with_velocity(&mut self, now: &Moment, leaps: bool) -> Option<Alert> {
         let last = self.last.replace(*now)?;
         let near = Some(last).filter(|last| {
             let elapsed_s = now.time_s - last.time_s;
@@ -246,8 +254,9 @@ impl Motion {
                 self.doubt.release();
             }
             self.begin(now);
-            ([false, across_gap(&last, now)], None)
+            ([false, !self.steering.is_steered() && across_gap(&last, now)], None)
         };
+        let is_off_time = is_off_time || leaps && self.steering.is_steered();
         let contradiction = alert(is_off_track, is_off_time);
         if contradiction.is_some() {
             self.doubt.contradict(now.time_s, is_off_track && is_home == Some(false));
@@ -269,11 +278,14 @@ impl Motion {
         let both_m = LEVEL_SHARE * sqrt(now.level_m * now.level_m + last_m * last_m);
         let step_m = (STEPS * self.step.mean_m()).max(both_m);
         let is_home = self.doubt.is_home(&discrepancy, step_m);
+        self.steering.observe(now_s, discrepancy.clock_m);
         let leap = self.leap(&discrepancy, step_m, is_home);
+        let leap = self.unsteered(now_s, &discrepancy, leap);
         if leap != [false; 2] {
             if let Some(path) = &mut self.path {
                 path.set_clock(now.clock_m);
             }
+            self.steering.begin();
             self.mark_anew(Mark { time_s: now_s, discrepancy: Discrepancy { clock_m: 0.0, ..discrepancy } });
             return (leap, is_home);
         }
@@ -281,8 +293,24 @@ impl Motion {
         let is_home =
             if is_home == Some(true) { self.doubt.is_home(&discrepancy, 0.5 * step_m) } else { is_home };
         let drift = self.line(now_s, &discrepancy, floor_m);
+        let drift = self.unsteered(now_s, &discrepancy, drift);
         self.mark(now_s, &discrepancy, drift == [false; 2]);
         (drift, is_home)
+    }
+
+    /// Returns contradictions of position and clock without one of the clock that steering explains.
+    // Not inlined, so that its two callers share one copy.
+    #[inline(never)]
+    fn unsteered(&mut self, now_s: f32, now: &Discrepancy, [track, clock]: [bool; 2]) -> [bool; 2] {
+        [track, clock && !self.steering.explains(now_s, now.clock_m, self.stays(now))]
+    }
+
+    /// Returns true if the clock stays where it was in the last minute, although its rates lead away.
+    fn stays(&self, now: &Discrepancy) -> bool {
+        let moved_m = |mark: &Mark| (now.moved_m - mark.discrepancy.moved_m).abs();
+        let widest_m = self.marks.iter().map(moved_m).fold(0.0, f32::max);
+        let apart_m = self.marks.front().map_or(0.0, |mark| (now.clock_m - mark.discrepancy.clock_m).abs());
+        apart_m > STAYS * widest_m
     }
 
     /// Returns true if a position whose rates contradict each other is not where the last velocity
@@ -321,6 +349,7 @@ impl Motion {
     /// Begins the integral at an epoch.
     fn begin(&mut self, now: &Moment) {
         self.path = Some(Path::from(now));
+        self.steering.begin();
         self.doubt.leave_home();
         let level_m = now.level_m;
         self.mark_anew(Mark { time_s: 0.0, discrepancy: Discrepancy::none(level_m) });

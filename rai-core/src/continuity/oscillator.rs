@@ -108,9 +108,10 @@ impl Oscillator {
         (self.last, self.drift_m_s) = (None, None);
     }
 
-    /// Returns true if a clock leaps from the prediction by its past. `level_m` is `HPL + VPL`.
+    /// Returns true if a clock leaps from the prediction by its past. `level_m` is `HPL + VPL`. For a
+    /// receiver that steers, no limit holds for what is learned.
     #[inline(never)]
-    pub(super) fn leaps(&mut self, time_s: f64, clock_m: f64, level_m: f32) -> bool {
+    pub(super) fn leaps(&mut self, time_s: f64, clock_m: f64, level_m: f32, is_steered: bool) -> bool {
         let now = Reading { time_s, clock_m, level_m };
         let last = *self.last.get_or_insert(now);
         let elapsed_s = (time_s - last.time_s) as f32;
@@ -130,7 +131,8 @@ impl Oscillator {
         };
         let innovation_m = within_a_millisecond(f64::from(step_m - drift_m_s * elapsed_s));
         let is_step = elapsed_s <= LONGEST_STEP_S;
-        let most_m = (WALK_M * elapsed_s * sqrt(elapsed_s)).max(MOST_LEARNED_M);
+        let limit_m = if is_steered { f32::INFINITY } else { MOST_LEARNED_M };
+        let most_m = (WALK_M * elapsed_s * sqrt(elapsed_s)).max(limit_m);
         let growth = (elapsed_s / self.step_s).max(1.0);
         let learned_m = (SPREADS * growth * self.spread_m).min(most_m);
         let explained_m = if is_step { learned_m } else { WANDER_M_S * elapsed_s };
@@ -140,9 +142,12 @@ impl Oscillator {
             (self.last, self.drift_m_s) = (Some(now), None);
             return true;
         }
+        // A clock that is set back once a second departs from its drift between two such steps.
+        if is_step && (is_learned || is_steered) {
+            self.learn(innovation_m.abs() / growth, most_m);
+        }
         if is_step && is_learned {
             self.drift_m_s = Some(drift_m_s + GAIN * innovation_m / elapsed_s);
-            self.learn(innovation_m.abs() / growth, most_m);
             self.step_s += (elapsed_s - self.step_s) / f32::from(self.count.max(1));
         }
         false

@@ -53,6 +53,8 @@ pub(super) struct Moment {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Path {
     pub(super) origin_s: f64,
+    /// Clock of the origin, m.
+    first_clock_m: f64,
     position: Ecef,
     clock_m: f64,
     unknown_m: f32,
@@ -63,7 +65,14 @@ impl Path {
     /// Begins the integral at an epoch.
     pub(super) const fn from(now: &Moment) -> Self {
         let Moment { time_s, position, clock_m, .. } = *now;
-        Self { origin_s: time_s, position, clock_m, unknown_m: 0.0, unknown_clock_m: 0.0 }
+        Self {
+            origin_s: time_s,
+            first_clock_m: clock_m,
+            position,
+            clock_m,
+            unknown_m: 0.0,
+            unknown_clock_m: 0.0,
+        }
     }
 
     /// Adds a step to the integral; returns the discrepancy after it.
@@ -89,6 +98,7 @@ impl Path {
         Discrepancy {
             position: Vector3::new(away.x_m as f32, away.y_m as f32, away.z_m as f32),
             clock_m: (now.clock_m - self.clock_m) as f32,
+            moved_m: (now.clock_m - self.first_clock_m) as f32,
             unknown_m: self.unknown_m,
             unknown_clock_m: self.unknown_clock_m,
             level_m: now.level_m,

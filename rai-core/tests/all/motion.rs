@@ -2,6 +2,8 @@
 //! they were made.
 #![allow(clippy::unwrap_used)]
 
+mod steering;
+
 use heapless::Vec;
 use raim_core::continuity::Motion;
 use raim_core::frame::{Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};

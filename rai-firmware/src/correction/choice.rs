@@ -83,7 +83,7 @@ const PAIRS: [Pair; 8] = [
 ];
 
 /// Single bands by preference.
-const SINGLES: [Band; 13] = [
+pub const SINGLES: [Band; 13] = [
     Band::L1,
     Band::L2,
     Band::L5,

@@ -47,7 +47,7 @@ mod site;
 mod twins;
 
 pub use atmosphere::{Klobuchar, Place, Slant, Troposphere};
-pub use choice::{Choice, Choices, choose, ionosphere_free};
+pub use choice::{Choice, Choices, SINGLES, choose, ionosphere_free};
 pub use frequency::{Preference, Ranges, Spread};
 pub use raim_single::CAPACITY;
 pub use site::Site;

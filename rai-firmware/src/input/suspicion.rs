@@ -12,6 +12,7 @@
 //! | [`HOLDS_MS`] | time for which a message counts | ms |
 //! | [`AFFIRMED_MS`] | least duration of a certainty that is followed by distrust | ms |
 //! | [`AFTER_MS`] | duration of distrust after a certainty | ms |
+//! | [`ONSET_MS`] | largest time between the onset of a suspicion and a sign | ms |
 //!
 //! A denial lasts from message to message, so that a receiver that reports seldom can end a
 //! certainty: the last denial must come more than [`AFTER_MS`] after the first.
@@ -19,7 +20,8 @@
 //! Silence is no denial: if a receiver that was certain restarts, it knows nothing, and the
 //! certainty stays. The state *suspected* alone is no reason for distrust: a receiver at rest
 //! behind an attenuator reported it in 571 of 581 clean epochs. It counts only together with a sign
-//! that the module's own tests found ([`Suspicions::confirms`]).
+//! that the module's own tests found, and only if it began within [`ONSET_MS`] of that sign
+//! ([`Suspicions::confirms`]): a suspicion that lasts for hours says nothing about the present.
 //!
 //! These reports only take promises back. None of them makes a position usable or excludes a
 //! satellite.
@@ -104,6 +106,10 @@ const AFFIRMED_MS: u64 = 1_000;
 /// tests found, counts for as long.
 const AFTER_MS: u64 = 10_000;
 
+/// Largest time between the onset of a suspicion and a sign that confirm each other, ms. A suspicion
+/// that is heard again after a longer time without denial begins anew.
+const ONSET_MS: u64 = 60_000;
+
 /// Interference that one part of the receiver reports, with the time of each state, ms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Reported {
@@ -128,6 +134,8 @@ pub struct Suspicions {
     is_held: bool,
     /// Time since which spoofing is denied, ms.
     denied_ms: Option<u64>,
+    /// Times at which the present suspicion of spoofing began and was last there, ms.
+    suspected_ms: Option<(u64, u64)>,
     /// Number of authenticated signals, and the time of the message, ms.
     authenticated: Option<(u8, u64)>,
     /// Levels of the receiver, and the time of the message, ms.
@@ -135,6 +143,8 @@ pub struct Suspicions {
 }
 
 /// Returns true while something of this time counts.
+// Not inlined, so that its many callers share one copy.
+#[inline(never)]
 fn is_within(hold_ms: u64, said_ms: u64, now_ms: u64) -> bool {
     now_ms.abs_diff(said_ms) <= hold_ms
 }
@@ -152,6 +162,7 @@ impl Suspicions {
             affirmed_ms: None,
             is_held: false,
             denied_ms: None,
+            suspected_ms: None,
             authenticated: None,
             levels: None,
         }
@@ -200,8 +211,16 @@ impl Suspicions {
         self.hold(now_ms);
     }
 
-    /// Begins, continues or ends the distrust.
+    /// Begins, continues or ends the distrust and the suspicion.
     fn hold(&mut self, now_ms: u64) {
+        match self.spoofing {
+            Suspicion::Suspected | Suspicion::Sure => {
+                let before = self.suspected_ms.filter(|(_, last_ms)| is_within(ONSET_MS, *last_ms, now_ms));
+                self.suspected_ms = Some((before.map_or(now_ms, |(onset_ms, _)| onset_ms), now_ms));
+            }
+            Suspicion::None => self.suspected_ms = None,
+            Suspicion::Unknown => {}
+        }
         match self.spoofing {
             Suspicion::Sure => {
                 self.affirmed_ms.get_or_insert(now_ms);
@@ -229,10 +248,13 @@ impl Suspicions {
     }
 
     /// Returns true if the receiver suspects spoofing and the module's own tests found a sign of it
-    /// at about the same time (`sign_ms`). Together they are a reason for distrust.
+    /// (`sign_ms`) at about the time at which the suspicion began. Together they are a reason for
+    /// distrust.
     pub fn confirms(&self, sign_ms: Option<u64>, now_ms: u64) -> bool {
-        let is_recent = sign_ms.is_some_and(|sign_ms| is_within(AFTER_MS, sign_ms, now_ms));
-        is_recent && self.spoofing >= Suspicion::Suspected
+        let Some((sign_ms, (onset_ms, _))) = sign_ms.zip(self.suspected_ms) else { return false };
+        is_within(AFTER_MS, sign_ms, now_ms)
+            && is_within(ONSET_MS, onset_ms, sign_ms)
+            && self.spoofing >= Suspicion::Suspected
     }
 
     /// Returns the number of signals whose navigation message is authenticated, if the receiver
@@ -378,6 +400,47 @@ mod tests {
         assert!(said.confirms(Some(10_000), 20_000) && !said.confirms(Some(9_999), 20_000));
         said.hear(&sec_sig(Suspicion::None, Suspicion::None), 20_000);
         assert!(!said.confirms(Some(20_000), 20_000));
+    }
+
+    /// A receiver in a clean sky suspects spoofing without a break.
+    #[test]
+    fn suspicion_that_began_long_before_a_sign_does_not_count() {
+        let mut said = Suspicions::NONE;
+        for second in 0..=3600 {
+            let now_ms = 1000 * second;
+            // Silence for less than a minute does not end it.
+            if second % 100 < 60 {
+                said.hear(&sec_sig(Suspicion::None, Suspicion::Suspected), now_ms);
+            }
+            said.age(now_ms);
+            let want = second <= 60 && second % 100 < 63;
+            assert_eq!(said.confirms(Some(now_ms), now_ms), want, "{second} s");
+        }
+    }
+
+    #[test]
+    fn suspicion_begins_anew_after_a_denial_or_a_minute_of_silence() {
+        for is_denied in [true, false] {
+            let mut said = Suspicions::NONE;
+            said.hear(&nav_status(Suspicion::Suspected), 0);
+            if is_denied {
+                said.hear(&nav_status(Suspicion::None), 60_000);
+            }
+            said.hear(&nav_status(Suspicion::Suspected), 61_000);
+            assert!(said.confirms(Some(119_000), 119_000));
+            said.hear(&nav_status(Suspicion::Suspected), 119_000);
+            assert!(!said.confirms(Some(122_000), 122_000), "a minute after its onset");
+        }
+    }
+
+    #[test]
+    fn suspicion_that_follows_a_sign_counts_until_ten_seconds_after_the_sign() {
+        let mut said = Suspicions::NONE;
+        said.hear(&nav_status(Suspicion::None), 0);
+        for second in 20..=60 {
+            said.hear(&nav_status(Suspicion::Suspected), 1000 * second);
+            assert_eq!(said.confirms(Some(15_000), 1000 * second), second <= 25, "{second} s");
+        }
     }
 
     #[test]

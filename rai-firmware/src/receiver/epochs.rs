@@ -235,7 +235,7 @@ impl<P: OutputPin> EpochLoop<P> {
                     _ if !self.is_confirmed => Verdict::Unavailable(Unavailable::Settings),
                     verdict => verdict,
                 };
-                if is_sign(report.verdict) {
+                if is_sign(report) {
                     self.sign_ms = Some(now_ms);
                 }
                 if agree(report) {
@@ -415,10 +415,18 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 }
 
-/// Returns true for a verdict that counterfeit signals may cause.
-const fn is_sign(verdict: Verdict) -> bool {
+/// Least degrees of freedom with which ambiguous ranges are a sign. With fewer, the noise of an
+/// ordinary receiver leaves two explanations of one fault: all 247 ambiguous epochs of a car with
+/// one to four degrees of freedom were.
+const TELLING_DOF: u8 = 5;
+
+/// Returns true for a report that counterfeit signals may cause.
+fn is_sign<const N: usize>(report: &Report<N>) -> bool {
     use Alert::{Ambiguous, Clock, Jump, Time, Track};
-    matches!(verdict, Verdict::Alert(Ambiguous | Clock | Jump | Time | Track))
+    match report.verdict {
+        Verdict::Alert(Ambiguous) => report.test.is_some_and(|test| test.dof >= TELLING_DOF),
+        verdict => matches!(verdict, Verdict::Alert(Clock | Jump | Time | Track)),
+    }
 }
 
 /// Returns true if ranges agree with orbits that determine the week, even if not well enough for

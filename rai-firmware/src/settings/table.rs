@@ -353,7 +353,7 @@ settings! {
         phase: Apart,
         warning: nothing,
         example: "SAY",
-        text: "The receiver's own report of spoofing: `HOLD` takes the promise back while the receiver is sure of it and for 10 s after a second of certainty, or while it suspects it within 10 s after `AMBIGUOUS`, `CLOCK`, `JUMP`, `TIME`, `TRACK` or alike signal strengths; `SAY` only reports it",
+        text: "The receiver's own report of spoofing: `HOLD` takes the promise back while the receiver is sure of it and for 10 s after a second of certainty, or, within a minute of the onset of a suspicion, for 10 s after `CLOCK`, `JUMP`, `TIME`, `TRACK`, alike signal strengths, or `AMBIGUOUS` with five or more degrees of freedom; `SAY` only reports it",
     }
     "PLACE" FixedPlace {
         place: Option<Place> = None,

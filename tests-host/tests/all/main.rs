@@ -47,6 +47,7 @@ mod service;
 mod settings;
 mod sky;
 mod smaller_msm;
+mod steered_clock;
 mod tables;
 mod threshold_vectors;
 mod ubx;

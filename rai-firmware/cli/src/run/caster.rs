@@ -19,8 +19,13 @@ use crate::signal::checksum::crc24q;
 
 /// Messages of RTCM 3 that hold an ephemeris.
 const EPHEMERIDES: [u16; 6] = [1019, 1020, 1042, 1044, 1045, 1046];
-/// Pause before the next attempt.
+/// Pause before the second attempt. It doubles with every attempt that brings no orbit, because
+/// casters ban those that come back fast.
 const PAUSE: Duration = Duration::from_secs(10);
+/// Longest pause.
+const LONGEST_PAUSE: Duration = Duration::from_mins(5);
+/// Longest table of mountpoints that is read, bytes.
+const LONGEST_TABLE: u64 = 1 << 18;
 /// A caster that sends nothing for this time is taken for gone.
 const DEAD: Duration = Duration::from_mins(1);
 
@@ -60,16 +65,22 @@ impl FromStr for Caster {
 pub(super) fn start(caster: Caster, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) {
     let (inbox, stop) = (Arc::clone(inbox), Arc::clone(stop));
     thread::spawn(move || {
+        let mut pause = PAUSE;
         while !stop.load(Ordering::Relaxed) {
-            if let Err(error) = read(&caster, &inbox, &stop) {
+            let mut has_orbit = false;
+            if let Err(error) = read(&caster, &inbox, &stop, &mut has_orbit) {
                 eprintln!("ntrip://{}/{}: {error:#}", caster.address, caster.mountpoint);
             }
-            inbox.clock().sleep(PAUSE, &stop);
+            if has_orbit {
+                pause = PAUSE;
+            }
+            inbox.clock().sleep(pause, &stop);
+            pause = LONGEST_PAUSE.min(2 * pause);
         }
     });
 }
 
-fn read(caster: &Caster, inbox: &Inbox, stop: &AtomicBool) -> Result<()> {
+fn read(caster: &Caster, inbox: &Inbox, stop: &AtomicBool, has_orbit: &mut bool) -> Result<()> {
     let mut reader = request(caster)?;
     let (mut waiting, mut bytes, mut last) = (Vec::new(), [0; 2048], Instant::now());
     while !stop.load(Ordering::Relaxed) {
@@ -77,7 +88,10 @@ fn read(caster: &Caster, inbox: &Inbox, stop: &AtomicBool) -> Result<()> {
             Ok(0) => bail!("the caster has closed the stream"),
             Ok(count) => {
                 waiting.extend_from_slice(bytes.get(..count).unwrap_or_default());
-                take_frames(&mut waiting, |frame| inbox.push_orbit(frame.to_vec()));
+                take_frames(&mut waiting, |frame| {
+                    *has_orbit = true;
+                    inbox.push_orbit(frame.to_vec());
+                });
                 last = Instant::now();
             }
             Err(error) if is_timeout(&error) => {
@@ -101,8 +115,29 @@ fn request(caster: &Caster) -> Result<TcpStream> {
     stream.write_all(request.as_bytes())?;
     let status = status_line(&mut stream)?;
     let status = status.trim();
-    ensure!(status.contains(" 200 "), "the caster answers `{status}`: are mountpoint and password right?");
+    if status.starts_with("SOURCETABLE ") {
+        let mut table = Vec::new();
+        // A table that is cut by an error still names mountpoints.
+        let _ = (&mut stream).take(LONGEST_TABLE).read_to_end(&mut table);
+        bail!("the caster has no mountpoint `{mountpoint}`; it has {}", mountpoints(&table));
+    }
+    ensure!(is_stream(status), "the caster answers `{status}`: are mountpoint and password right?");
     Ok(stream)
+}
+
+/// Returns true for the first line of an answer that a stream follows.
+fn is_stream(status: &str) -> bool {
+    let mut words = status.split_ascii_whitespace();
+    let is_known = words.next().is_some_and(|form| form == "ICY" || form.starts_with("HTTP/1."));
+    is_known && words.next() == Some("200")
+}
+
+/// Returns the names of the mountpoints in a table: lines of NTRIP that begin with `STR`.
+fn mountpoints(table: &[u8]) -> String {
+    let text = String::from_utf8_lossy(table);
+    let names = text.lines().filter_map(|line| line.strip_prefix("STR;")?.split(';').next());
+    let names: Vec<&str> = names.collect();
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }
 
 /// Reads the first line of an answer, byte by byte, because ranges may follow it. Its length and
@@ -191,6 +226,20 @@ mod tests {
         for wrong in ["", "ntrip://host:1", "http://host/MOUNT"] {
             assert!(wrong.parse::<Caster>().is_err(), "{wrong}");
         }
+    }
+
+    /// NTRIP 1.0 answers an unknown mountpoint with its table.
+    #[test]
+    fn only_a_stream_counts_as_success() {
+        for status in ["ICY 200 OK", "ICY 200", "HTTP/1.0 200 OK", "HTTP/1.1 200 OK"] {
+            assert!(is_stream(status), "{status}");
+        }
+        for status in ["SOURCETABLE 200 OK", "HTTP/1.1 404 Not Found", "HTTP/1.0 401 200 x", "200 OK", ""] {
+            assert!(!is_stream(status), "{status}");
+        }
+        let table = b"CAS;example;2101\r\nSTR;OTHER;Town;RTCM 3\r\nSTR;MORE;x\r\nENDSOURCETABLE\r\n";
+        assert_eq!(mountpoints(table), "OTHER, MORE");
+        assert_eq!(mountpoints(b"ENDSOURCETABLE\r\n"), "none");
     }
 
     /// An answer without an end.

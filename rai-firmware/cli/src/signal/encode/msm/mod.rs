@@ -17,8 +17,8 @@
 //! signals; further satellites go into further messages of the same kind. Carrier phases are marked
 //! invalid, because RAI does not use them.
 //!
-//! Each satellite's signal of the first band is sent and, for two frequencies, the pair that the
-//! receiver combines; see [`pairs`]. References: [RTCM-10403.3] tables 3.5-78 to 3.5-106.
+//! Of each satellite, one signal is sent, of the first band in the order of the module
+//! ([`SINGLES`]) that it has, or for two frequencies the pair that the receiver combines ([`pairs`]). References: [RTCM-10403.3] tables 3.5-78 to 3.5-106.
 //!
 //! [RTCM-10403.3]: crate#references
 
@@ -28,6 +28,8 @@ mod tests;
 
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
 use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::correction::SINGLES;
+use raim_firmware::raw::Band;
 
 use super::Selection;
 use super::channels::Channels;
@@ -36,7 +38,7 @@ use crate::signal::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSigna
 /// Number of frequencies of a satellite that are sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Frequency {
-    /// Only the first band: L1, E1, B1I.
+    /// One band: the first one that the module would use, mostly L1, E1, B1I.
     Single,
     /// A pair, if the satellite has one.
     Dual,
@@ -68,20 +70,54 @@ type Choice = (u8, &'static str);
 /// The two bands of a pair, the first alone if only one is sent.
 type Pair = [Choice; 2];
 
-/// Returns the pairs in the order of preference: first band, then second.
+/// Returns a band as RINEX 3.05 numbers it, with its components.
 ///
 /// Components are in the order in which the broadcast group delays fit them best: GPS clocks refer
 /// to L1 P(Y) and L2 P(Y), Galileo's to E1 and E5, `BeiDou`'s to B3I.
+const fn choice(band: Band) -> Choice {
+    match band {
+        Band::L1 => (1, "CWPXLS"),
+        Band::L2 => (2, "WPLXSC"),
+        Band::L5 | Band::E5a => (5, "QXI"),
+        Band::E1 => (1, "CXBAZ"),
+        Band::E5b => (7, "QXI"),
+        Band::B1I => (2, "IXQ"),
+        Band::B3I => (6, "IXQ"),
+        Band::B2I => (7, "IXQ"),
+        Band::B1C => (1, "PXD"),
+        Band::B2a => (5, "PXD"),
+        Band::G1 => (1, "CP"),
+        Band::G2 => (2, "CP"),
+    }
+}
+
+/// Returns the pairs in the order of preference: first band, then second.
 const fn pairs(constellation: Constellation) -> &'static [Pair] {
-    const L1: Choice = (1, "CWPXLS");
-    const E1: Choice = (1, "CXBAZ");
-    const B1I: Choice = (2, "IXQ");
-    const B1C: Choice = (1, "PXD");
+    const fn of(first: Band, second: Band) -> Pair {
+        [choice(first), choice(second)]
+    }
     match constellation {
-        Constellation::Gps => &[[L1, (2, "WPLXSC")], [L1, (5, "QXI")]],
-        Constellation::Galileo => &[[E1, (5, "QXI")], [E1, (7, "QXI")]],
-        Constellation::Beidou => &[[B1I, (6, "IXQ")], [B1I, (7, "IXQ")], [B1C, (5, "PXD")]],
-        Constellation::Glonass => &[[(1, "CP"), (2, "CP")]],
+        Constellation::Gps => &const { [of(Band::L1, Band::L2), of(Band::L1, Band::L5)] },
+        Constellation::Galileo => &const { [of(Band::E1, Band::E5a), of(Band::E1, Band::E5b)] },
+        Constellation::Beidou => {
+            &const { [of(Band::B1I, Band::B3I), of(Band::B1I, Band::B2I), of(Band::B1C, Band::B2a)] }
+        }
+        Constellation::Glonass => &const { [of(Band::G1, Band::G2)] },
+    }
+}
+
+/// Returns the single bands of a system in the module's order of preference.
+fn singles(constellation: Constellation) -> impl Iterator<Item = Choice> {
+    SINGLES.into_iter().filter(move |band| system_of(*band) == constellation).map(choice)
+}
+
+/// Returns the system of a band; a QZSS satellite has the bands of GPS.
+const fn system_of(band: Band) -> Constellation {
+    match band {
+        Band::L1 | Band::L2 | Band::L5 => Constellation::Gps,
+        Band::E1 | Band::E5a | Band::E5b => Constellation::Galileo,
+        Band::B1I | Band::B1C | Band::B2a | Band::B2I | Band::B3I => Constellation::Beidou,
+        Band::G1 | Band::G2 => Constellation::Glonass,
     }
 }
 
@@ -102,13 +138,12 @@ pub(super) fn chosen(satellite: &MeasuredSatellite, frequency: Frequency) -> [Op
     let has = |choices: &&[Choice]| choices.iter().all(|choice| find(satellite, *choice).is_some());
     let triple = || (system == Constellation::Gps).then_some(GPS_TRIPLE.as_slice()).filter(has);
     let pair = || pairs(system).iter().map(Pair::as_slice).find(has);
-    let single = || pairs(system).iter().filter_map(|pair| pair.get(..1)).find(has);
-    let choices = match frequency {
-        Frequency::Dual => triple().or_else(pair).or_else(single),
-        Frequency::Single => single(),
+    let several = if frequency == Frequency::Dual { triple().or_else(pair) } else { None };
+    let Some(choices) = several else {
+        return [singles(system).find_map(|choice| find(satellite, choice)), None, None];
     };
     let mut chosen = [None; 3];
-    for (signal, choice) in chosen.iter_mut().zip(choices.unwrap_or_default()) {
+    for (signal, choice) in chosen.iter_mut().zip(choices) {
         *signal = find(satellite, *choice);
     }
     chosen

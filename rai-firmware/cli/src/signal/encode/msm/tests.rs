@@ -140,3 +140,34 @@ fn a_library_reads_what_was_sent_and_writes_the_same_bits() {
     }
     assert!(cells > 10_000, "{cells}");
 }
+
+/// The module uses a satellite by any band of its list, so that a recording of that band is sent.
+#[test]
+fn satellite_with_any_single_band_of_the_module_is_sent() {
+    let channels = Channels::of(&(1..=24).map(in_slot).collect::<Vec<_>>());
+    for band in SINGLES {
+        let system = system_of(band);
+        let satellite = SatelliteId::new(system, 5).unwrap();
+        let (number, components) = choice(band);
+        for attribute in components.chars() {
+            let signal = MeasuredSignal {
+                band: number,
+                attribute,
+                pseudorange_m: 2.3e7,
+                carrier_cycles: None,
+                cn0_dbhz: Some(40.0),
+                doppler_hz: Some(100.0),
+            };
+            let satellites = vec![MeasuredSatellite { satellite, signals: vec![signal] }];
+            let epoch = MeasuredEpoch { time: GpsTime { week: 2300, tow_ms: 0 }, satellites };
+            for frequency in [Frequency::Single, Frequency::Dual] {
+                let selection = Selection::new("GECR", frequency).unwrap();
+                let mut unsendable = 0;
+                let sent = frames(&epoch, &selection, &channels, &mut unsendable).count();
+                assert_eq!((sent, unsendable), (1, 0), "{band:?}{attribute} {frequency:?}");
+                let rate_m_s = super::rate_m_s(system, 0, &signal);
+                assert!(rate_m_s.is_some_and(|rate_m_s| rate_m_s < -15.0), "{band:?}: no range rate");
+            }
+        }
+    }
+}
