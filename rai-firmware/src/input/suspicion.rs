@@ -107,7 +107,7 @@ const AFFIRMED_MS: u64 = 1_000;
 const AFTER_MS: u64 = 10_000;
 
 /// Largest time between the onset of a suspicion and a sign that confirm each other, ms. A suspicion
-/// that is heard again after a longer time without denial begins anew.
+/// begins anew after a denial, and after a silence.
 const ONSET_MS: u64 = 60_000;
 
 /// Interference that one part of the receiver reports, with the time of each state, ms.
@@ -134,8 +134,8 @@ pub struct Suspicions {
     is_held: bool,
     /// Time since which spoofing is denied, ms.
     denied_ms: Option<u64>,
-    /// Times at which the present suspicion of spoofing began and was last there, ms.
-    suspected_ms: Option<(u64, u64)>,
+    /// Time at which the present suspicion of spoofing began, ms.
+    suspected_ms: Option<u64>,
     /// Number of authenticated signals, and the time of the message, ms.
     authenticated: Option<(u8, u64)>,
     /// Levels of the receiver, and the time of the message, ms.
@@ -215,11 +215,9 @@ impl Suspicions {
     fn hold(&mut self, now_ms: u64) {
         match self.spoofing {
             Suspicion::Suspected | Suspicion::Sure => {
-                let before = self.suspected_ms.filter(|(_, last_ms)| is_within(ONSET_MS, *last_ms, now_ms));
-                self.suspected_ms = Some((before.map_or(now_ms, |(onset_ms, _)| onset_ms), now_ms));
+                self.suspected_ms.get_or_insert(now_ms);
             }
-            Suspicion::None => self.suspected_ms = None,
-            Suspicion::Unknown => {}
+            Suspicion::None | Suspicion::Unknown => self.suspected_ms = None,
         }
         match self.spoofing {
             Suspicion::Sure => {
@@ -251,7 +249,7 @@ impl Suspicions {
     /// (`sign_ms`) at about the time at which the suspicion began. Together they are a reason for
     /// distrust.
     pub fn confirms(&self, sign_ms: Option<u64>, now_ms: u64) -> bool {
-        let Some((sign_ms, (onset_ms, _))) = sign_ms.zip(self.suspected_ms) else { return false };
+        let Some((sign_ms, onset_ms)) = sign_ms.zip(self.suspected_ms) else { return false };
         is_within(AFTER_MS, sign_ms, now_ms)
             && is_within(ONSET_MS, onset_ms, sign_ms)
             && self.spoofing >= Suspicion::Suspected
@@ -408,24 +406,21 @@ mod tests {
         let mut said = Suspicions::NONE;
         for second in 0..=3600 {
             let now_ms = 1000 * second;
-            // Silence for less than a minute does not end it.
-            if second % 100 < 60 {
-                said.hear(&sec_sig(Suspicion::None, Suspicion::Suspected), now_ms);
-            }
+            said.hear(&sec_sig(Suspicion::None, Suspicion::Suspected), now_ms);
             said.age(now_ms);
-            let want = second <= 60 && second % 100 < 63;
-            assert_eq!(said.confirms(Some(now_ms), now_ms), want, "{second} s");
+            assert_eq!(said.confirms(Some(now_ms), now_ms), second <= 60, "{second} s");
         }
     }
 
     #[test]
-    fn suspicion_begins_anew_after_a_denial_or_a_minute_of_silence() {
+    fn suspicion_begins_anew_after_a_denial_or_a_silence() {
         for is_denied in [true, false] {
             let mut said = Suspicions::NONE;
             said.hear(&nav_status(Suspicion::Suspected), 0);
             if is_denied {
                 said.hear(&nav_status(Suspicion::None), 60_000);
             }
+            said.age(60_000);
             said.hear(&nav_status(Suspicion::Suspected), 61_000);
             assert!(said.confirms(Some(119_000), 119_000));
             said.hear(&nav_status(Suspicion::Suspected), 119_000);

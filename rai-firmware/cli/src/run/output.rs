@@ -241,13 +241,36 @@ mod tests {
         }
     }
 
+    /// A full disk, which reports that its writer gave up.
+    struct FullDisk(std::fs::File, Sender<()>);
+
+    impl Write for FullDisk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.write(bytes)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Drop for FullDisk {
+        fn drop(&mut self) {
+            let _ = self.1.send(());
+        }
+    }
+
     #[test]
     fn full_disk_costs_no_other_consumer_a_sentence() {
         let mut outbox = Outbox::new(Duration::ZERO);
         let (hear, heard) = std::sync::mpsc::channel();
         let full = OpenOptions::new().write(true).open("/dev/full").expect("the device of Linux");
-        spawn(&mut outbox, Kind::Nmea, full);
+        let (give_up, gave_up) = std::sync::mpsc::channel();
+        spawn(&mut outbox, Kind::Nmea, FullDisk(full, give_up));
         spawn(&mut outbox, Kind::Nmea, Reader(hear));
+        outbox.send(b"$GPRMC\r\n");
+        assert_eq!(heard.recv_timeout(PATIENCE).expect("the sentence"), b"$GPRMC\r\n");
+        gave_up.recv_timeout(PATIENCE).expect("the end of the writer");
         for _ in 0..2 * super::super::outbox::QUEUE {
             outbox.send(b"$GPRMC\r\n");
             assert_eq!(heard.recv_timeout(PATIENCE).expect("the sentence"), b"$GPRMC\r\n");
