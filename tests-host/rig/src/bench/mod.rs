@@ -99,13 +99,12 @@ impl Measurement {
     /// If the committed figures cannot be read.
     pub fn check(&self) -> Result<Vec<String>> {
         let mut committed = budget::committed()?;
-        match self.scope {
+        let is_measured = |name: &String| self.figures.iter().any(|figure| figure.name == *name);
+        committed.retain(|name, _| match self.scope {
             // What is gone shows in the other scopes.
-            Scope::Stages => {
-                committed.retain(|name, _| self.figures.iter().any(|figure| figure.name == *name))
-            }
-            Scope::All | Scope::Tested => committed.retain(|name, _| library::is_measured(name, self.scope)),
-        }
+            Scope::Stages => is_measured(name),
+            Scope::All | Scope::Tested => library::is_measured(name, self.scope),
+        });
         Ok(budget::findings(&self.figures, &committed))
     }
 }
