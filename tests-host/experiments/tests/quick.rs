@@ -3,6 +3,8 @@
 //!
 //! Results of a recording have their own snapshot, because not everybody has the recording.
 
+use std::collections::BTreeSet;
+
 use experiments::{EXPERIMENTS, Effort};
 use indicatif::ProgressBar;
 
@@ -20,50 +22,31 @@ fn holds(name: &str) {
     }
 }
 
-#[test]
-fn chen2009() {
-    holds("chen2009");
+/// Defines a test for each experiment, under its name. Those after `at_length` take seconds.
+macro_rules! experiments {
+    ({ $($name:ident,)* } at_length { $($long:ident,)* }) => {
+        $(#[test]
+        fn $name() {
+            holds(stringify!($name));
+        })*
+
+        mod at_length {
+            $(#[test]
+            fn $long() {
+                super::holds(stringify!($long));
+            })*
+        }
+
+        #[test]
+        fn every_experiment_has_a_test() {
+            let tested = BTreeSet::from([$(stringify!($name),)* $(stringify!($long),)*]);
+            let known: BTreeSet<&str> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
+            assert_eq!(known, tested);
+        }
+    };
 }
 
-#[test]
-fn lin2016() {
-    holds("lin2016");
-}
-
-/// Those that take seconds.
-mod at_length {
-    #[test]
-    fn yang2015() {
-        super::holds("yang2015");
-    }
-
-    #[test]
-    fn methods() {
-        super::holds("methods");
-    }
-
-    #[test]
-    fn parity() {
-        super::holds("parity");
-    }
-
-    #[test]
-    fn tian2024() {
-        super::holds("tian2024");
-    }
-
-    #[test]
-    fn probabilities() {
-        super::holds("probabilities");
-    }
-
-    #[test]
-    fn araim() {
-        super::holds("araim");
-    }
-
-    #[test]
-    fn fde() {
-        super::holds("fde");
-    }
+experiments! {
+    { chen2009, lin2016, }
+    at_length { yang2015, methods, parity, tian2024, probabilities, araim, fde, }
 }

@@ -115,6 +115,7 @@ fn request(caster: &Caster) -> Result<TcpStream> {
     stream.write_all(request.as_bytes())?;
     let status = status_line(&mut stream)?;
     let status = status.trim();
+    ensure!(!status.is_empty(), "the caster closed the connection without an answer");
     if status.starts_with("SOURCETABLE ") {
         let mut table = Vec::new();
         // A table that is cut by an error still names mountpoints.
