@@ -441,3 +441,27 @@ fn agree<const N: usize>(report: &Report<N>) -> bool {
     !is_contradicted
         && report.used.iter().any(|satellite| satellite.constellation() != Constellation::Glonass)
 }
+
+#[cfg(test)]
+mod tests {
+    use raim_core::epoch::Epoch;
+    use raim_core::monitor::Monitor;
+    use raim_core::report::TestStatistic;
+    use raim_core::requirements::Requirements;
+
+    use super::*;
+
+    #[test]
+    fn ambiguous_ranges_of_few_satellites_are_no_sign_and_a_leap_always_is() {
+        let npa = Requirements::non_precision_approach();
+        let mut report = Monitor::<f32, 4>::new(npa).expect("in the tables").process(&Epoch::new(0.0));
+        for dof in 1..=40 {
+            report.test = Some(TestStatistic { statistic: 2.0, threshold: 1.0, dof });
+            let signs = [Alert::Ambiguous, Alert::Track, Alert::Fault].map(|alert| {
+                report.verdict = Verdict::Alert(alert);
+                is_sign(&report)
+            });
+            assert_eq!(signs, [dof > 4, true, false], "{dof} degrees of freedom");
+        }
+    }
+}
