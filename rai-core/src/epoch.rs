@@ -17,6 +17,7 @@ use heapless::Vec;
 use crate::bounded::assert_capacity;
 use crate::frame::Ecef;
 use crate::numeric::bounds::is_within;
+use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 use crate::weighting::adaptation::Adaptation;
 use crate::weighting::shared::SharedError;
@@ -154,6 +155,8 @@ pub struct Epoch<const N: usize> {
     observations: Vec<Observation, N>,
     /// Shared error of each observation.
     shared: Vec<SharedError, N>,
+    /// Receiver's part of each variance, in 255ths and rounded up.
+    receiver: Vec<u8, N>,
     aiding: Vec<Aiding, 2>,
 }
 
@@ -165,7 +168,13 @@ impl<const N: usize> Epoch<N> {
     pub fn new(time_s: f64) -> Self {
         const { assert_capacity(N) };
         let time_s = if time_s.is_finite() { time_s } else { 0.0 };
-        Self { time_s, observations: Vec::new(), shared: Vec::new(), aiding: Vec::new() }
+        Self {
+            time_s,
+            observations: Vec::new(),
+            shared: Vec::new(),
+            receiver: Vec::new(),
+            aiding: Vec::new(),
+        }
     }
 
     /// Empties the epoch for another instant. A caller can thus reuse one epoch in place.
@@ -173,6 +182,7 @@ impl<const N: usize> Epoch<N> {
         self.time_s = if time_s.is_finite() { time_s } else { 0.0 };
         self.observations.clear();
         self.shared.clear();
+        self.receiver.clear();
         self.aiding.clear();
     }
 
@@ -208,7 +218,24 @@ impl<const N: usize> Epoch<N> {
             return Err(EpochError::Duplicate);
         }
         self.observations.push(observation).map_err(|_| EpochError::Full)?;
+        if cfg!(feature = "past") {
+            // Never full, because it is as long as `shared`.
+            let _ = self.receiver.push(u8::MAX);
+        }
         self.shared.push(shared).map_err(|_| EpochError::Full)
+    }
+
+    unstable! {
+        /// Sets the receiver's part of the variance of the satellite that was added last, m². The
+        /// monitor raises this part if residuals show that it is too small. Before, it is the whole
+        /// variance.
+        pub fn set_receiver_m2(&mut self, receiver_m2: f32) {
+            if let (Some(part), Some(last)) = (self.receiver.last_mut(), self.observations.last()) {
+                let sigma_m = last.sigma_m as f32;
+                // Rounded up, so that a small part is not 0. The cast saturates.
+                *part = (255.0 * receiver_m2 / (sigma_m * sigma_m) + 1.0) as u8;
+            }
+        }
     }
 
     /// Adds outside knowledge: one clock and one height at most.
@@ -241,8 +268,8 @@ impl<const N: usize> Epoch<N> {
     unstable! {
         /// Returns a view without the capacity.
         pub fn view(&self) -> EpochView<'_> {
-            let Self { time_s, observations, shared, aiding } = self;
-            EpochView { time_s: *time_s, observations, shared, aiding }
+            let Self { time_s, observations, shared, receiver, aiding } = self;
+            EpochView { time_s: *time_s, observations, shared, receiver, aiding }
         }
     }
 
@@ -275,6 +302,7 @@ unstable! {
         time_s: f64,
         observations: &'e [Observation],
         shared: &'e [SharedError],
+        receiver: &'e [u8],
         aiding: &'e [Aiding],
     }
 }
@@ -288,6 +316,11 @@ impl<'e> EpochView<'e> {
     /// Works like [`Epoch::observations`].
     pub fn observations(&self) -> &'e [Observation] {
         self.observations
+    }
+
+    /// Iterates over the receiver's part of each variance, dimensionless.
+    pub(crate) fn receivers_parts(&self) -> impl Iterator<Item = f32> + use<'e> {
+        self.receiver.iter().map(|part| f32::from(*part) * (1.0 / 255.0))
     }
 
     /// Works like [`Epoch::shared`].
@@ -304,12 +337,14 @@ pub(crate) struct Aided<'e> {
     forecast: Option<Aiding>,
     /// Scale on all sigmas, dimensionless, if there is one.
     scale: Option<f64>,
+    /// Factor on the receiver's part of each variance, at least 1.
+    noise: f32,
 }
 
 impl<'e> Aided<'e> {
     /// Returns the epoch without a forecast.
     pub(crate) fn alone<const N: usize>(epoch: &'e Epoch<N>) -> Self {
-        Self { view: epoch.view(), forecast: None, scale: None }
+        Self { view: epoch.view(), forecast: None, scale: None, noise: 1.0 }
     }
 
     /// Returns the epoch with a forecast, if there is capacity for the row and the epoch has no
@@ -325,13 +360,23 @@ impl<'e> Aided<'e> {
         Self { scale, ..self }
     }
 
+    /// Returns the epoch with the receiver's part of each variance multiplied by a factor.
+    pub(crate) fn noisier(self, noise: f32) -> Self {
+        Self { noise, ..self }
+    }
+
     /// Iterates over the satellites, each with the standard deviation of its range, m.
     pub(crate) fn weighed(&self) -> impl Iterator<Item = (&'e Observation, f64)> {
-        let scale = self.scale;
-        self.view.observations.iter().zip(self.view.shared).map(move |(observation, shared)| {
+        let Self { scale, noise, view, .. } = *self;
+        let is_noisy = cfg!(feature = "past") && noise > 1.0;
+        let mut parts = view.receivers_parts();
+        view.observations.iter().zip(view.shared).map(move |(observation, shared)| {
             let Observation { satellite, sigma_m, .. } = *observation;
             let scaled = |scale| Adaptation::sigma_m(scale, satellite, sigma_m, shared.common_m);
-            (observation, scale.map_or(sigma_m, scaled))
+            let sigma_m = scale.map_or(sigma_m, scaled);
+            let part = if is_noisy { parts.next() } else { None };
+            let grown = |part: f32| sigma_m * f64::from(sqrt(1.0 + (noise - 1.0) * part));
+            (observation, part.map_or(sigma_m, grown))
         })
     }
 

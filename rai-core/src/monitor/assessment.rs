@@ -4,7 +4,7 @@
 //! ratios is the sigma check of the report, about 1 if the sigmas are right.
 
 use super::description::{describe, known_height, residuals, suspects};
-use super::evidence::{Belief, residuals_of_all};
+use super::evidence::residuals_of_all;
 use super::kept_out::SystemsSeen;
 use super::workspace::Update;
 use super::{EpochOutcome, Monitor};
@@ -25,17 +25,18 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         &self,
         fix: &Fix<'_, T, N>,
         epoch: &EpochView<'_>,
+        noise: f32,
         judgement: &mut Judgement<T>,
         outcome: &mut EpochOutcome<N>,
     ) {
         let excluded = suspects(judgement, fix, epoch);
-        let evidence = residuals_of_all(judgement, fix.snapshot(), epoch.observations().len());
-        let belief = self.belief(epoch.time_s(), &evidence);
-        if let Belief::Scaled(factor) = belief {
+        let evidence = residuals_of_all(judgement, fix.snapshot(), epoch, noise);
+        let growth = self.growth(epoch.time_s(), &evidence);
+        if let Some(factor) = growth {
             judgement.scale_levels(f64::from(factor));
         }
         let verdict = match self.verdict(judgement, excluded.is_empty()) {
-            Verdict::Protected(how) => self.supported(how, belief, fix, epoch, evidence.excluded),
+            Verdict::Protected(how) => self.supported(how, growth, fix, epoch, evidence.excluded),
             other => other,
         };
         let passed = !matches!(judgement.outcome, ExclusionOutcome::NotIsolated(_));

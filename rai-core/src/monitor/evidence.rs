@@ -1,55 +1,79 @@
 //! Evidence against the sigmas: the residuals of every tracked satellite over the last minute.
 //!
 //! ```text
-//! ratio = Σ SSE / Σ dof        of the epochs of the last minute, this one included
-//! rest  = Σ SSE_r / Σ dof_r    of this epoch, and of those of the last minute that excluded satellites
-//! refuted   ratio ≥ max(2, χ²_{1−1e-7}(Σ dof) / Σ dof)
-//! refuted   rest ≥ χ²_{1−1e-2}(Σ dof_r) / Σ dof_r          only if this epoch excludes satellites
-//! scaled    ratio ≥ χ²_{1−1e-3}(Σ dof) / Σ dof             protection levels times √ratio
+//! σ²(κ) = σ² (1 + (κ − 1) p)          p: the receiver's part of the variance, noise and multipath
+//! ratio = SSE / dof                    of an epoch weighed by σ(κ); one row counts as at most 9 times the mean of the others
+//! κ_e   = κ (1 + (ratio/m − 1) / P)    m = χ²_{0.5}(dof)/dof;  P = Σ r_i κ p_i σ_i²/σ_i²(κ) / Σ r_i
+//! κ     = largest of 1, the mean of κ_e in each span of the last minute, and, for the levels, κ_e of this epoch
+//! level = level at the κ of the test, times √(1 + (κ/κ_test − 1) P)
 //! ```
-//!
-//! If the sigmas are refuted, no position is promised. The second rule for `refuted` is applied
-//! twice, to the rest of this epoch alone and to the sum over the minute. Either suffices. The rule
-//! for `scaled` is applied to the ratio of the minute and to that of this epoch's rest. The larger
-//! ratio scales the levels.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `SSE`, `dof` | [`EpochResiduals::all`]: weighted squares of the residuals against the solution, those of excluded satellites included, and their degrees of freedom | – |
-//! | `SSE_r`, `dof_r` | [`EpochResiduals::rest`]: the same of the satellites used | – |
+//! | `κ` | [`Aided::noisier`](crate::epoch::Aided::noisier), [`EpochResiduals::noise`] | – |
+//! | `p_i`, `P` | [`EpochView::receivers_parts`], [`EpochResiduals::share`] | – |
+//! | `SSE`, `dof` | weighted squares of the residuals, those of excluded satellites included, and their degrees of freedom | – |
+//! | `r_i` | redundancy of a row | – |
 //! | `χ²_p(ν)/ν` | [`Residuals::ratio_at`] | – |
 //!
-//! A protection level assumes one faulty satellite at most. It also assumes that the errors of the
-//! others are as large as their sigmas state. Exclusion alone cannot check this second assumption,
-//! because it removes the residuals that contradict it. Therefore the sum contains the residuals of
-//! excluded satellites too:
+//! A protection level assumes that errors are as large as their sigmas state. Small antennas and
+//! reflections make them larger. The receiver's part of each variance is then raised, and test,
+//! search, exclusion and levels use the raised variances. Orbits, troposphere and ionosphere keep
+//! theirs. An epoch is judged by the κ of those before it. If its residuals show more noise and it
+//! passes, only its levels grow. If it fails, it is refused, and the next one is judged by what it
+//! has shown.
+//!
+//! **A κ that is too large breaks no promise**, whatever made it so. The level contains
+//! `k' √(s² + σ²)` beyond the line `X = s Y` ([`crate::integrity::raim::levels`]). `X − s Y` has
+//! the mean 0 for any bias of one satellite. If its standard deviation is right or too large by
+//! `√κ`, a position beyond its level lies in the half-plane `X − s Y > √κ k' √(s² + σ²)`. The
+//! half-planes of larger κ lie within those of smaller ones. Together, those of all κ above the
+//! true one therefore have at most the probability `Q(k')`, also if κ depends on these residuals.
+//! One slow fault also raises κ. The test then detects it later, and the level has grown by then.
+//! The half-planes are nested exactly if all variances grow alike. `rai-core/tests/all/noisy_receivers.rs`
+//! simulates ramps of every satellite with noise of half the sigma to three times the sigma.
+//!
+//! **A κ that is too small breaks promises.** Multipath repeats from epoch to epoch, so that a
+//! minute may be no more than one sample. `m` is therefore the median for the degrees of freedom of
+//! one epoch. Reflections come and go, so that the noisiest span of the minute counts.
+//!
+//! **One satellite's fault must not pass for noise.** A ramp that raises κ as fast as its own
+//! residual would never be excluded. The residual of one row therefore counts as at most
+//! [`MOST_ONE`] times the mean square of the others, and the shift of a whole constellation
+//! ([`constellation_shift`]) as at most [`MOST_SHIFT`] times. With one degree of freedom no other row
+//! contradicts, nothing can be excluded, and all of it counts. Excluded satellites are treated in
+//! the same spirit:
 //!
 //! - The largest residual of the excluded satellites does not count, because a level allows for one
 //!   faulty satellite. Each of the other squares counts as at most [`MOST_EXCLUDED`].
 //! - The satellites of a system that was left out as a whole do not count, because they are one
 //!   fault.
-//! - The SSE of an epoch counts as at most [`MOST_RATIO`]·dof, so that a short alert does not block
-//!   a whole minute. If the ratio is 1 in one half of the minute, the whole other half must reach
-//!   this cap to refute the sigmas.
+//! - The ratio of an epoch counts as at most [`MOST_RATIO`].
 //! - An epoch with [`Unidentified::Time`] does not count, because a wrong time tag is no error of
 //!   the ranges. It also erases the evidence of earlier epochs.
 //!
-//! If `P_fa` is above 1e-7, one epoch that passes its own test without an exclusion never refutes
-//! the sigmas: the bound for `refuted` exceeds `τ1` at the same degrees of freedom.
+//! **Refused.** From κ = [`MOST_NOISE`] on no position is promised. This is a noise of 30 m near
+//! the zenith, a tenth of a chip, with which a receiver tracks no code. Below it the levels decide.
 //!
-//! **The rest after an exclusion.** The test's `P_fa` is small, because every healthy epoch risks a
-//! false alarm. After an exclusion one fault is certain, and reflections come in groups. A rest
+//! **The rest after an exclusion.**
+//!
+//! ```text
+//! refuted   SSE_r / dof_r ≥ χ²_{1−1e-2}(dof_r) / dof_r          of this epoch
+//! ```
+//!
+//! The test's `P_fa` is small, because every healthy epoch risks a false alarm. After an exclusion one fault is certain, and reflections come in groups. A rest
 //! just below the threshold is then far likelier to contain another fault than to be healthy. Its
 //! bound is therefore lower, and refuses a healthy rest in one of a hundred epochs that exclude
 //! satellites. In simulated street canyons 170 errors exceeded a level. In 138 of these epochs
 //! satellites were excluded, and the rest fails this bound.
 //!
-//! Assumes that the epochs of a minute are independent. Multipath that repeats from epoch to epoch
-//! increases the spread of the ratio, not its mean.
+//! **Limits.** If all errors of a minute are small by chance, or the noise grows within one epoch
+//! without contradiction, κ is too small. Errors that satellites share are no noise.
 
 use super::{EpochOutcome, Monitor};
 use crate::epoch::{EpochView, Observation};
 use crate::integrity::Judgement;
+use crate::integrity::raim::hypotheses::constellation_shift;
 use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified, leaves_enough};
 use crate::least_squares::Snapshot;
 use crate::least_squares::fix::Fix;
@@ -61,15 +85,8 @@ use crate::weighting::residuals::{RecentResiduals, Residuals};
 /// Length of one of the spans that make up the last minute, s.
 const SPAN_S: f32 = 6.0;
 
-/// Least ratio that refutes the sigmas, whatever the degrees of freedom.
-const REFUTED: f32 = 2.0;
-
-/// `Q⁻¹(1e-7)`, for the bound that refutes the sigmas. If the sigmas are right, the ratio exceeds
-/// it in one of ten million minutes.
-const REFUTED_QUANTILE: f32 = 5.199_338;
-
-/// `Q⁻¹(1e-3)`, for the bound above which levels are scaled.
-const SCALED_QUANTILE: f32 = 3.090_232;
+/// `Q⁻¹(0.5)`, for the noise that an epoch adds to its span.
+const MEDIAN: f32 = 0.0;
 
 /// `Q⁻¹(1e-2)`, for the bound on the rest after an exclusion: the significance `α` of [Parity].
 ///
@@ -79,26 +96,35 @@ const REST_QUANTILE: f32 = 2.326_348;
 /// Limit for the square of an excluded satellite's residual divided by its sigma.
 const MOST_EXCLUDED: f32 = 25.0;
 
-/// Largest SSE/dof with which an epoch counts. If half of a minute has this value and the other
-/// half has 1, the ratio is [`REFUTED`].
-const MOST_RATIO: f32 = 3.0;
+/// Limit for the square of one residual, in units of the mean of the others: three sigmas.
+const MOST_ONE: f32 = 9.0;
 
-/// Belief in the sigmas.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Belief {
-    /// The residuals are no larger than the sigmas allow.
-    Sound,
-    /// The residuals are larger than the sigmas allow, and levels grow by this factor.
-    Scaled(f32),
-    /// The residuals contradict the sigmas.
-    Refuted,
-}
+/// Limit for what a shifted constellation explains, in the same units: `χ²` with three degrees of
+/// freedom exceeds it as rarely as a normal number exceeds three sigmas.
+const MOST_SHIFT: f32 = 14.156;
+
+/// Largest SSE/dof with which an epoch counts: ten times the sigmas in use. Two such epochs suffice
+/// for any noise up to [`MOST_NOISE`].
+const MOST_RATIO: f32 = 100.0;
+
+/// Factor on the receiver's part of a variance from which on no position is promised:
+/// `(30 m)² / (0.42 m)²`.
+const MOST_NOISE: f32 = 5000.0;
+
+/// Least share of the receiver in the variances, so that rounding cannot make it 0.
+const LEAST_SHARE: f32 = 0.05;
 
 /// Residuals of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EpochResiduals {
-    /// Residuals of every tracked satellite.
-    all: Residuals,
+    /// SSE/dof of every tracked satellite.
+    ratio: f32,
+    /// Their degrees of freedom.
+    dof: u32,
+    /// Share of the receiver in the variances in use.
+    share: f32,
+    /// Factor in use on the receiver's part.
+    noise: f32,
     /// Residuals of the satellites used.
     rest: Residuals,
     /// Number of satellites that were excluded one by one; 0 if the rest does not agree.
@@ -107,15 +133,27 @@ pub(super) struct EpochResiduals {
 
 impl EpochResiduals {
     /// The residuals of no epoch.
-    pub(super) const NONE: Self = Self { all: Residuals::NONE, rest: Residuals::NONE, excluded: 0 };
+    pub(super) const NONE: Self =
+        Self { ratio: 0.0, dof: 0, share: 1.0, noise: 1.0, rest: Residuals::NONE, excluded: 0 };
+
+    /// Returns the factor on the receiver's part that explains the residuals.
+    fn shown(&self) -> f32 {
+        let expected = Residuals { sse: 0.0, dof: self.dof }.ratio_at(MEDIAN);
+        // Without degrees of freedom this is NaN, which becomes 0.
+        (self.noise * (1.0 + (self.ratio / expected - 1.0) / self.share)).max(0.0)
+    }
+
+    /// Returns the noise of the epoch as a sum over its degrees of freedom.
+    fn sum(&self) -> Residuals {
+        Residuals { sse: self.shown() * self.dof as f32, dof: self.dof }
+    }
 }
 
 /// Residuals of the last minute.
 #[derive(Clone, Debug)]
 pub(super) struct Evidence {
+    /// Noise of each epoch, weighted by its degrees of freedom.
     all: RecentResiduals,
-    /// Residuals of the satellites used, in epochs that excluded others.
-    rests: RecentResiduals,
 }
 
 impl Evidence {
@@ -123,39 +161,37 @@ impl Evidence {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub(super) const fn new() -> Self {
-        Self { all: RecentResiduals::of(SPAN_S), rests: RecentResiduals::of(SPAN_S) }
+        Self { all: RecentResiduals::of(SPAN_S) }
     }
 
     /// Forgets everything.
     pub(super) fn restart(&mut self) {
         self.all.restart();
-        self.rests.restart();
     }
 
     /// Adds an epoch. If its time is before the last span, the evidence begins anew. An epoch with
     /// a NaN time is not added.
     pub(super) fn learn(&mut self, time_s: f64, latest: &EpochResiduals) {
-        self.all.add(time_s, latest.all);
-        if latest.excluded > 0 {
-            self.rests.add(time_s, latest.rest);
-        }
+        self.all.add(time_s, latest.sum());
     }
 
-    /// Returns the belief in the sigmas after an epoch with these residuals.
-    pub(super) fn belief(&self, time_s: f64, latest: &EpochResiduals) -> Belief {
-        let (all, rest) = (self.all.sum_at(time_s, latest.all), latest.rest);
-        if all.excess(REFUTED_QUANTILE) >= REFUTED {
-            return Belief::Refuted;
+    /// Returns the factor on the receiver's part of the variances that the last minute shows, at
+    /// least 1.
+    #[inline(never)]
+    pub(super) fn noise(&self, time_s: f64) -> f32 {
+        // The ratio of a span without degrees of freedom is NaN, which `max` ignores.
+        self.all.at(time_s).fold(1.0, |most, span| most.max(span.ratio()))
+    }
+
+    /// Returns the factor on the levels of an epoch with these residuals, at least 1, or `None` if
+    /// they refute the sigmas.
+    pub(super) fn growth(&self, time_s: f64, latest: &EpochResiduals) -> Option<f32> {
+        if latest.excluded > 0 && latest.rest.excess(REST_QUANTILE) > 0.0 {
+            return None;
         }
-        if latest.excluded > 0 {
-            let doubt = rest.excess(REST_QUANTILE) + self.rests.sum_at(time_s, rest).excess(REST_QUANTILE);
-            if doubt > 0.0 {
-                return Belief::Refuted;
-            }
-        }
-        let (of_all, of_rest) = (all.excess(SCALED_QUANTILE), rest.excess(SCALED_QUANTILE));
-        let scale = if of_all > of_rest { of_all } else { of_rest };
-        if scale > 0.0 { Belief::Scaled(sqrt(scale)) } else { Belief::Sound }
+        let noise = self.noise(time_s).max(latest.shown());
+        let growth = 1.0 + (noise / latest.noise - 1.0) * latest.share;
+        (noise < MOST_NOISE).then(|| sqrt(growth.max(1.0)))
     }
 }
 
@@ -181,13 +217,19 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Returns the belief in the sigmas after an epoch with these residuals. If epochs are judged
-    /// independently, there is no evidence, and the result is [`Belief::Sound`].
-    pub(super) fn belief(&self, time_s: f64, latest: &EpochResiduals) -> Belief {
-        match self.continuity_settings {
-            Some(_) if cfg!(feature = "past") => self.evidence.belief(time_s, latest),
-            _ => Belief::Sound,
-        }
+    /// Returns the factor on the levels of an epoch with these residuals, or `None` if they refute
+    /// the sigmas. If epochs are judged independently, there is no evidence, and the factor is 1.
+    pub(super) fn growth(&self, time_s: f64, latest: &EpochResiduals) -> Option<f32> {
+        if self.compares_residuals() { self.evidence.growth(time_s, latest) } else { Some(1.0) }
+    }
+
+    /// Returns the factor on the receiver's part of the variances that the last minute shows.
+    pub(super) fn noise(&self, time_s: f64) -> f32 {
+        if self.compares_residuals() { self.evidence.noise(time_s) } else { 1.0 }
+    }
+
+    fn compares_residuals(&self) -> bool {
+        cfg!(feature = "past") && self.continuity_settings.is_some()
     }
 
     /// Returns true if a system that should be kept out takes part, because the others alone
@@ -204,12 +246,12 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     pub(super) fn supported(
         &self,
         how: Protected,
-        belief: Belief,
+        growth: Option<f32>,
         fix: &Fix<'_, T, N>,
         epoch: &EpochView<'_>,
         excluded: u8,
     ) -> Verdict {
-        if belief == Belief::Refuted {
+        if growth.is_none() {
             return Verdict::Unavailable(Unavailable::Sigmas);
         }
         if self.rests_on_kept_out(fix, epoch) {
@@ -229,46 +271,87 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 }
 
-/// Returns two sums: `rest` has the residuals of the satellites used. `all` adds those of the
-/// excluded satellites, except for the largest one.
+/// Returns the residuals of the satellites used, and with them those of the excluded satellites,
+/// except for the largest one.
 pub(super) fn residuals_of_all<T: Real, const N: usize>(
     judgement: &Judgement<T>,
     snapshot: &Snapshot<'_, T, N>,
-    satellites: usize,
+    epoch: &EpochView<'_>,
+    noise: f32,
 ) -> EpochResiduals {
-    if judgement.outcome == ExclusionOutcome::NotIsolated(Unidentified::Time) {
+    let is_late = judgement.outcome == ExclusionOutcome::NotIsolated(Unidentified::Time);
+    if !cfg!(feature = "past") || is_late {
         return EpochResiduals::NONE;
     }
     let (mut sum, mut largest, mut count) = (0.0_f32, 0.0_f32, 0_u32);
-    for (row, fit) in judgement.single_exclusions(snapshot, satellites) {
+    for (row, fit) in judgement.single_exclusions(snapshot, epoch.observations().len()) {
         let normalised = (fit.residual / row.sigma).widen() as f32;
         let square = (normalised * normalised).min(MOST_EXCLUDED);
         (sum, largest, count) = (sum + square, largest.max(square), count + 1);
     }
     let rest = Residuals { sse: snapshot.sse().widen() as f32, dof: snapshot.dof() as u32 };
     let dof = rest.dof + count.saturating_sub(1);
-    let sse = rest.sse + sum - largest;
-    let most = MOST_RATIO * dof as f32;
-    // An infinite or NaN sum counts as the largest permitted one.
-    let all = Residuals { sse: if sse < most { sse } else { most }, dof };
+    let ratio = (without_fault(rest, snapshot) + sum - largest) / dof as f32;
+    // An infinite or NaN ratio counts as the largest permitted one.
+    let ratio = if ratio < MOST_RATIO { ratio } else { MOST_RATIO };
     let agrees = judgement.outcome == ExclusionOutcome::Isolated;
-    EpochResiduals { all, rest, excluded: if agrees { count as u8 } else { 0 } }
+    let share = receivers_share(snapshot, epoch, noise);
+    EpochResiduals { ratio, dof, share, noise, rest, excluded: if agrees { count as u8 } else { 0 } }
+}
+
+/// Returns the SSE in which the most that one fault explains, of a row or of a constellation, is
+/// limited.
+fn without_fault<T: Real, const N: usize>(rest: Residuals, snapshot: &Snapshot<'_, T, N>) -> f32 {
+    let limited = |left: f32, unknowns: u32, most: f32| match rest.dof.checked_sub(unknowns) {
+        Some(dof) if dof > 0 => left.max(0.0) * (1.0 + most / dof as f32),
+        _ => rest.sse,
+    };
+    let one = rest.sse - snapshot.statistics().worst.largest.widen() as f32;
+    let sse = rest.sse.min(limited(one, 1, MOST_ONE));
+    // Small residuals need no explanation.
+    if sse < rest.dof as f32 {
+        return sse;
+    }
+    let left = constellation_shift::least_sse(snapshot).widen() as f32;
+    sse.min(limited(left, constellation_shift::UNKNOWNS as u32, MOST_SHIFT))
+}
+
+/// Returns the share of the receiver's part in the variances in use, weighted by redundancy.
+fn receivers_share<T: Real, const N: usize>(
+    snapshot: &Snapshot<'_, T, N>,
+    epoch: &EpochView<'_>,
+    noise: f32,
+) -> f32 {
+    let (mut fixed, mut all) = (0.0_f32, 0.0_f32);
+    for ((row, fit), part) in snapshot.rows().zip(epoch.receivers_parts()) {
+        if row.weight > T::zero() {
+            let redundancy = fit.redundancy.widen() as f32;
+            fixed += redundancy * (1.0 - part) / (1.0 + (noise - 1.0) * part);
+            all += redundancy;
+        }
+    }
+    (1.0 - fixed / all).max(LEAST_SHARE)
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "a factor of 1 is exact")]
 mod tests {
-    use super::{Belief, EpochResiduals, Evidence};
+    use super::{EpochResiduals, Evidence};
     use crate::weighting::residuals::Residuals;
 
-    /// Returns an epoch with this ratio of all satellites, and one of the rest far below 1.
+    /// `χ²_{0.5}(10)/10` (printed tables: 9.342).
+    const MEDIAN_OF_TEN: f32 = 0.9342;
+
+    /// Returns an epoch with this ratio of all satellites, judged by a factor of 1, and one of the
+    /// rest far below 1.
     fn of_all(ratio: f32) -> EpochResiduals {
-        EpochResiduals { all: Residuals { sse: 10.0 * ratio, dof: 10 }, ..EpochResiduals::NONE }
+        EpochResiduals { ratio: ratio * MEDIAN_OF_TEN, dof: 10, ..EpochResiduals::NONE }
     }
 
     /// Returns an epoch whose satellites used have this ratio.
     fn of_rest(ratio: f32, is_excluding: bool) -> EpochResiduals {
         let rest = Residuals { sse: 10.0 * ratio, dof: 10 };
-        EpochResiduals { rest, excluded: u8::from(is_excluding), ..of_all(1.0) }
+        EpochResiduals { rest, excluded: u8::from(is_excluding), ..of_all(0.9) }
     }
 
     fn after(epochs: u32, step_s: f64, latest: &EpochResiduals) -> Evidence {
@@ -277,62 +360,71 @@ mod tests {
         evidence
     }
 
-    #[test]
-    fn residuals_that_the_sigmas_allow_change_nothing() {
-        let none = EpochResiduals::NONE;
-        assert_eq!(after(60, 1.0, &of_all(1.0)).belief(59.0, &none), Belief::Sound);
-        assert_eq!(after(1, 1.0, &of_all(2.5)).belief(0.0, &none), Belief::Sound);
-        assert_eq!(Evidence::new().belief(0.0, &none), Belief::Sound);
+    fn close(have: f32, want: f32) {
+        assert!((have / want - 1.0).abs() < 0.01, "have {have}, want {want}");
     }
 
     #[test]
-    fn a_minute_of_larger_ones_scales_the_levels_and_then_refutes_the_sigmas() {
-        let none = EpochResiduals::NONE;
-        let scaled = after(60, 1.0, &of_all(1.5)).belief(59.0, &none);
-        let is_root = |factor: f32| (factor - 1.5_f32.sqrt()).abs() < 1e-6;
-        assert!(matches!(scaled, Belief::Scaled(factor) if is_root(factor)), "{scaled:?}");
-        assert_eq!(after(60, 1.0, &of_all(2.1)).belief(59.0, &none), Belief::Refuted);
-        assert_eq!(after(9, 30.0, &of_all(4.0)).belief(240.0, &none), Belief::Refuted);
+    fn residuals_that_the_sigmas_allow_change_nothing() {
+        assert_eq!(after(60, 1.0, &of_all(0.9)).noise(59.0), 1.0);
+        assert_eq!(after(60, 1.0, &of_all(0.9)).growth(59.0, &of_all(0.5)), Some(1.0));
+        assert_eq!(Evidence::new().noise(0.0), 1.0);
+        assert_eq!(Evidence::new().growth(0.0, &EpochResiduals::NONE), Some(1.0));
+    }
+
+    #[test]
+    fn a_minute_of_larger_ones_raises_the_noise_by_as_much() {
+        close(after(60, 1.0, &of_all(1.5)).noise(59.0), 1.5);
+        close(after(2, 30.0, &of_all(4.0)).noise(30.0), 4.0);
+        // If the receiver's part is half of the variance, it must grow twice as much.
+        let half = EpochResiduals { share: 0.5, ..of_all(1.5) };
+        close(after(60, 1.0, &half).noise(59.0), 2.0);
+        // Residuals weighed by the right factor confirm it.
+        let settled = EpochResiduals { noise: 8.0, share: 0.9, ..of_all(1.0) };
+        close(after(60, 1.0, &settled).noise(59.0), 8.0);
+    }
+
+    #[test]
+    fn the_noisiest_span_of_the_minute_counts() {
+        let mut evidence = after(6, 1.0, &of_all(9.0));
+        (6..60).for_each(|second| evidence.learn(f64::from(second), &of_all(0.5)));
+        close(evidence.noise(59.0), 9.0);
+        assert_eq!(evidence.noise(60.0), 1.0);
+    }
+
+    #[test]
+    fn levels_grow_by_what_the_epoch_itself_shows() {
+        let quiet = after(60, 1.0, &of_all(0.5));
+        close(quiet.growth(60.0, &of_all(4.0)).unwrap_or(0.0), 2.0);
+        // A factor in use already explains three of four parts.
+        let judged = EpochResiduals { noise: 3.0, ..of_all(4.0 / 3.0) };
+        close(quiet.growth(60.0, &judged).unwrap_or(0.0), (4.0_f32 / 3.0).sqrt());
+    }
+
+    #[test]
+    fn a_noise_that_no_receiver_can_track_refutes_the_sigmas() {
+        let near = EpochResiduals { noise: 4_900.0, ..of_all(1.0) };
+        assert!(after(6, 1.0, &near).growth(5.0, &near).is_some());
+        let beyond = EpochResiduals { noise: 4_900.0, ..of_all(1.1) };
+        assert_eq!(after(6, 1.0, &beyond).growth(5.0, &of_all(0.5)), None);
     }
 
     #[test]
     fn evidence_ends_after_a_minute_or_if_time_goes_back() {
-        let none = EpochResiduals::NONE;
         let mut evidence = after(60, 1.0, &of_all(4.0));
-        assert_eq!(evidence.belief(120.0, &none), Belief::Sound);
+        assert_eq!(evidence.noise(120.0), 1.0);
         evidence.learn(f64::NAN, &of_all(0.0));
-        assert_eq!(evidence.belief(59.0, &none), Belief::Refuted);
+        close(evidence.noise(59.0), 4.0);
         evidence.learn(-100.0, &of_all(0.1));
-        assert_eq!(evidence.belief(-100.0, &none), Belief::Sound);
+        assert_eq!(evidence.noise(-100.0), 1.0);
     }
 
-    /// χ² of 10 degrees of freedom is above 23.21 once in a hundred times, and above 29.59 once in
-    /// a thousand (printed tables).
+    /// χ² of 10 degrees of freedom is above 23.21 once in a hundred times (printed table).
     #[test]
     fn rest_after_an_exclusion_must_be_as_small_as_in_99_of_100_healthy_epochs() {
         let quiet = after(60, 1.0, &of_all(0.8));
-        assert_eq!(quiet.belief(60.0, &of_rest(2.2, true)), Belief::Sound);
-        assert_eq!(quiet.belief(60.0, &of_rest(2.4, true)), Belief::Refuted);
-        assert_eq!(quiet.belief(60.0, &of_rest(2.4, false)), Belief::Sound);
-    }
-
-    /// χ² of 600 degrees of freedom is above 683.5 once in a hundred times.
-    #[test]
-    fn rests_of_a_minute_are_compared_together() {
-        let large = after(60, 1.0, &of_rest(1.2, true));
-        assert_eq!(large.belief(60.0, &of_rest(1.2, true)), Belief::Refuted);
-        assert_eq!(large.belief(60.0, &of_rest(1.2, false)), Belief::Sound);
-        assert_eq!(large.belief(130.0, &of_rest(1.2, true)), Belief::Sound);
-        let small = after(60, 1.0, &of_rest(1.05, true));
-        assert_eq!(small.belief(60.0, &of_rest(1.05, true)), Belief::Sound);
-    }
-
-    #[test]
-    fn one_epoch_with_large_residuals_scales_its_own_levels() {
-        let quiet = after(60, 1.0, &of_all(0.5));
-        let scaled = quiet.belief(60.0, &of_rest(3.2, false));
-        let is_root = |factor: f32| (factor - 3.2_f32.sqrt()).abs() < 1e-6;
-        assert!(matches!(scaled, Belief::Scaled(factor) if is_root(factor)), "{scaled:?}");
-        assert_eq!(quiet.belief(60.0, &of_rest(2.8, false)), Belief::Sound);
+        assert_eq!(quiet.growth(60.0, &of_rest(2.2, true)), Some(1.0));
+        assert_eq!(quiet.growth(60.0, &of_rest(2.4, true)), None);
+        assert_eq!(quiet.growth(60.0, &of_rest(2.4, false)), Some(1.0));
     }
 }

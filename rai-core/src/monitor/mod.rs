@@ -16,7 +16,7 @@
 //! |---|---|---|
 //! | `start` | last position | start of the next fix |
 //! | `ratios` | SSE/dof of epochs that passed their test | sigma check |
-//! | `evidence`, `named` | residuals of the last minute; satellites excluded lately | withdraw a promise |
+//! | `evidence`, `named` | residuals of the last minute; satellites excluded lately | raise the noise; withdraw a promise |
 //! | `kept_out` | systems that were broken again and again | are left out before the test |
 //! | `height`, `motion` | last known height; last positions | are compared with the next ones |
 //! | `continuity` | earlier verdicts ([`crate::continuity`]) | jumps, recovery after an alert |
@@ -236,8 +236,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let forecast = if is_aided { self.clocks.aiding(&epoch.view()) } else { None };
         let scale = self.scale(epoch.time_s());
         let MonitorWorkspace { workspace, scratch, outcome } = memory;
+        let noise = self.noise(epoch.time_s());
+        let aided = Aided::by(epoch, forecast).scaled(scale).noisier(noise);
         // Judged in place, because a copy would be on the stack during every search.
-        match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
+        match &mut Fix::about(workspace, aided, start) {
             Ok(fix) => {
                 let clock_row = fix.clock_row().filter(|_| cfg!(feature = "aiding"));
                 let kept_out = self.keep_out(fix, &epoch.view());
@@ -245,7 +247,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
                     judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
                 let is_broken = judgement.lost_systems;
                 kept_out.describe(&mut judgement);
-                self.assess(fix, &epoch.view(), &mut judgement, outcome);
+                self.assess(fix, &epoch.view(), noise, &mut judgement, outcome);
                 outcome.update.systems.excluded = is_broken;
                 outcome.update.systems.kept_out_agree = kept_out.agrees;
             }

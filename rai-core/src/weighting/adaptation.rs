@@ -91,8 +91,8 @@ impl Adaptation {
         let contradicts =
             |minute: Residuals| minute.dof > 0 && minute.ratio() > factor * minute.ratio_at(CONFIDENCE);
         let is_quiet = factor < 1.0 && !self.minutes.at(time_s).any(contradicts);
-        let least = if is_quiet { *SCALES.start() } else { 1.0 };
-        f64::from(sqrt(factor)).clamp(least, *SCALES.end())
+        let least = if is_quiet { *SCALES.start() as f32 } else { 1.0 };
+        f64::from(sqrt(factor).clamp(least, *SCALES.end() as f32))
     }
 
     /// Returns a scaled sigma, m.

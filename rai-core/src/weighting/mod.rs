@@ -269,8 +269,9 @@ pub fn integrity_sigma_m(support: &IsmParameters, promised_m: f32, budget: &Erro
     sqrt(ura_m * ura_m + user_m2 + troposphere_m2)
 }
 
-/// Returns the receiver's part of the variance, m².
-fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
+/// Returns the receiver's part of the variance, m². `sin_elevation` must be at least 0.05.
+#[inline(never)]
+pub fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
     let is_pair = budget.noise_gain > 1.0;
     if cfg!(feature = "araim") && budget.user == UserModel::Airborne && is_pair {
         airborne_m2(sin_elevation, budget.weakness)

@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::noise::Noise;
-use crate::sky::{DIRECTIONS, SIGMA_M, observe, satellite};
+use crate::sky::{DIRECTIONS, SIGMA_M, observe, receiver, satellite};
 use raim_core::epoch::Epoch;
 use raim_core::monitor::{Monitor, Strategy};
-use raim_core::report::{Report, Unavailable, Verdict};
+use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_core::weighting::adaptation::{Adaptation, LEAST_DOF, Residuals};
@@ -125,10 +125,32 @@ fn noise_that_returns_after_a_quiet_quarter_of_an_hour_costs_few_epochs() {
 }
 
 #[test]
-fn noise_beyond_the_sigmas_promises_nothing() {
-    let is_refuted = |report: &Report<16>| report.verdict == Verdict::Unavailable(Unavailable::Sigmas);
-    let reports = quiet_then(Strategy::DEFAULT, 2.0, 120, 7);
-    assert!(reports.iter().skip(60).all(|report| !matches!(report.verdict, Verdict::Protected(_))));
-    assert!(reports.iter().any(is_refuted));
-    assert!(reports.iter().filter(|report| is_refuted(report)).all(|report| report.protection.is_none()));
+fn noise_beyond_the_sigmas_raises_the_levels() {
+    let median_hpl_m = |noise: f64| {
+        let reports = quiet_then(Strategy::DEFAULT, noise, 120, 7);
+        let promised = |report: &&Report<16>| matches!(report.verdict, Verdict::Protected(_));
+        let mut levels: Vec<_> = reports.iter().skip(60).filter(promised).collect();
+        assert!(levels.len() >= 57, "{noise}: {} of 60", levels.len());
+        let error_m = |report: &Report<16>| report.solution.as_ref().unwrap().position.distance_m(receiver());
+        assert!(levels.iter().all(|report| {
+            let levels = report.protection.as_ref().unwrap();
+            error_m(report) < levels.hpl_m.hypot(levels.vpl_m)
+        }));
+        levels.sort_by(|a, b| {
+            a.protection.as_ref().unwrap().hpl_m.total_cmp(&b.protection.as_ref().unwrap().hpl_m)
+        });
+        levels[levels.len() / 2].protection.as_ref().unwrap().hpl_m
+    };
+    let plain_m = median_hpl_m(0.5);
+    for noise in [1.5, 2.0, 4.0] {
+        let grown = median_hpl_m(noise) / plain_m;
+        // At least by the noise; by a third more at most, because the noisiest span counts.
+        assert!((noise..1.4 * noise).contains(&grown), "{noise}: levels grow by {grown}");
+    }
+}
+
+#[test]
+fn noise_that_no_receiver_can_track_promises_nothing() {
+    let reports = quiet_then(Strategy::DEFAULT, 150.0, 120, 7);
+    assert!(!reports.iter().any(|report| matches!(report.verdict, Verdict::Protected(_))));
 }

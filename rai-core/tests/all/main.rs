@@ -26,6 +26,7 @@ mod monitor_limits;
 mod motion;
 mod multiple_faults;
 mod noise;
+mod noisy_receivers;
 mod normal;
 mod parity;
 mod policy;

@@ -11,7 +11,7 @@ use raim_core::weighting::ionosphere::IonosphereError;
 use raim_core::weighting::shared::SharedError;
 use raim_core::weighting::{
     ErrorBudget, Ism, MIXED_CARRIERS_M, UserModel, ephemeris_sigma_m, integrity_sigma_m, reflection_sigma_m,
-    sigma_m,
+    sigma_m, user_m2,
 };
 
 use super::atmosphere::{Klobuchar, Place, Troposphere};
@@ -41,6 +41,8 @@ struct Corrected {
     line_of_sight: [f32; 3],
     range_m: f64,
     sigma_m: f32,
+    /// Receiver's part of the variance, m².
+    receiver_m2: f32,
     shared: SharedError,
 }
 
@@ -105,7 +107,11 @@ impl Site {
                 range_m: corrected.range_m,
                 sigma_m: f64::from(corrected.sigma_m),
             };
-            if let Err(error) = epoch.push_sharing(observation, corrected.shared) {
+            let pushed = epoch.push_sharing(observation, corrected.shared);
+            if cfg!(feature = "past") && pushed.is_ok() {
+                epoch.set_receiver_m2(corrected.receiver_m2);
+            }
+            if let Err(error) = pushed {
                 count(match error {
                     EpochError::Range { .. } | EpochError::Position { .. } | EpochError::Sigma { .. } => {
                         &mut refusals.range_implausible
@@ -183,6 +189,7 @@ impl Site {
                 }
                 _ => sigma_m(&budget),
             },
+            receiver_m2: user_m2(sin_elevation.max(0.05), &budget),
             shared: error.shared,
         })
     }

@@ -35,13 +35,13 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::least_squares::equations::Row;
-use crate::least_squares::{RowFit, Snapshot, invert, larger};
+use crate::least_squares::{RowFit, Snapshot, infinity, invert, larger};
 use crate::numeric::real::Real;
 use crate::numeric::space::{add_outer_product, dot, plus_scaled, scaled, symmetric_product, zero, zeros};
 use crate::satellite::Constellation;
 
 /// Unknowns of a second position.
-const UNKNOWNS: usize = 3;
+pub(crate) const UNKNOWNS: usize = 3;
 
 /// Increase of the threshold, 2 ln 100, that divides the probability of a false alarm by a hundred.
 const RARER: f64 = 9.210_340_371_976_184;
@@ -58,11 +58,23 @@ pub(crate) fn shows<T: Real, const N: usize>(
     let noise = thresholds.tau1::<T>(UNKNOWNS).map(|tau1| tau1 + T::narrow(RARER));
     let least = noise.map(|tau1| tau1.max(snapshot.statistics().worst.largest));
     let most = least.map(|least| snapshot.sse() - least).filter(|&most| most > T::zero());
-    most.is_some_and(|most| {
+    most.is_some_and(|most| least_sse(snapshot) < most)
+}
+
+/// Returns the least SSE that a shift leaves; infinite without a shift that can be tested.
+#[inline(never)]
+pub(crate) fn least_sse<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>) -> T {
+    let least = Cell::new(infinity::<T>());
+    if cfg!(feature = "hypotheses") {
         any_split(snapshot, &|split| {
-            split.mine.is_tested() && split.others.is_tested() && split.sse(snapshot) < most
-        })
-    })
+            if split.mine.is_tested() && split.others.is_tested() {
+                let left = split.sse(snapshot);
+                least.set(if left < least.get() { left } else { least.get() });
+            }
+            false
+        });
+    }
+    least.get()
 }
 
 /// Returns true if a shift explains the residuals of all satellites as well as one excluded row, or
