@@ -35,6 +35,7 @@ use crate::bounded::{MAX_ROWS, gather};
 use crate::epoch::EpochView;
 use crate::least_squares::{Excludable, Snapshot};
 use crate::numeric::real::Real;
+use crate::report::ProtectionLevels;
 use crate::requirements::Requirements;
 use crate::weighting::Ism;
 use crate::weighting::shared::SharedError;
@@ -74,6 +75,8 @@ pub struct Criteria<'c, T> {
     pub levels: Levels,
     /// Integrity support message, for [`Method::Araim`].
     pub ism: &'c Ism,
+    /// Factor on the effect of shared errors, at least 1.
+    pub shared_growth: f64,
 }
 
 /// Scratch memory of the methods, and the subsets that [`Method::Ransac`] keeps from epoch to
@@ -135,8 +138,18 @@ impl<T: Real> Criteria<'_, T> {
         let threshold = demand.threshold::<T>(self.policy)?;
         let detection =
             Detection { sse: snapshot.sse(), threshold: T::narrow(threshold.tau), dof: snapshot.dof() };
-        let shift = shared_shift(snapshot, shared);
+        let shift = self.shared_shift(snapshot, shared);
         Ok(Test { detection, levels: exposure.protect(threshold.lambda).plus(&shift) })
+    }
+
+    /// Returns the largest effect of the shared range errors on the position, horizontally and
+    /// vertically, m.
+    pub(crate) fn shared_shift<const N: usize>(
+        &self,
+        snapshot: &Snapshot<'_, T, N>,
+        shared: &[SharedError],
+    ) -> ProtectionLevels {
+        shared_shift(snapshot, shared).times(self.shared_growth)
     }
 }
 
@@ -222,7 +235,7 @@ fn judge_by_residuals<T: Real, const N: usize>(
                     let snapshot = solution.snapshot();
                     let levels = LevelInputs::of(snapshot, criteria.levels, criteria.factors)
                         .protect_against(slopes, shown, criteria.factors)
-                        .plus(&shared_shift(snapshot, epoch.shared()));
+                        .plus(&criteria.shared_shift(snapshot, epoch.shared()));
                     test.levels = test.levels.or_larger(&levels);
                 }
             }

@@ -111,6 +111,12 @@ const MOST_RATIO: f32 = 100.0;
 /// `(30 m)² / (0.42 m)²`.
 const MOST_NOISE: f32 = 5000.0;
 
+/// Largest factor on the effect of shared errors: five sigmas, the whole delay, instead of the
+/// three of [`COMMON_SIGMAS`].
+///
+/// [`COMMON_SIGMAS`]: crate::weighting::COMMON_SIGMAS
+const WHOLE_DELAY: f32 = 5.0 / 3.0;
+
 /// Least share of the receiver in the variances, so that rounding cannot make it 0.
 const LEAST_SHARE: f32 = 0.05;
 
@@ -176,11 +182,11 @@ impl Evidence {
     }
 
     /// Returns the factor on the receiver's part of the variances that the last minute shows, at
-    /// least 1.
+    /// least 1 and at most [`MOST_NOISE`].
     #[inline(never)]
     pub(super) fn noise(&self, time_s: f64) -> f32 {
         // The ratio of a span without degrees of freedom is NaN, which `max` ignores.
-        self.all.at(time_s).fold(1.0, |most, span| most.max(span.ratio()))
+        self.all.at(time_s).fold(1.0, |most: f32, span| most.max(span.ratio())).min(MOST_NOISE)
     }
 
     /// Returns the factor on the levels of an epoch with these residuals, at least 1, or `None` if
@@ -314,6 +320,17 @@ fn without_fault<T: Real, const N: usize>(rest: Residuals, snapshot: &Snapshot<'
     }
     let left = constellation_shift::least_sse(snapshot).widen() as f32;
     sse.min(limited(left, constellation_shift::UNKNOWNS as u32, MOST_SHIFT))
+}
+
+/// Returns the factor on the effect of shared errors: the mean growth of the variances, at most
+/// [`WHOLE_DELAY`].
+pub(super) fn shared_growth(epoch: &EpochView<'_>, noise: f32) -> f64 {
+    if !(cfg!(feature = "past") && noise > 1.0) {
+        return 1.0;
+    }
+    let parts = epoch.receivers_parts().fold(0.0, |sum, part| sum + part);
+    let growth = 1.0 + (noise - 1.0) * parts / epoch.observations().len() as f32;
+    f64::from(growth.min(WHOLE_DELAY))
 }
 
 /// Returns the share of the receiver's part in the variances in use, weighted by redundancy.

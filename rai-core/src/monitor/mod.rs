@@ -58,7 +58,7 @@ use crate::requirements::Requirements;
 use crate::velocity::{Velocity, VelocityError};
 use crate::weighting::adaptation::Adaptation;
 
-use evidence::Evidence;
+use evidence::{Evidence, shared_growth};
 use height::HeightMemory;
 use kept_out::KeptOutSystems;
 use named::Named;
@@ -237,14 +237,22 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let scale = self.scale(epoch.time_s());
         let MonitorWorkspace { workspace, scratch, outcome } = memory;
         let noise = self.noise(epoch.time_s());
+        let shared_growth = shared_growth(&epoch.view(), noise);
         let aided = Aided::by(epoch, forecast).scaled(scale).noisier(noise);
         // Judged in place, because a copy would be on the stack during every search.
         match &mut Fix::about(workspace, aided, start) {
             Ok(fix) => {
                 let clock_row = fix.clock_row().filter(|_| cfg!(feature = "aiding"));
                 let kept_out = self.keep_out(fix, &epoch.view());
-                let mut judgement =
-                    judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
+                let mut judgement = judge(
+                    fix,
+                    &epoch.view(),
+                    clock_row,
+                    &self.criteria(shared_growth),
+                    search,
+                    rates,
+                    scratch,
+                );
                 let is_broken = judgement.lost_systems;
                 kept_out.describe(&mut judgement);
                 self.assess(fix, &epoch.view(), noise, &mut judgement, outcome);
@@ -367,7 +375,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.strategy.scales_sigmas().then(|| self.adaptation.scale(time_s).max(least))
     }
 
-    fn criteria(&self) -> Criteria<'_, T> {
+    fn criteria(&self, shared_growth: f64) -> Criteria<'_, T> {
         Criteria {
             requirements: &self.validated.requirements,
             thresholds: self.validated.thresholds,
@@ -376,6 +384,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             method: self.strategy.method,
             levels: self.strategy.levels,
             ism: &self.ism,
+            shared_growth,
         }
     }
 }

@@ -14,11 +14,9 @@ use super::{
 use crate::bounded::gather;
 use crate::epoch::EpochView;
 use crate::integrity::raim::detection::Detection;
-use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::detection::threshold::policy::NoThreshold;
 use crate::integrity::raim::hypotheses::time_tag::{EpochRates, RangeRates};
 use crate::integrity::raim::isolation::exclusion::{Excluded, ExclusionOutcome, Unidentified};
-use crate::integrity::raim::shared_errors::shared_shift;
 use crate::integrity::{Criteria, Judgement, Test, WithoutAiding};
 use crate::least_squares::{Excludable, infinity};
 use crate::numeric::real::Real;
@@ -44,7 +42,7 @@ pub(in crate::integrity) fn judge_epoch<T: Real, const N: usize>(
         Ok(mut judged) => {
             take_back_one_of_two(solution, epoch, &mut judged);
             let is_of_time = blames_the_time(solution, epoch, &mut judged, criteria, rates);
-            let mut judgement = judgement(solution, epoch, &judged, &criteria.thresholds);
+            let mut judgement = judgement(solution, epoch, &judged, criteria);
             if is_of_time {
                 judgement.outcome = ExclusionOutcome::NotIsolated(Unidentified::Time);
             }
@@ -149,7 +147,7 @@ fn judgement<T: Real, const N: usize>(
     solution: &impl Excludable<T, N>,
     epoch: &EpochView<'_>,
     judged: &AraimJudgement<T>,
-    thresholds: &Thresholds<'_>,
+    criteria: &Criteria<'_, T>,
 ) -> Judgement<T> {
     let (mut outcome, excluded, finding) = match &judged.outcome {
         AraimOutcome::Passed => (ExclusionOutcome::Passed, None, &judged.whole),
@@ -175,13 +173,13 @@ fn judgement<T: Real, const N: usize>(
     let levels = ProtectionLevels { hpl_m: finding.hpl_m().widen(), vpl_m: finding.vpl_m().widen() };
     // No test sees shared range errors (ionosphere on one frequency), so that they are added, as
     // for every method.
-    let levels = levels.plus(&shared_shift(snapshot, epoch.shared()));
+    let levels = levels.plus(&criteria.shared_shift(snapshot, epoch.shared()));
     // Only the global test detects unmonitored faults, which have probability 0 or are too
     // unlikely. After such a fault no level is valid, and the faulty satellite is unknown. Beyond
     // the table there is no threshold, and the test counts as passed.
     let (sse, dof) = (snapshot.sse(), snapshot.dof());
     let untested = Detection { sse, threshold: infinity(), dof };
-    let detection = Detection::of(sse, dof, thresholds).unwrap_or(untested);
+    let detection = Detection::of(sse, dof, &criteria.thresholds).unwrap_or(untested);
     if detection.fault() && !matches!(outcome, ExclusionOutcome::NotIsolated(_)) {
         outcome = ExclusionOutcome::NotIsolated(Unidentified::NoSet);
     }
