@@ -149,7 +149,7 @@ fn check(report: &Report<ROOM>, epoch: &Epoch<ROOM>, requirements: &Requirements
     let has_no_position = matches!(report.verdict, Verdict::Unavailable(Unavailable::NoFix));
     assert!(!(has_no_position && report.solution.is_some()), "{report:?}");
     if let Verdict::Protected(reason) = report.verdict {
-        check_promise(report, reason, requirements);
+        check_promise(report, reason, requirements, strategy);
     }
 }
 
@@ -178,7 +178,12 @@ fn check_redundancy(report: &Report<ROOM>, epoch: &Epoch<ROOM>, strategy: Strate
     }
 }
 
-fn check_promise(report: &Report<ROOM>, reason: Protected, requirements: &Requirements) {
+fn check_promise(
+    report: &Report<ROOM>,
+    reason: Protected,
+    requirements: &Requirements,
+    strategy: Strategy,
+) {
     let solution = report.solution.as_ref().expect("protected without a position");
     assert!(solution.position.radius_m() <= FARTHEST_M, "{report:?}");
     let [ee, _, _, nn, _, uu] = solution.covariance_m2;
@@ -187,8 +192,10 @@ fn check_promise(report: &Report<ROOM>, reason: Protected, requirements: &Requir
     let test = report.test.expect("protected without a test");
     assert!(test.statistic >= 0.0 && test.statistic <= test.threshold, "{report:?}");
     let levels = report.protection.expect("protected without levels");
-    // Levels of ARAIM may fill the limits.
-    let fraction = if report.araim.is_some() { 1.0 } else { requirements.guard_fraction };
+    // Levels of ARAIM may fill the limits. A policy other than `T1` chooses a threshold whose plain
+    // level is within the guard; what scaling adds may use the rest of the limit.
+    let is_guarded = report.araim.is_none() && strategy.policy == Policy::T1;
+    let fraction = if is_guarded { requirements.guard_fraction } else { 1.0 };
     let share = |limit_m: f64| fraction * limit_m * (1.0 + ROUNDED);
     assert!(
         levels.hpl_m >= 0.0 && levels.hpl_m <= share(requirements.hal_m),
