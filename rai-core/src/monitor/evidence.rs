@@ -230,8 +230,15 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// Returns the factor on the receiver's part of the variances that the last minute shows.
+    ///
+    /// It is 1 for sigmas of an integrity support message, whose tests must find the fault of a
+    /// whole constellation. Only the levels then grow.
     pub(super) fn noise(&self, time_s: f64) -> f32 {
-        if self.compares_residuals() { self.evidence.noise(time_s) } else { 1.0 }
+        if self.compares_residuals() && !self.strategy.method.uses_ism() {
+            self.evidence.noise(time_s)
+        } else {
+            1.0
+        }
     }
 
     fn compares_residuals(&self) -> bool {

@@ -178,12 +178,7 @@ fn check_redundancy(report: &Report<ROOM>, epoch: &Epoch<ROOM>, strategy: Strate
     }
 }
 
-fn check_promise(
-    report: &Report<ROOM>,
-    reason: Protected,
-    requirements: &Requirements,
-    strategy: Strategy,
-) {
+fn check_promise(report: &Report<ROOM>, reason: Protected, requirements: &Requirements, strategy: Strategy) {
     let solution = report.solution.as_ref().expect("protected without a position");
     assert!(solution.position.radius_m() <= FARTHEST_M, "{report:?}");
     let [ee, _, _, nn, _, uu] = solution.covariance_m2;
