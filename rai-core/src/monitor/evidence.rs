@@ -117,6 +117,9 @@ const MOST_NOISE: f32 = 5000.0;
 /// [`COMMON_SIGMAS`]: crate::weighting::COMMON_SIGMAS
 const WHOLE_DELAY: f32 = 5.0 / 3.0;
 
+/// Receiver's share of the variance of a range of one frequency near the zenith: 0.2 m² of 3 m².
+const ONE_FREQUENCY: f32 = 0.0625;
+
 /// Least share of the receiver in the variances, so that rounding cannot make it 0.
 const LEAST_SHARE: f32 = 0.05;
 
@@ -329,15 +332,10 @@ fn without_fault<T: Real, const N: usize>(rest: Residuals, snapshot: &Snapshot<'
     sse.min(limited(left, constellation_shift::UNKNOWNS as u32, MOST_SHIFT))
 }
 
-/// Returns the factor on the effect of shared errors: the mean growth of the variances, at most
-/// [`WHOLE_DELAY`].
-pub(super) fn shared_growth(epoch: &EpochView<'_>, noise: f32) -> f64 {
-    if !(cfg!(feature = "past") && noise > 1.0) {
-        return 1.0;
-    }
-    let parts = epoch.receivers_parts().fold(0.0, |sum, part| sum + part);
-    let growth = 1.0 + (noise - 1.0) * parts / epoch.observations().len() as f32;
-    f64::from(growth.min(WHOLE_DELAY))
+/// Returns the factor on the effect of shared errors, 1 to [`WHOLE_DELAY`]: the growth of the
+/// variance of a range of one frequency. Other ranges share no error.
+pub(super) fn shared_growth(noise: f32) -> f64 {
+    f64::from((1.0 + (noise - 1.0) * ONE_FREQUENCY).min(WHOLE_DELAY))
 }
 
 /// Returns the share of the receiver's part in the variances in use, weighted by redundancy.

@@ -237,7 +237,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let scale = self.scale(epoch.time_s());
         let MonitorWorkspace { workspace, scratch, outcome } = memory;
         let noise = self.noise(epoch.time_s());
-        let shared_growth = shared_growth(&epoch.view(), noise);
+        let shared_growth = shared_growth(noise);
         let aided = Aided::by(epoch, forecast).scaled(scale).noisier(noise);
         // Judged in place, because a copy would be on the stack during every search.
         match &mut Fix::about(workspace, aided, start) {
