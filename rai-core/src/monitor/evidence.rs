@@ -52,6 +52,10 @@
 //! - An epoch with [`Unidentified::Time`] does not count, because a wrong time tag is no error of
 //!   the ranges. It also erases the evidence of earlier epochs.
 //!
+//! **The ionosphere instead.** On one frequency a wrong model of the ionosphere leaves residuals as
+//! noise does. The levels then contain up to five sigmas of the shared errors instead of three
+//! ([`shared_growth`]): a sigma is at least a fifth of the delay, so that this is the whole delay.
+//!
 //! **Refused.** From κ = [`MOST_NOISE`] on no position is promised. This is a noise of 30 m near
 //! the zenith, a tenth of a chip, with which a receiver tracks no code. Below it the levels decide.
 //!
