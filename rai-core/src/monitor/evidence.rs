@@ -240,7 +240,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ///
     /// It is 1 for sigmas of an integrity support message, whose tests must find the fault of a
     /// whole constellation. Only the levels then grow.
-    pub(super) fn noise(&self, time_s: f64) -> f32 {
+    #[inline(never)]
+    pub fn noise(&self, time_s: f64) -> f32 {
         if self.compares_residuals() && !self.strategy.method.uses_ism() {
             self.evidence.noise(time_s)
         } else {

@@ -53,7 +53,7 @@ use crate::integrity::raim::isolation::ransac::Subsets;
 use crate::integrity::{Criteria, KeptOut, judge};
 use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
-use crate::report::{Alert, Report, Suspect, Unavailable, Verdict};
+use crate::report::{Alert, ProtectionLevels, Report, Suspect, Unavailable, Verdict};
 use crate::requirements::Requirements;
 use crate::velocity::{Velocity, VelocityError};
 use crate::weighting::adaptation::Adaptation;
@@ -203,6 +203,24 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         memory: &'m mut MonitorWorkspace<T, N>,
     ) -> &'m mut EpochOutcome<N> {
         self.judge_about(epoch, start, search, rates, memory)
+    }
+
+    /// Returns the levels of an epoch whose ranges contain no fault, or `None` without a position
+    /// or a test. They depend on geometry and sigmas, and not on residuals.
+    ///
+    /// `noise` is the factor on the receiver's part of the variances ([`Self::noise`]).
+    #[cfg(feature = "unstable")]
+    pub fn levels(
+        &self,
+        epoch: &Epoch<N>,
+        start: Ecef,
+        noise: f32,
+        memory: &mut MonitorWorkspace<T, N>,
+    ) -> Option<ProtectionLevels> {
+        let aided = Aided::alone(epoch).noisier(noise);
+        let fix = Fix::about(&mut memory.workspace, aided, start).ok()?;
+        let test = self.criteria(shared_growth(noise)).test(fix.snapshot(), epoch.shared());
+        test.ok().map(|test| test.levels)
     }
 
     /// Makes the report's verdict final by comparing it with earlier epochs. Then updates the state

@@ -6,7 +6,7 @@ use crate::sky::{DIRECTIONS, SIGMA_M, observe, receiver, satellite};
 use raim_core::epoch::Epoch;
 use raim_core::frame::LocalFrame;
 use raim_core::monitor::Monitor;
-use raim_core::report::Verdict;
+use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
 
@@ -23,6 +23,23 @@ struct Count {
     epochs: u32,
 }
 
+impl Count {
+    /// Adds a report, if it counts.
+    fn add(&mut self, report: &Report<16>, counts: bool) {
+        if !counts {
+            return;
+        }
+        self.epochs += 1;
+        if matches!(report.verdict, Verdict::Protected(_)) {
+            let levels = report.protection.as_ref().unwrap();
+            let error = report.solution.as_ref().unwrap().position - receiver();
+            let error = LocalFrame::at(receiver()).rotate(error);
+            self.protected += 1;
+            self.beyond += u32::from(error.horizontal() > levels.hpl_m || error.up.abs() > levels.vpl_m);
+        }
+    }
+}
+
 /// A noisy sky.
 #[derive(Clone, Copy)]
 struct Sky {
@@ -37,7 +54,6 @@ struct Sky {
 fn run(sky: Sky, error_m: &dyn Fn(usize, u32) -> f64, faulty: usize, count: &mut Count) {
     let mut monitor = Monitor::<f64, 16>::new(Requirements::non_precision_approach()).unwrap();
     let (mut chance, mut noise) = (Noise(sky.seed), [0.0; DIRECTIONS.len()]);
-    let frame = LocalFrame::at(receiver());
     let kept = if sky.correlated_s > 0.0 { (-1.0 / sky.correlated_s).exp() } else { 0.0 };
     for value in &mut noise {
         *value = chance.normal();
@@ -51,16 +67,9 @@ fn run(sky: Sky, error_m: &dyn Fn(usize, u32) -> f64, faulty: usize, count: &mut
             epoch.push(seen).unwrap();
         }
         let report = monitor.process(&epoch);
-        count.epochs += 1;
         let faulty = satellite(Constellation::Gps, faulty + 1);
         count.excluding += u32::from(report.excluded.iter().any(|suspect| suspect.satellite == faulty));
-        if matches!(report.verdict, Verdict::Protected(_)) {
-            let levels = report.protection.as_ref().unwrap();
-            let error = frame.rotate(report.solution.as_ref().unwrap().position - receiver());
-            let is_beyond = error.horizontal() > levels.hpl_m || error.up.abs() > levels.vpl_m;
-            count.protected += 1;
-            count.beyond += u32::from(is_beyond);
-        }
+        count.add(&report, true);
     }
 }
 
@@ -105,7 +114,7 @@ fn two_ramps_at_once_and_a_street_after_quiet_are_bounded() {
             run(Sky { noise: |_| 1.0, correlated_s: 0.0, seed }, &ramps, one, &mut count);
         }
     }
-    println!("two ramps: {count:?}");
+    assert_bounded(&count, "two ramps");
     let mut street = Count::default();
     for seed in 1..=40 {
         let sky = Sky { noise: |second| if second < 450 { 0.3 } else { 4.0 }, correlated_s: 20.0, seed };
@@ -125,4 +134,50 @@ fn a_burst_costs_its_own_epochs_alone() {
     }
     assert_bounded(&count, "burst");
     assert!(count.protected + 20 * 15 > count.epochs, "{count:?}");
+}
+
+/// Adds two minutes of 150 random skies of 6 to 15 satellites, in which several satellites are wrong
+/// by 10 to 300 m from a second on.
+fn several_faults(faults: usize, from: u32, count: &mut Count) {
+    for seed in 0..150_u64 {
+        let mut chance = Noise((seed + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (faults as u64) << 40);
+        let systems = 1 + (seed % 2) as usize;
+        let satellites = 5 + systems + (chance.uniform() * 8.0) as usize;
+        let least = 10_f64.to_radians().sin();
+        let mut sky: Vec<_> = (0..satellites)
+            .map(|_| {
+                let sin_elevation = least + chance.uniform() * (1.0 - least);
+                ((360.0 * chance.uniform(), sin_elevation.asin().to_degrees()), 0.0)
+            })
+            .collect();
+        for (_, fault_m) in sky.iter_mut().take(faults) {
+            let size_m = 10.0 * 30_f64.powf(chance.uniform());
+            *fault_m = if chance.uniform() < 0.5 { size_m } else { -size_m };
+        }
+        let mut monitor = Monitor::<f64, 16>::new(Requirements::non_precision_approach()).unwrap();
+        for second in 0..120 {
+            let mut epoch = Epoch::new(f64::from(second));
+            for (index, (direction, fault_m)) in sky.iter().enumerate() {
+                let constellation = [Constellation::Gps, Constellation::Galileo][index % systems];
+                let mut seen = observe(satellite(constellation, index + 1), *direction, 0.0);
+                seen.range_m += SIGMA_M * chance.normal() + if second >= from { *fault_m } else { 0.0 };
+                epoch.push(seen).unwrap();
+            }
+            count.add(&monitor.process(&epoch), second >= from);
+        }
+    }
+}
+
+/// Faults that stay may pass for noise after their first alert, and then the levels bound them too.
+/// No level is made for several faults, so that few positions are beyond theirs.
+#[test]
+fn several_faults_that_stay_raise_the_levels() {
+    for from in [0, 60] {
+        for faults in 2..=4 {
+            let mut count = Count::default();
+            several_faults(faults, from, &mut count);
+            println!("{faults} faults from second {from}: {count:?}");
+            assert!(count.beyond * 50 < count.protected, "{faults} from {from}: {count:?}");
+        }
+    }
 }

@@ -22,7 +22,7 @@ use raim_core::integrity::raim::hypotheses::time_tag::RangeRates;
 use raim_core::integrity::raim::levels::KFactors;
 use raim_core::least_squares::SnapshotError;
 use raim_core::monitor::Search;
-use raim_core::report::Report;
+use raim_core::report::{ProtectionLevels, Report};
 use raim_core::velocity::{self, RangeRate, VelocityError};
 
 /// Most satellites in one epoch: 48, more than three systems show at once anywhere on earth, or
@@ -70,6 +70,18 @@ pub fn judge<'m>(
     memory: &'m mut MonitorWorkspace,
 ) -> &'m mut EpochOutcome {
     monitor.judge(epoch, start, search, rates, memory)
+}
+
+/// Calls [`Monitor::levels`].
+#[inline(never)]
+pub fn levels(
+    monitor: &Monitor,
+    epoch: &Epoch<CAPACITY>,
+    start: Ecef,
+    noise: f32,
+    memory: &mut MonitorWorkspace,
+) -> Option<ProtectionLevels> {
+    monitor.levels(epoch, start, noise, memory)
 }
 
 /// Calls [`Workspace::solve`].

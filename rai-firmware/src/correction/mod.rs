@@ -48,7 +48,7 @@ mod twins;
 
 pub use atmosphere::{Klobuchar, Place, Slant, Troposphere};
 pub use choice::{Choice, Choices, SINGLES, choose, ionosphere_free};
-pub use frequency::{Preference, Ranges, Spread};
+pub use frequency::{Preference, Ranges};
 pub use raim_single::CAPACITY;
 pub use site::Site;
 

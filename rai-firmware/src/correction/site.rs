@@ -15,7 +15,7 @@ use raim_core::weighting::{
 };
 
 use super::atmosphere::{Klobuchar, Place, Troposphere};
-use super::frequency::{Geometry, Ranges, Spread};
+use super::frequency::Ranges;
 use super::horizon::Horizon;
 use super::{CAPACITY, Choice, Located, Refusals, Sky, root_of_squares, sum_m};
 use crate::counters::count;
@@ -38,7 +38,6 @@ pub struct Site {
 /// A range for the epoch.
 #[derive(Clone, Copy)]
 struct Corrected {
-    line_of_sight: [f32; 3],
     range_m: f64,
     sigma_m: f32,
     /// Receiver's part of the variance, m².
@@ -132,22 +131,6 @@ impl Site {
         if self.ism.is_none() && !sky.iter().any(is_pair) { Ionosphere::Divided } else { Ionosphere::Whole }
     }
 
-    /// Returns the spread of the position from geometry and sigmas alone, or `None` for a singular
-    /// geometry.
-    ///
-    /// The ionosphere's error counts here entirely as noise. Otherwise one frequency could be
-    /// preferred only because its ionospheric model is trusted.
-    pub fn spread(&self, sky: &Sky, ranges: Ranges) -> Option<Spread> {
-        let (mut geometry, usual) = (Geometry::new(), Usual::of(sky, ranges));
-        for located in sky {
-            if let Some(seen) = self.observe(located, ranges, &usual, Ionosphere::Whole) {
-                let system = located.satellite.constellation();
-                geometry.add(system, seen.line_of_sight, seen.sigma_m, seen.shared.common_m);
-            }
-        }
-        geometry.spread()
-    }
-
     /// Returns the corrected range of one satellite, or `None` below the mask.
     fn observe(
         &self,
@@ -180,7 +163,6 @@ impl Site {
         };
         let air_m = self.troposphere.delay_m(sin_elevation) + delay_m;
         Some(Corrected {
-            line_of_sight,
             range_m: sum_m(choice.range_m, located.clock_m32, -air_m),
             sigma_m: match &self.ism {
                 Some(ism) if cfg!(feature = "araim") => {

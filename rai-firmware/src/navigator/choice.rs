@@ -3,8 +3,8 @@
 
 use raim_core::frame::Ecef;
 
-use super::Navigator;
-use crate::correction::{Located, Ranges, Site};
+use super::{Navigator, Room};
+use crate::correction::{Located, Ranges};
 use crate::settings::{Configuration, Frequencies, Systems};
 use crate::time::GpsTime;
 
@@ -35,24 +35,30 @@ impl Navigator {
     /// delay between the carriers.
     #[inline(never)]
     pub(super) fn ranges(&mut self, point: Ecef, time: GpsTime, configuration: &Configuration) -> Ranges {
-        let sky = &self.room.sky;
         match configuration.frequencies {
-            Frequencies::Dual => return Ranges::Pairs,
-            Frequencies::Single => return Ranges::Singles,
-            Frequencies::Auto if configuration.clock_aid || !sky.iter().any(Located::has_pair) => {}
+            Frequencies::Dual => Ranges::Pairs,
+            Frequencies::Single => Ranges::Singles,
             Frequencies::Auto => {
-                let site = Site::new(
-                    point,
-                    time,
-                    configuration.mask_rad(),
-                    self.ionosphere.model(time, configuration),
-                );
-                let hal_m = configuration.hal_m as f32;
-                let val_m = configuration.val_m.map_or(f32::INFINITY, |val_m| val_m as f32);
-                let cost = |ranges| site.spread(sky, ranges).map(|spread| spread.cost(hal_m, val_m));
-                self.preference.weigh(cost);
+                if !configuration.clock_aid && self.room.sky.iter().any(Located::has_pair) {
+                    self.compare(point, time, configuration);
+                }
+                self.preference.ranges()
             }
         }
-        self.preference.ranges()
+    }
+
+    /// Compares the levels of both kinds of ranges.
+    fn compare(&mut self, point: Ecef, time: GpsTime, configuration: &Configuration) {
+        let (mut preference, refusals) = (self.preference, self.tally.ranges);
+        preference.weigh(self.monitor.noise(time.to_s()), |ranges, noise| {
+            self.correct_about(point, time, ranges, configuration);
+            let Room { epoch, memory, .. } = &mut self.room;
+            let levels = raim_single::levels(&self.monitor, epoch, point, noise, memory)?;
+            let vertical = configuration.val_m.map_or(0.0, |val_m| levels.vpl_m / val_m);
+            // A NaN is no cost. An infinite level is worse than any other.
+            Some((levels.hpl_m / configuration.hal_m).max(vertical) as f32)
+        });
+        // Refusals of a set that is not used do not count.
+        (self.preference, self.tally.ranges) = (preference, refusals);
     }
 }

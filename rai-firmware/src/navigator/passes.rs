@@ -131,7 +131,13 @@ impl Navigator {
     ///
     /// Not inlined, so that the models of a site leave the stack before the epoch is judged.
     #[inline(never)]
-    fn correct_about(&mut self, point: Ecef, time: GpsTime, ranges: Ranges, configuration: &Configuration) {
+    pub(super) fn correct_about(
+        &mut self,
+        point: Ecef,
+        time: GpsTime,
+        ranges: Ranges,
+        configuration: &Configuration,
+    ) {
         let ism = self.promise(configuration);
         let klobuchar = self.ionosphere.model(time, configuration);
         let site =

@@ -2,7 +2,9 @@
 
 use crate::walker::{self, Ionosphere, TOE, range_m, satellite};
 use raim_core::epoch::Epoch;
-use raim_firmware::correction::{Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
+use raim_core::monitor::{Monitor, MonitorWorkspace};
+use raim_core::requirements::Requirements;
+use raim_firmware::correction::{CAPACITY, Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
 use raim_firmware::ephemeris::{Ephemeris, Store};
 use raim_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
 
@@ -35,23 +37,30 @@ fn on(band: Band, range_m: f64, cn0_dbhz: f32) -> RawSignal {
     RawSignal::new(Carrier::of(band), range_m).with_cn0_dbhz(cn0_dbhz)
 }
 
-fn cost(sky: &Sky, ranges: Ranges) -> f32 {
-    let site = Site::new(receiver(), TOE, NO_MASK_RAD, Klobuchar::new(CALM));
-    site.spread(sky, ranges).unwrap().cost(40.0, 50.0)
+fn cost(sky: &Sky, ranges: Ranges, noise: f32) -> f64 {
+    let monitor = Monitor::<f32, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
+    let mut epoch = Epoch::new(0.0);
+    let site = Site::new(receiver(), TOE, NO_MASK_RAD, Klobuchar::new(CALM)).with_ranges(ranges);
+    site.correct(sky, &mut Tally::default().ranges, &mut epoch);
+    let levels = monitor.levels(&epoch, receiver(), noise, &mut MonitorWorkspace::new()).unwrap();
+    (levels.hpl_m / 40.0).max(levels.vpl_m / 50.0)
 }
 
 #[test]
 fn pairs_are_better_where_all_satellites_send_them_and_worse_where_few_do() {
     let both = |_, range_m| vec![on(Band::L1, range_m, 45.0), on(Band::L5, range_m, 45.0)];
     let (all, _) = sky(both, 28.0);
-    assert!(cost(&all, Ranges::Pairs) < 0.8 * cost(&all, Ranges::Singles));
+    let [pairs, singles] = [Ranges::Pairs, Ranges::Singles].map(|ranges| cost(&all, ranges, 1.0));
+    assert!(pairs < singles, "{pairs}, {singles}");
+    // Noise of the receiver counts threefold in a pair.
+    assert!(cost(&all, Ranges::Pairs, 25.0) > cost(&all, Ranges::Singles, 25.0));
     // Weak pairs of three satellites stand beside single ranges with another delay.
     let few = |index, range_m| {
         let second = (index < 3).then(|| on(Band::L5, range_m, 29.0));
         [on(Band::L1, range_m, 45.0)].into_iter().chain(second).collect()
     };
     let (few, _) = sky(few, 28.0);
-    assert!(cost(&few, Ranges::Singles) < cost(&few, Ranges::Pairs));
+    assert!(cost(&few, Ranges::Singles, 1.0) < cost(&few, Ranges::Pairs, 1.0));
 }
 
 #[test]
@@ -65,44 +74,75 @@ fn ranges_have_no_say_in_the_choice() {
     let ((right, _), (wrong, _)) = (sky(both(0.0), 28.0), sky(both(4.0), 28.0));
     for ranges in [Ranges::Pairs, Ranges::Singles] {
         // The satellite's own place moves by a millimetre with its range.
-        let change = cost(&wrong, ranges) / cost(&right, ranges) - 1.0;
-        assert!(change.abs() < 1e-6, "{ranges:?}: {change:e}");
+        let change = cost(&wrong, ranges, 1.0) / cost(&right, ranges, 1.0) - 1.0;
+        assert!(change.abs() < 1e-5, "{ranges:?}: {change:e}");
     }
 }
 
-#[test]
-fn the_set_changes_when_the_other_has_been_a_fifth_better_for_ten_epochs() {
+/// Returns the costs of both kinds, whatever their noise.
+fn costs(pairs: Option<f32>, singles: Option<f32>) -> impl Fn(Ranges, f32) -> Option<f32> {
+    move |ranges, _| if ranges == Ranges::Pairs { pairs } else { singles }
+}
+
+/// Returns a preference after its first comparison, which found pairs to be better.
+fn settled() -> Preference {
     let mut preference = Preference::new();
-    let costs = |pairs, singles| move |ranges| if ranges == Ranges::Pairs { pairs } else { singles };
-    for epoch in 1..=9 {
-        assert_eq!(preference.weigh(costs(Some(1.0), Some(0.79))), Ranges::Pairs, "epoch {epoch}");
+    for _ in 0..10 {
+        assert_eq!(preference.weigh(1.0, costs(Some(1.0), Some(1.0))), Ranges::Pairs);
     }
-    assert_eq!(preference.weigh(costs(Some(1.0), Some(0.79))), Ranges::Singles);
-    // It changes back only when the pairs are better by a fifth.
+    preference
+}
+
+#[test]
+fn the_set_changes_when_the_other_has_been_a_twentieth_better_for_ten_epochs() {
+    assert_eq!(Preference::new().weigh(1.0, costs(Some(1.0), Some(0.94))), Ranges::Singles);
+    let mut preference = settled();
+    for epoch in 1..=9 {
+        assert_eq!(preference.weigh(1.0, costs(Some(1.0), Some(0.94))), Ranges::Pairs, "epoch {epoch}");
+    }
+    assert_eq!(preference.weigh(1.0, costs(Some(1.0), Some(0.94))), Ranges::Singles);
+    // It changes back only when the pairs are better by a twentieth.
     for _ in 0..100 {
-        assert_eq!(preference.weigh(costs(Some(0.81), Some(1.0))), Ranges::Singles);
+        assert_eq!(preference.weigh(1.0, costs(Some(0.96), Some(1.0))), Ranges::Singles);
     }
     // A set without a position is worse than one with a position, but no reason to change if
     // neither has one.
     for _ in 0..100 {
-        assert_eq!(preference.weigh(costs(None, None)), Ranges::Singles);
+        assert_eq!(preference.weigh(1.0, costs(None, None)), Ranges::Singles);
     }
     // While the other set is not better, it is compared only every tenth epoch.
     for _ in 0..20 {
-        preference.weigh(costs(Some(5.0), None));
+        preference.weigh(1.0, costs(Some(5.0), None));
     }
     assert_eq!(preference.ranges(), Ranges::Pairs);
 }
 
 #[test]
 fn costs_that_swing_about_each_other_change_nothing() {
-    let mut preference = Preference::new();
+    let mut preference = settled();
     for epoch in 0..10_000 {
         // One set is better by half for eight epochs and worse for one; then the other.
         let (pairs, singles) = if epoch % 9 == 0 { (0.5, 1.0) } else { (1.0, 0.5) };
-        let cost = |ranges| Some(if ranges == Ranges::Pairs { pairs } else { singles });
-        assert_eq!(preference.weigh(cost), Ranges::Pairs, "epoch {epoch}");
+        let ranges = preference.weigh(1.0, costs(Some(pairs), Some(singles)));
+        assert_eq!(ranges, Ranges::Pairs, "epoch {epoch}");
     }
+}
+
+/// One frequency hides the noise of a receiver below the ionosphere's error.
+#[test]
+fn noise_that_pairs_have_shown_is_kept_in_mind_for_minutes() {
+    let by_noise = |ranges, noise: f32| match ranges {
+        Ranges::Pairs => Some(noise.sqrt()),
+        Ranges::Singles => Some(2.0),
+    };
+    let mut preference = settled();
+    for _ in 0..10 {
+        preference.weigh(16.0, by_noise);
+    }
+    assert_eq!(preference.ranges(), Ranges::Singles);
+    let back = (0..1000).find(|_| preference.weigh(1.0, by_noise) == Ranges::Pairs);
+    // 1 + 15·0.95^n is below 0.9·4 after 34 comparisons, ten epochs apart.
+    assert!(back.is_some_and(|epoch| (340..=360).contains(&epoch)), "{back:?}");
 }
 
 #[test]
@@ -152,17 +192,17 @@ fn a_pair_needs_both_carriers_to_be_strong_where_the_receiver_says_how_strong_th
     };
     let ((strong, _), (codeless, _)) = (sky(both(45.0, 45.0), 28.0), sky(of_codeless, 28.0));
     assert!(codeless.iter().all(raim_firmware::correction::Located::has_pair));
-    let close = |have: f32, want: f32| (have / want - 1.0).abs() < 1e-6;
-    let cost_of_strong = cost(&strong, Ranges::Pairs);
+    let close = |have: f64, want: f64| (have / want - 1.0).abs() < 1e-6;
+    let cost_of_strong = cost(&strong, Ranges::Pairs, 1.0);
     assert!(
-        close(cost(&codeless, Ranges::Pairs), cost_of_strong),
+        close(cost(&codeless, Ranges::Pairs, 1.0), cost_of_strong),
         "it is as strong as what it is tracked by"
     );
     // A signal with its code and without a report counts as at the mask, because the other has a
     // report.
     let ((unsaid, _), (at_mask, _)) = (sky(both(45.0, 0.0), 28.0), sky(both(45.0, 28.0), 28.0));
-    assert!(close(cost(&unsaid, Ranges::Pairs), cost(&at_mask, Ranges::Pairs)));
-    assert!(cost(&unsaid, Ranges::Pairs) > 1.5 * cost_of_strong);
+    assert!(close(cost(&unsaid, Ranges::Pairs, 1.0), cost(&at_mask, Ranges::Pairs, 1.0)));
+    assert!(cost(&unsaid, Ranges::Pairs, 1.0) > 1.5 * cost_of_strong);
     for (first_dbhz, second_dbhz) in [(20.0, 45.0), (45.0, 18.0)] {
         let (weak, _) = sky(both(first_dbhz, second_dbhz), 28.0);
         assert!(!weak.iter().any(raim_firmware::correction::Located::has_pair));

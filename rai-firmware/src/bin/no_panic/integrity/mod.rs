@@ -312,6 +312,8 @@ fn the_pipeline<T: Real>() {
         Monitor::<T, N>::set_requirements as fn(_, _) -> _,
         Monitor::<T, N>::set_strategy as fn(_, _) -> _,
         Monitor::<T, N>::forget_residuals as fn(_),
+        Monitor::<T, N>::noise as fn(_, _) -> _,
+        Monitor::<T, N>::levels as fn(_, _, _, _, _) -> _,
         Monitor::<T, N>::set_ism as fn(_, _),
         Monitor::<T, N>::ism as fn(_) -> _,
         Monitor::<T, N>::requirements as fn(_) -> _,

@@ -2,7 +2,7 @@
 
 use core::fmt::{Debug, Display};
 
-use raim_firmware::correction::{self, Klobuchar, Place, Preference, Ranges, Site, Spread, Troposphere};
+use raim_firmware::correction::{self, Klobuchar, Place, Preference, Ranges, Site, Troposphere};
 use raim_firmware::ephemeris::{
     self, BroadcastError, Elapsed, Ephemeris, EphemerisError, GroupDelay, Health, Refusals, Source,
     StateVector, Store,
@@ -76,11 +76,10 @@ pub(super) fn corrections() {
         Preference::new as fn() -> _,
         <Preference as Default>::default as fn() -> _,
         Preference::ranges as fn(_) -> _,
-        (|preference, cost| Preference::weigh(preference, cost)) as fn(_, fn(Ranges) -> Option<f32>) -> _,
+        (|preference, noise, cost| Preference::weigh(preference, noise, cost))
+            as fn(_, f32, fn(Ranges, f32) -> Option<f32>) -> _,
         Site::with_ranges as fn(_, _) -> _,
         Site::weighted_by as fn(_, _) -> _,
-        Site::spread as fn(_, _, _) -> _,
-        Spread::cost as fn(_, _, _) -> _,
         correction::Choices::preferred as fn(_) -> _,
         correction::Located::has_pair as fn(_) -> _,
         correction::locate as fn(_, _, _, _, _, _),
