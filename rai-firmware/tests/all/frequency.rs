@@ -48,7 +48,7 @@ fn cost(sky: &Sky, ranges: Ranges, noise: f32) -> f64 {
 
 #[test]
 fn pairs_are_better_where_all_satellites_send_them_and_worse_where_few_do() {
-    let both = |_, range_m| vec![on(Band::L1, range_m, 45.0), on(Band::L5, range_m, 45.0)];
+    let both = |_, range_m| vec![on(Band::L1, range_m, 45.0), on(Band::L2, range_m, 45.0)];
     let (all, _) = sky(both, 28.0);
     let [pairs, singles] = [Ranges::Pairs, Ranges::Singles].map(|ranges| cost(&all, ranges, 1.0));
     assert!(pairs < singles, "{pairs}, {singles}");
