@@ -238,6 +238,18 @@ impl<const N: usize> Epoch<N> {
         }
     }
 
+    unstable! {
+        /// Multiplies the receiver's part of each variance by a factor of at least 1: the one with
+        /// which the epoch was judged ([`EpochOutcome::noise`](crate::monitor::EpochOutcome::noise)).
+        pub fn raise_noise(&mut self, noise: f32) {
+            if noise > 1.0 {
+                for (seen, part) in self.observations.iter_mut().zip(&self.receiver) {
+                    seen.sigma_m *= growth(noise, share(*part));
+                }
+            }
+        }
+    }
+
     /// Adds outside knowledge: one clock and one height at most.
     ///
     /// # Errors
@@ -307,6 +319,16 @@ unstable! {
     }
 }
 
+/// Returns a part that is stored in 255ths.
+fn share(part: u8) -> f32 {
+    f32::from(part) * (1.0 / 255.0)
+}
+
+/// Returns the factor on a sigma if this part of its variance grows by `noise`.
+fn growth(noise: f32, part: f32) -> f64 {
+    f64::from(sqrt(1.0 + (noise - 1.0) * part))
+}
+
 impl<'e> EpochView<'e> {
     /// Works like [`Epoch::time_s`].
     pub fn time_s(&self) -> f64 {
@@ -320,7 +342,7 @@ impl<'e> EpochView<'e> {
 
     /// Iterates over the receiver's part of each variance, dimensionless.
     pub(crate) fn receivers_parts(&self) -> impl Iterator<Item = f32> + use<'e> {
-        self.receiver.iter().map(|part| f32::from(*part) * (1.0 / 255.0))
+        self.receiver.iter().map(|part| share(*part))
     }
 
     /// Works like [`Epoch::shared`].
@@ -375,8 +397,7 @@ impl<'e> Aided<'e> {
             let scaled = |scale| Adaptation::sigma_m(scale, satellite, sigma_m, shared.common_m);
             let sigma_m = scale.map_or(sigma_m, scaled);
             let part = if is_noisy { parts.next() } else { None };
-            let grown = |part: f32| sigma_m * f64::from(sqrt(1.0 + (noise - 1.0) * part));
-            (observation, part.map_or(sigma_m, grown))
+            (observation, part.map_or(sigma_m, |part| sigma_m * growth(noise, part)))
         })
     }
 

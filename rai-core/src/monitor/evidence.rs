@@ -137,7 +137,7 @@ pub(super) struct EpochResiduals {
     /// Share of the receiver in the variances in use.
     share: f32,
     /// Factor in use on the receiver's part.
-    noise: f32,
+    pub(super) noise: f32,
     /// Residuals of the satellites used.
     rest: Residuals,
     /// Number of satellites that were excluded one by one; 0 if the rest does not agree.

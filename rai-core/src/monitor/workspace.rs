@@ -70,6 +70,11 @@ impl<const N: usize> EpochOutcome<N> {
         Self { report: Report::nothing(), searched: false, update: Update::none(0.0) }
     }
 
+    /// Returns the factor on the receiver's part of the variances with which the epoch was judged.
+    pub fn noise(&self) -> f32 {
+        self.update.evidence.noise
+    }
+
     /// Overrides the verdict by an alert whose reason is outside the ranges, before
     /// [`Monitor::learn`](super::Monitor::learn).
     ///

@@ -244,7 +244,9 @@ impl Navigator {
         refused_a_range: bool,
         without_orbit: u32,
     ) -> &mut Report<CAPACITY> {
-        let Room { sky, memory, .. } = &mut self.room;
+        let Room { sky, epoch, memory } = &mut self.room;
+        // From here on the sigmas are those of the judgement.
+        epoch.raise_noise(memory.outcome().noise());
         if let Some(reason) = self.distrusted {
             memory.outcome_mut().override_alert(reason);
         }
