@@ -153,7 +153,12 @@ fn compare<T: Real>(scalar: Scalar, lives: std::ops::Range<usize>) {
         format!("{words} in `f64` identical")
     };
     rig::document::must_say("results/adversary.md", &precision);
-    assert!(protected * 10 > want.len() && alert * 50 > want.len(), "too few of a kind to mean anything");
+    // Faults that stay are alerts at first. Then they may pass for noise.
+    let refused = want.len() - protected;
+    assert!(
+        protected.min(refused) * 10 > want.len() && alert > 1,
+        "too few of a kind to mean anything: {protected} protected, {alert} alerts"
+    );
 }
 
 #[test]
