@@ -19,7 +19,6 @@ use crate::frame::Ecef;
 use crate::numeric::bounds::is_within;
 use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
-use crate::weighting::adaptation::Adaptation;
 use crate::weighting::shared::SharedError;
 
 /// Largest range to a navigation satellite, receiver clock included, m.
@@ -239,10 +238,10 @@ impl<const N: usize> Epoch<N> {
     }
 
     unstable! {
-        /// Multiplies the receiver's part of each variance by a factor of at least 1: the one with
-        /// which the epoch was judged ([`EpochOutcome::noise`](crate::monitor::EpochOutcome::noise)).
-        pub fn raise_noise(&mut self, noise: f32) {
-            if noise > 1.0 {
+        /// Multiplies the receiver's part of each variance by the factor with which the epoch was
+        /// judged ([`EpochOutcome::noise`](crate::monitor::EpochOutcome::noise)).
+        pub fn change_noise(&mut self, noise: f32) {
+            if noise != 1.0 {
                 for (seen, part) in self.observations.iter_mut().zip(&self.receiver) {
                     seen.sigma_m *= growth(noise, share(*part));
                 }
@@ -324,7 +323,7 @@ fn share(part: u8) -> f32 {
     f32::from(part) * (1.0 / 255.0)
 }
 
-/// Returns the factor on a sigma if this part of its variance grows by `noise`.
+/// Returns the factor on a sigma if this part of its variance is multiplied by `noise`.
 fn growth(noise: f32, part: f32) -> f64 {
     f64::from(sqrt(1.0 + (noise - 1.0) * part))
 }
@@ -357,16 +356,14 @@ impl<'e> EpochView<'e> {
 pub(crate) struct Aided<'e> {
     view: EpochView<'e>,
     forecast: Option<Aiding>,
-    /// Scale on all sigmas, dimensionless, if there is one.
-    scale: Option<f64>,
-    /// Factor on the receiver's part of each variance, at least 1.
+    /// Factor on the receiver's part of each variance.
     noise: f32,
 }
 
 impl<'e> Aided<'e> {
     /// Returns the epoch without a forecast.
     pub(crate) fn alone<const N: usize>(epoch: &'e Epoch<N>) -> Self {
-        Self { view: epoch.view(), forecast: None, scale: None, noise: 1.0 }
+        Self { view: epoch.view(), forecast: None, noise: 1.0 }
     }
 
     /// Returns the epoch with a forecast, if there is capacity for the row and the epoch has no
@@ -377,11 +374,6 @@ impl<'e> Aided<'e> {
         Self { forecast, ..Self::alone(epoch) }
     }
 
-    /// Returns the epoch with all sigmas multiplied by a scale, if there is one.
-    pub(crate) fn scaled(self, scale: Option<f64>) -> Self {
-        Self { scale, ..self }
-    }
-
     /// Returns the epoch with the receiver's part of each variance multiplied by a factor.
     pub(crate) fn noisier(self, noise: f32) -> Self {
         Self { noise, ..self }
@@ -389,14 +381,12 @@ impl<'e> Aided<'e> {
 
     /// Iterates over the satellites, each with the standard deviation of its range, m.
     pub(crate) fn weighed(&self) -> impl Iterator<Item = (&'e Observation, f64)> {
-        let Self { scale, noise, view, .. } = *self;
-        let is_noisy = cfg!(feature = "past") && noise > 1.0;
+        let Self { noise, view, .. } = *self;
+        let is_changed = cfg!(feature = "past") && noise != 1.0;
         let mut parts = view.receivers_parts();
-        view.observations.iter().zip(view.shared).map(move |(observation, shared)| {
-            let Observation { satellite, sigma_m, .. } = *observation;
-            let scaled = |scale| Adaptation::sigma_m(scale, satellite, sigma_m, shared.common_m);
-            let sigma_m = scale.map_or(sigma_m, scaled);
-            let part = if is_noisy { parts.next() } else { None };
+        view.observations.iter().map(move |observation| {
+            let sigma_m = observation.sigma_m;
+            let part = if is_changed { parts.next() } else { None };
             (observation, part.map_or(sigma_m, |part| sigma_m * growth(noise, part)))
         })
     }

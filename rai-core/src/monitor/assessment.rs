@@ -53,11 +53,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             start: (!matches!(verdict, Verdict::Alert(_))).then(|| fix.position()),
             ratio,
             evidence,
-            is_refuting_scale: self.scale(epoch.time_s()).is_some_and(|scale| scale < 1.0)
-                && judgement.outcome != ExclusionOutcome::Passed,
+            is_refuting_quiet: false,
             clocks: teaches.then(|| SolvedClocks::of(fix.snapshot())),
             residuals: ratio
-                .filter(|_| self.strategy.scales_sigmas())
+                .filter(|_| self.strategy.lowers_noise())
                 .map(|_| residuals(fix.snapshot(), epoch)),
             systems: SystemsSeen { in_view: systems_of(epoch), ..SystemsSeen::NONE },
         };

@@ -4,13 +4,14 @@
 //! σ²(κ) = σ² (1 + (κ − 1) p)          p: the receiver's part of the variance, noise and multipath
 //! ratio = SSE / dof                    of an epoch weighed by σ(κ); one row counts as at most 9 times the mean of the others
 //! κ_e   = κ (1 + (ratio/m − 1) / P)    m = χ²_{0.5}(dof)/dof;  P = Σ r_i κ p_i σ_i²/σ_i²(κ) / Σ r_i
-//! κ     = largest of 1, the mean of κ_e in each span of the last minute, and, for the levels, κ_e of this epoch
+//! κ     = largest of κ_0, the mean of κ_e in each span of the last minute, and, for the levels, κ_e of this epoch
 //! level = level at the κ of the test, times √(1 + (κ/κ_test − 1) P)
 //! ```
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `κ` | [`Aided::noisier`](crate::epoch::Aided::noisier), [`EpochResiduals::noise`] | – |
+//! | `κ_0` | the least one: of the strategy ([`Noise`](super::Noise)), or of quiet minutes ([`crate::weighting::adaptation`]) | – |
 //! | `p_i`, `P` | [`EpochView::receivers_parts`], [`EpochResiduals::share`] | – |
 //! | `SSE`, `dof` | weighted squares of the residuals, those of excluded satellites included, and their degrees of freedom | – |
 //! | `r_i` | redundancy of a row | – |
@@ -88,6 +89,7 @@ use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
 use crate::numeric::sqrt;
 use crate::report::{Alert, Protected, Unavailable, Verdict};
+use crate::weighting::adaptation::LEAST_NOISE;
 use crate::weighting::residuals::{RecentResiduals, Residuals};
 
 /// Length of one of the spans that make up the last minute, s.
@@ -192,12 +194,12 @@ impl Evidence {
         self.all.add(time_s, latest.sum());
     }
 
-    /// Returns the factor on the receiver's part of the variances that the last minute shows, at
-    /// least 1 and at most [`MOST_NOISE`].
+    /// Returns the factor on the receiver's part of the variances that the last minute shows,
+    /// [`LEAST_NOISE`] to [`MOST_NOISE`].
     #[inline(never)]
     pub(super) fn noise(&self, time_s: f64) -> f32 {
         // The ratio of a span without degrees of freedom is NaN, which `max` ignores.
-        self.all.at(time_s).fold(1.0, |most: f32, span| most.max(span.ratio())).min(MOST_NOISE)
+        self.all.at(time_s).fold(LEAST_NOISE, |most: f32, span| most.max(span.ratio())).min(MOST_NOISE)
     }
 
     /// Returns the factor on the levels of an epoch with these residuals, at least 1, or `None` if
@@ -225,7 +227,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         } else {
             self.evidence.learn(update.time_s, &update.evidence);
         }
-        if update.is_refuting_scale {
+        if update.is_refuting_quiet {
             self.adaptation.restart();
         }
         if update.ratio.is_some() {
@@ -240,17 +242,26 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         if self.compares_residuals() { self.evidence.growth(time_s, latest) } else { Some(1.0) }
     }
 
-    /// Returns the factor on the receiver's part of the variances that the last minute shows.
+    /// Returns the factor on the receiver's part of the variances: the least one of the strategy, or
+    /// the larger one that the last minute shows.
     ///
-    /// It is 1 for sigmas of an integrity support message, whose tests must find the fault of a
-    /// whole constellation. Only the levels then grow.
+    /// For sigmas of an integrity support message, whose tests must find the fault of a whole
+    /// constellation, the last minute raises levels only.
     #[inline(never)]
     pub fn noise(&self, time_s: f64) -> f32 {
-        if self.compares_residuals() && !self.strategy.method.uses_ism() {
-            self.evidence.noise(time_s)
-        } else {
-            1.0
+        let least = self.strategy.noise.least();
+        if !self.compares_residuals() || self.strategy.method.uses_ism() {
+            return least;
         }
+        let least = if self.strategy.lowers_noise() { self.adaptation.noise(time_s) } else { least };
+        self.evidence.noise(time_s).max(least)
+    }
+
+    /// Works like [`Self::noise`], for an epoch that must be as those before it if quiet minutes
+    /// are to lower the noise.
+    pub(super) fn noise_of(&self, epoch: &EpochView<'_>) -> f32 {
+        let noise = self.noise(epoch.time_s());
+        if noise < 1.0 && !self.rest.is_as_before(epoch) { 1.0 } else { noise }
     }
 
     fn compares_residuals(&self) -> bool {
@@ -344,7 +355,7 @@ fn without_fault<T: Real, const N: usize>(rest: Residuals, snapshot: &Snapshot<'
 /// Returns the factor on the effect of shared errors, 1 to [`WHOLE_DELAY`]: the growth of the
 /// variance of a range of one frequency. Other ranges share no error.
 pub(super) fn shared_growth(noise: f32) -> f64 {
-    f64::from((1.0 + (noise - 1.0) * ONE_FREQUENCY).min(WHOLE_DELAY))
+    f64::from((1.0 + (noise - 1.0) * ONE_FREQUENCY).clamp(1.0, WHOLE_DELAY))
 }
 
 /// Returns the share of the receiver's part in the variances in use, weighted by redundancy.
@@ -367,7 +378,7 @@ fn receivers_share<T: Real, const N: usize>(
 #[cfg(test)]
 #[allow(clippy::float_cmp, reason = "a factor of 1 is exact")]
 mod tests {
-    use super::{EpochResiduals, Evidence};
+    use super::{EpochResiduals, Evidence, LEAST_NOISE};
     use crate::weighting::residuals::Residuals;
 
     /// `χ²_{0.5}(10)/10` (printed tables: 9.342).
@@ -397,9 +408,9 @@ mod tests {
 
     #[test]
     fn residuals_that_the_sigmas_allow_change_nothing() {
-        assert_eq!(after(60, 1.0, &of_all(0.9)).noise(59.0), 1.0);
+        close(after(60, 1.0, &of_all(0.9)).noise(59.0), 0.9);
         assert_eq!(after(60, 1.0, &of_all(0.9)).growth(59.0, &of_all(0.5)), Some(1.0));
-        assert_eq!(Evidence::new().noise(0.0), 1.0);
+        assert_eq!(Evidence::new().noise(0.0), LEAST_NOISE);
         assert_eq!(Evidence::new().growth(0.0, &EpochResiduals::NONE), Some(1.0));
     }
 
@@ -420,7 +431,7 @@ mod tests {
         let mut evidence = after(6, 1.0, &of_all(9.0));
         (6..60).for_each(|second| evidence.learn(f64::from(second), &of_all(0.5)));
         close(evidence.noise(59.0), 9.0);
-        assert_eq!(evidence.noise(60.0), 1.0);
+        close(evidence.noise(60.0), 0.5);
     }
 
     #[test]
@@ -443,11 +454,11 @@ mod tests {
     #[test]
     fn evidence_ends_after_a_minute_or_if_time_goes_back() {
         let mut evidence = after(60, 1.0, &of_all(4.0));
-        assert_eq!(evidence.noise(120.0), 1.0);
+        assert_eq!(evidence.noise(120.0), LEAST_NOISE);
         evidence.learn(f64::NAN, &of_all(0.0));
         close(evidence.noise(59.0), 4.0);
         evidence.learn(-100.0, &of_all(0.1));
-        assert_eq!(evidence.noise(-100.0), 1.0);
+        assert_eq!(evidence.noise(-100.0), LEAST_NOISE);
     }
 
     /// χ² of 10 degrees of freedom is above 23.21 once in a hundred times (printed table).

@@ -21,7 +21,7 @@
 //! | `height`, `motion` | last known height; last positions | are compared with the next ones |
 //! | `continuity` | earlier verdicts ([`crate::continuity`]) | jumps, recovery after an alert |
 //! | `clocks` | with clock aiding, the receiver clocks of protected epochs | forecast |
-//! | `adaptation` | with adaptation, residuals of epochs that passed their test | scale on the sigmas |
+//! | `adaptation`, `rest` | residuals of epochs that passed their test at rest | lower the noise until something changes |
 //! | `subsets` | subsets of [`Method::Ransac`] | next search |
 //!
 //! References: [Yang2015] §1 for the order of the decisions, [Lin2016] §2 for detection and
@@ -36,6 +36,7 @@ mod evidence;
 mod height;
 mod kept_out;
 mod named;
+mod rest;
 mod settings;
 mod strategy;
 mod validated;
@@ -48,6 +49,7 @@ use crate::clock::Clocks;
 use crate::continuity::{Continuity, Motion};
 use crate::epoch::{Aided, Epoch, EpochView};
 use crate::frame::Ecef;
+use crate::integrity::raim::detection::Detection;
 use crate::integrity::raim::hypotheses::time_tag::RangeRates;
 use crate::integrity::raim::isolation::ransac::Subsets;
 use crate::integrity::{Criteria, KeptOut, judge};
@@ -62,6 +64,7 @@ use evidence::{Evidence, shared_growth};
 use height::HeightMemory;
 use kept_out::KeptOutSystems;
 use named::Named;
+use rest::Rest;
 use workspace::Update;
 
 pub use crate::continuity::{ContinuityError, ContinuitySettings, Recovery};
@@ -71,7 +74,7 @@ pub use crate::integrity::raim::isolation::parity::Isolation;
 pub use crate::integrity::raim::levels::Levels;
 pub use crate::integrity::{Method, MethodError};
 pub use crate::weighting::{Ism, IsmParameters, UserModel};
-pub use strategy::Strategy;
+pub use strategy::{Noise, Strategy};
 pub use validated::MonitorError;
 
 unstable! { pub use crate::integrity::Search; }
@@ -102,6 +105,7 @@ pub struct Monitor<T: Real, const N: usize> {
     ism: Ism,
     clocks: Clocks<T>,
     adaptation: Adaptation,
+    rest: Rest,
     subsets: Subsets<N>,
     start: Ecef,
     ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
@@ -134,6 +138,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
                 ism: Ism::ICAO,
                 clocks: Clocks::new(),
                 adaptation: Adaptation::new(),
+                rest: Rest::new(),
                 subsets: Subsets::new(),
                 start: Ecef::CENTRE,
                 ratios: Deque::new(),
@@ -252,34 +257,41 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ) -> &'m mut EpochOutcome<N> {
         let is_aided = self.strategy.aids_with_clock() && self.strategy.method.allows_aiding();
         let forecast = if is_aided { self.clocks.aiding(&epoch.view()) } else { None };
-        let scale = self.scale(epoch.time_s());
         let MonitorWorkspace { workspace, scratch, outcome } = memory;
-        let noise = self.noise(epoch.time_s());
-        let shared_growth = shared_growth(noise);
-        let aided = Aided::by(epoch, forecast).scaled(scale).noisier(noise);
-        // Judged in place, because a copy would be on the stack during every search.
-        match &mut Fix::about(workspace, aided, start) {
-            Ok(fix) => {
-                let clock_row = fix.clock_row().filter(|_| cfg!(feature = "aiding"));
-                let kept_out = self.keep_out(fix, &epoch.view());
-                let mut judgement = judge(
-                    fix,
-                    &epoch.view(),
-                    clock_row,
-                    &self.criteria(shared_growth),
-                    search,
-                    rates,
-                    scratch,
-                );
-                let is_broken = judgement.lost_systems;
-                kept_out.describe(&mut judgement);
-                self.assess(fix, &epoch.view(), noise, &mut judgement, outcome);
-                outcome.update.systems.excluded = is_broken;
-                outcome.update.systems.kept_out_agree = kept_out.agrees;
+        let aided = Aided::by(epoch, forecast);
+        let mut noise = self.noise_of(&epoch.view());
+        let mut is_refuting = false;
+        loop {
+            // Judged in place, because a copy would be on the stack during every search.
+            match &mut Fix::about(workspace, aided.noisier(noise), start) {
+                Ok(fix) if noise < 1.0 && self.ends_rest(fix) => {
+                    (noise, is_refuting) = (1.0, true);
+                    continue;
+                }
+                Ok(fix) => {
+                    let clock_row = fix.clock_row().filter(|_| cfg!(feature = "aiding"));
+                    let kept_out = self.keep_out(fix, &epoch.view());
+                    let criteria = self.criteria(shared_growth(noise));
+                    let mut judgement =
+                        judge(fix, &epoch.view(), clock_row, &criteria, search, rates, scratch);
+                    let is_broken = judgement.lost_systems;
+                    kept_out.describe(&mut judgement);
+                    self.assess(fix, &epoch.view(), noise, &mut judgement, outcome);
+                    outcome.update.systems.excluded = is_broken;
+                    outcome.update.systems.kept_out_agree = kept_out.agrees;
+                    outcome.update.is_refuting_quiet = is_refuting;
+                }
+                Err(error) => self.assess_without_position(*error, epoch, outcome),
             }
-            Err(error) => self.assess_without_position(*error, epoch, outcome),
+            return outcome;
         }
-        outcome
+    }
+
+    /// Returns true if an epoch with lowered noise contradicts the quiet time before it.
+    fn ends_rest(&self, fix: &Fix<'_, T, N>) -> bool {
+        let (sse, dof) = (fix.snapshot().sse(), fix.snapshot().dof());
+        let detection = Detection::of(sse, dof, &self.validated.thresholds);
+        !self.rest.is_near(fix.position()) || detection.is_none_or(|detection| detection.fault())
     }
 
     /// Updates the state from a judged epoch, for [`Self::process`] and `learn`.
@@ -322,10 +334,16 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         {
             self.clocks.learn(*time_s, clocks);
         }
-        if cfg!(feature = "aiding")
-            && let Some(residuals) = *residuals
-        {
-            self.adaptation.learn(*time_s, residuals);
+        if self.strategy.lowers_noise() {
+            let is_at_rest = start.is_some_and(|place| {
+                self.rest.continues(*time_s, place, &outcome.report.used, velocity.ok_or(refusal))
+            });
+            if !is_at_rest {
+                self.adaptation.restart();
+            }
+            if let Some(residuals) = *residuals {
+                self.adaptation.learn(*time_s, residuals);
+            }
         }
     }
 
@@ -382,15 +400,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             0 => KeptOut::NONE,
             systems => KeptOut::of(fix, epoch, systems, &self.validated.thresholds),
         }
-    }
-
-    /// Returns the scale on all sigmas if the strategy adapts them.
-    ///
-    /// It is at least 1 for sigmas of an integrity support message, because ten minutes of small
-    /// residuals prove nothing about rare faults and constant errors.
-    fn scale(&self, time_s: f64) -> Option<f64> {
-        let least = if self.strategy.method.uses_ism() { 1.0 } else { 0.0 };
-        self.strategy.scales_sigmas().then(|| self.adaptation.scale(time_s).max(least))
     }
 
     fn criteria(&self, shared_growth: f64) -> Criteria<'_, T> {

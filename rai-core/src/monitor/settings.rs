@@ -20,7 +20,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Replaces the strategy.
     ///
-    /// If clock aiding changes, the clocks are forgotten. If adaptation changes, the residuals are
+    /// If clock aiding changes, the clocks are forgotten. If the noise changes, the residuals are
     /// forgotten. So they are if the sigmas change between expected ones and those of an integrity
     /// support message.
     ///
@@ -33,7 +33,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             self.clocks.restart();
         }
         let is_weighted_alike = strategy.method.uses_ism() == self.strategy.method.uses_ism();
-        if strategy.sigma_adapt != self.strategy.sigma_adapt || !is_weighted_alike {
+        if strategy.noise != self.strategy.noise || !is_weighted_alike {
             self.forget_residuals();
         }
         self.strategy = strategy;

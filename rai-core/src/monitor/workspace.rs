@@ -111,8 +111,8 @@ pub(super) struct Update {
     pub(super) ratio: Option<f32>,
     /// Residuals of every tracked satellite, also if the test fails.
     pub(super) evidence: EpochResiduals,
-    /// True if sigmas scaled below 1 made the epoch fail its test.
-    pub(super) is_refuting_scale: bool,
+    /// True if the epoch contradicted a noise below 1.
+    pub(super) is_refuting_quiet: bool,
     /// Clocks, if the position is also protected without a forecast.
     pub(super) clocks: Option<SolvedClocks>,
     /// Residuals over the sigmas of the epoch, if the test passed.
@@ -129,7 +129,7 @@ impl Update {
             start: None,
             ratio: None,
             evidence: EpochResiduals::NONE,
-            is_refuting_scale: false,
+            is_refuting_quiet: false,
             clocks: None,
             residuals: None,
             systems: SystemsSeen::NONE,

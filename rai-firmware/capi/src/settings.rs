@@ -8,7 +8,7 @@ use raim_core::integrity::raim::detection::threshold::{ThresholdError, Threshold
 #[cfg(feature = "searches")]
 use raim_core::integrity::raim::isolation::parity::Isolation;
 use raim_core::integrity::raim::levels::Levels;
-use raim_core::monitor::{MonitorError, Strategy};
+use raim_core::monitor::{MonitorError, Noise, Strategy};
 use raim_core::numeric::probability::Probability;
 use raim_core::requirements::{Requirements, RequirementsError};
 use raim_single::CAPACITY;
@@ -231,7 +231,7 @@ impl rai_settings_t {
             },
             clock_aid: self.clock_aid != 0,
             // The settings of C have no field for it yet.
-            sigma_adapt: false,
+            noise: Noise::Auto,
         })
     }
 }

@@ -246,7 +246,7 @@ impl Navigator {
     ) -> &mut Report<CAPACITY> {
         let Room { sky, epoch, memory } = &mut self.room;
         // From here on the sigmas are those of the judgement.
-        epoch.raise_noise(memory.outcome().noise());
+        epoch.change_noise(memory.outcome().noise());
         if let Some(reason) = self.distrusted {
             memory.outcome_mut().override_alert(reason);
         }

@@ -8,6 +8,7 @@ use super::read::{Values, next, next_number, next_whole};
 use super::value::{Ranges, Spelled, Take, Value, range};
 
 pub use raim_core::integrity::raim::levels::Levels;
+pub use raim_core::monitor::Noise;
 
 /// Choice of ranges of a satellite that offers two frequencies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,15 +19,6 @@ pub enum Frequencies {
     Dual,
     /// One frequency, with a model of the ionosphere.
     Single,
-}
-
-/// Source of the sigmas of the ranges.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sigma {
-    /// The model alone.
-    Fixed,
-    /// The model, scaled by the residuals of the last minutes.
-    Adapted,
 }
 
 /// Use of the receiver's own reports of spoofing.

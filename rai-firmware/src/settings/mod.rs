@@ -45,7 +45,7 @@ mod value;
 mod word;
 mod words;
 
-pub use kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, SpoofFlag, Systems};
+pub use kinds::{Baud, Frequencies, Heights, Levels, Noise, Recovery, SpoofFlag, Systems};
 pub use line::MAX_LINE;
 pub(crate) use number::hexadecimal;
 pub use number::{decimal, scientific};
@@ -160,7 +160,7 @@ impl Configuration {
             method: self.method,
             levels: self.levels,
             clock_aid: self.clock_aid,
-            sigma_adapt: matches!(self.sigma, Sigma::Adapted),
+            noise: self.noise,
         }
     }
 

@@ -26,7 +26,7 @@ use raim_core::numeric::probability::Probability;
 use raim_core::requirements::Requirements;
 
 use super::ionosphere;
-use super::kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, SpoofFlag, Systems};
+use super::kinds::{Baud, Frequencies, Heights, Levels, Noise, Recovery, SpoofFlag, Systems};
 use super::place::{HEIGHT_M, PLACE_SIGMA_M, Place};
 use super::promises::{Preset, Promises};
 use super::row::settings;
@@ -289,16 +289,16 @@ settings! {
         example: "DUAL",
         text: "Ranges of satellites with two frequencies: `DUAL` combines them free of the ionosphere, `SINGLE` takes one with a model of the ionosphere, `AUTO` takes the set of ranges with the smaller levels",
     }
-    "SIGMA" Sigma {
-        sigma: Sigma = Sigma::Fixed,
+    "NOISE" Noise {
+        noise: Noise = Noise::Auto,
         ranges: &[],
         unit: "",
         fields: "word",
         promise: true,
         phase: Apart,
         warning: nothing,
-        example: "ADAPT",
-        text: "Sigmas of the ranges: `FIXED` takes them from the model; `ADAPT` scales them by 0.5 to 3 from the residuals of the last ten minutes, by no less than 1 under `METHOD,SEPARATION`, and never below the error of the ionosphere's model",
+        example: "CONSUMER",
+        text: "Noise and multipath of the receiver with its antenna, of one frequency at the zenith: `GEODETIC` 0.4 m, `CONSUMER` 1.5 m, `PHONE` 5 m. `AUTO` is `GEODETIC`, and down to a third of it after ten quiet minutes at rest, but not under `METHOD,SEPARATION`. Larger residuals raise it at once, whatever the choice. `SIGMA,ADAPT` and `SIGMA,FIXED`, its old words, are `AUTO` and `GEODETIC`",
     }
     "BAUD" Baud {
         bit_rate: Baud = Baud::Auto,
@@ -383,6 +383,7 @@ settings! {
 impl Setting {
     /// Returns the setting with this key.
     pub fn named(key: &str) -> Option<Self> {
+        let key = if key == "SIGMA" { "NOISE" } else { key };
         Self::ALL.iter().copied().find(|setting| setting.row().key == key)
     }
 

@@ -9,7 +9,7 @@ use raim_core::integrity::raim::isolation::parity::Isolation;
 use raim_core::monitor::Method;
 
 use super::Phase;
-use super::kinds::{Baud, Frequencies, Levels, Sigma, SpoofFlag};
+use super::kinds::{Baud, Frequencies, Levels, Noise, SpoofFlag};
 use super::promises::Preset;
 use super::word::Word;
 
@@ -92,9 +92,14 @@ words! { Frequencies {
     "SINGLE" = [Frequencies::Single],
 } }
 
-words! { Sigma {
-    "FIXED" = [Sigma::Fixed],
-    "ADAPT" = [Sigma::Adapted] if "aiding",
+words! { Noise {
+    "AUTO" = [Noise::Auto],
+    "GEODETIC" = [Noise::Geodetic],
+    "CONSUMER" = [Noise::Consumer],
+    "PHONE" = [Noise::Phone],
+    // Of the setting `SIGMA`, which this one replaces.
+    alias "ADAPT" = [Noise::Auto],
+    alias "FIXED" = [Noise::Geodetic],
 } }
 
 words! { SpoofFlag {

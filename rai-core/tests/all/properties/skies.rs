@@ -101,7 +101,7 @@ pub(crate) fn any_monitoring() -> impl Strategy<Value = Monitoring> {
             method,
             levels,
             clock_aid,
-            sigma_adapt: false,
+            noise: raim_core::monitor::Noise::Geodetic,
         })
 }
 

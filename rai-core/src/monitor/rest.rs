@@ -1,0 +1,97 @@
+//! Rest: has anything changed since the last epoch that could end a quiet time?
+//!
+//! ```text
+//! still      |v| < 0.5 m/s, and |p − p_0| < 10 m since the rest began
+//! as before  each satellite used in the last epoch is in view, and that epoch is no minute old
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `v` | velocity by range rates; without any the position alone counts | m/s |
+//! | `p`, `p_0` | position, and that of the first epoch at rest | m |
+//!
+//! Quiet minutes say nothing about the next second if the antenna moves, or if something moves in
+//! front of it: a wall hides satellites first.
+
+use crate::epoch::EpochView;
+use crate::frame::Ecef;
+use crate::satellite::{Constellation, SatelliteId};
+use crate::velocity::{Velocity, VelocityError};
+
+/// Largest speed at rest, m/s: the noise of range rates at rest is below it.
+const SLOW_M_S: f64 = 0.5;
+
+/// Largest distance from the place where the rest began, m. The scatter of a quiet receiver is
+/// below it.
+const NEAR_M: f64 = 10.0;
+
+/// Largest time from one epoch to the next, s.
+const LONGEST_STEP_S: f64 = 60.0;
+
+/// Satellites of each constellation, a bit for each number.
+type Satellites = [u64; Constellation::COUNT];
+
+/// The last epoch at rest.
+#[derive(Clone, Debug)]
+pub(super) struct Rest {
+    /// Where the rest began.
+    place: Option<Ecef>,
+    /// Time of the last epoch, s.
+    last_s: f64,
+    used: Satellites,
+}
+
+impl Rest {
+    /// Returns the state before the first epoch.
+    pub(super) const fn new() -> Self {
+        Self { place: None, last_s: 0.0, used: [0; Constellation::COUNT] }
+    }
+
+    /// Adds an epoch without an alert. Returns true if it continues the rest.
+    pub(super) fn continues(
+        &mut self,
+        time_s: f64,
+        place: Ecef,
+        used: &[SatelliteId],
+        velocity: Result<&Velocity, VelocityError>,
+    ) -> bool {
+        let is_slow = match velocity {
+            Ok(velocity) => velocity.speed_m_s() < SLOW_M_S,
+            Err(error) => error != VelocityError::Fault,
+        };
+        let is_same = is_slow && self.is_recent(time_s) && self.is_near(place);
+        if !is_same {
+            self.place = Some(place);
+        }
+        self.last_s = time_s;
+        self.used = satellites(used.iter().copied());
+        is_same
+    }
+
+    /// Returns true if a position is where the rest began.
+    pub(super) fn is_near(&self, position: Ecef) -> bool {
+        self.place.is_some_and(|place| position.distance_m(place) < NEAR_M)
+    }
+
+    /// Returns true if an epoch has the satellites of the last one, and soon after it.
+    pub(super) fn is_as_before(&self, epoch: &EpochView<'_>) -> bool {
+        let present = satellites(epoch.observations().iter().map(|seen| seen.satellite));
+        self.is_recent(epoch.time_s())
+            && self.used.iter().zip(&present).all(|(used, present)| used & !present == 0)
+    }
+
+    fn is_recent(&self, time_s: f64) -> bool {
+        (0.0..=LONGEST_STEP_S).contains(&(time_s - self.last_s))
+    }
+}
+
+/// Returns these satellites as bits.
+fn satellites(list: impl Iterator<Item = SatelliteId>) -> Satellites {
+    let mut sets = [0; Constellation::COUNT];
+    for satellite in list {
+        if let Some(set) = sets.get_mut(satellite.constellation() as usize) {
+            *set |= 1 << (satellite.number() & 63);
+        }
+    }
+    sets
+}
