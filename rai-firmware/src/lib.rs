@@ -57,7 +57,7 @@
 //! | `araim`, `searches`, `tables`, `policies` | `METHOD,SEPARATION` and `ISM`; the methods of the papers; thresholds for all committed probabilities; `POLICY,T2` and `TOP` |
 //! | `past` | alerts `CLOCK`, `TRACK` and the verdict `SIGMAS`; the velocity |
 //! | `hypotheses` | alert `TIME`; detection and exclusion of a system that is shifted or broken as a whole |
-//! | `aiding` | `CLOCKAID`, `SIGMA,ADAPT`, `PLACE`, `HEIGHTAID` |
+//! | `aiding` | `CLOCKAID`, `NOISE,AUTO` at rest, `PLACE`, `HEIGHTAID` |
 //! | `signs` | detection of two receivers that take turns, copied ranges, bands that disagree, strengths that are alike |
 //! | `sentences` | `GNS`, `VTG`, `ZDA`, `GSA`, `GST`, `GBS` |
 //! | `gsv` | `GSV` |

@@ -52,7 +52,7 @@ pub(super) const ZEROS: Attack = Attack {
 /// Attack with forged coefficients.
 pub(super) const FORGED: Attack = Attack {
     name: "ionosphere-forged",
-    about: "one frequency, `SIGMA,ADAPT`, and after quiet minutes one forged page of coefficients",
+    about: "one frequency, `NOISE,AUTO`, and after quiet minutes one forged page of coefficients",
     run: forged,
 };
 
@@ -171,7 +171,7 @@ fn under_forged(latitude_deg: f64, start_s: f64, page: Page) -> Result<Tally> {
     let recording = simulation.record();
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Single)?);
     let satellite = SatelliteId::new(Constellation::Gps, 1).context("GPS must have a satellite 1")?;
-    let (mut victim, mut tally) = (Victim::new(&["PHASE,ENROUTE", "SIGMA,ADAPT"], 1.0)?, Tally::default());
+    let (mut victim, mut tally) = (Victim::new(&["PHASE,ENROUTE", "NOISE,AUTO"], 1.0)?, Tally::default());
     for (index, epoch) in recording.epochs.iter().enumerate() {
         let said = match index {
             0 => Some(ORDINARY),

@@ -15,7 +15,7 @@ use super::{Attack, Effort, Figure};
 /// Attack with sigmas learned under other settings.
 pub(super) const ATTACK: Attack = Attack {
     name: "learned-sigmas",
-    about: "SIGMA,ADAPT in ten quiet minutes, then levels of ARAIM, of one frequency, of one system",
+    about: "NOISE,AUTO in ten quiet minutes, then levels of ARAIM, of one frequency, of one system",
     run,
 };
 
@@ -60,7 +60,8 @@ fn shares(at_start: &[&str], then: &str, seed: u64) -> Result<[f64; 2]> {
     let sky = Sky::quiet(QUIET + AFTER, seed)?;
     let mut learns = Victim::new(at_start, 1.0)?;
     let mut fixed = Victim::new(at_start, 1.0)?;
-    learns.obey("SIGMA,ADAPT")?;
+    learns.obey("NOISE,AUTO")?;
+    fixed.obey("NOISE,GEODETIC")?;
     let mut least = [f64::INFINITY; 2];
     for (index, bytes) in (0..).zip(&sky.bytes(|_, _| {})?) {
         if index == QUIET {

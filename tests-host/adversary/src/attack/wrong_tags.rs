@@ -31,7 +31,7 @@ pub(super) const BRIEFLY: Attack = Attack {
 /// Attack with wrong tags while sigmas learn.
 pub(super) const LEARNED: Attack = Attack {
     name: "wrong-tags-learned",
-    about: "time tags wrong by 20 ms to 200 ms for minutes, while SIGMA,ADAPT learns",
+    about: "time tags wrong by 20 ms to 200 ms for minutes, while NOISE,AUTO learns",
     run: while_learning,
 };
 
@@ -112,7 +112,7 @@ fn briefly(effort: Effort) -> Result<Vec<Figure>> {
 fn while_learning(effort: Effort) -> Result<Vec<Figure>> {
     let mut trials = Vec::new();
     for systems in SYSTEMS {
-        for commands in [&["SIGMA,ADAPT"] as &[&str], &["SIGMA,ADAPT", "METHOD,BAARDA"]] {
+        for commands in [&["NOISE,AUTO"] as &[&str], &["NOISE,AUTO", "METHOD,BAARDA"]] {
             for offset_ms in [20, 50, 200] {
                 for seed in 0..effort.pick(2, 12) {
                     let (offset_ms, right) = of_seed(seed, offset_ms);
