@@ -241,7 +241,7 @@ impl<const N: usize> Epoch<N> {
         /// Multiplies the receiver's part of each variance by the factor with which the epoch was
         /// judged ([`EpochOutcome::noise`](crate::monitor::EpochOutcome::noise)).
         pub fn change_noise(&mut self, noise: f32) {
-            if noise != 1.0 {
+            if changes(noise) {
                 for (seen, part) in self.observations.iter_mut().zip(&self.receiver) {
                     seen.sigma_m *= growth(noise, share(*part));
                 }
@@ -323,6 +323,11 @@ fn share(part: u8) -> f32 {
     f32::from(part) * (1.0 / 255.0)
 }
 
+/// Returns true if a factor on the receiver's part changes a variance.
+fn changes(noise: f32) -> bool {
+    noise.to_bits() != 1.0_f32.to_bits()
+}
+
 /// Returns the factor on a sigma if this part of its variance is multiplied by `noise`.
 fn growth(noise: f32, part: f32) -> f64 {
     f64::from(sqrt(1.0 + (noise - 1.0) * part))
@@ -382,7 +387,7 @@ impl<'e> Aided<'e> {
     /// Iterates over the satellites, each with the standard deviation of its range, m.
     pub(crate) fn weighed(&self) -> impl Iterator<Item = (&'e Observation, f64)> {
         let Self { noise, view, .. } = *self;
-        let is_changed = cfg!(feature = "past") && noise != 1.0;
+        let is_changed = cfg!(feature = "past") && changes(noise);
         let mut parts = view.receivers_parts();
         view.observations.iter().map(move |observation| {
             let sigma_m = observation.sigma_m;
