@@ -201,15 +201,17 @@ impl Evidence {
         // The ratio of a span without degrees of freedom is NaN, which `max` ignores.
         self.all.at(time_s).fold(LEAST_NOISE, |most: f32, span| most.max(span.ratio())).min(MOST_NOISE)
     }
+}
 
-    /// Returns the factor on the levels of an epoch with these residuals, at least 1, or `None` if
-    /// they refute the sigmas.
-    pub(super) fn growth(&self, time_s: f64, latest: &EpochResiduals) -> Option<f32> {
-        if latest.excluded > 0 && latest.rest.excess(REST_QUANTILE) > 0.0 {
+impl EpochResiduals {
+    /// Returns the factor on the levels of this epoch, at least 1, or `None` if its residuals refute
+    /// the sigmas. `past` is the noise of the last minute.
+    fn growth(&self, past: f32) -> Option<f32> {
+        if self.excluded > 0 && self.rest.excess(REST_QUANTILE) > 0.0 {
             return None;
         }
-        let noise = self.noise(time_s).max(latest.shown());
-        let growth = 1.0 + (noise / latest.noise - 1.0) * latest.share;
+        let noise = past.max(self.shown());
+        let growth = 1.0 + (noise / self.noise - 1.0) * self.share;
         (noise < MOST_NOISE).then(|| sqrt(growth.max(1.0)))
     }
 }
@@ -239,7 +241,12 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Returns the factor on the levels of an epoch with these residuals, or `None` if they refute
     /// the sigmas. If epochs are judged independently, there is no evidence, and the factor is 1.
     pub(super) fn growth(&self, time_s: f64, latest: &EpochResiduals) -> Option<f32> {
-        if self.compares_residuals() { self.evidence.growth(time_s, latest) } else { Some(1.0) }
+        if !self.compares_residuals() {
+            return Some(1.0);
+        }
+        // Other epochs are judged by no less than the noise of the last minute.
+        let past = if self.strategy.method.uses_ism() { self.evidence.noise(time_s) } else { 0.0 };
+        latest.growth(past)
     }
 
     /// Returns the factor on the receiver's part of the variances: the least one of the strategy, or
@@ -344,8 +351,8 @@ fn without_fault<T: Real, const N: usize>(rest: Residuals, snapshot: &Snapshot<'
     };
     let one = rest.sse - snapshot.statistics().worst.largest.widen() as f32;
     let sse = rest.sse.min(limited(one, 1, MOST_ONE));
-    // Small residuals need no explanation.
-    if sse < rest.dof as f32 {
+    // Residuals that the sigmas explain need no other explanation, and the search for one is long.
+    if !(rest.excess(REST_QUANTILE) > 0.0) {
         return sse;
     }
     let left = constellation_shift::least_sse(snapshot).widen() as f32;
@@ -409,9 +416,9 @@ mod tests {
     #[test]
     fn residuals_that_the_sigmas_allow_change_nothing() {
         close(after(60, 1.0, &of_all(0.9)).noise(59.0), 0.9);
-        assert_eq!(after(60, 1.0, &of_all(0.9)).growth(59.0, &of_all(0.5)), Some(1.0));
+        assert_eq!((of_all(0.5)).growth(after(60, 1.0, &of_all(0.9)).noise(59.0)), Some(1.0));
         assert_eq!(Evidence::new().noise(0.0), LEAST_NOISE);
-        assert_eq!(Evidence::new().growth(0.0, &EpochResiduals::NONE), Some(1.0));
+        assert_eq!((EpochResiduals::NONE).growth(Evidence::new().noise(0.0)), Some(1.0));
     }
 
     #[test]
@@ -437,18 +444,18 @@ mod tests {
     #[test]
     fn levels_grow_by_what_the_epoch_itself_shows() {
         let quiet = after(60, 1.0, &of_all(0.5));
-        close(quiet.growth(60.0, &of_all(4.0)).unwrap_or(0.0), 2.0);
+        close((of_all(4.0)).growth(quiet.noise(60.0)).unwrap_or(0.0), 2.0);
         // A factor in use already explains three of four parts.
         let judged = EpochResiduals { noise: 3.0, ..of_all(4.0 / 3.0) };
-        close(quiet.growth(60.0, &judged).unwrap_or(0.0), (4.0_f32 / 3.0).sqrt());
+        close((judged).growth(quiet.noise(60.0)).unwrap_or(0.0), (4.0_f32 / 3.0).sqrt());
     }
 
     #[test]
     fn a_noise_that_no_receiver_can_track_refutes_the_sigmas() {
         let near = EpochResiduals { noise: 4_900.0, ..of_all(1.0) };
-        assert!(after(6, 1.0, &near).growth(5.0, &near).is_some());
+        assert!((near).growth(after(6, 1.0, &near).noise(5.0)).is_some());
         let beyond = EpochResiduals { noise: 4_900.0, ..of_all(1.1) };
-        assert_eq!(after(6, 1.0, &beyond).growth(5.0, &of_all(0.5)), None);
+        assert_eq!((of_all(0.5)).growth(after(6, 1.0, &beyond).noise(5.0)), None);
     }
 
     #[test]
@@ -465,8 +472,8 @@ mod tests {
     #[test]
     fn rest_after_an_exclusion_must_be_as_small_as_in_99_of_100_healthy_epochs() {
         let quiet = after(60, 1.0, &of_all(0.8));
-        assert_eq!(quiet.growth(60.0, &of_rest(2.2, true)), Some(1.0));
-        assert_eq!(quiet.growth(60.0, &of_rest(2.4, true)), None);
-        assert_eq!(quiet.growth(60.0, &of_rest(2.4, false)), Some(1.0));
+        assert_eq!((of_rest(2.2, true)).growth(quiet.noise(60.0)), Some(1.0));
+        assert_eq!((of_rest(2.4, true)).growth(quiet.noise(60.0)), None);
+        assert_eq!((of_rest(2.4, false)).growth(quiet.noise(60.0)), Some(1.0));
     }
 }

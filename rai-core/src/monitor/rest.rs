@@ -23,7 +23,7 @@ const SLOW_M_S: f64 = 0.5;
 
 /// Largest distance from the place where the rest began, m. The scatter of a quiet receiver is
 /// below it.
-const NEAR_M: f64 = 10.0;
+const NEAR_M: f32 = 10.0;
 
 /// Largest time from one epoch to the next, s.
 const LONGEST_STEP_S: f64 = 60.0;
@@ -70,7 +70,11 @@ impl Rest {
 
     /// Returns true if a position is where the rest began.
     pub(super) fn is_near(&self, position: Ecef) -> bool {
-        self.place.is_some_and(|place| position.distance_m(place) < NEAR_M)
+        self.place.is_some_and(|place| {
+            let away = position - place;
+            let [x_m, y_m, z_m] = [away.x_m as f32, away.y_m as f32, away.z_m as f32];
+            x_m * x_m + y_m * y_m + z_m * z_m < NEAR_M * NEAR_M
+        })
     }
 
     /// Returns true if an epoch has the satellites of the last one, and soon after it.

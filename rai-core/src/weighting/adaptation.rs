@@ -86,9 +86,12 @@ impl Adaptation {
     /// Returns the factor on the receiver's part of each variance, [`LEAST_NOISE`] to 1.
     #[inline(never)]
     pub fn noise(&self, time_s: f64) -> f32 {
-        let all = self.spans.sum_at(time_s, Residuals::NONE);
         // A NaN fails this comparison.
-        if all.dof < LEAST_DOF || !(time_s - self.since_s >= LEAST_REST_S) {
+        if !(time_s - self.since_s >= LEAST_REST_S) {
+            return 1.0;
+        }
+        let all = self.spans.sum_at(time_s, Residuals::NONE);
+        if all.dof < LEAST_DOF {
             return 1.0;
         }
         let noise = (all.ratio() / all.ratio_at(-CONFIDENCE)).max(LEAST_NOISE);
