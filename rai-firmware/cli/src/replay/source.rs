@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, ensure};
+use raim_firmware::input::NOT_BEFORE_WEEK;
 
 use super::Truth;
 use super::arguments::{Arguments, selection, systems};
@@ -64,7 +65,11 @@ impl Source {
     /// Returns the GPS week of the first epoch if the module needs it from a command.
     pub(super) fn week(&self) -> Option<u16> {
         match self {
-            Self::Recording(_) => None,
+            // The module takes no earlier week by itself.
+            Self::Recording(observed) => {
+                let first = observed.lumps.span().map(|(first, _)| first.week);
+                first.filter(|week| *week < NOT_BEFORE_WEEK)
+            }
             Self::Capture(lumps) => lumps.week(),
         }
     }
@@ -136,6 +141,7 @@ fn observed(
     let broadcast = Broadcast {
         ephemerides: &navigation.ephemerides,
         klobuchar: navigation.klobuchar,
+        leap_s: navigation.leap_s,
         approximate_position: epochs.approximate_position(),
     };
     let lumps = Encoding::of(epochs, &broadcast, &selection, &question.faults, &question.window)?;

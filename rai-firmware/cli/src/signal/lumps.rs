@@ -53,9 +53,15 @@ pub fn encode(
     let broadcast = Broadcast {
         ephemerides: &recording.ephemerides,
         klobuchar: recording.klobuchar,
+        leap_s: recording.leap_s,
         approximate_position: recording.approximate_position,
     };
     Encoding::of(epochs, &broadcast, selection, faults, window)?.collect()
+}
+
+/// Returns the encoder of a receiver that knows these broadcasts.
+fn encoder(broadcast: &Broadcast<'_>, selection: &Selection) -> Encoder {
+    Encoder::new(broadcast.ephemerides, selection.clone()).as_receiver().counting(broadcast.leap_s)
 }
 
 /// Content of a recording beside its epochs.
@@ -65,6 +71,8 @@ pub struct Broadcast<'a> {
     pub ephemerides: &'a [TimedEphemeris],
     /// GPS coefficients of the ionosphere, `α0…α3, β0…β3`.
     pub klobuchar: Option<[f64; 8]>,
+    /// GPS time minus UTC that the files state, s.
+    pub leap_s: Option<u8>,
     /// Position of the antenna in the header.
     pub approximate_position: Option<Ecef>,
 }
@@ -98,7 +106,7 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
         faults: &[Fault],
         window: &Window,
     ) -> Result<Self> {
-        let encoder = Encoder::new(broadcast.ephemerides, selection.clone()).as_receiver();
+        let encoder = encoder(broadcast, selection);
         let is_directed = faults.iter().any(Fault::needs_directions);
         let heaven = is_directed.then(|| Heaven::of(broadcast, selection)).transpose()?;
         Ok(Self {
@@ -192,7 +200,7 @@ impl Heaven {
         let antenna =
             broadcast.approximate_position.context("a shift needs the antenna's approximate position")?;
         Ok(Self {
-            encoder: Encoder::new(broadcast.ephemerides, selection.clone()).as_receiver(),
+            encoder: encoder(broadcast, selection),
             corrector: Corrector::new(antenna, 0.0, broadcast.klobuchar),
             antenna,
         })

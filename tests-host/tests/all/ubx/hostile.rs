@@ -392,6 +392,9 @@ fn a_satellite_that_comes_back_begins_anew() {
         input.feed(last, 180_000, |event| heard.hear(&event));
         assert!(heard.ephemerides.is_empty(), "{ephemeris:?}");
         input.feed(&pages.concat(), 190_000, |event| heard.hear(&event));
+        // A word 5 of Galileo serves two sets: that of the words behind it, and that of the words
+        // before the next one.
+        heard.ephemerides.dedup();
         assert_eq!(heard.ephemerides, by_rtcm(&ephemeris));
     }
 }
