@@ -41,12 +41,12 @@ const FIRST_DAY: u32 = 44_244;
 pub(super) fn read_time(payload: &[u8]) -> Result<(GpsTime, u8), Unread> {
     let bits = Bits(payload.get(..TIME_LENGTH).ok_or(Unread::Malformed)?);
     let day = bits.unsigned(24, 16).checked_sub(FIRST_DAY).ok_or(Unread::Time)?;
-    // The last second of a day may be inserted.
-    let (of_day_s, leap_s) = (bits.unsigned(40, 17), bits.small(62, 8));
-    if of_day_s > DAY_MS / 1000 || !(1..=MOST_S as u8).contains(&leap_s) {
+    let leap_s = bits.small(62, 8);
+    if !(1..=MOST_S as u8).contains(&leap_s) {
         return Err(Unread::Time);
     }
-    let seconds = day * (DAY_MS / 1000) + of_day_s + u32::from(leap_s);
+    // A second beyond the day moves the time by less than half a day, and the week by none.
+    let seconds = day * (DAY_MS / 1000) + bits.unsigned(40, 17) + u32::from(leap_s);
     Ok((GpsTime::from_ms(1000 * u64::from(seconds)), leap_s))
 }
 
