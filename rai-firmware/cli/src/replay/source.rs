@@ -1,12 +1,15 @@
 //! Source of the lumps that the command `replay` plays.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, ensure};
+use raim_core::satellite::SatelliteId;
 use raim_firmware::input::NOT_BEFORE_WEEK;
 
 use super::Truth;
 use super::arguments::{Arguments, selection, systems};
+use crate::signal::advice::{Form, Found, counted};
 use crate::signal::capture::{self, Bytes, Lumps, Orbits};
 use crate::signal::fault::Fault;
 use crate::signal::lump::Lump;
@@ -32,6 +35,8 @@ pub(super) struct Observed {
     lumps: Encoding<Epochs>,
     navigation: Recording,
     files: Vec<PathBuf>,
+    /// Letters of the systems that take part.
+    systems: String,
 }
 
 impl Iterator for Source {
@@ -46,6 +51,28 @@ impl Iterator for Source {
 }
 
 impl Observed {
+    /// Returns what the files hold, after all of them were read.
+    fn found(&self) -> Found {
+        let ranged = self.lumps.satellites().clone();
+        let known: BTreeSet<SatelliteId> =
+            self.navigation.ephemerides.iter().map(|ephemeris| ephemeris.satellite).collect();
+        let is_left_out = |satellite: &&SatelliteId| !self.systems.contains(satellite.name().0);
+        let others: BTreeSet<SatelliteId> = ranged.iter().filter(is_left_out).copied().collect();
+        let mut unread = Vec::new();
+        if !others.is_empty() && others.len() == ranged.len() {
+            unread.push(format!("{}, because --systems does not name them", counted(&others)));
+        }
+        Found {
+            form: Form::Rinex,
+            came: format!("ranges of {} and orbits of {}", counted(&ranged), counted(&known)),
+            unread,
+            systems: self.systems.clone(),
+            ranged,
+            known,
+            ..Found::default()
+        }
+    }
+
     /// Checks at the end of the observations that some ephemeris is of their time.
     fn check(&self) -> Result<()> {
         let (first, last) = self.lumps.span().context("the observation files hold no epoch")?;
@@ -86,11 +113,20 @@ impl Source {
         }
     }
 
-    /// Returns what a capture lacks for a position.
-    pub(super) fn missing(&self) -> Option<String> {
+    /// Returns what came, what of it is not read, and what is missing; `None` if there is neither of
+    /// the last two.
+    pub(super) fn advice(&self) -> Option<String> {
         match self {
-            Self::Recording(_) => None,
-            Self::Capture(lumps) => lumps.missing(),
+            Self::Recording(observed) => observed.found().advice(),
+            Self::Capture(lumps) => lumps.advice(),
+        }
+    }
+
+    /// Returns what came, in words.
+    pub(super) fn content(&self) -> String {
+        match self {
+            Self::Recording(observed) => observed.found().came,
+            Self::Capture(lumps) => lumps.content().to_string(),
         }
     }
 }
@@ -135,7 +171,8 @@ fn observed(
     files: Vec<PathBuf>,
     question: &Question,
 ) -> Result<Source> {
-    let selection = selection(arguments, &systems(arguments))?;
+    let systems = systems(arguments);
+    let selection = selection(arguments, &systems)?;
     let epochs = Epochs::open(observations)?;
     let navigation = Recording::of_navigation(&files)?;
     let broadcast = Broadcast {
@@ -145,7 +182,7 @@ fn observed(
         approximate_position: epochs.approximate_position(),
     };
     let lumps = Encoding::of(epochs, &broadcast, &selection, &question.faults, &question.window)?;
-    Ok(Source::Recording(Box::new(Observed { lumps, navigation, files })))
+    Ok(Source::Recording(Box::new(Observed { lumps, navigation, files, systems })))
 }
 
 /// Opens the bytes of a receiver, as they came.
@@ -165,7 +202,7 @@ pub(super) fn of_capture(arguments: &Arguments, name: &str, question: &Question)
         None => capture::week_of(name, orbits.as_ref())?,
     };
     let lumps = Lumps::of(bytes, orbits, &question.faults, &question.window)?;
-    Ok(Source::Capture(Box::new(lumps.in_week(week))))
+    Ok(Source::Capture(Box::new(lumps.in_week(week).selecting(&systems))))
 }
 
 /// Returns the first of the RINEX files that is a capture.

@@ -88,6 +88,8 @@ pub struct Encoding<I> {
     heaven: Option<Heaven>,
     window: Window,
     satellites: BTreeSet<SatelliteId>,
+    /// Satellites of the last epoch, in its order.
+    seen_last: Vec<SatelliteId>,
     span: Option<(GpsTime, GpsTime)>,
     /// Time from the first epoch to the last one of the window, s.
     last_used_s: Option<f64>,
@@ -116,6 +118,7 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
             heaven,
             window: *window,
             satellites: BTreeSet::new(),
+            seen_last: Vec::new(),
             span: None,
             last_used_s: None,
             has_ended: false,
@@ -125,6 +128,21 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
     /// Returns the first and the last epoch so far.
     pub fn span(&self) -> Option<(GpsTime, GpsTime)> {
         self.span
+    }
+
+    /// Returns the satellites of the epochs so far.
+    pub fn satellites(&self) -> &BTreeSet<SatelliteId> {
+        &self.satellites
+    }
+
+    /// Notes the satellites of an epoch. Few epochs bring another one.
+    fn note(&mut self, epoch: &MeasuredEpoch) {
+        let now = epoch.satellites.iter().map(|measured| measured.satellite);
+        if !now.clone().eq(self.seen_last.iter().copied()) {
+            self.satellites.extend(now.clone());
+            self.seen_last.clear();
+            self.seen_last.extend(now);
+        }
     }
 
     /// Returns the source of the epochs.
@@ -137,9 +155,7 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
             let first = self.span.map_or(epoch.time, |(first, _)| first);
             self.span = Some((first, epoch.time));
             let elapsed_s = epoch.time.since_ms(first) as f64 * 1e-3;
-            if !self.faults.is_empty() {
-                self.satellites.extend(epoch.satellites.iter().map(|measured| measured.satellite));
-            }
+            self.note(&epoch);
             let epoch = self.falsified(epoch, elapsed_s)?;
             if self.window.holds(elapsed_s, self.last_used_s) {
                 self.last_used_s = Some(elapsed_s);

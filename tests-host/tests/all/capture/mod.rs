@@ -162,7 +162,7 @@ fn streams_are_judged_as_the_recordings_that_they_were_made_of() {
         let Some(bytes) = stream.bytes() else { return };
         let truth = stream.truth();
         let capture = Capture::of(bytes, None).unwrap();
-        assert_eq!(capture.missing(), None, "{}", stream.name);
+        assert_eq!(capture.advice(), None, "{}", stream.name);
         let have = run(&capture.lumps(&[], &Window::ALL).unwrap().lumps, Some(&truth));
 
         let mut recording = stream.recording();

@@ -45,11 +45,11 @@ fn ranges_without_orbits_say_what_to_switch_on_and_take_them_from_a_file() {
     let capture = Capture::of(ranges.clone(), None).unwrap();
     let track = run(&capture.lumps(&[], &Window::ALL).unwrap().lumps, None);
     assert!(track.iter().all(|moment| moment.output.as_ref().unwrap().state.reason == "EPHEMERIS"));
-    let missing = capture.missing().unwrap();
+    let missing = capture.advice().unwrap();
     assert!(missing.contains("RXM-SFRBX") && missing.contains("--nav"), "{missing}");
 
     let capture = Capture::of(ranges, Some(orbits())).unwrap();
-    assert_eq!(capture.missing(), None);
+    assert_eq!(capture.advice(), None);
     let track = run(&capture.lumps(&[], &Window::ALL).unwrap().lumps, None);
     assert!(track.iter().all(is_protected));
 
@@ -85,15 +85,15 @@ fn what_is_no_capture_is_refused_by_name() {
     let without_week = ubx::frame([0x02, 0x15], &[&[0; 13][..], &[1, 0, 0]].concat());
     for (bytes, want) in [
         (Vec::new(), "is empty"),
-        (nmea.into_bytes(), "9 lines of NMEA and no ranges"),
+        (nmea.into_bytes(), "holds 9 lines of NMEA. missing: ranges and orbits: RXM-RAWX"),
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec(), "a picture"),
         (b"%PDF-1.7 etc".to_vec(), "a PDF"),
         (b"week,tow,x_m,y_m,z_m\n".to_vec(), "text"),
         (vec![0; 9999], "no frame of UBX or RTCM 3"),
         (rinex("OBSERVATION DATA").into_bytes(), "RINEX observation file: give it with --obs"),
         (rinex("NAVIGATION DATA").into_bytes(), "RINEX navigation file: give it with --nav"),
-        (position, "3 NAV-PVT, and no ranges: the module needs"),
-        (without_week, "RXM-RAWX: in none of them the receiver knows the week"),
+        (position, "holds 3 NAV-PVT. missing: ranges and orbits: RXM-RAWX"),
+        (without_week, "in none of the RXM-RAWX the receiver knows it"),
     ] {
         let error = Capture::of(bytes, None).err().map(|error| format!("{error:#}")).unwrap();
         assert!(error.contains(want), "{want}: {error}");

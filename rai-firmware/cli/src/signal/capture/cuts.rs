@@ -158,6 +158,11 @@ impl Cutter {
         }
     }
 
+    /// Returns true if messages of GLONASS came and the leap seconds are not known.
+    pub(super) fn lacks_leap(&self) -> bool {
+        self.input.leap_second().is_none() && self.input.counters().leap_unknown > 0
+    }
+
     /// Returns the number of epochs that were refused because the week was unknown.
     pub(super) fn without_week(&self) -> u32 {
         self.input.counters().epochs_without_week
