@@ -96,7 +96,8 @@ pub struct Arguments {
     /// Set the method that finds a faulty satellite. The default is AUTO.
     #[arg(long, ignore_case = true, value_parser = word("METHOD"))]
     pub(super) method: Option<String>,
-    /// Set any other setting of the module, such as HAL=40 or MASK=5; repeatable, in this order.
+    /// Set any other setting of the module, such as HAL=40 or MASK=5, or CONFIRM; repeatable, in this
+    /// order.
     #[arg(long, value_name = "KEY=VALUE")]
     pub(super) set: Vec<String>,
     /// Print the summary as JSON.

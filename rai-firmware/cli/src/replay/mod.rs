@@ -34,7 +34,7 @@ pub use crate::signal::lumps::{Broadcast, Encoding, Window, encode};
 pub use board_run::BoardRun;
 pub use host::{HostRun, Module, Pace, Playback, Said, Setup, on_host};
 pub use page::{About, Report};
-pub use settings::{command_for, every, words};
+pub use settings::{command_for, every, setting, words};
 pub use summary::{Injected, RunningSummary, Summary};
 pub use track::{Moment, Rows, Track, track};
 pub use truth::Truth;

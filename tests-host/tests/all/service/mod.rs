@@ -6,11 +6,14 @@
 //! | [`time`] | chrony behind gpsd |
 //! | [`ports`] | a serial port, and a caster for a receiver without orbits |
 //! | [`played`] | a file on standard input |
+//! | [`named`] | a file by its name, and settings in every form |
 //! | [`endurance`] | the service as a program, between cuts, kills and dead clients |
 
 mod consumers;
 #[cfg(target_os = "linux")]
 mod endurance;
+#[cfg(target_os = "linux")]
+mod named;
 #[cfg(target_os = "linux")]
 mod played;
 mod ports;
