@@ -66,8 +66,14 @@ pub fn run(arguments: &Arguments, board: Option<OnBoard>) -> Result<()> {
         About { title: title(arguments), source: names(arguments), configuration: *playback.configuration() };
     let counters = playback.counters()?.into_iter().filter(|(_, count)| *count > 0).collect();
     let identical = board.as_ref().map(|board| board.difference.is_none());
-    let summary =
-        Summary { host_target_identical: identical, skipped: source.skipped(), counters, ..sink.summary() };
+    let refused = source.refused().into_iter();
+    let summary = Summary {
+        host_target_identical: identical,
+        skipped: source.skipped(),
+        refused_orbits: refused.map(|(satellite, count)| (satellite.to_string(), count)).collect(),
+        counters,
+        ..sink.summary()
+    };
     sink.end(&question.faults, &summary, &about)?;
     note(&source, arguments, summary.fixes > 0);
     print(arguments, &summary, board.as_ref(), source.advice().as_deref())?;

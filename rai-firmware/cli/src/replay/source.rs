@@ -1,19 +1,21 @@
 //! Source of the lumps that the command `replay` plays.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, ensure};
 use raim_core::satellite::SatelliteId;
-use raim_firmware::input::NOT_BEFORE_WEEK;
+use raim_firmware::input::{Input, NOT_BEFORE_WEEK};
 
 use super::Truth;
 use super::arguments::{Arguments, selection, systems};
 use crate::signal::advice::{Form, Found, counted};
 use crate::signal::capture::{self, Bytes, Lumps, Orbits};
+use crate::signal::encode::{Encoder, Frequency, Selection};
 use crate::signal::fault::Fault;
 use crate::signal::lump::Lump;
 use crate::signal::lumps::{Broadcast, Encoding, Window};
+use crate::signal::measurement::MeasuredEpoch;
 use crate::signal::recording::{Epochs, Recording, Skipped};
 use crate::signal::sample;
 
@@ -51,11 +53,38 @@ impl Iterator for Source {
 }
 
 impl Observed {
+    /// Returns the satellites with ranges of which the module refuses ephemerides, with their
+    /// number.
+    fn refused(&self) -> BTreeMap<SatelliteId, u32> {
+        let ranged = self.lumps.satellites();
+        let mut input = Input::new();
+        let mut refused = BTreeMap::new();
+        let Ok(selection) = Selection::new(&self.systems, Frequency::Single) else { return refused };
+        let sets = self.navigation.ephemerides.iter().filter(|set| ranged.contains(&set.satellite));
+        for set in sets.filter(|set| selection.has(set.satellite)) {
+            let before = input.counters().ephemerides_invalid;
+            let epoch = MeasuredEpoch { time: set.toe, satellites: Vec::new() };
+            let bytes = Encoder::new(std::slice::from_ref(set), selection.clone()).epoch(&epoch);
+            // The encoder itself says in the replay what no message has room for.
+            input.feed(&bytes.unwrap_or_default(), 0, |_| ());
+            if input.counters().ephemerides_invalid > before {
+                *refused.entry(set.satellite).or_default() += 1;
+            }
+        }
+        refused
+    }
+
     /// Returns what the files hold, after all of them were read.
     fn found(&self) -> Found {
         let ranged = self.lumps.satellites().clone();
-        let known: BTreeSet<SatelliteId> =
-            self.navigation.ephemerides.iter().map(|ephemeris| ephemeris.satellite).collect();
+        let refused = self.refused();
+        let sets = || self.navigation.ephemerides.iter().map(|set| set.satellite);
+        let is_refused = |satellite: &SatelliteId| {
+            let count = sets().filter(|other| other == satellite).count();
+            refused.get(satellite).is_some_and(|refused| *refused as usize == count)
+        };
+        let mut known: BTreeSet<SatelliteId> = sets().collect();
+        known.retain(|satellite| !is_refused(satellite));
         let is_left_out = |satellite: &&SatelliteId| !self.systems.contains(satellite.name().0);
         let others: BTreeSet<SatelliteId> = ranged.iter().filter(is_left_out).copied().collect();
         let mut unread = Vec::new();
@@ -69,6 +98,7 @@ impl Observed {
             systems: self.systems.clone(),
             ranged,
             known,
+            refused,
             ..Found::default()
         }
     }
@@ -119,6 +149,14 @@ impl Source {
         match self {
             Self::Recording(observed) => observed.found().advice(),
             Self::Capture(lumps) => lumps.advice(),
+        }
+    }
+
+    /// Returns the satellites of which ephemerides were refused, with their number.
+    pub(super) fn refused(&self) -> BTreeMap<SatelliteId, u32> {
+        match self {
+            Self::Recording(observed) => observed.refused(),
+            Self::Capture(lumps) => lumps.content().refused().clone(),
         }
     }
 

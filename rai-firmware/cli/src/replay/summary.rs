@@ -67,6 +67,9 @@ pub struct Summary {
     pub stale: usize,
     /// Records of RINEX files that were skipped.
     pub skipped: Skipped,
+    /// Number of refused ephemerides of each satellite: with a value that no satellite sends, or an
+    /// orbit that its system does not have.
+    pub refused_orbits: BTreeMap<String, u32>,
     /// Counters of the module at the end, without those that are zero.
     pub counters: BTreeMap<String, u32>,
 }
@@ -330,6 +333,11 @@ impl fmt::Display for Summary {
             list(&mut self.excluded.iter().map(|(satellite, count)| format!("{satellite} {count}")));
         if !excluded.is_empty() {
             writeln!(formatter, "left out, epochs   {excluded}")?;
+        }
+        let refused =
+            list(&mut self.refused_orbits.iter().map(|(satellite, count)| format!("{satellite} {count}")));
+        if !refused.is_empty() {
+            writeln!(formatter, "refused orbits     {refused}")?;
         }
         if !self.skipped.is_empty() {
             writeln!(formatter, "records skipped    {}", self.skipped)?;

@@ -3,7 +3,7 @@
 //!
 //! Captures and RINEX files are described alike ([`Found`]), so that one function makes all advice.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use raim_core::satellite::SatelliteId;
 
@@ -45,6 +45,8 @@ pub struct Found {
     pub ranged: BTreeSet<SatelliteId>,
     /// Satellites with orbits.
     pub known: BTreeSet<SatelliteId>,
+    /// Satellites of which ephemerides were refused, with their number.
+    pub refused: BTreeMap<SatelliteId, u32>,
     /// Letters of the systems whose ephemerides came, usable or not.
     pub sent: String,
     /// True if ranges came whose week nothing states.
@@ -58,14 +60,31 @@ pub struct Found {
 impl Found {
     /// Returns the advice; `None` if everything that came is read and nothing is missing.
     pub fn advice(&self) -> Option<String> {
-        let missing = self.missing();
-        let parts = [("not read", &self.unread), ("missing", &missing)];
+        let (unread, missing) = (self.unread(), self.missing());
+        let parts = [("not read", &unread), ("missing", &missing)];
         let parts: Vec<String> = parts
             .iter()
             .filter(|(_, items)| !items.is_empty())
             .map(|(name, items)| format!("{name}: {}", items.join("; ")))
             .collect();
         (!parts.is_empty()).then(|| format!("holds {}. {}", self.came, parts.join(". ")))
+    }
+
+    /// Returns what is not read. Refused ephemerides of satellites that have accepted ones too are
+    /// left out.
+    fn unread(&self) -> Vec<String> {
+        let mut unread = self.unread.clone();
+        let refused = self.refused.iter().filter(|(satellite, _)| {
+            self.systems.contains(satellite.name().0) && !self.known.contains(satellite)
+        });
+        let names: Vec<String> = refused.map(|(satellite, count)| format!("{satellite} ({count})")).collect();
+        if !names.is_empty() {
+            unread.push(format!(
+                "every ephemeris of {}: a value that no satellite sends, or an orbit that its system does not have",
+                names.join(", ")
+            ));
+        }
+        unread
     }
 
     /// Returns what is missing for a position, or for the use of a system.
@@ -184,9 +203,11 @@ mod tests {
             systems: "GE".to_owned(),
             ranged: set(&[('G', 1), ('E', 5), ('R', 3)]),
             sent: "G".to_owned(),
+            refused: [(SatelliteId::from_name('G', 1).unwrap(), 3)].into(),
             ..Found::default()
         };
         let advice = found.advice().unwrap();
+        assert!(advice.contains("every ephemeris of G01 (3)"), "{advice}");
         assert!(advice.contains("a usable one among the ephemerides of GPS"), "{advice}");
         assert!(advice.contains("of Galileo: 1045 or 1046"), "{advice}");
         // GLONASS is not selected.

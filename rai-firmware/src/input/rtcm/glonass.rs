@@ -34,15 +34,20 @@ const TIME_LENGTH: usize = 9;
 /// Modified Julian day on which GPS time began, 1980-01-06.
 const FIRST_DAY: u32 = 44_244;
 
+/// Last day after that, in 2099. A day beyond it is one before 1980, such as that with which a clock
+/// begins that was never set.
+const LAST_DAY: u32 = 43_600;
+
 /// Reads 1013: the time to within seconds, and the leap seconds.
 ///
 /// Zero leap seconds are refused: UTC has not equalled GPS time since June 1981, so that the sender
 /// has left the field empty.
 pub(super) fn read_time(payload: &[u8]) -> Result<(GpsTime, u8), Unread> {
     let bits = Bits(payload.get(..TIME_LENGTH).ok_or(Unread::Malformed)?);
-    let day = bits.unsigned(24, 16).checked_sub(FIRST_DAY).ok_or(Unread::Time)?;
+    // The field counts days modulo 2¹⁶, which it reaches in April 2038.
+    let day = bits.unsigned(24, 16).wrapping_sub(FIRST_DAY) & 0xFFFF;
     let leap_s = bits.small(62, 8);
-    if !(1..=MOST_S as u8).contains(&leap_s) {
+    if day > LAST_DAY || !(1..=MOST_S as u8).contains(&leap_s) {
         return Err(Unread::Time);
     }
     // A second beyond the day moves the time by less than half a day, and the week by none.

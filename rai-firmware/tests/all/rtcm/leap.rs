@@ -125,6 +125,8 @@ fn date_that_cannot_be_is_refused() {
     for (day, second, leap_s, is_read) in [
         (59_024, 86_400, 18, true),
         (65_535, 0, 63, true),
+        // 1970-01-01 and 1980-01-05.
+        (40_587, 0, 18, false),
         (59_024, 0, 0, false),
         (59_024, 0, 64, false),
         (59_024, 0, 255, false),
@@ -138,4 +140,21 @@ fn date_that_cannot_be_is_refused() {
     let mut short = Input::new();
     feed(&mut short, &frame(&DATE[3..11]));
     assert_eq!(short.counters().messages_malformed, 1);
+}
+
+/// 2038-04-24 is modified Julian day 65,537, of which the field has the lower 16 bits.
+#[test]
+fn date_rolls_over_in_2038() {
+    let mut input = Input::new();
+    feed(
+        &mut input,
+        &frame(
+            &Bits::default().put(12, 1013).put(12, 0).put(16, 1).put(17, 75_600).put(5, 0).put(8, 18).bytes(),
+        ),
+    );
+    // Three hours ahead of UTC, Sunday begins: day 0.
+    let seen = epochs(feed(&mut input, &msm(1087, 0, false, &[Cell(3, 2, 2.0e7, 50.0)])));
+    let days = 21_293_u64;
+    let want = GpsTime::from_ms(1000 * (86_400 * days + 75_600 + 18));
+    assert_eq!(seen.iter().map(|epoch| epoch.time).collect::<Vec<_>>(), [want]);
 }

@@ -4,6 +4,7 @@ use raim::replay::{self, Window};
 use raim::signal::capture::{Capture, Orbits};
 use raim::signal::encode::{Frequency, Selection, ubx};
 use raim::signal::fault::Fault;
+use raim::signal::measurement::Ephemeris;
 use raim::signal::pieces::{Kind, pieces};
 
 use super::{STREAMS, epochs, is_protected, path, run};
@@ -98,4 +99,32 @@ fn what_is_no_capture_is_refused_by_name() {
         let error = Capture::of(bytes, None).err().map(|error| format!("{error:#}")).unwrap();
         assert!(error.contains(want), "{want}: {error}");
     }
+}
+
+/// An inclination in semicircles that is read as radians is a third of what it should be.
+#[test]
+fn refused_orbits_are_named() {
+    let stream = &STREAMS[1];
+    if epochs(6).is_none() {
+        return;
+    }
+    let mut recording = stream.recording();
+    let mut wrong = std::collections::BTreeSet::new();
+    for set in &mut recording.ephemerides {
+        if let Ephemeris::Beidou(message) = &mut set.message
+            && message.i0_sc > 0.2
+        {
+            message.i0_sc /= std::f64::consts::PI;
+            wrong.insert(set.satellite);
+        }
+    }
+    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+    let window = Window { to_s: 5.0, ..Window::ALL };
+    let lumps = replay::encode(&recording, &selection, &[], &window).unwrap();
+    let capture = Capture::of(lumps.into_iter().flat_map(|lump| lump.bytes).collect(), None).unwrap();
+    let refused = capture.content().refused();
+    assert!(refused.len() >= 5 && refused.keys().all(|satellite| wrong.contains(satellite)), "{refused:?}");
+    let advice = capture.advice().unwrap();
+    let (first, _) = refused.first_key_value().unwrap();
+    assert!(advice.contains("every ephemeris of") && advice.contains(&first.to_string()), "{advice}");
 }

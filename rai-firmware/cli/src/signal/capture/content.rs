@@ -28,6 +28,8 @@ pub struct Content {
     pub(super) known: BTreeSet<SatelliteId>,
     /// Epochs of ranges whose week is unknown.
     pub(super) without_week: u32,
+    /// Satellites of which ephemerides were refused, with their number.
+    pub(super) refused: BTreeMap<SatelliteId, u32>,
     /// True if GLONASS came without leap seconds.
     pub(super) lacks_leap: bool,
     /// Number of RXM-RAWX of version 0.
@@ -58,6 +60,11 @@ impl Content {
     /// Returns the number of bytes.
     pub(super) fn bytes(&self) -> u64 {
         self.bytes
+    }
+
+    /// Returns the satellites of which ephemerides were refused, with their number.
+    pub fn refused(&self) -> &BTreeMap<SatelliteId, u32> {
+        &self.refused
     }
 
     /// Returns the satellites with ranges.
@@ -121,6 +128,7 @@ impl Content {
                 .map(|(letter, _)| *letter)
                 .collect(),
             lacks_leap: self.lacks_leap,
+            refused: self.refused.clone(),
             ..Found::default()
         };
         if is_blind && self.frames.contains_key(&Kind::RAWX) {

@@ -230,6 +230,7 @@ impl<R: Read> Lumps<R> {
         self.content.without_week = self.cutter.without_week();
         self.content.ranged = self.cutter.ranged.clone();
         self.content.known = self.cutter.known.clone();
+        self.content.refused = self.cutter.refused.clone();
         self.content.lacks_leap = self.cutter.lacks_leap();
         let Some(span) = &self.span else {
             bail!(self.content.no_epoch(&self.head));
