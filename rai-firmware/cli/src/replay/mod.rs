@@ -26,6 +26,7 @@ mod sink;
 mod source;
 mod summary;
 mod track;
+mod tracks;
 mod truth;
 
 pub use crate::signal::corrected::corrected;

@@ -172,7 +172,7 @@ impl Source {
 /// Reads the inputs beside the recording or the capture.
 pub(super) fn question(arguments: &Arguments) -> Result<Question> {
     let truth = match (&arguments.truth, &arguments.truth_csv) {
-        (Some(text), _) => Some(Truth::parse(text).context("--truth")?),
+        (Some(text), _) => Some(Truth::of(text).context("--truth")?),
         (None, Some(path)) => Some(Truth::from_csv(path).context("--truth-csv")?),
         (None, None) => None,
     };

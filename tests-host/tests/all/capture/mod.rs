@@ -227,3 +227,19 @@ fn a_part_of_a_capture_is_judged_as_within_the_whole() {
         assert!(apart_m < 0.1, "{apart_m} m");
     }
 }
+
+/// The module counts the same for `STATS`, over its last minute.
+#[test]
+fn sigma_check_is_that_of_the_module_under_every_method() {
+    let Some(bytes) = epochs(30) else { return };
+    let lumps = Capture::of(bytes, None).unwrap().lumps(&[], &Window::ALL).unwrap().lumps;
+    for method in ["AUTO", "BAARDA", "SEPARATION"] {
+        let setup = [format!("METHOD,{method}")];
+        let said = replay::on_host(&lumps, &setup, Pace::Recorded, |_| ()).unwrap();
+        let of_module = said.counters.iter().find(|(name, _)| name == "sigma_check_pct").unwrap().1;
+        let summary = Summary::of(&replay::track(&lumps, &said, None).unwrap(), &[], false);
+        assert_eq!(summary.protected, summary.epochs, "{method}");
+        let have = summary.sigma_check_pct.unwrap();
+        assert!((have - f64::from(of_module)).abs() <= 1.0, "{method}: {have} %, {of_module} %");
+    }
+}

@@ -32,8 +32,6 @@ pub struct Content {
     pub(super) refused: BTreeMap<SatelliteId, u32>,
     /// True if GLONASS came without leap seconds.
     pub(super) lacks_leap: bool,
-    /// Number of RXM-RAWX of version 0.
-    old_rawx: usize,
     /// Native log among the bytes that are neither frame nor line.
     native: Option<String>,
 }
@@ -42,8 +40,6 @@ impl Content {
     /// Counts a piece.
     pub(super) fn count(&mut self, piece: &Piece<'_>) {
         self.bytes += piece.bytes.len() as u64;
-        // The version is in the 14th byte of the payload, behind six of the header.
-        self.old_rawx += usize::from(piece.kind == Kind::RAWX && piece.bytes.get(6 + 13) == Some(&0));
         match piece.kind {
             Kind::Line => {
                 self.lines += 1;
@@ -184,12 +180,6 @@ impl Content {
             of(&|kind| *kind == Kind::Ubx([0x02, 0x14])),
             "ranges without whole milliseconds, choose RXM-RAWX",
         );
-        if self.old_rawx > 0 {
-            unread.push(format!(
-                "{} RXM-RAWX of version 0: of trial firmware of the eighth generation, update it to 3.01",
-                self.old_rawx
-            ));
-        }
         unread.extend(self.native.clone());
         unread
     }

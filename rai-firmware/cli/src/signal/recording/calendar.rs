@@ -142,6 +142,15 @@ pub(super) fn instant(text: &str, system: TimeSystem) -> Option<GpsTime> {
     from_ms(ms + system.behind_gps_ms(ms))
 }
 
+/// Returns the instant of a date, `year month day hour minute second`, in GPS time, or in UTC and
+/// this many hours ahead of it.
+pub fn date(text: &str, ahead_of_utc_h: Option<u8>) -> Option<GpsTime> {
+    let Some(ahead_h) = ahead_of_utc_h else { return instant(text, TimeSystem::Gps) };
+    let local = instant(text, TimeSystem::Gps)?;
+    let utc_ms = local.to_ms().cast_signed() - 3_600_000 * i64::from(ahead_h);
+    from_ms(utc_ms + 1000 * i64::from(leap_seconds_of_utc(utc_ms, None)))
+}
+
 /// Returns the instant this many milliseconds after 1980-01-06, if it is within a century.
 fn from_ms(ms: i64) -> Option<GpsTime> {
     // 5,200 weeks: a century.

@@ -41,7 +41,7 @@ use anyhow::{Context, Result, bail, ensure};
 use raim_core::frame::Ecef;
 use raim_firmware::time::GpsTime;
 
-pub use self::calendar::{leap_seconds, readable, readable_unix};
+pub use self::calendar::{date, leap_seconds, readable, readable_unix};
 pub use self::epochs::Epochs;
 pub use self::file::packed_by;
 use self::header::{Header, Kind};
