@@ -231,8 +231,12 @@ fn a_part_of_a_capture_is_judged_as_within_the_whole() {
 /// The module counts the same for `STATS`, over its last minute.
 #[test]
 fn sigma_check_is_that_of_the_module_under_every_method() {
-    let Some(bytes) = epochs(30) else { return };
-    let lumps = Capture::of(bytes, None).unwrap().lumps(&[], &Window::ALL).unwrap().lumps;
+    if STREAMS[1].bytes().is_none() {
+        return;
+    }
+    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+    let window = Window { to_s: 30.0, ..Window::ALL };
+    let lumps = replay::encode(&STREAMS[1].recording(), &selection, &[], &window).unwrap();
     for method in ["AUTO", "BAARDA", "SEPARATION"] {
         let setup = [format!("METHOD,{method}")];
         let said = replay::on_host(&lumps, &setup, Pace::Recorded, |_| ()).unwrap();
