@@ -33,11 +33,10 @@ impl System {
     /// Returns the satellite with this number; `None` if the system has no such satellite.
     pub(super) const fn satellite(self, number: u8) -> Option<SatelliteId> {
         let highest = match self {
-            Self::Gps => 32,
+            Self::Gps | Self::Glonass => 32,
             Self::Qzss => return SatelliteId::qzss(number),
             Self::Galileo => 36,
             Self::Beidou => 63,
-            Self::Glonass => 32,
         };
         if number <= highest { SatelliteId::new(self.constellation(), number) } else { None }
     }

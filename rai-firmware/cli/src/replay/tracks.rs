@@ -152,7 +152,7 @@ fn best(points: Vec<(Point, bool)>) -> Vec<Point> {
 /// Reads NMEA. A date holds until the next one; a position before the first date has that date.
 fn nmea(text: &str) -> Result<Vec<Point>> {
     let mut points = Vec::new();
-    let mut waiting = Vec::new();
+    let mut waiting: Vec<Position> = Vec::new();
     // Date as `year month day`, and the time of day of its sentence.
     let mut day: Option<(String, f64)> = None;
     for line in text.lines() {
@@ -166,16 +166,18 @@ fn nmea(text: &str) -> Result<Vec<Point>> {
             _ => None,
         };
         if let Some((date_of, second)) = date_of.zip(second_of_day(field(1))) {
-            day = Some((date_of, second));
             // Those that wait are of this instant, or just before it.
-            points.extend(std::mem::take(&mut waiting).into_iter().filter_map(|point| dated(&day, point)));
+            points.extend(waiting.drain(..).filter_map(|point| dated(&date_of, &point)));
+            day = Some((date_of, second));
         }
         if kind == "GGA"
             && let Some(point) = position(&fields)
         {
             match &day {
                 // Behind midnight the date of its own instant comes first.
-                Some((_, second)) if point.second + 43_200.0 >= *second => points.extend(dated(&day, point)),
+                Some((day, second)) if point.second + 43_200.0 >= *second => {
+                    points.extend(dated(day, &point));
+                }
                 _ => waiting.push(point),
             }
         }
@@ -195,8 +197,7 @@ struct Position {
 }
 
 /// Returns a position with its day: that of the sentence before it.
-fn dated(day: &Option<(String, f64)>, position: Position) -> Option<(Point, bool)> {
-    let (day, _) = day.as_ref()?;
+fn dated(day: &str, position: &Position) -> Option<(Point, bool)> {
     let [hour, minute] = [3600.0, 60.0].map(|unit| (position.second / unit).floor());
     let text = format!("{day} {hour} {} {:.3}", minute % 60.0, position.second % 60.0);
     Some(((date(&text, Some(0))?, position.point), position.is_fixed))
