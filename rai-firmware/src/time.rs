@@ -122,11 +122,9 @@ pub const fn glonass_time(second_of_day: u32, leap_s: u8, now: GpsTime) -> Optio
         return None;
     }
     let of_day_ms = second_of_day * 1000 + (DAY_MS - GLONASS_OFFSET_MS as u32) + leap_s as u32 * 1000;
-    // The first such instant after half a day before now.
-    let earliest_ms = now.to_ms().saturating_sub(DAY_MS as u64 / 2);
-    let (_, earliest_of_day_ms) = divided(earliest_ms, DAY_MS);
-    let wait_ms = (of_day_ms % DAY_MS + DAY_MS - earliest_of_day_ms) % DAY_MS;
-    Some(GpsTime::from_ms(earliest_ms + wait_ms as u64))
+    // The first such instant after half a day before now. A week has whole days.
+    let earliest = now.earlier_by_ms(DAY_MS / 2);
+    Some(earliest.later_by_ms((of_day_ms + WEEK_MS - earliest.tow_ms) % DAY_MS))
 }
 
 #[cfg(test)]

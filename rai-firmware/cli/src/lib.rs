@@ -83,3 +83,5 @@ pub mod run;
 pub mod second_opinion;
 #[cfg(feature = "commands")]
 mod serial;
+#[cfg(feature = "commands")]
+mod standard_input;

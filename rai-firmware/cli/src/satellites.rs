@@ -138,6 +138,21 @@ pub struct Watcher {
     place: Option<Ecef>,
 }
 
+/// Returns √(SSE/dof) of the ranges used in the last epoch of a module: the residuals relative to
+/// their standard deviations, whatever the method that tested them. `None` without redundancy.
+pub fn misfit<P: OutputPin>(module: &Receiver<P>) -> Option<f64> {
+    let (epoch, report) = (module.last_epoch()?, module.last_report()?);
+    let solution = report.solution.as_ref()?;
+    let used = || epoch.observations().iter().filter(|one| report.used.contains(&one.satellite));
+    let square = |one| Some((solution.residual_m::<f64>(one)? / one.sigma_m).powi(2));
+    let sse: f64 = used().filter_map(square).sum();
+    let mut systems: Vec<_> = used().map(|one| one.satellite.constellation()).collect();
+    systems.sort_unstable();
+    systems.dedup();
+    let dof = used().count().checked_sub(3 + systems.len()).filter(|dof| *dof > 0)?;
+    Some((sse / dof as f64).sqrt())
+}
+
 impl Watcher {
     /// Returns a reader before the first byte.
     pub fn new() -> Self {

@@ -20,7 +20,6 @@
 use super::calendar::{Calendar, TimeError};
 use super::chain::{ASTRAY_MS, Chain, apart_ms, bit};
 use super::epoch_ranges::{Comparison, add, hash_of_ranges};
-use super::leap_seconds::LeapSource;
 use super::turns::Turns;
 use super::{Counters, Event, Ranges, Rivalry, Series};
 use crate::counters::count;
@@ -117,10 +116,7 @@ impl Assembly {
         tell: &mut dyn FnMut(Event<'_>),
     ) {
         if let Some((time, leap_s)) = ranges.stated {
-            calendar.suppose(time, counters);
-            if let Some(leap_s) = leap_s {
-                calendar.hear_leap(leap_s, LeapSource::Receiver);
-            }
+            calendar.hear_receiver(time, leap_s, counters);
         }
         self.compare_tags(ranges, came_ms, calendar);
         match ranges.tow_ms {

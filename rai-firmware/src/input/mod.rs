@@ -140,6 +140,9 @@ enum Message<'a> {
     /// A position, a velocity and a clock, not yet checked.
     #[cfg(feature = "glonass")]
     State(StateBroadcast),
+    /// Time to within seconds, and GPS time minus UTC, s.
+    #[cfg(feature = "glonass")]
+    Time(GpsTime, u8),
     /// Position that a station broadcasts.
     Position(Ecef),
     /// Coefficients of the ionosphere with their system, and GPS time minus UTC, s.
@@ -328,6 +331,8 @@ impl Input {
                 Some(Message::State(state)) => {
                     learn(&|| Ephemeris::of_state(&state), calendar, assembly, counters, tell);
                 }
+                #[cfg(feature = "glonass")]
+                Some(Message::Time(time, leap_s)) => calendar.hear_receiver(time, Some(leap_s), counters),
                 Some(Message::Position(point)) => tell(Event::Position(point)),
                 #[cfg(feature = "ubx")]
                 Some(Message::Corrections(coefficients, leap_s)) => {

@@ -4,7 +4,8 @@
 //! |---|---|---|
 //! | GPS | 1 to 32 | GPS |
 //! | QZSS | 1 to 10, on the air 193 to 202 | GPS, because its ranges refer to the same clock ([`raim_core::satellite`]) |
-//! | Galileo, `BeiDou`, GLONASS | 1 to 36, 63, 24 | their own |
+//! | Galileo, `BeiDou` | 1 to 36, 63 | their own |
+//! | GLONASS | 1 to 32: 24 slots, and numbers beyond them that spare satellites have had since 2011 | its own |
 
 use raim_core::satellite::{Constellation, SatelliteId};
 
@@ -32,11 +33,10 @@ impl System {
     /// Returns the satellite with this number; `None` if the system has no such satellite.
     pub(super) const fn satellite(self, number: u8) -> Option<SatelliteId> {
         let highest = match self {
-            Self::Gps => 32,
+            Self::Gps | Self::Glonass => 32,
             Self::Qzss => return SatelliteId::qzss(number),
             Self::Galileo => 36,
             Self::Beidou => 63,
-            Self::Glonass => 24,
         };
         if number <= highest { SatelliteId::new(self.constellation(), number) } else { None }
     }

@@ -66,9 +66,10 @@ const PYUBX2: Evidence = Program("pyubx2");
 /// RTKLIB's `convbin` gives the same values for the same bits; `ubx::rtklib` compares them.
 const RTKLIB: Evidence = Program("RTKLIB");
 
-const ROWS: [(Rule, &str, Evidence); 80] = [
+const ROWS: [(Rule, &str, Evidence); 83] = [
     (Rtcm(1005), "1005", Program("example frame of RTCM 10403.3, 4.2")),
     (Rtcm(1006), "1006", Recorded(F9R)),
+    (Rtcm(1013), "1013", Program("pyrtcm")),
     (Rtcm(1019), "1019", Recorded(F9R)),
     (Rtcm(1020), "1020", Recorded(F9R)),
     (Rtcm(1042), "1042", Recorded(F9R)),
@@ -108,6 +109,8 @@ const ROWS: [(Rule, &str, Evidence); 80] = [
     (Bits(2, 1), "Galileo I/NAV", Recorded(F9P)),
     (Bits(2, 3), "Galileo F/NAV", STREAMS),
     (Bits(2, 4), "Galileo F/NAV under signal 4", Unconfirmed),
+    (Bits(2, 5), "Galileo I/NAV under signal 5", Recorded(F9P)),
+    (Bits(2, 6), "Galileo I/NAV under signal 6", Unconfirmed),
     (Bits(3, 0), "BeiDou D1 of B1I", Recorded(F9P)),
     (Bits(3, 1), "BeiDou D2 of B1I", RTKLIB),
     (Bits(3, 2), "BeiDou D1 of B2I", Unconfirmed),

@@ -30,6 +30,7 @@ mod hostile;
 mod images;
 mod in_view;
 mod injection;
+mod kinds;
 mod known_place;
 mod memory_routines;
 mod moving_receiver;

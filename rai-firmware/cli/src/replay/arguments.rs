@@ -49,8 +49,9 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["obs", "nav"])]
     pub(super) sample: bool,
     /// Set the true position of the antenna: X,Y,Z in metres, earth-fixed, or
-    /// latitude,longitude,height in degrees and metres.
-    #[arg(long, value_name = "X,Y,Z", conflicts_with = "truth_csv", allow_hyphen_values = true)]
+    /// latitude,longitude,height in degrees and metres above the ellipsoid; or read the positions over
+    /// time from a file: a table as for --truth-csv, NMEA, or a solution of RTKLIB (.pos).
+    #[arg(long, value_name = "X,Y,Z|FILE", conflicts_with = "truth_csv", allow_hyphen_values = true)]
     pub(super) truth: Option<String>,
     /// Read the true positions of the antenna over time from a table whose heading names week,tow
     /// and `x_m,y_m,z_m` or `lat_deg,lon_deg,height_m`.
@@ -96,7 +97,8 @@ pub struct Arguments {
     /// Set the method that finds a faulty satellite. The default is AUTO.
     #[arg(long, ignore_case = true, value_parser = word("METHOD"))]
     pub(super) method: Option<String>,
-    /// Set any other setting of the module, such as HAL=40 or MASK=5; repeatable, in this order.
+    /// Set any other setting of the module, such as HAL=40 or MASK=5, or CONFIRM; repeatable, in this
+    /// order.
     #[arg(long, value_name = "KEY=VALUE")]
     pub(super) set: Vec<String>,
     /// Print the summary as JSON.

@@ -66,11 +66,17 @@ pub fn run(arguments: &Arguments, board: Option<OnBoard>) -> Result<()> {
         About { title: title(arguments), source: names(arguments), configuration: *playback.configuration() };
     let counters = playback.counters()?.into_iter().filter(|(_, count)| *count > 0).collect();
     let identical = board.as_ref().map(|board| board.difference.is_none());
-    let summary =
-        Summary { host_target_identical: identical, skipped: source.skipped(), counters, ..sink.summary() };
+    let refused = source.refused().into_iter();
+    let summary = Summary {
+        host_target_identical: identical,
+        skipped: source.skipped(),
+        refused_orbits: refused.map(|(satellite, count)| (satellite.to_string(), count)).collect(),
+        counters,
+        ..sink.summary()
+    };
     sink.end(&question.faults, &summary, &about)?;
-    note(&source, arguments);
-    print(arguments, &summary, board.as_ref(), source.missing().as_deref())?;
+    note(&source, arguments, summary.fixes > 0);
+    print(arguments, &summary, board.as_ref(), source.advice().as_deref())?;
     if let Some((host, target)) = board.and_then(|board| board.difference) {
         bail!("the board's sentences differ from the host's: {target:?} is not {host:?}");
     }
@@ -95,14 +101,17 @@ fn names(arguments: &Arguments) -> String {
     arguments.capture.clone().into_iter().chain(sample).chain(files).collect::<Vec<_>>().join(", ")
 }
 
-/// Prints the content of a capture.
-fn note(source: &Source, arguments: &Arguments) {
-    let (Source::Capture(lumps), Some(name), false) = (source, &arguments.capture, arguments.json) else {
+/// Prints the content of the input, with what of it is not read or missing.
+fn note(source: &Source, arguments: &Arguments, has_fixes: bool) {
+    if arguments.json {
         return;
-    };
-    eprintln!("{name}: {}", lumps.content());
-    if let Some(missing) = lumps.missing() {
-        eprintln!("note: {missing}");
+    }
+    // Without a position, the advice is the error at the end.
+    let advice = source.advice().filter(|_| has_fixes);
+    match (advice, &arguments.capture) {
+        (Some(advice), _) => eprintln!("note: {} {advice}", names(arguments)),
+        (None, Some(name)) => eprintln!("{name}: {}", source.content()),
+        (None, None) => {}
     }
 }
 
@@ -110,7 +119,7 @@ fn print(
     arguments: &Arguments,
     summary: &Summary,
     board: Option<&BoardRun>,
-    missing: Option<&str>,
+    advice: Option<&str>,
 ) -> Result<()> {
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(summary)?);
@@ -125,13 +134,13 @@ fn print(
         print_board(board);
     }
     if summary.fixes == 0 {
-        bail!("no epoch gave a position: {}", why_none(arguments, summary, missing));
+        bail!("no epoch gave a position: {}", why_none(arguments, summary, advice));
     }
     Ok(())
 }
 
 /// Returns the most likely reason for which no epoch gave a position.
-fn why_none(arguments: &Arguments, summary: &Summary, missing: Option<&str>) -> String {
+fn why_none(arguments: &Arguments, summary: &Summary, advice: Option<&str>) -> String {
     let backwards = summary.counters.get("epochs_backwards").map_or(0, |count| *count as usize);
     if 2 * backwards > summary.epochs {
         return format!(
@@ -139,14 +148,14 @@ fn why_none(arguments: &Arguments, summary: &Summary, missing: Option<&str>) -> 
              these two recordings in one, or does the receiver date one system differently from the others?"
         );
     }
-    match (missing, &arguments.capture) {
-        (Some(missing), _) => missing.to_owned(),
+    match (advice, &arguments.capture) {
+        (Some(advice), _) => format!("{} {advice}", names(arguments)),
         (None, Some(_)) => {
             "is the capture long enough for ephemerides to come (30 s to a minute), or is --nav of its \
                             day there?"
                 .to_owned()
         }
-        (None, None) => "are --systems and the navigation file those of the recording?".to_owned(),
+        (None, None) => "ranges and orbits came, but no epoch had enough of both".to_owned(),
     }
 }
 

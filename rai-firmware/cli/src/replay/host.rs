@@ -5,7 +5,7 @@ use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::Configuration;
 
 use super::ahead::Ahead;
-use crate::satellites::{View, Watcher};
+use crate::satellites::{self, View, Watcher};
 use crate::sentence::{self, EpochOutput, command};
 use crate::signal::lump::Lump;
 use crate::signal::pieces;
@@ -49,6 +49,8 @@ pub struct Said {
     pub of_silence: String,
     /// Time of the first alert for silence, s after the first epoch of the recording.
     pub stale_s: Option<f64>,
+    /// Residuals of the epoch relative to their standard deviations, √(SSE/dof).
+    pub misfit: Option<f64>,
     /// The module's view of the epoch, if it is [watched](Playback::watch).
     pub view: Option<View>,
 }
@@ -133,7 +135,8 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
         let now_ms = lump.elapsed_ms();
         let of_epoch = self.module.hear(&lump.bytes, now_ms)?;
         let view = self.module.view(&of_epoch);
-        let mut said = Said { of_epoch, view, ..Said::default() };
+        let misfit = last_state(&of_epoch).and_then(|_| satellites::misfit(&self.module.receiver));
+        let mut said = Said { of_epoch, misfit, view, ..Said::default() };
         if said.of_epoch.contains("$PRAIS") {
             self.last_epoch_ms = now_ms;
         }

@@ -26,6 +26,7 @@ mod sink;
 mod source;
 mod summary;
 mod track;
+mod tracks;
 mod truth;
 
 pub use crate::signal::corrected::corrected;
@@ -34,7 +35,7 @@ pub use crate::signal::lumps::{Broadcast, Encoding, Window, encode};
 pub use board_run::BoardRun;
 pub use host::{HostRun, Module, Pace, Playback, Said, Setup, on_host};
 pub use page::{About, Report};
-pub use settings::{command_for, every, words};
+pub use settings::{command_for, every, setting, words};
 pub use summary::{Injected, RunningSummary, Summary};
 pub use track::{Moment, Rows, Track, track};
 pub use truth::Truth;

@@ -1,6 +1,6 @@
 //! Settings of a command line, `KEY=VALUE`, as commands of the module.
 
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 use raim_firmware::settings::{Order, Setting};
 
 /// Returns the words that a setting may be.
@@ -11,25 +11,48 @@ pub fn words(key: &str) -> &'static [&'static str] {
     Setting::named(key).expect("a key of the module").documentation().words
 }
 
-/// Returns the body of the command for `KEY=VALUE`, or for `CONFIRM` and `FORGET`.
+/// Reads a setting as every command line and configuration file writes it: `KEY=VALUE` with the key
+/// and its words in any case, or an order without values, `CONFIRM` or `FORGET`. Returns key and
+/// value; an order has the value "".
 ///
 /// # Errors
-/// Fails for a text of another form.
+/// Fails for a text of another form. Whether there is such a key is the module's answer.
+pub fn setting(text: &str) -> Result<(String, String)> {
+    let is_plain =
+        |text: &str| text.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'*' && byte != b'$');
+    let (key, value) = text.split_once('=').unwrap_or((text, ""));
+    if value.is_empty() {
+        let key = key.to_uppercase();
+        return match Order::read(&key, std::iter::empty()) {
+            Some(Ok(Order::Confirm | Order::Forget)) => Ok((key, String::new())),
+            Some(
+                Ok(Order::Statistics | Order::SelfTest | Order::Week(_) | Order::Height(..) | Order::Reset)
+                | Err(_),
+            ) => bail!("{key} is a command and no setting, such as HAL=40"),
+            None => bail!("`{text}` must be KEY=VALUE, such as HAL=40, or CONFIRM or FORGET"),
+        };
+    }
+    ensure!(
+        !key.is_empty() && is_plain(key) && is_plain(value),
+        "`{text}` must be KEY=VALUE without blanks, such as HAL=40"
+    );
+    let key = key.to_uppercase();
+    let words = Setting::named(&key).map_or(&[][..], |setting| setting.documentation().words);
+    let in_its_case = |item: &str| {
+        let word = words.iter().find(|word| word.eq_ignore_ascii_case(item));
+        word.map_or_else(|| item.to_owned(), |word| (*word).to_owned())
+    };
+    let value = value.split(',').map(in_its_case).collect::<Vec<_>>().join(",");
+    Ok((key, value))
+}
+
+/// Returns the body of the command for a [`setting`].
+///
+/// # Errors
+/// As for [`setting`].
 pub fn command_for(text: &str) -> Result<String> {
-    if let Some((key, value)) = text.split_once('=') {
-        return Ok(format!("{},{value}", key.to_uppercase()));
-    }
-    let key = text.to_uppercase();
-    match Order::read(&key, std::iter::empty()) {
-        Some(Ok(Order::Confirm | Order::Forget)) => Ok(key),
-        Some(
-            Ok(Order::Statistics | Order::SelfTest | Order::Week(_) | Order::Height(..) | Order::Reset)
-            | Err(_),
-        )
-        | None => {
-            bail!("--set {text}: write it like HAL=40")
-        }
-    }
+    let (key, value) = setting(text)?;
+    Ok(if value.is_empty() { key } else { format!("{key},{value}") })
 }
 
 /// Returns the example of every setting, and a setting of every word, as `KEY=VALUE`.
@@ -44,4 +67,35 @@ pub fn every() -> Vec<String> {
         }));
     }
     every
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_setting_has_one_grammar() {
+        let read = |text: &str| setting(text).ok();
+        let pair = |key: &str, value: &str| Some((key.to_owned(), value.to_owned()));
+        assert_eq!(read("hal=40"), pair("HAL", "40"));
+        assert_eq!(read("phase=lpv200"), pair("PHASE", "LPV200"));
+        assert_eq!(read("output=gsv,1"), pair("OUTPUT", "GSV,1"));
+        assert_eq!(read("confirm"), pair("CONFIRM", ""));
+        assert_eq!(read("FORGET"), pair("FORGET", ""));
+        // The module has no such key, and says so.
+        assert_eq!(read("foo=bar"), pair("FOO", "bar"));
+        for wrong in ["", "=5", "HAL=", "HAL", "RESET", "STATS", "HAL= 40", "HAL=4*0", "$HAL=40"] {
+            assert_eq!(read(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn every_example_is_a_setting() {
+        for text in every() {
+            assert_eq!(command_for(&text).unwrap(), text.replacen('=', ",", 1));
+            let lower = text.to_lowercase();
+            let (key, _) = text.split_once('=').unwrap();
+            assert_eq!(setting(&lower).unwrap().0, key);
+        }
+    }
 }

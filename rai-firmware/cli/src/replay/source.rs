@@ -1,15 +1,21 @@
 //! Source of the lumps that the command `replay` plays.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, ensure};
+use raim_core::satellite::SatelliteId;
+use raim_firmware::input::{Input, NOT_BEFORE_WEEK};
 
 use super::Truth;
 use super::arguments::{Arguments, selection, systems};
+use crate::signal::advice::{Form, Found, counted};
 use crate::signal::capture::{self, Bytes, Lumps, Orbits};
+use crate::signal::encode::{Encoder, Frequency, Selection};
 use crate::signal::fault::Fault;
 use crate::signal::lump::Lump;
 use crate::signal::lumps::{Broadcast, Encoding, Window};
+use crate::signal::measurement::MeasuredEpoch;
 use crate::signal::recording::{Epochs, Recording, Skipped};
 use crate::signal::sample;
 
@@ -31,6 +37,8 @@ pub(super) struct Observed {
     lumps: Encoding<Epochs>,
     navigation: Recording,
     files: Vec<PathBuf>,
+    /// Letters of the systems that take part.
+    systems: String,
 }
 
 impl Iterator for Source {
@@ -45,6 +53,56 @@ impl Iterator for Source {
 }
 
 impl Observed {
+    /// Returns the satellites with ranges of which the module refuses ephemerides, with their
+    /// number.
+    fn refused(&self) -> BTreeMap<SatelliteId, u32> {
+        let ranged = self.lumps.satellites();
+        let mut input = Input::new();
+        let mut refused = BTreeMap::new();
+        let Ok(selection) = Selection::new(&self.systems, Frequency::Single) else { return refused };
+        let sets = self.navigation.ephemerides.iter().filter(|set| ranged.contains(&set.satellite));
+        for set in sets.filter(|set| selection.has(set.satellite)) {
+            let before = input.counters().ephemerides_invalid;
+            let epoch = MeasuredEpoch { time: set.toe, satellites: Vec::new() };
+            let bytes = Encoder::new(std::slice::from_ref(set), selection.clone()).epoch(&epoch);
+            // The encoder itself says in the replay what no message has room for.
+            input.feed(&bytes.unwrap_or_default(), 0, |_| ());
+            if input.counters().ephemerides_invalid > before {
+                *refused.entry(set.satellite).or_default() += 1;
+            }
+        }
+        refused
+    }
+
+    /// Returns what the files hold, after all of them were read.
+    fn found(&self) -> Found {
+        let ranged = self.lumps.satellites().clone();
+        let refused = self.refused();
+        let sets = || self.navigation.ephemerides.iter().map(|set| set.satellite);
+        let is_refused = |satellite: &SatelliteId| {
+            let count = sets().filter(|other| other == satellite).count();
+            refused.get(satellite).is_some_and(|refused| *refused as usize == count)
+        };
+        let mut known: BTreeSet<SatelliteId> = sets().collect();
+        known.retain(|satellite| !is_refused(satellite));
+        let is_left_out = |satellite: &&SatelliteId| !self.systems.contains(satellite.name().0);
+        let others: BTreeSet<SatelliteId> = ranged.iter().filter(is_left_out).copied().collect();
+        let mut unread = Vec::new();
+        if !others.is_empty() && others.len() == ranged.len() {
+            unread.push(format!("{}, because --systems does not name them", counted(&others)));
+        }
+        Found {
+            form: Form::Rinex,
+            came: format!("ranges of {} and orbits of {}", counted(&ranged), counted(&known)),
+            unread,
+            systems: self.systems.clone(),
+            ranged,
+            known,
+            refused,
+            ..Found::default()
+        }
+    }
+
     /// Checks at the end of the observations that some ephemeris is of their time.
     fn check(&self) -> Result<()> {
         let (first, last) = self.lumps.span().context("the observation files hold no epoch")?;
@@ -64,7 +122,11 @@ impl Source {
     /// Returns the GPS week of the first epoch if the module needs it from a command.
     pub(super) fn week(&self) -> Option<u16> {
         match self {
-            Self::Recording(_) => None,
+            // The module takes no earlier week by itself.
+            Self::Recording(observed) => {
+                let first = observed.lumps.span().map(|(first, _)| first.week);
+                first.filter(|week| *week < NOT_BEFORE_WEEK)
+            }
             Self::Capture(lumps) => lumps.week(),
         }
     }
@@ -81,11 +143,28 @@ impl Source {
         }
     }
 
-    /// Returns what a capture lacks for a position.
-    pub(super) fn missing(&self) -> Option<String> {
+    /// Returns what came, what of it is not read, and what is missing; `None` if there is neither of
+    /// the last two.
+    pub(super) fn advice(&self) -> Option<String> {
         match self {
-            Self::Recording(_) => None,
-            Self::Capture(lumps) => lumps.missing(),
+            Self::Recording(observed) => observed.found().advice(),
+            Self::Capture(lumps) => lumps.advice(),
+        }
+    }
+
+    /// Returns the satellites of which ephemerides were refused, with their number.
+    pub(super) fn refused(&self) -> BTreeMap<SatelliteId, u32> {
+        match self {
+            Self::Recording(observed) => observed.refused(),
+            Self::Capture(lumps) => lumps.content().refused().clone(),
+        }
+    }
+
+    /// Returns what came, in words.
+    pub(super) fn content(&self) -> String {
+        match self {
+            Self::Recording(observed) => observed.found().came,
+            Self::Capture(lumps) => lumps.content().to_string(),
         }
     }
 }
@@ -93,7 +172,7 @@ impl Source {
 /// Reads the inputs beside the recording or the capture.
 pub(super) fn question(arguments: &Arguments) -> Result<Question> {
     let truth = match (&arguments.truth, &arguments.truth_csv) {
-        (Some(text), _) => Some(Truth::parse(text).context("--truth")?),
+        (Some(text), _) => Some(Truth::of(text).context("--truth")?),
         (None, Some(path)) => Some(Truth::from_csv(path).context("--truth-csv")?),
         (None, None) => None,
     };
@@ -130,16 +209,18 @@ fn observed(
     files: Vec<PathBuf>,
     question: &Question,
 ) -> Result<Source> {
-    let selection = selection(arguments, &systems(arguments))?;
+    let systems = systems(arguments);
+    let selection = selection(arguments, &systems)?;
     let epochs = Epochs::open(observations)?;
     let navigation = Recording::of_navigation(&files)?;
     let broadcast = Broadcast {
         ephemerides: &navigation.ephemerides,
         klobuchar: navigation.klobuchar,
+        leap_s: navigation.leap_s,
         approximate_position: epochs.approximate_position(),
     };
     let lumps = Encoding::of(epochs, &broadcast, &selection, &question.faults, &question.window)?;
-    Ok(Source::Recording(Box::new(Observed { lumps, navigation, files })))
+    Ok(Source::Recording(Box::new(Observed { lumps, navigation, files, systems })))
 }
 
 /// Opens the bytes of a receiver, as they came.
@@ -159,7 +240,7 @@ pub(super) fn of_capture(arguments: &Arguments, name: &str, question: &Question)
         None => capture::week_of(name, orbits.as_ref())?,
     };
     let lumps = Lumps::of(bytes, orbits, &question.faults, &question.window)?;
-    Ok(Source::Capture(Box::new(lumps.in_week(week))))
+    Ok(Source::Capture(Box::new(lumps.in_week(week).selecting(&systems))))
 }
 
 /// Returns the first of the RINEX files that is a capture.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use raim_core::frame::Enu;
+use raim_firmware::output::geoid::Altitude;
 use serde::Serialize;
 
 use super::quantiles::Quantiles;
@@ -58,15 +59,21 @@ pub struct Summary {
     pub hpl_max_m: Option<f64>,
     /// Largest vertical protection level, m.
     pub vpl_max_m: Option<f64>,
-    /// Mean of SSE/dof over all protected epochs in percent: about 100 if the sigmas are right,
-    /// less if they are too large.
+    /// Mean of SSE/dof over all protected epochs in percent, under every method: about 100 if the
+    /// sigmas are right, less if they are too large.
     pub sigma_check_pct: Option<f64>,
     /// Protected epochs with a truth.
     pub with_truth: usize,
+    /// Height of the geoid above the ellipsoid, m, if the heights of the truth look like altitudes
+    /// above sea level: the errors are as large as that; else `null`.
+    pub truth_looks_above_sea_m: Option<f64>,
     /// Number of alerts for a silent line.
     pub stale: usize,
     /// Records of RINEX files that were skipped.
     pub skipped: Skipped,
+    /// Number of refused ephemerides of each satellite: with a value that no satellite sends, or an
+    /// orbit that its system does not have.
+    pub refused_orbits: BTreeMap<String, u32>,
     /// Counters of the module at the end, without those that are zero.
     pub counters: BTreeMap<String, u32>,
 }
@@ -116,9 +123,13 @@ pub struct RunningSummary {
     vertical: Quantiles,
     hpl: Quantiles,
     vpl: Quantiles,
-    /// Statistics of protected epochs.
+    /// √(SSE/dof) of protected epochs.
     statistics: Quantiles,
     faults: Vec<Fault>,
+    /// Sum of the vertical errors of protected epochs, m.
+    up_m: f64,
+    /// Height of the geoid above the ellipsoid where the first of them was, m.
+    geoid_m: Option<f64>,
 }
 
 impl RunningSummary {
@@ -136,6 +147,8 @@ impl RunningSummary {
             vpl: Quantiles::default(),
             statistics: Quantiles::default(),
             faults: faults.to_vec(),
+            up_m: 0.0,
+            geoid_m: None,
         }
     }
 
@@ -153,13 +166,28 @@ impl RunningSummary {
         if let Some(error) = protected_error(moment) {
             self.horizontal.count(error.horizontal());
             self.vertical.count(error.up.abs());
+            self.up_m += error.up;
+            let place = moment.output.as_ref().and_then(|output| output.position);
+            self.geoid_m = self.geoid_m.or_else(|| Some(Altitude::of(&place?).separation_m));
         }
         let Some(state) = moment.output.as_ref().map(|output| &output.state) else { return };
         state.hpl_m.into_iter().for_each(|hpl_m| self.hpl.count(hpl_m));
         state.vpl_m.into_iter().for_each(|vpl_m| self.vpl.count(vpl_m));
-        if let Some(statistic) = state.statistic.filter(|_| state.is_protected()) {
+        if let Some(statistic) = moment.misfit.filter(|_| state.is_protected()) {
             self.statistics.count(statistic);
         }
+    }
+
+    /// Returns true if the mean vertical error is the height of the geoid to a third, that height
+    /// exceeds what positions are off by, and the horizontal errors are small beside it.
+    fn looks_above_sea(&self, geoid_m: f64) -> bool {
+        const LEAST_M: f64 = 10.0;
+        let count = self.vertical.len();
+        let mean_m = self.up_m / count.max(1) as f64;
+        let horizontal_m = self.horizontal.rms().unwrap_or(f64::INFINITY);
+        geoid_m.abs() >= LEAST_M
+            && (mean_m - geoid_m).abs() < geoid_m.abs() / 3.0
+            && horizontal_m < geoid_m.abs() / 2.0
     }
 
     /// Returns the number of epochs counted so far.
@@ -190,6 +218,7 @@ impl RunningSummary {
             // The mean of SSE/dof is the mean square of the statistic.
             sigma_check_pct: self.statistics.rms().map(|root| 100.0 * root * root),
             with_truth: horizontal.len(),
+            truth_looks_above_sea_m: self.geoid_m.filter(|geoid_m| self.looks_above_sea(*geoid_m)),
             ..self.summary.clone()
         }
     }
@@ -306,6 +335,13 @@ impl fmt::Display for Summary {
                     "                   of the {known} protected epochs with a truth beside them"
                 )?;
                 writeln!(formatter, "misleading {misleading}, hazardous {hazardous} of these")?;
+                if let Some(geoid_m) = self.truth_looks_above_sea_m {
+                    writeln!(
+                        formatter,
+                        "note: the vertical error is about the height of the geoid here, {geoid_m:.1} m: the truth seems to have \
+                         altitudes above sea level, and heights above the ellipsoid are needed"
+                    )?;
+                }
             }
             _ => writeln!(
                 formatter,
@@ -330,6 +366,11 @@ impl fmt::Display for Summary {
             list(&mut self.excluded.iter().map(|(satellite, count)| format!("{satellite} {count}")));
         if !excluded.is_empty() {
             writeln!(formatter, "left out, epochs   {excluded}")?;
+        }
+        let refused =
+            list(&mut self.refused_orbits.iter().map(|(satellite, count)| format!("{satellite} {count}")));
+        if !refused.is_empty() {
+            writeln!(formatter, "refused orbits     {refused}")?;
         }
         if !self.skipped.is_empty() {
             writeln!(formatter, "records skipped    {}", self.skipped)?;

@@ -25,6 +25,8 @@ pub struct Moment {
     pub output: Option<EpochOutput>,
     /// Position minus truth, east, north, up, m; `None` without a fix or a truth.
     pub error: Option<Enu>,
+    /// Residuals relative to their standard deviations, √(SSE/dof), under every method.
+    pub misfit: Option<f64>,
     /// Time of the alert for a silent line after this epoch, seconds after the first epoch.
     pub stale_s: Option<f64>,
 }
@@ -43,7 +45,14 @@ impl Moment {
         let error = position
             .zip(truth.and_then(|truth| truth.at(lump.time)))
             .map(|(position, truth)| LocalFrame::at(truth).rotate(position.to_ecef() - truth));
-        Ok(Self { time: lump.time, elapsed_s: lump.elapsed_s, output, error, stale_s: said.stale_s })
+        Ok(Self {
+            time: lump.time,
+            elapsed_s: lump.elapsed_s,
+            output,
+            error,
+            misfit: said.misfit,
+            stale_s: said.stale_s,
+        })
     }
 }
 

@@ -1,19 +1,16 @@
 //! True position of the antenna.
 
-use std::ops::RangeInclusive;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use raim_core::frame::{Ecef, Geodetic, LocalFrame};
+use raim_core::frame::Ecef;
 use raim_firmware::time::GpsTime;
+
+use super::tracks;
 
 /// Largest difference between the time tag of a point and the receiver's, ms. Receivers' tags are
 /// some ms off the second, and a car moves a metre in this time.
 const NEAREST_MS: i64 = 50;
-
-/// Heights above the ellipsoid that a truth may have, m: those of the setting `HEIGHT`, which a
-/// receiver on an orbit needs, and a margin below. A position beyond was written in another form.
-const HEIGHTS_M: RangeInclusive<f64> = -1e5..=2e6;
 
 /// True position of the antenna.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,13 +19,6 @@ pub enum Truth {
     Fixed(Ecef),
     /// A point for each instant, in the order of time.
     Moving(Vec<(GpsTime, Ecef)>),
-}
-
-/// Columns of a point in a table, with the form of its coordinates.
-#[derive(Clone, Copy, Debug)]
-enum Form {
-    Cartesian([usize; 3]),
-    Geodetic([usize; 3]),
 }
 
 impl Truth {
@@ -52,9 +42,30 @@ impl Truth {
             numbers.iter().any(|number| *number != 0.0),
             "{text:?} is where a position that was never set is"
         );
-        let is_geodetic = a.abs() <= 90.0 && b.abs() <= 360.0 && HEIGHTS_M.contains(&c);
-        let point = if is_geodetic { geodetic(a, b, c) } else { Ecef::new(a, b, c) };
-        near_ground(point).with_context(|| format!("{text:?}")).map(Self::Fixed)
+        let is_geodetic = a.abs() <= 90.0 && b.abs() <= 360.0 && tracks::HEIGHTS_M.contains(&c);
+        let point = if is_geodetic { tracks::geodetic(a, b, c) } else { Ecef::new(a, b, c) };
+        tracks::near_ground(point).with_context(|| format!("{text:?}")).map(Self::Fixed)
+    }
+
+    /// Reads `X,Y,Z` as [`Self::parse`] does, or the name of a file with positions over time.
+    ///
+    /// # Errors
+    /// The text has neither form, or the file is unreadable.
+    pub fn of(text: &str) -> Result<Self> {
+        if Path::new(text).is_file() { Self::from_file(Path::new(text)) } else { Self::parse(text) }
+    }
+
+    /// Reads positions over time: a table ([`Self::from_csv`]), NMEA, or a solution of RTKLIB.
+    ///
+    /// # Errors
+    /// The file or a line is unreadable.
+    pub fn from_file(path: &Path) -> Result<Self> {
+        let text = std::fs::read(path).with_context(|| format!("truth file {}", path.display()))?;
+        let text = String::from_utf8_lossy(&text);
+        let mut points = tracks::read(&text).with_context(|| path.display().to_string())?;
+        ensure!(!points.is_empty(), "{} holds no position", path.display());
+        points.sort_by_key(|(time, _)| *time);
+        Ok(Self::Moving(points))
     }
 
     /// Reads a table with a heading that names `week` and `tow`, and `x_m`, `y_m`, `z_m` or
@@ -63,20 +74,7 @@ impl Truth {
     /// # Errors
     /// The file or a line is unreadable.
     pub fn from_csv(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).with_context(|| format!("truth file {}", path.display()))?;
-        ensure!(!text.trim().is_empty(), "{} holds no position", path.display());
-        let mut lines = text.lines();
-        let heading: Vec<String> =
-            lines.next().unwrap_or("").split(',').map(|name| name.trim().to_lowercase()).collect();
-        let (time, form) = columns(&heading).with_context(|| path.display().to_string())?;
-        let mut points = Vec::new();
-        for (index, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-            let row = row(line, time, form);
-            points.push(row.with_context(|| format!("{}:{}: {line:?}", path.display(), index + 2))?);
-        }
-        ensure!(!points.is_empty(), "{} holds no position", path.display());
-        points.sort_by_key(|(time, _)| *time);
-        Ok(Self::Moving(points))
+        Self::from_file(path)
     }
 
     /// Returns the position of the antenna at a time; `None` if none is known within 50 ms.
@@ -91,69 +89,6 @@ impl Truth {
         let (at, point) = neighbours.min_by_key(|(at, _)| distance_ms(at))?;
         (distance_ms(at) <= NEAREST_MS).then_some(*point)
     }
-}
-
-/// Returns the columns of the time and of the point.
-fn columns(heading: &[String]) -> Result<([usize; 2], Form)> {
-    let find = |name: &str| heading.iter().position(|column| column == name);
-    let all = |names: [&str; 3]| {
-        let [a, b, c] = names.map(find);
-        Some([a?, b?, c?])
-    };
-    let time = find("week").zip(find("tow"));
-    let form = all(["x_m", "y_m", "z_m"])
-        .map(Form::Cartesian)
-        .or_else(|| all(["lat_deg", "lon_deg", "height_m"]).map(Form::Geodetic));
-    match (time, form) {
-        (Some((week, tow)), Some(form)) => Ok(([week, tow], form)),
-        _ => bail!(
-            "the heading {:?} does not name week,tow and either x_m,y_m,z_m or lat_deg,lon_deg,height_m",
-            heading.join(",")
-        ),
-    }
-}
-
-fn row(line: &str, time: [usize; 2], form: Form) -> Result<(GpsTime, Ecef)> {
-    let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-    let number = |column: usize| -> Result<f64> {
-        let field = fields.get(column).with_context(|| format!("column {} is missing", column + 1))?;
-        field
-            .parse()
-            .ok()
-            .filter(|value: &f64| value.is_finite())
-            .with_context(|| format!("{field:?} is no number"))
-    };
-    let [week, tow_s] = [number(time[0])?, number(time[1])?];
-    ensure!((0.0..65_536.0).contains(&week) && week.fract() == 0.0, "{week} is no GPS week");
-    ensure!((0.0..604_800.0).contains(&tow_s), "{tow_s} is no time of week");
-    let time = GpsTime { week: week as u16, tow_ms: (tow_s * 1e3).round() as u32 };
-    let point = match form {
-        Form::Cartesian([x, y, z]) => Ecef::new(number(x)?, number(y)?, number(z)?),
-        Form::Geodetic([latitude, longitude, height]) => {
-            let (latitude, longitude) = (number(latitude)?, number(longitude)?);
-            ensure!(
-                latitude.abs() <= 90.0 && longitude.abs() <= 360.0,
-                "latitude or longitude is no angle in degrees"
-            );
-            geodetic(latitude, longitude, number(height)?)
-        }
-    };
-    Ok((time, near_ground(point)?))
-}
-
-fn geodetic(latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Ecef {
-    let (latitude_rad, longitude_rad) = (latitude_deg.to_radians(), longitude_deg.to_radians());
-    Geodetic { latitude_rad, longitude_rad, height_m }.to_ecef()
-}
-
-fn near_ground(point: Ecef) -> Result<Ecef> {
-    let height_m = LocalFrame::at(point).height_m();
-    ensure!(
-        point.is_finite() && HEIGHTS_M.contains(&height_m),
-        "must be -100 to 2000 km above the ellipsoid, not {:.0} km",
-        height_m * 1e-3
-    );
-    Ok(point)
 }
 
 #[cfg(test)]
@@ -235,7 +170,7 @@ mod tests {
         for (text, want) in [
             ("2051,10,6378137,0,0\n", "does not name"),
             ("week,tow,lat,lon\n2051,10,1,2\n", "does not name"),
-            ("week,tow,x_m,y_m,z_m\n2051,10,55.5,8.4,60\n", ":2"),
+            ("week,tow,x_m,y_m,z_m\n2051,10,55.5,8.4,60\n", "line 2"),
             ("week,tow,x_m,y_m,z_m\n2051,10,6378137,0\n", "column 5 is missing"),
             ("week,tow,x_m,y_m,z_m\n", "holds no position"),
         ] {

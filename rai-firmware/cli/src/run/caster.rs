@@ -4,7 +4,6 @@
 //! whole frames of RTCM 3 that hold an ephemeris are passed on, each with its check.
 
 use std::io::{Read, Write};
-use std::net::TcpStream;
 use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -104,7 +103,7 @@ fn read(caster: &Caster, inbox: &Inbox, stop: &AtomicBool, has_orbit: &mut bool)
 }
 
 /// Asks for the stream, in the form that every caster of version 1 and 2 answers.
-fn request(caster: &Caster) -> Result<TcpStream> {
+fn request(caster: &Caster) -> Result<Box<dyn Read>> {
     let mut stream = connect(&caster.address)?;
     let authorization = caster.credentials.as_ref().map_or_else(String::new, |credentials| {
         format!("Authorization: Basic {}\r\n", base64(credentials.as_bytes()))
@@ -123,7 +122,80 @@ fn request(caster: &Caster) -> Result<TcpStream> {
         bail!("the caster has no mountpoint `{mountpoint}`; it has {}", mountpoints(&table));
     }
     ensure!(is_stream(status), "the caster answers `{status}`: are mountpoint and password right?");
-    Ok(stream)
+    if status.starts_with("HTTP/") && has_chunks(&mut stream)? {
+        return Ok(Box::new(Chunks::of(stream)));
+    }
+    Ok(Box::new(stream))
+}
+
+/// Reads the lines of a header up to the empty one; returns true if the stream comes in chunks.
+fn has_chunks(stream: &mut impl Read) -> Result<bool> {
+    const MOST_LINES: usize = 64;
+    let mut has_chunks = false;
+    for _ in 0..MOST_LINES {
+        let line = status_line(stream)?.trim().to_ascii_lowercase();
+        if line.is_empty() {
+            return Ok(has_chunks);
+        }
+        has_chunks |= line.starts_with("transfer-encoding:") && line.ends_with("chunked");
+    }
+    bail!("the answer has more than {MOST_LINES} lines of header");
+}
+
+/// A stream in chunks ([RFC 9112] 7.1), without the lines between them: a frame may go on behind the
+/// edge of a chunk.
+///
+/// [RFC 9112]: https://www.rfc-editor.org/rfc/rfc9112
+struct Chunks<R> {
+    source: R,
+    /// Bytes of the chunk that have not come yet.
+    left: usize,
+    /// Line with the length of the next chunk, as far as it has come.
+    line: Vec<u8>,
+}
+
+impl<R: Read> Chunks<R> {
+    const fn of(source: R) -> Self {
+        Self { source, left: 0, line: Vec::new() }
+    }
+
+    /// Returns the length of the next chunk; 0 at the end.
+    fn next_length(&mut self) -> std::io::Result<usize> {
+        let malformed = || std::io::Error::new(std::io::ErrorKind::InvalidData, "a chunk has no length");
+        loop {
+            let mut byte = [0];
+            if self.source.read(&mut byte)? == 0 {
+                return Ok(0);
+            }
+            self.line.extend(byte);
+            if self.line.len() > LONGEST_STATUS {
+                return Err(malformed());
+            }
+            // An empty line ends the chunk before.
+            if byte == [b'\n'] {
+                let line = String::from_utf8_lossy(&std::mem::take(&mut self.line)).trim().to_owned();
+                let digits = line.split(';').next().unwrap_or("").trim();
+                if !line.is_empty() {
+                    return usize::from_str_radix(digits, 16).map_err(|_| malformed());
+                }
+            }
+        }
+    }
+}
+
+impl<R: Read> Read for Chunks<R> {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        if self.left == 0 {
+            self.left = self.next_length()?;
+        }
+        if self.left == 0 {
+            return Ok(0);
+        }
+        let most = into.len().min(self.left);
+        let count = self.source.read(into.get_mut(..most).unwrap_or_default())?;
+        self.left -= count;
+        Ok(count)
+    }
 }
 
 /// Returns true for the first line of an answer that a stream follows.
@@ -258,6 +330,55 @@ mod tests {
         let error = status_line(&mut Endless).unwrap_err().to_string();
         assert!(error.contains("at most 512 bytes"), "{error}");
         assert_eq!(status_line(&mut &b"ICY 200 OK\r\nrest"[..]).unwrap(), "ICY 200 OK\r\n");
+    }
+
+    /// A source that gives a byte at a time, and times out between them.
+    struct Slow<'a>(&'a [u8], bool);
+
+    impl Read for Slow<'_> {
+        fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+            self.1 = !self.1;
+            if self.1 {
+                return Err(std::io::ErrorKind::WouldBlock.into());
+            }
+            let most = into.len().min(1);
+            self.0.read(into.get_mut(..most).unwrap_or_default())
+        }
+    }
+
+    #[test]
+    fn frames_are_whole_across_the_edges_of_chunks() {
+        let frames = [frame(1019), frame(1046), frame(1042)].concat();
+        for size in 1..=frames.len() {
+            let chunk =
+                |bytes: &[u8]| [format!("{:X};x=y\r\n", bytes.len()).as_bytes(), bytes, b"\r\n"].concat();
+            let mut sent: Vec<u8> = frames.chunks(size).flat_map(chunk).collect();
+            sent.extend_from_slice(b"0\r\n\r\n");
+            let (mut chunks, mut waiting, mut have) = (Chunks::of(Slow(&sent, false)), Vec::new(), 0);
+            let mut bytes = [0; 16];
+            loop {
+                match chunks.read(&mut bytes) {
+                    Ok(0) => break,
+                    Ok(count) => waiting.extend_from_slice(&bytes[..count]),
+                    Err(error) => assert!(is_timeout(&error), "{error}"),
+                }
+                take_frames(&mut waiting, |_| have += 1);
+            }
+            assert_eq!((have, waiting.len()), (3, 0), "chunks of {size} bytes");
+        }
+        assert!(Chunks::of(&b"what\r\n"[..]).read(&mut [0]).is_err());
+    }
+
+    #[test]
+    fn header_says_whether_a_stream_has_chunks() {
+        for (header, want) in [
+            ("\r\n", false),
+            ("Server: x\r\nTransfer-Encoding: chunked\r\n\r\n", true),
+            ("transfer-encoding: identity\r\n\r\n", false),
+        ] {
+            assert_eq!(has_chunks(&mut header.as_bytes()).unwrap(), want, "{header:?}");
+        }
+        assert!(has_chunks(&mut "x: y\r\n".repeat(99).as_bytes()).is_err());
     }
 
     /// Returns a frame of RTCM 3 with a message of this number and nothing else in it.

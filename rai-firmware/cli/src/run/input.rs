@@ -48,7 +48,7 @@ impl FromStr for Source {
             return Ok(Self::Tcp(address.to_owned()));
         }
         let Some(port) = text.strip_prefix("serial:") else {
-            bail!("an input is serial:PORT@BAUD, tcp://HOST:PORT or -, not `{text}`");
+            bail!("an input is serial:PORT@BAUD, tcp://HOST:PORT, - or a file, and `{text}` is none");
         };
         let (port, baud) =
             port.rsplit_once('@').map_or((port, Ok(BAUD)), |(port, baud)| (port, baud.parse()));

@@ -24,6 +24,8 @@ use super::input::Source;
 use super::log::Form;
 use super::output::Sink;
 use super::pin::Place;
+use crate::replay::setting;
+use crate::standard_input;
 
 /// Largest number of TCP clients that a user may allow. A process has 1024 files by default.
 const LARGEST_CLIENTS: usize = 512;
@@ -35,7 +37,8 @@ pub struct Arguments {
     /// Configuration file; the options below outrank it.
     #[arg(long, short, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Receiver: serial:PORT@BAUD, tcp://HOST:PORT, or - for standard input.
+    /// Receiver: serial:PORT@BAUD, tcp://HOST:PORT, - for standard input, or a file that a receiver's
+    /// bytes were written to.
     #[arg(long, short, value_name = "SOURCE")]
     pub input: Option<String>,
     /// Caster of orbits: ntrip://USER:PASSWORD@HOST:PORT/MOUNTPOINT. Its ranges are never used.
@@ -48,7 +51,7 @@ pub struct Arguments {
     /// Integrity pin: gpio:CHIP:LINE, file:PATH, or exec:PROGRAM (called with high or low).
     #[arg(long, value_name = "PIN")]
     pub pin: Option<String>,
-    /// Setting of the module, such as PHASE=LPV200; repeatable, in this order.
+    /// Setting of the module, such as PHASE=LPV200, or CONFIRM; repeatable, in this order.
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
     /// Serve at most this many TCP clients at once; 16 unless given.
@@ -119,7 +122,13 @@ impl Plan {
             outputs.push("-".into());
         }
         // PHASE sets what other keys refine, so it comes first.
-        let (phase, rest): (Vec<_>, Vec<_>) = file.settings.into_iter().partition(|(key, _)| key == "PHASE");
+        let text = |(key, value): (&String, &String)| match value.as_str() {
+            "" => key.clone(),
+            value => format!("{key}={value}"),
+        };
+        let stated = file.settings.iter().map(|entry| setting(&text(entry)));
+        let stated = stated.collect::<Result<Vec<_>>>()?;
+        let (phase, rest): (Vec<_>, Vec<_>) = stated.into_iter().partition(|(key, _)| key == "PHASE");
         let given = set.iter().map(|text| setting(text)).collect::<Result<Vec<_>>>()?;
         let settings = [phase, rest, given].concat();
         ensure!(
@@ -132,7 +141,7 @@ impl Plan {
             "clients must be within 1 to {LARGEST_CLIENTS}, not {clients}"
         );
         Ok(Self {
-            input: input.parse()?,
+            input: standard_input::named(&input)?.parse()?,
             caster: caster.or(file.caster).map(|text| text.parse()).transpose()?,
             outputs: outputs.iter().map(|text| text.parse()).collect::<Result<_>>()?,
             pin: pin.or(file.pin).map_or(Ok(Place::Nowhere), |text| text.parse())?,
@@ -180,12 +189,4 @@ fn pin_line(text: &str) -> Result<Option<String>> {
 fn read_file(path: &std::path::Path) -> Result<File> {
     let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
     toml::from_str(&text).with_context(|| path.display().to_string())
-}
-
-fn setting(text: &str) -> Result<(String, String)> {
-    let (key, value) = text.split_once('=').with_context(|| format!("`{text}` must be KEY=VALUE"))?;
-    let is_word =
-        |text: &str| text.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'*' && byte != b'$');
-    ensure!(!key.is_empty() && is_word(key) && is_word(value), "`{text}` must be KEY=VALUE without blanks");
-    Ok((key.to_owned(), value.to_owned()))
 }

@@ -53,9 +53,15 @@ pub fn encode(
     let broadcast = Broadcast {
         ephemerides: &recording.ephemerides,
         klobuchar: recording.klobuchar,
+        leap_s: recording.leap_s,
         approximate_position: recording.approximate_position,
     };
     Encoding::of(epochs, &broadcast, selection, faults, window)?.collect()
+}
+
+/// Returns the encoder of a receiver that knows these broadcasts.
+fn encoder(broadcast: &Broadcast<'_>, selection: &Selection) -> Encoder {
+    Encoder::new(broadcast.ephemerides, selection.clone()).as_receiver().counting(broadcast.leap_s)
 }
 
 /// Content of a recording beside its epochs.
@@ -65,6 +71,8 @@ pub struct Broadcast<'a> {
     pub ephemerides: &'a [TimedEphemeris],
     /// GPS coefficients of the ionosphere, `α0…α3, β0…β3`.
     pub klobuchar: Option<[f64; 8]>,
+    /// GPS time minus UTC that the files state, s.
+    pub leap_s: Option<u8>,
     /// Position of the antenna in the header.
     pub approximate_position: Option<Ecef>,
 }
@@ -80,6 +88,8 @@ pub struct Encoding<I> {
     heaven: Option<Heaven>,
     window: Window,
     satellites: BTreeSet<SatelliteId>,
+    /// Satellites of the last epoch, in its order.
+    seen_last: Vec<SatelliteId>,
     span: Option<(GpsTime, GpsTime)>,
     /// Time from the first epoch to the last one of the window, s.
     last_used_s: Option<f64>,
@@ -98,7 +108,7 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
         faults: &[Fault],
         window: &Window,
     ) -> Result<Self> {
-        let encoder = Encoder::new(broadcast.ephemerides, selection.clone()).as_receiver();
+        let encoder = encoder(broadcast, selection);
         let is_directed = faults.iter().any(Fault::needs_directions);
         let heaven = is_directed.then(|| Heaven::of(broadcast, selection)).transpose()?;
         Ok(Self {
@@ -108,6 +118,7 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
             heaven,
             window: *window,
             satellites: BTreeSet::new(),
+            seen_last: Vec::new(),
             span: None,
             last_used_s: None,
             has_ended: false,
@@ -117,6 +128,21 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
     /// Returns the first and the last epoch so far.
     pub fn span(&self) -> Option<(GpsTime, GpsTime)> {
         self.span
+    }
+
+    /// Returns the satellites of the epochs so far.
+    pub fn satellites(&self) -> &BTreeSet<SatelliteId> {
+        &self.satellites
+    }
+
+    /// Notes the satellites of an epoch. Few epochs bring another one.
+    fn note(&mut self, epoch: &MeasuredEpoch) {
+        let now = epoch.satellites.iter().map(|measured| measured.satellite);
+        if !now.clone().eq(self.seen_last.iter().copied()) {
+            self.satellites.extend(now.clone());
+            self.seen_last.clear();
+            self.seen_last.extend(now);
+        }
     }
 
     /// Returns the source of the epochs.
@@ -129,9 +155,7 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
             let first = self.span.map_or(epoch.time, |(first, _)| first);
             self.span = Some((first, epoch.time));
             let elapsed_s = epoch.time.since_ms(first) as f64 * 1e-3;
-            if !self.faults.is_empty() {
-                self.satellites.extend(epoch.satellites.iter().map(|measured| measured.satellite));
-            }
+            self.note(&epoch);
             let epoch = self.falsified(epoch, elapsed_s)?;
             if self.window.holds(elapsed_s, self.last_used_s) {
                 self.last_used_s = Some(elapsed_s);
@@ -192,7 +216,7 @@ impl Heaven {
         let antenna =
             broadcast.approximate_position.context("a shift needs the antenna's approximate position")?;
         Ok(Self {
-            encoder: Encoder::new(broadcast.ephemerides, selection.clone()).as_receiver(),
+            encoder: encoder(broadcast, selection),
             corrector: Corrector::new(antenna, 0.0, broadcast.klobuchar),
             antenna,
         })

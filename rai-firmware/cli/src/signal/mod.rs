@@ -12,6 +12,7 @@
 //! | [`fault`] | steps, ramps, shifts of a constellation, outages, clock jumps, around any source |
 //! | [`encode`] | raw epochs and ephemerides to RTCM 3 and UBX |
 //! | [`lump`], [`lumps`], [`pieces`] | bytes of one epoch, a source of them, and the frames in them |
+//! | [`advice`] | what an input holds, what of it is not read, and what is missing |
 //! | [`corrected`](mod@corrected) | ranges as the module corrects them |
 //! | [`checksum`] | checksums of frames and sentences |
 //! | [`clock_models`] | clock series with known predictions |
@@ -23,6 +24,8 @@ pub mod measurement;
 pub mod recording;
 pub mod sky;
 
+#[cfg(feature = "commands")]
+pub mod advice;
 #[cfg(feature = "commands")]
 pub mod capture;
 #[cfg(feature = "commands")]

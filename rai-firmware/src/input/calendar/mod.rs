@@ -141,10 +141,18 @@ impl Calendar {
         self.last.map(|last| last.time)
     }
 
+    /// Takes the time and the leap seconds that a receiver states.
+    pub(super) fn hear_receiver(&mut self, time: GpsTime, leap_s: Option<u8>, counters: &mut Counters) {
+        self.suppose(time, counters);
+        if let Some(leap_s) = leap_s {
+            self.hear_leap(leap_s, LeapSource::Receiver);
+        }
+    }
+
     /// Takes the time that a receiver states. It determines the week if nothing else does, and
     /// decides if the ephemerides leave two weeks. Ephemerides may outvote it. A week before
     /// [`NOT_BEFORE_WEEK`] is ignored, because some receivers count an earlier cycle.
-    pub(super) fn suppose(&mut self, time: GpsTime, counters: &mut Counters) {
+    fn suppose(&mut self, time: GpsTime, counters: &mut Counters) {
         if time.week < NOT_BEFORE_WEEK {
             return;
         }

@@ -80,7 +80,7 @@ impl NavigationMessage for D1 {
         let bits = Bits(&subframe);
         match number(bits) {
             number @ 1..=3 => {
-                let ephemeris = reader.complete(number - 1, &subframe, d1_ephemeris)?;
+                let ephemeris = reader.complete(number - 1, &subframe, 0, d1_ephemeris)?;
                 Ok(ephemeris.or_else(|| (number == 1).then(|| ionosphere(bits, 98))))
             }
             4 | 5 => Ok(None),
@@ -102,7 +102,7 @@ impl NavigationMessage for D2 {
         let bits = Bits(&subframe);
         match (number(bits), page(bits)) {
             (1, page @ 1..=10) => {
-                let ephemeris = reader.complete(page - 1, &subframe, d2_ephemeris)?;
+                let ephemeris = reader.complete(page - 1, &subframe, 0, d2_ephemeris)?;
                 Ok(ephemeris.or_else(|| (page == 2).then(|| ionosphere(bits, 42))))
             }
             (1..=5, _) => Ok(None),

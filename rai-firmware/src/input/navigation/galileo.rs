@@ -1,9 +1,11 @@
 //! Galileo I/NAV and F/NAV: pages with a CRC.
 //!
 //! I/NAV comes as an even and an odd part, which make a word of 128 bits. Words 1 to 4 are the
-//! ephemeris and state its issue. Word 5 has health, group delays and week, but no issue. A
-//! satellite sends word 5 last in each 30 s, so that it belongs to the words before it. F/NAV has
-//! the same content in four pages, each with its issue.
+//! ephemeris and state its issue. Word 5 has health, group delays and week, but no issue. E1 sends
+//! the words in the order 2, 4, 1, 3, 5 in each 30 s, E5b in the order 1, 3, 5, 2, 4. A set is read
+//! as soon as all five have come in any order, from either signal, with one issue in words 1 to 4.
+//! These words stay, so that each later word 5 gives the set again with the present health. F/NAV
+//! has the same content in four pages, each with its issue.
 //!
 //! | I/NAV word | fields |
 //! |---|---|
@@ -64,18 +66,10 @@ impl NavigationMessage for Inav {
 
     fn read<'a>(reader: &mut Reader<'_>) -> Result<Option<Message<'a>>, Unread> {
         /// Words 1 to 4.
-        const BEFORE_THE_LAST: u16 = 0b1111;
+        const WITH_ISSUE: u16 = 0b1111;
         let word = inav_word(reader.words()?)?;
         match kind(Bits(&word)) {
-            kind @ 1..=4 => reader.add(kind - 1, &word).map(|_| None),
-            // The fifth word states no issue. It belongs to the words before it, and is read only
-            // if those have come.
-            5 => {
-                if !reader.add(4, &word)?.has(BEFORE_THE_LAST) {
-                    return Ok(None);
-                }
-                reader.complete(4, &word, inav_ephemeris)
-            }
+            kind @ 1..=5 => reader.complete(kind - 1, &word, WITH_ISSUE, inav_ephemeris),
             6 => Ok(Some(Message::Corrections(None, reader.leap_s(&utc(Bits(&word)))))),
             _ => Ok(None),
         }
@@ -93,7 +87,7 @@ impl NavigationMessage for Fnav {
     fn read<'a>(reader: &mut Reader<'_>) -> Result<Option<Message<'a>>, Unread> {
         let page = fnav_page(reader.words()?)?;
         match kind(Bits(&page)) {
-            kind @ 1..=4 => reader.complete(kind - 1, &page, fnav_ephemeris),
+            kind @ 1..=4 => reader.complete(kind - 1, &page, 0, fnav_ephemeris),
             _ => Ok(None),
         }
     }

@@ -55,7 +55,7 @@ impl NavigationMessage for Glonass {
         let now = calendar.present().ok_or(Unread::WithoutWeek)?;
         let state = ephemeris(satellite, &strings, now, leap.seconds)?;
         drop(strings);
-        set.close();
+        set.keep(0);
         Ok(Some(Message::State(state)))
     }
 }

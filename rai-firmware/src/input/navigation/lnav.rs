@@ -66,7 +66,7 @@ impl NavigationMessage for Lnav {
     fn read<'a>(reader: &mut Reader<'_>) -> Result<Option<Message<'a>>, Unread> {
         let subframe = subframe(reader.words()?)?;
         match number(Bits(&subframe)) {
-            number @ 1..=3 => reader.complete(number - 1, &subframe, ephemeris),
+            number @ 1..=3 => reader.complete(number - 1, &subframe, 0, ephemeris),
             4 => Ok(ionosphere_and_utc(Bits(&subframe)).map(|(coefficients, leap)| {
                 Message::Corrections(Some((Constellation::Gps, coefficients)), reader.leap_s(&leap))
             })),

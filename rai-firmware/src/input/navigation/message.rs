@@ -64,12 +64,14 @@ impl Reader<'_> {
         self.pages.add(&page, self.now_ms).ok_or(Unread::BitsSurplus)
     }
 
-    /// Adds a page, and reads the set if it is complete.
+    /// Adds a page, and reads the set if it is complete. After that the pages of the mask `kept`
+    /// stay, and belong to the next set until others come.
     #[inline(never)]
     pub(super) fn complete<'a>(
         &mut self,
         index: u32,
         bytes: &[u8],
+        kept: u16,
         read: fn(SatelliteId, &[Bits<'_>], &Calendar) -> Result<Broadcast, Refusal>,
     ) -> Result<Option<Message<'a>>, Unread> {
         let (satellite, calendar) = (self.transmission.satellite, self.calendar);
@@ -79,7 +81,7 @@ impl Reader<'_> {
         };
         let ephemeris = read(satellite, &pages, calendar)?;
         drop(pages);
-        set.close();
+        set.keep(kept);
         Ok(Some(Message::Broadcast(ephemeris)))
     }
 

@@ -11,7 +11,7 @@
 //! | message | signals | words | normal order |
 //! |---|---|---|---|
 //! | LNAV ([`lnav`]) | GPS, QZSS L1 C/A | 10 | each word `D29* ⊕ D30*`, 0, 24 data bits, not inverted, 6 parity bits `⊕ D30*` |
-//! | I/NAV ([`galileo`]) | Galileo E1 | 8 | the 120 bits of the even part in four words, 8 unused bits, the odd part likewise |
+//! | I/NAV ([`galileo`]) | Galileo E1, E5b | 8 | the 120 bits of the even part in four words, 8 unused bits, the odd part likewise |
 //! | F/NAV ([`galileo`]) | Galileo E5a | 8 | 244 bits from the first word's highest bit on |
 //! | D1, D2 ([`beidou`]) | `BeiDou` B1I, B2I, B3I | 10 | each word 2 unused bits, 30 bits |
 //! | GLONASS ([`glonass`]) | L1, L2 | 3 | 85 bits from the first word's highest bit on |

@@ -92,6 +92,7 @@ impl Set<'_> {
 
     /// Returns true if the added page comes directly after the one before it, or is the first of
     /// its set. Otherwise the set is discarded.
+    #[cfg(feature = "glonass")]
     pub(super) fn follows(&mut self, index: u32) -> bool {
         /// Two to three units of time, 2 s to 3 s.
         const NEXT: u32 = 3;
@@ -104,13 +105,14 @@ impl Set<'_> {
         *self.present != 0
     }
 
-    /// Frees the slot after its set was read.
-    pub(super) fn close(self) {
-        *self.present = 0;
+    /// Frees the slot after its set was read, except for the pages of a mask.
+    pub(super) fn keep(self, mask: u16) {
+        *self.present &= mask;
     }
 
     /// Returns true if all pages of a mask have come.
-    pub(super) fn has(&self, mask: u16) -> bool {
+    #[cfg(feature = "glonass")]
+    fn has(&self, mask: u16) -> bool {
         *self.present & mask == mask
     }
 }

@@ -34,7 +34,7 @@ impl NavigationMessage for Toy {
         let mut packed = Packed::<8>::new();
         pages.iter().for_each(|page| packed.push(page.unsigned(0, 24), 24));
         drop(pages);
-        set.close();
+        set.keep(0);
         let coefficients = Bits(&packed.bytes).klobuchar(0);
         Ok(Some(Message::Corrections(Some((Constellation::Galileo, coefficients)), None)))
     }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | MSM4 to MSM7 of GPS, GLONASS, Galileo, QZSS, `BeiDou` | ranges |
 //! | 1019, 1020, 1042, 1044, 1045, 1046 | ephemerides |
+//! | 1013 | date, time of day in UTC, leap seconds |
 //! | 1005, 1006 | position of the station |
 //!
 //! An MSM of another system only contributes its statement whether more messages follow. All other
@@ -37,6 +38,8 @@ fn read<'a>(payload: &'a [u8], calendar: &Calendar) -> Result<Message<'a>, Unrea
         number @ (1019 | 1042 | 1044..=1046) => {
             broadcast::read(number, payload, calendar).map(Message::Broadcast)
         }
+        #[cfg(feature = "glonass")]
+        1013 => glonass::read_time(payload).map(|(time, leap_s)| Message::Time(time, leap_s)),
         #[cfg(feature = "glonass")]
         1020 => glonass::read(payload, calendar).map(Message::State),
         number => msm::read(number, payload, calendar).map(Message::Ranges),

@@ -140,11 +140,8 @@ fn utc_week_ms(time: u32, calendar: &Calendar) -> Result<u32, Unread> {
     }
     // Leap seconds are far less than the half day that would select a wrong day.
     let present_ms = calendar.present().ok_or(Unread::WithoutWeek)?.tow_ms;
-    let distance_ms = |day: &u32| {
-        let apart_ms = on_day(*day).abs_diff(present_ms);
-        apart_ms.min(WEEK_MS - apart_ms)
-    };
-    (0..UNKNOWN_DAY).min_by_key(distance_ms).map(on_day).ok_or(Unread::Time)
+    let since_midnight_ms = present_ms + AHEAD_MS + WEEK_MS + DAY_MS / 2 - of_day_ms;
+    Ok(on_day(since_midnight_ms % WEEK_MS / DAY_MS))
 }
 
 /// A message whose masks are allowed and whose payload is long enough for them.

@@ -63,10 +63,11 @@ pub(in crate::input) struct Rawx<'a> {
 impl<'a> Rawx<'a> {
     /// Reads the header.
     pub(super) fn new(payload: &'a [u8]) -> Result<Self, Unread> {
-        const VERSION: u8 = 1;
+        /// Version 0 has zeros for version and signal, and the same layout.
+        const LATEST: u8 = 1;
         let (header, measurements) = payload.split_first_chunk::<HEADER>().ok_or(Unread::Malformed)?;
         let &[t0, t1, t2, t3, t4, t5, t6, t7, w0, w1, leap_s, many, status, version, _, _] = header;
-        if version != VERSION || !explains(many, measurements.len()) {
+        if version > LATEST || !explains(many, measurements.len()) {
             return Err(Unread::Malformed);
         }
         let week = u16::from_le_bytes([w0, w1]);

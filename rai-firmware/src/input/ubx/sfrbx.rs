@@ -10,7 +10,7 @@
 //! | signal | words | message |
 //! |---|---|---|
 //! | GPS, QZSS L1 C/A (0) | 10 | LNAV |
-//! | Galileo E1 (0, 1) | 8 or 9 | I/NAV |
+//! | Galileo E1 (0, 1), E5b (5, 6) | 8 or 9 | I/NAV |
 //! | Galileo E5a (3, 4) | 8 or 9 | F/NAV |
 //! | `BeiDou` B1I, B2I, B3I (0 to 4, 10) | 10 | D2 of geostationary satellites, D1 of all others |
 //! | GLONASS L1, L2 (0, 2) | 4, of which the last identifies the frame | GLONASS strings |
@@ -18,9 +18,7 @@
 //! The receiver sends the words in the normal order of [`crate::input::navigation`]. For LNAV it
 //! complements all 32 bits of a word whose `D30*` is 1.
 //!
-//! I/NAV of E5b is not read: the order of its words would complete sets too early, and E1 has the
-//! same content. Such bits and all other messages (CNAV, `BeiDou`'s newer messages, SBAS) only
-//! increment a counter.
+//! All other messages (CNAV, `BeiDou`'s newer messages, SBAS) only increment a counter.
 //!
 //! Reference: [UBX-F9] RXM-SFRBX.
 //!
@@ -51,7 +49,7 @@ pub(super) fn read<'a>(
     let kind = match (system, signal, many) {
         // A frame of L1S has another length under the same number.
         (System::Gps, 0, _) | (System::Qzss, 0, 10) => Kind::Lnav,
-        (System::Galileo, 0 | 1, _) => Kind::Inav,
+        (System::Galileo, 0 | 1 | 5 | 6, _) => Kind::Inav,
         (System::Galileo, 3 | 4, _) => Kind::Fnav,
         // Frames of newer signals have other lengths under the same numbers.
         (System::Beidou, 0..=4 | 10, 10) => beidou_kind(satellite),

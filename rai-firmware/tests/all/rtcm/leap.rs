@@ -1,8 +1,8 @@
 //! A leap second on the wire, in every order of systems.
 
-use super::gps;
-use crate::wire::{B1I, Cell, E1C, msm};
-use raim_firmware::input::{Event, Input};
+use super::{gps, names_of_nonzero};
+use crate::wire::{B1I, Bits, Cell, E1C, epochs, feed, frame, msm};
+use raim_firmware::input::{Event, Input, LeapSource};
 use raim_firmware::time::{GpsTime, WEEK_MS};
 
 /// 2023-01-01 00:00, as if a leap second had been inserted before it, as before 2017-01-01 (IERS
@@ -92,4 +92,69 @@ fn leap_second_costs_no_epoch_in_any_order_of_systems() {
             run(&order, step_ms);
         }
     }
+}
+
+/// 1013 of 2020-06-24 21:00:00 UTC with 18 leap seconds, as pyrtcm 1.1 writes and reads it.
+const DATE: [u8; 15] = [0xD3, 0, 9, 0x3F, 0x50, 0, 0xE6, 0x90, 0x93, 0xA8, 0, 0x48, 0x1D, 0xDB, 0x91];
+
+/// GLONASS ranges of that instant: midnight in Moscow, on a Thursday.
+fn midnight_in_moscow() -> Vec<u8> {
+    msm(1087, 4 << 27, false, &[Cell(3, 2, 2.0e7, 50.0)])
+}
+
+#[test]
+fn glonass_alone_has_its_week_and_leap_seconds_from_1013() {
+    let mut input = Input::new();
+    assert!(epochs(feed(&mut input, &midnight_in_moscow())).is_empty());
+    feed(&mut input, &DATE);
+    let said = input.leap_second().map(|leap| (leap.seconds, leap.source));
+    assert_eq!(said, Some((18, LeapSource::Receiver)));
+    let seen = epochs(feed(&mut input, &midnight_in_moscow()));
+    // 2020-06-24 is the third day of week 2111, counted from 0.
+    let want = GpsTime { week: 2111, tow_ms: (3 * 86_400 + 21 * 3600 + 18) * 1000 };
+    assert_eq!(seen.iter().map(|epoch| epoch.time).collect::<Vec<_>>(), [want]);
+    assert_eq!(names_of_nonzero(input.counters()), [("leap_unknown", 1)]);
+}
+
+#[test]
+fn date_that_cannot_be_is_refused() {
+    let date = |day: i64, second: i64, leap_s: i64| {
+        let bits = Bits::default().put(12, 1013).put(12, 0).put(16, day).put(17, second).put(5, 0);
+        frame(&bits.put(8, leap_s).bytes())
+    };
+    for (day, second, leap_s, is_read) in [
+        (59_024, 86_400, 18, true),
+        (65_535, 0, 63, true),
+        // 1970-01-01 and 1980-01-05.
+        (40_587, 0, 18, false),
+        (59_024, 0, 0, false),
+        (59_024, 0, 64, false),
+        (59_024, 0, 255, false),
+        (44_243, 0, 18, false),
+    ] {
+        let mut input = Input::new();
+        feed(&mut input, &date(day, second, leap_s));
+        assert_eq!(input.leap_second().is_some(), is_read, "{day} {second} {leap_s}");
+        assert_eq!(input.counters().times_out_of_range, u32::from(!is_read), "{day} {second} {leap_s}");
+    }
+    let mut short = Input::new();
+    feed(&mut short, &frame(&DATE[3..11]));
+    assert_eq!(short.counters().messages_malformed, 1);
+}
+
+/// 2038-04-24 is modified Julian day 65,537, of which the field has the lower 16 bits.
+#[test]
+fn date_rolls_over_in_2038() {
+    let mut input = Input::new();
+    feed(
+        &mut input,
+        &frame(
+            &Bits::default().put(12, 1013).put(12, 0).put(16, 1).put(17, 75_600).put(5, 0).put(8, 18).bytes(),
+        ),
+    );
+    // Three hours ahead of UTC, Sunday begins: day 0.
+    let seen = epochs(feed(&mut input, &msm(1087, 0, false, &[Cell(3, 2, 2.0e7, 50.0)])));
+    let days = 21_293_u64;
+    let want = GpsTime::from_ms(1000 * (86_400 * days + 75_600 + 18));
+    assert_eq!(seen.iter().map(|epoch| epoch.time).collect::<Vec<_>>(), [want]);
 }

@@ -189,6 +189,7 @@ fn directions(
     let broadcast = Broadcast {
         ephemerides: &recording.ephemerides,
         klobuchar: recording.klobuchar,
+        leap_s: recording.leap_s,
         approximate_position: Some(antenna),
     };
     let mut heaven = Heaven::of(&broadcast, selection)?;

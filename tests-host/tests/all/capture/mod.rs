@@ -162,7 +162,7 @@ fn streams_are_judged_as_the_recordings_that_they_were_made_of() {
         let Some(bytes) = stream.bytes() else { return };
         let truth = stream.truth();
         let capture = Capture::of(bytes, None).unwrap();
-        assert_eq!(capture.missing(), None, "{}", stream.name);
+        assert_eq!(capture.advice(), None, "{}", stream.name);
         // The choice between one frequency and two may fall on another epoch.
         let mut setup = vec!["FREQ,DUAL".to_owned()];
         let have = run_with(&capture.lumps(&[], &Window::ALL).unwrap().lumps, Some(&truth), &setup);
@@ -227,5 +227,25 @@ fn a_part_of_a_capture_is_judged_as_within_the_whole() {
         // The first fix of the part has no starting point, that of the whole starts from the fix
         // before.
         assert!(apart_m < 0.1, "{apart_m} m");
+    }
+}
+
+/// The module counts the same for `STATS`, over its last minute.
+#[test]
+fn sigma_check_is_that_of_the_module_under_every_method() {
+    if STREAMS[1].bytes().is_none() {
+        return;
+    }
+    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+    let window = Window { to_s: 30.0, ..Window::ALL };
+    let lumps = replay::encode(&STREAMS[1].recording(), &selection, &[], &window).unwrap();
+    for method in ["AUTO", "BAARDA", "SEPARATION"] {
+        let setup = [format!("METHOD,{method}")];
+        let said = replay::on_host(&lumps, &setup, Pace::Recorded, |_| ()).unwrap();
+        let of_module = said.counters.iter().find(|(name, _)| name == "sigma_check_pct").unwrap().1;
+        let summary = Summary::of(&replay::track(&lumps, &said, None).unwrap(), &[], false);
+        assert_eq!(summary.protected, summary.epochs, "{method}");
+        let have = summary.sigma_check_pct.unwrap();
+        assert!((have - f64::from(of_module)).abs() <= 1.0, "{method}: {have} %, {of_module} %");
     }
 }

@@ -4,6 +4,7 @@ use raim::replay::{self, Window};
 use raim::signal::capture::{Capture, Orbits};
 use raim::signal::encode::{Frequency, Selection, ubx};
 use raim::signal::fault::Fault;
+use raim::signal::measurement::Ephemeris;
 use raim::signal::pieces::{Kind, pieces};
 
 use super::{STREAMS, epochs, is_protected, path, run};
@@ -45,11 +46,11 @@ fn ranges_without_orbits_say_what_to_switch_on_and_take_them_from_a_file() {
     let capture = Capture::of(ranges.clone(), None).unwrap();
     let track = run(&capture.lumps(&[], &Window::ALL).unwrap().lumps, None);
     assert!(track.iter().all(|moment| moment.output.as_ref().unwrap().state.reason == "EPHEMERIS"));
-    let missing = capture.missing().unwrap();
+    let missing = capture.advice().unwrap();
     assert!(missing.contains("RXM-SFRBX") && missing.contains("--nav"), "{missing}");
 
     let capture = Capture::of(ranges, Some(orbits())).unwrap();
-    assert_eq!(capture.missing(), None);
+    assert_eq!(capture.advice(), None);
     let track = run(&capture.lumps(&[], &Window::ALL).unwrap().lumps, None);
     assert!(track.iter().all(is_protected));
 
@@ -85,17 +86,45 @@ fn what_is_no_capture_is_refused_by_name() {
     let without_week = ubx::frame([0x02, 0x15], &[&[0; 13][..], &[1, 0, 0]].concat());
     for (bytes, want) in [
         (Vec::new(), "is empty"),
-        (nmea.into_bytes(), "9 lines of NMEA and no ranges"),
+        (nmea.into_bytes(), "holds 9 lines of NMEA. missing: ranges and orbits: RXM-RAWX"),
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec(), "a picture"),
         (b"%PDF-1.7 etc".to_vec(), "a PDF"),
         (b"week,tow,x_m,y_m,z_m\n".to_vec(), "text"),
         (vec![0; 9999], "no frame of UBX or RTCM 3"),
         (rinex("OBSERVATION DATA").into_bytes(), "RINEX observation file: give it with --obs"),
         (rinex("NAVIGATION DATA").into_bytes(), "RINEX navigation file: give it with --nav"),
-        (position, "3 NAV-PVT, and no ranges: the module needs"),
-        (without_week, "RXM-RAWX: in none of them the receiver knows the week"),
+        (position, "holds 3 NAV-PVT. missing: ranges and orbits: RXM-RAWX"),
+        (without_week, "in none of the RXM-RAWX the receiver knows it"),
     ] {
         let error = Capture::of(bytes, None).err().map(|error| format!("{error:#}")).unwrap();
         assert!(error.contains(want), "{want}: {error}");
     }
+}
+
+/// An inclination in semicircles that is read as radians is a third of what it should be.
+#[test]
+fn refused_orbits_are_named() {
+    let stream = &STREAMS[1];
+    if epochs(6).is_none() {
+        return;
+    }
+    let mut recording = stream.recording();
+    let mut wrong = std::collections::BTreeSet::new();
+    for set in &mut recording.ephemerides {
+        if let Ephemeris::Beidou(message) = &mut set.message
+            && message.i0_sc > 0.2
+        {
+            message.i0_sc /= std::f64::consts::PI;
+            wrong.insert(set.satellite);
+        }
+    }
+    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+    let window = Window { to_s: 5.0, ..Window::ALL };
+    let lumps = replay::encode(&recording, &selection, &[], &window).unwrap();
+    let capture = Capture::of(lumps.into_iter().flat_map(|lump| lump.bytes).collect(), None).unwrap();
+    let refused = capture.content().refused();
+    assert!(refused.len() >= 5 && refused.keys().all(|satellite| wrong.contains(satellite)), "{refused:?}");
+    let advice = capture.advice().unwrap();
+    let (first, _) = refused.first_key_value().unwrap();
+    assert!(advice.contains("every ephemeris of") && advice.contains(&first.to_string()), "{advice}");
 }

@@ -53,6 +53,20 @@ fn unreadable_files_say_what_they_are() {
     }
 }
 
+/// Returns a file with epochs at these seconds.
+fn epochs_at(seconds: impl Iterator<Item = u32>) -> String {
+    let (header, _) = OBSERVATIONS_3.split_once("> ").unwrap();
+    let epoch = |second: u32| format!("> 2024 06 24 08 00 {second:2}.0000000  0  1\nG12  20000000.001\n");
+    header.to_owned() + &seconds.map(epoch).collect::<String>()
+}
+
+#[test]
+fn a_file_whose_time_goes_back_is_refused_for_that_reason() {
+    let have = refusal(read(&epochs_at((0..20).chain(0..20)), NAVIGATION_3));
+    assert!(have.contains("time goes back or stands still in 20 epochs"), "{have}");
+    assert!(have.contains("two recordings in one file"), "{have}");
+}
+
 #[test]
 fn a_navigation_file_of_another_day_is_refused_with_both_times() {
     let tuesday =

@@ -1,11 +1,12 @@
 //! GLONASS navigation of RINEX 2, and QZSS from file to wire.
 
+use raim::replay::{Pace, Window, encode, on_host};
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::measurement::Ephemeris;
 use rtcm_rs::{Message, MsgFrameIter};
 
 use super::made::{id, version_3};
-use super::read;
+use super::{ESBC, read};
 
 /// A record as RINEX 3 has it; the columns of RINEX 2 are one less.
 const GLONASS_3: &str = "     3.04           N: GNSS NAV DATA    M: MIXED            RINEX VERSION / TYPE
@@ -85,4 +86,21 @@ fn qzss_goes_from_the_file_to_its_own_messages() {
     let Some(Message::Msg1117(ranges)) = numbers("J").into_iter().next_back() else { panic!("no ranges") };
     let [satellite] = ranges.data_segment.satellite_data.as_slice() else { panic!("{ranges:?}") };
     assert_eq!((satellite.satellite_id, ranges.qzss_epoch_time_ms), (2, 115_200_000));
+}
+
+/// RTKLIB has a position in each epoch of such a recording (WTZR, 2020-06-25).
+#[test]
+fn glonass_alone_gives_positions() {
+    let Some(recording) = ESBC.load() else { return };
+    let selection = Selection::new("R", Frequency::Dual).unwrap();
+    let window = Window { to_s: 3600.0, ..Window::ALL };
+    let lumps = encode(&recording, &selection, &[], &window).unwrap();
+    let commands = ["SYSTEMS,R".to_owned()];
+    let run = on_host(&lumps, &commands, Pace::LockStep, |_| ()).unwrap();
+    let fixes = run
+        .said
+        .iter()
+        .filter(|said| said.output().unwrap().is_some_and(|epoch| epoch.position.is_some()))
+        .count();
+    assert_eq!((run.said.len(), fixes), (120, 120), "{:?}", run.said.first());
 }

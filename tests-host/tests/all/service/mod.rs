@@ -4,13 +4,18 @@
 //! |---|---|
 //! | [`consumers`] | gpsd on the pseudo-terminal, `pymavlink` over UDP |
 //! | [`time`] | chrony behind gpsd |
+//! | [`casters`] | casters that answer in chunks, or with the table of their mountpoints |
 //! | [`ports`] | a serial port, and a caster for a receiver without orbits |
 //! | [`played`] | a file on standard input |
+//! | [`named`] | a file by its name, and settings in every form |
 //! | [`endurance`] | the service as a program, between cuts, kills and dead clients |
 
+mod casters;
 mod consumers;
 #[cfg(target_os = "linux")]
 mod endurance;
+#[cfg(target_os = "linux")]
+mod named;
 #[cfg(target_os = "linux")]
 mod played;
 mod ports;

@@ -71,7 +71,7 @@ fn serial_port_is_read_and_opened_again_after_it_was_gone() {
 }
 
 /// Returns the range messages of a piece, RXM-RAWX, without its navigation bits.
-fn ranges_of(piece: &[u8]) -> Vec<u8> {
+pub(super) fn ranges_of(piece: &[u8]) -> Vec<u8> {
     let (mut ranges, mut rest) = (Vec::new(), piece);
     while let [0xB5, 0x62, class, number, low, high, ..] = *rest {
         let (frame, next) = rest.split_at(8 + usize::from(u16::from_le_bytes([low, high])));

@@ -111,3 +111,32 @@ fn no_frame_of_a_real_f9p_is_refused() {
         assert!(of_it.count() > 0, "{of:?}");
     }
 }
+
+/// Returns the Galileo sets of a real F9P, from the navigation bits of these signals alone.
+fn galileo_of(bytes: &[u8], signals: &[u8]) -> Vec<Ephemeris> {
+    let is_of = |piece: &raim::signal::pieces::Piece<'_>| matches!(piece.bytes, [_, _, 0x02, 0x13, _, _, 2, _, signal, ..] if signals.contains(signal));
+    let kept: Vec<u8> = pieces(bytes).filter(is_of).flat_map(|piece| piece.bytes.to_vec()).collect();
+    let (said, counters) = said(&kept);
+    assert_no_frame_refused(&counters);
+    said.ephemerides
+}
+
+/// E15, E27, E30 and E34 sent words 1, 3, 5 on E1, then 2 and 4 of the same issue, as `pyubx2`
+/// lists them.
+#[test]
+fn galileo_sets_of_a_real_f9p_come_from_either_signal_in_any_order() {
+    let Some(bytes) = capture("real/f9p_sfrbx.ubx") else { return };
+    let numbers = |sets: &[Ephemeris]| -> std::collections::BTreeSet<u8> {
+        sets.iter().map(|set| set.satellite().number()).collect()
+    };
+    let [e1, e5b] = [&[1][..], &[5]].map(|signals| galileo_of(&bytes, signals));
+    assert!(numbers(&e1).is_superset(&[15, 27, 30, 34].into()), "{:?}", numbers(&e1));
+    assert!(numbers(&e5b).is_superset(&[15, 27, 30, 34].into()), "{:?}", numbers(&e5b));
+    // The two signals of a satellite say the same.
+    for set in &e1 {
+        let is_same = |other: &&Ephemeris| other.satellite() == set.satellite() && other.toe() == set.toe();
+        if let Some(other) = e5b.iter().find(is_same) {
+            assert_eq!(set, other);
+        }
+    }
+}

@@ -215,3 +215,56 @@ fn ionosphere_and_leap_second_come_from_the_bits() {
     input.feed(&word, 0, |_| ());
     assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(19), "the change is past");
 }
+
+/// Returns every order of five words.
+fn orders() -> Vec<Vec<usize>> {
+    (0..5).fold(vec![Vec::new()], |begun, _| {
+        let longer = |order: &Vec<usize>| {
+            let rest: Vec<usize> = (0..5).filter(|word| !order.contains(word)).collect();
+            rest.into_iter().map(|word| [&order[..], &[word]].concat()).collect::<Vec<_>>()
+        };
+        begun.iter().flat_map(longer).collect()
+    })
+}
+
+/// [OS-SIS-ICD] table 38: E1 sends the words in the order 2, 4, 1, 3, 5, E5b in the order 1, 3, 5,
+/// 2, 4. A receiver may be switched on between any two of them.
+///
+/// [OS-SIS-ICD]: raim_firmware#references
+#[test]
+fn galileo_set_is_read_with_the_last_of_its_words_in_any_order() {
+    let ephemeris = inav(&mut ChaCha8Rng::seed_from_u64(5));
+    let want = by_rtcm(&ephemeris);
+    let bytes = ubx::pages(&ephemeris, NOON).unwrap();
+    let words: Vec<&[u8]> = bytes.chunks(bytes.len() / 5).collect();
+    assert_eq!(orders().len(), 120);
+    for order in orders() {
+        let sent: Vec<u8> = order.iter().flat_map(|word| words[*word]).copied().collect();
+        let (have, counters) = said(&sent);
+        assert_eq!(have.ephemerides, want, "{order:?} {counters:?}");
+        assert_eq!(counters.subframes_mixed, 0, "{order:?}");
+    }
+}
+
+#[test]
+fn health_of_galileo_is_that_of_the_last_word_5() {
+    let mut random = ChaCha8Rng::seed_from_u64(6);
+    let with_health = |mut ephemeris: TimedEphemeris, health: u8| {
+        let Ephemeris::GalileoInav(message) = &mut ephemeris.message else { unreachable!("I/NAV") };
+        (message.e1_b_sig_health_ind, message.e5b_sig_health_ind) = (health, health);
+        (message.e1_b_data_validity_flag, message.e5b_data_validity_flag) = (0, 0);
+        (message.sisa_e1_e5b_index, message.iodnav) = (50, 7);
+        ephemeris
+    };
+    let drawn = inav(&mut random);
+    let now = drawn.toe;
+    let pages = |health: u8| ubx::pages(&with_health(drawn.clone(), health), NOON).unwrap();
+    let (well, ill) = (pages(0), pages(1));
+    let word = |bytes: &[u8], place: usize| bytes.chunks(bytes.len() / 5).nth(place).unwrap().to_vec();
+    // Words 1, 3, 5 come first, then 2 and 4, then the next half minute.
+    let early: Vec<u8> = [2, 3, 4, 0, 1].into_iter().flat_map(|place| word(&well, place)).collect();
+    let next: Vec<u8> = [2, 3, 4].into_iter().flat_map(|place| word(&ill, place)).collect();
+    let (have, _) = said(&[early, next].concat());
+    let usable: Vec<_> = have.ephemerides.iter().map(|set| set.usable_at(now)).collect();
+    assert_eq!(usable, [Ok(()), Err(EphemerisError::Unhealthy)]);
+}

@@ -3,14 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-use anyhow::{Result, bail};
-use raim_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::SatelliteId;
 
+use super::foreign;
+use crate::signal::advice::{Form, Found};
 use crate::signal::pieces::{Kind, Piece, pieces};
-
-/// Messages that a receiver must send, in words.
-const NEEDED: &str = "the module needs ranges and orbits: RXM-RAWX and RXM-SFRBX of a u-blox receiver, or RTCM 3 with MSM4 to \
-     MSM7 (1077, 1097, 1127) and ephemerides (1019, 1045 or 1046, 1042)";
 
 /// Content of a capture.
 #[derive(Clone, Debug, Default)]
@@ -31,6 +28,12 @@ pub struct Content {
     pub(super) known: BTreeSet<SatelliteId>,
     /// Epochs of ranges whose week is unknown.
     pub(super) without_week: u32,
+    /// Satellites of which ephemerides were refused, with their number.
+    pub(super) refused: BTreeMap<SatelliteId, u32>,
+    /// True if GLONASS came without leap seconds.
+    pub(super) lacks_leap: bool,
+    /// Native log among the bytes that are neither frame nor line.
+    native: Option<String>,
 }
 
 impl Content {
@@ -42,7 +45,10 @@ impl Content {
                 self.lines += 1;
                 self.line_bytes += piece.bytes.len();
             }
-            Kind::Rest => self.rest_bytes += piece.bytes.len(),
+            Kind::Rest => {
+                self.rest_bytes += piece.bytes.len();
+                self.look(piece.bytes);
+            }
             kind => *self.frames.entry(kind).or_default() += 1,
         }
     }
@@ -52,106 +58,142 @@ impl Content {
         self.bytes
     }
 
+    /// Returns the satellites of which ephemerides were refused, with their number.
+    pub fn refused(&self) -> &BTreeMap<SatelliteId, u32> {
+        &self.refused
+    }
+
     /// Returns the satellites with ranges.
     pub fn satellites(&self) -> Vec<SatelliteId> {
         self.ranged.iter().copied().collect()
     }
 
-    /// Checks that the bytes are a capture of ranges. They begin with `head`.
-    ///
-    /// # Errors
-    /// The bytes are something else; the message names it.
-    pub(super) fn check(&self, head: &[u8]) -> Result<()> {
+    /// Takes bytes outside frames and lines, which may name a native log.
+    pub(super) fn look(&mut self, bytes: &[u8]) {
+        if self.native.is_none() {
+            self.native = foreign::native(bytes);
+        }
+    }
+
+    /// Returns the reason for which the bytes, which begin with `head`, have no epoch with ranges.
+    pub(super) fn no_epoch(&self, head: &[u8]) -> String {
         if head.is_empty() {
-            bail!("is empty");
+            return "is empty".to_owned();
         }
-        if self.frames.is_empty() && self.lines > 0 && self.rest_bytes < self.line_bytes {
-            bail!(
-                "holds {} lines of NMEA and no ranges, and positions cannot be checked: {NEEDED}",
-                self.lines
+        if self.frames.is_empty() && !self.is_text() {
+            return format!("holds no frame of UBX or RTCM 3; it is {}", foreign::foreign(head));
+        }
+        let found = self.found("GRECJ", &BTreeSet::new());
+        found.advice().unwrap_or_else(|| format!("holds {self}: no epoch with a range in it"))
+    }
+
+    /// Returns true if the capture is mostly lines of text.
+    fn is_text(&self) -> bool {
+        self.lines > 0 && self.rest_bytes < self.line_bytes
+    }
+
+    /// Returns what the capture lacks with these systems, and what of it is not read; `others` are
+    /// satellites whose ephemerides come from elsewhere.
+    pub fn advice(&self, systems: &str, others: &BTreeSet<SatelliteId>) -> Option<String> {
+        self.found(systems, others).advice()
+    }
+
+    fn found(&self, systems: &str, others: &BTreeSet<SatelliteId>) -> Found {
+        let has = |is: &dyn Fn(&Kind) -> bool| self.frames.keys().any(is);
+        let is_ubx = has(&|kind| matches!(kind, Kind::Ubx([0x02, 0x10 | 0x11 | 0x13 | 0x14 | 0x15])));
+        let form = match () {
+            () if is_ubx => Form::Ubx,
+            () if has(&|kind| matches!(kind, Kind::Rtcm(_))) => Form::Rtcm,
+            () => Form::Unknown,
+        };
+        let is_blind = self.without_week > 0 && self.ranged.is_empty();
+        let mut found = Found {
+            form,
+            came: if self.frames.is_empty() {
+                format!("{} lines of NMEA", self.lines)
+            } else {
+                self.to_string()
+            },
+            unread: self.unread(),
+            systems: systems.to_owned(),
+            ranged: self.ranged.clone(),
+            known: self.known.union(others).copied().collect(),
+            sent: SENT
+                .iter()
+                .filter(|(_, kind)| self.frames.contains_key(kind))
+                .map(|(letter, _)| *letter)
+                .collect(),
+            lacks_leap: self.lacks_leap,
+            refused: self.refused.clone(),
+            ..Found::default()
+        };
+        if is_blind && self.frames.contains_key(&Kind::RAWX) {
+            found.others.push(
+                "the week: in none of the RXM-RAWX the receiver knows it, let it find the time first"
+                    .to_owned(),
+            );
+        } else if is_blind {
+            found.lacks_week = true;
+            found.others.push(
+                "ephemerides (1019 for GPS, 1045 or 1046 for Galileo, 1042 for BeiDou), or a RINEX navigation file of that day by \
+                 --nav"
+                    .to_owned(),
             );
         }
-        if self.frames.is_empty() {
-            bail!("holds no frame of UBX or RTCM 3; it is {}", foreign(head));
-        }
-        if self.frames.keys().any(|kind| kind.has_whole_ranges()) {
-            return Ok(());
-        }
-        let has = |is: fn(&Kind) -> bool| self.frames.keys().any(is);
-        if has(|kind| kind.has_ranges()) {
-            bail!("holds {self}: MSM1 to MSM3 have no whole ranges; {NEEDED}");
-        }
-        if has(|kind| matches!(kind, Kind::Rtcm(1001..=1004 | 1009..=1012))) {
-            bail!("holds {self}: the ranges of 1001 to 1012 are not read; {NEEDED}");
-        }
-        if has(|kind| *kind == Kind::Ubx([0x02, 0x10])) {
-            bail!(
-                "holds {self}: the ranges of RXM-RAW, before the eighth generation, are not read; {NEEDED}"
-            );
-        }
-        bail!("holds {self}, and no ranges: {NEEDED}")
+        found
     }
 
-    /// Returns the reason for which ranges gave no epoch.
-    pub(super) fn no_epoch(&self) -> String {
-        if self.frames.contains_key(&Kind::RAWX) && self.without_week > 0 {
-            format!("holds {self}: in none of them the receiver knows the week; let it find the time first")
-        } else if self.without_week > 0 {
-            format!("holds {self}: {}", self.without_orbits(true))
-        } else {
-            format!("holds {self}: no epoch with a range in it")
-        }
-    }
-
-    /// Returns the advice for ranges without orbits.
-    fn without_orbits(&self, says_week: bool) -> String {
-        let week = if says_week { ", and nothing else says the week" } else { "" };
-        let switch = if self.frames.contains_key(&Kind::RAWX) {
-            "switch RXM-SFRBX on at the receiver"
-        } else {
-            "switch the ephemerides on at the receiver (1019 for GPS, 1045 or 1046 for Galileo, 1042 for BeiDou), or take \
-             one that sends them"
+    /// Returns what of the capture is not read, with what to send in its place.
+    fn unread(&self) -> Vec<String> {
+        let of = |is: &dyn Fn(&Kind) -> bool| -> Vec<String> {
+            self.frames
+                .iter()
+                .filter(|(kind, _)| is(kind))
+                .map(|(kind, count)| format!("{count} {}", frame_name(*kind)))
+                .collect()
         };
-        format!(
-            "ranges without ephemerides give no position{week}: {switch}, or give the RINEX navigation file of that day with \
-             --nav"
-        )
-    }
-
-    /// Returns what is missing, system by system; `others` are satellites whose ephemerides come
-    /// from elsewhere.
-    pub fn missing(&self, others: &BTreeSet<SatelliteId>) -> Option<String> {
-        let has_orbit =
-            |satellite: &SatelliteId| self.known.contains(satellite) || others.contains(satellite);
-        if !self.ranged.iter().any(has_orbit) {
-            return Some(self.without_orbits(false));
-        }
-        let without = |system: &Constellation| {
-            let mut of_system =
-                self.ranged.iter().filter(|satellite| satellite.constellation() == *system).peekable();
-            of_system.peek().is_some() && !of_system.any(has_orbit)
+        let mut unread = Vec::new();
+        let mut say = |frames: Vec<String>, remedy: &str| {
+            if !frames.is_empty() {
+                unread.push(format!("{}: {remedy}", frames.join(", ")));
+            }
         };
-        // GLONASS takes no part unless it is selected.
-        let used = [Constellation::Gps, Constellation::Galileo, Constellation::Beidou];
-        let systems: Vec<&str> =
-            used.iter().filter(|system| without(system)).map(|system| name(*system)).collect();
-        (!systems.is_empty()).then(|| {
-            format!(
-                "satellites of {} have no ephemerides and are not used: enable RXM-SFRBX or the ephemerides of RTCM, or give --nav",
-                systems.join(" and ")
-            )
-        })
+        say(
+            of(&|kind| matches!(kind, Kind::Rtcm(1001..=1004))),
+            "ranges of GPS in the old form, choose 1074 to 1077",
+        );
+        say(
+            of(&|kind| matches!(kind, Kind::Rtcm(1009..=1012))),
+            "ranges of GLONASS in the old form, choose 1084 to 1087",
+        );
+        say(
+            of(&|kind| {
+                kind.has_ranges() && matches!(kind, Kind::Rtcm(number) if (1..=3).contains(&(number % 10)))
+            }),
+            "no whole ranges, choose MSM4 to MSM7",
+        );
+        say(
+            of(&|kind| matches!(kind, Kind::Ubx([0x02, 0x10 | 0x11]))),
+            "of receivers before the eighth generation, which have no RXM-RAWX",
+        );
+        say(
+            of(&|kind| *kind == Kind::Ubx([0x02, 0x14])),
+            "ranges without whole milliseconds, choose RXM-RAWX",
+        );
+        unread.extend(self.native.clone());
+        unread
     }
 }
 
-const fn name(system: Constellation) -> &'static str {
-    match system {
-        Constellation::Gps => "GPS",
-        Constellation::Glonass => "GLONASS",
-        Constellation::Galileo => "Galileo",
-        Constellation::Beidou => "BeiDou",
-    }
-}
+/// Messages of RTCM with ephemerides, by the letter of their system.
+const SENT: [(char, Kind); 6] = [
+    ('G', Kind::Rtcm(1019)),
+    ('R', Kind::Rtcm(1020)),
+    ('C', Kind::Rtcm(1042)),
+    ('J', Kind::Rtcm(1044)),
+    ('E', Kind::Rtcm(1045)),
+    ('E', Kind::Rtcm(1046)),
+];
 
 impl fmt::Display for Content {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -192,34 +234,4 @@ pub fn has_frames(bytes: &[u8]) -> bool {
     const EARLY: usize = 65_536;
     let early = bytes.get(..bytes.len().min(EARLY)).unwrap_or_default();
     pieces(early).any(|piece| matches!(piece.kind, Kind::Ubx(_) | Kind::Rtcm(_)))
-}
-
-/// Returns the kind of a file that is not a capture, from its first bytes.
-fn foreign(bytes: &[u8]) -> String {
-    let start = bytes.get(..bytes.len().min(4096)).unwrap_or_default();
-    let text = String::from_utf8_lossy(start);
-    let line = text.lines().next().unwrap_or("");
-    let is = |magic: &[u8]| start.starts_with(magic);
-    let is_text = !text.chars().any(|letter| letter.is_control() && !"\t\r\n".contains(letter));
-    if line.contains("RINEX VERSION") || line.contains("CRINEX VERS") {
-        let kind = match (line.contains("CRINEX"), line.get(20..21)) {
-            (true, _) | (_, Some("O")) => {
-                "a RINEX observation file: give it with --obs, and a navigation file with --nav"
-            }
-            _ => "a RINEX navigation file: give it with --nav, beside a capture or observations",
-        };
-        return kind.to_owned();
-    }
-    let kind = match () {
-        () if is(b"\x89PNG") || is(b"\xff\xd8\xff") || is(b"GIF8") || is(b"BM") => "a picture",
-        () if is(b"%PDF") => "a PDF",
-        () if is(b"\x7fELF") => "a program",
-        () if is(b"<") => "a page or XML",
-        () if is(b"{") || is(b"[") => "JSON",
-        () if is(b"$@") => "Septentrio SBF, which is not read: let the receiver send RTCM 3",
-        () if text.contains("$PRAI") => "what a module said: monitor --file shows it",
-        () if is_text => "text",
-        () => "nothing that is known",
-    };
-    kind.to_owned()
 }

@@ -6,14 +6,14 @@
 //! ranges that are tagged more than [`SILENCE_MS`] later, and at the end. When the lump is
 //! replayed, the module has as long a silence.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::ephemeris::Ephemeris;
 use raim_firmware::input::{Event, Input};
 use raim_firmware::time::{GpsTime, WEEK_MS};
 
-use super::falsify::tow_ms;
+use super::falsify::{bits, payload, tow_ms};
 use crate::signal::pieces::{Kind, Piece};
 
 /// An epoch that ends with a piece.
@@ -38,6 +38,8 @@ pub(super) struct Cutter {
     ranged_last: Vec<SatelliteId>,
     /// Satellites with an ephemeris.
     pub(super) known: BTreeSet<SatelliteId>,
+    /// Satellites of which ephemerides were refused, with their number.
+    pub(super) refused: BTreeMap<SatelliteId, u32>,
     ephemerides: Vec<Ephemeris>,
     ionosphere: Option<[f64; 8]>,
     /// Tag of the ranges that opened the epoch under way.
@@ -87,12 +89,18 @@ impl Cutter {
     /// Takes the next piece; returns the epoch that ends with it. If two epochs were delayed
     /// together, they are one here, because the module reports only the last verdict.
     pub(super) fn take(&mut self, piece: &Piece<'_>) -> Option<Cut> {
+        let refused = self.input.counters().ephemerides_invalid;
         let time = self.hear(|input, hear| {
             input.feed(piece.bytes, 0, &mut *hear);
             if is_last_of_epoch(piece) {
                 input.silence(hear);
             }
         });
+        if self.input.counters().ephemerides_invalid != refused
+            && let Some(satellite) = satellite_of(piece)
+        {
+            *self.refused.entry(satellite).or_default() += 1;
+        }
         if !self.input.has_open_epoch() {
             self.opened = None;
         } else if time.is_some() || self.opened.is_none() {
@@ -158,9 +166,44 @@ impl Cutter {
         }
     }
 
+    /// Returns true if messages of GLONASS came and the leap seconds are not known.
+    pub(super) fn lacks_leap(&self) -> bool {
+        self.input.leap_second().is_none() && self.input.counters().leap_unknown > 0
+    }
+
     /// Returns the number of epochs that were refused because the week was unknown.
     pub(super) fn without_week(&self) -> u32 {
         self.input.counters().epochs_without_week
+    }
+}
+
+/// Returns the satellite of a frame with an ephemeris, or with navigation bits.
+fn satellite_of(piece: &Piece<'_>) -> Option<SatelliteId> {
+    let payload = payload(piece);
+    match piece.kind {
+        Kind::SFRBX => {
+            let letter = match payload.first()? {
+                0 => 'G',
+                2 => 'E',
+                3 => 'C',
+                5 => 'J',
+                6 => 'R',
+                _ => return None,
+            };
+            SatelliteId::from_name(letter, *payload.get(1)?)
+        }
+        Kind::Rtcm(number) => {
+            let (letter, width) = match number {
+                1019 => ('G', 6),
+                1020 => ('R', 6),
+                1042 => ('C', 6),
+                1044 => ('J', 4),
+                1045 | 1046 => ('E', 6),
+                _ => return None,
+            };
+            SatelliteId::from_name(letter, bits(payload, 12, width)? as u8)
+        }
+        Kind::Ubx(_) | Kind::Line | Kind::Rest => None,
     }
 }
 

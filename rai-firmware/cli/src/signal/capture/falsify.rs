@@ -108,7 +108,7 @@ pub(super) fn falsify(
 }
 
 /// Returns the bytes between header and check.
-fn payload<'a>(piece: &Piece<'a>) -> &'a [u8] {
+pub(super) fn payload<'a>(piece: &Piece<'a>) -> &'a [u8] {
     let (header, check) = match piece.kind {
         Kind::Ubx(_) => (6, 2),
         Kind::Rtcm(_) => (3, 3),
@@ -284,7 +284,7 @@ fn msm(number: u16, frame: &[u8], change: impl Fn(SatelliteId) -> Option<Change>
 }
 
 /// Reads an unsigned field, high bit first.
-fn bits(bytes: &[u8], start: usize, length: usize) -> Option<u64> {
+pub(super) fn bits(bytes: &[u8], start: usize, length: usize) -> Option<u64> {
     (start..start + length).try_fold(0, |value, at| {
         let byte = bytes.get(at / 8)?;
         Some(value << 1 | u64::from(byte >> (7 - at % 8) & 1))

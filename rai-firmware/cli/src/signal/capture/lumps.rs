@@ -23,6 +23,9 @@ const LONGEST_GAP_MS: i64 = 86_400_000;
 /// satellites broadcast in an hour. If more come, the oldest are dropped.
 const LUMP_BYTES: usize = 4 << 20;
 
+/// Systems that take part unless others are selected.
+const SYSTEMS: &str = "GCE";
+
 /// Number of bytes that identify something that is not a capture.
 const HEAD: usize = 4096;
 
@@ -38,6 +41,8 @@ pub struct Lumps<R> {
     /// Week of the first RXM-RAWX that states one.
     stated: Option<u16>,
     content: Content,
+    /// Letters of the systems that take part.
+    systems: String,
     orbits: Option<Orbits>,
     feeder: Option<Feeder>,
     faults: Vec<Fault>,
@@ -85,6 +90,7 @@ impl<R: Read> Lumps<R> {
             given: None,
             stated: None,
             content: Content::default(),
+            systems: SYSTEMS.to_owned(),
             feeder: orbits.as_ref().map(Orbits::feeder),
             orbits,
             faults: faults.to_vec(),
@@ -108,6 +114,13 @@ impl<R: Read> Lumps<R> {
         self
     }
 
+    /// Takes the letters of the systems that take part, which are those at start by default.
+    #[must_use]
+    pub fn selecting(mut self, systems: &str) -> Self {
+        systems.clone_into(&mut self.systems);
+        self
+    }
+
     /// Returns the GPS week of the window's first epoch if the module needs it from a command,
     /// after that epoch was read.
     pub fn week(&self) -> Option<u16> {
@@ -126,9 +139,10 @@ impl<R: Read> Lumps<R> {
         &self.content
     }
 
-    /// Returns in words what the capture lacks for a position, after all of it was read.
-    pub fn missing(&self) -> Option<String> {
-        self.content.missing(&self.orbits.as_ref().map(Orbits::satellites).unwrap_or_default())
+    /// Returns in words what came, what of it is not read, and what is missing, after all of it was
+    /// read; `None` if there is neither of the last two.
+    pub fn advice(&self) -> Option<String> {
+        self.content.advice(&self.systems, &self.orbits.as_ref().map(Orbits::satellites).unwrap_or_default())
     }
 
     /// Returns the ionospheric coefficients that the module does not receive: those of a navigation
@@ -216,9 +230,10 @@ impl<R: Read> Lumps<R> {
         self.content.without_week = self.cutter.without_week();
         self.content.ranged = self.cutter.ranged.clone();
         self.content.known = self.cutter.known.clone();
+        self.content.refused = self.cutter.refused.clone();
+        self.content.lacks_leap = self.cutter.lacks_leap();
         let Some(span) = &self.span else {
-            self.content.check(&self.head)?;
-            bail!(self.content.no_epoch());
+            bail!(self.content.no_epoch(&self.head));
         };
         if let Some(orbits) = &self.orbits {
             orbits.check(span.first, span.last).context("--nav")?;

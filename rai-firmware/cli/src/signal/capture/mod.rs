@@ -10,6 +10,7 @@
 //! | `content` | content of a capture, and what is missing |
 //! | `cuts` | bytes of each epoch |
 //! | [`Lumps`] | lumps of a capture, read one by one |
+//! | `foreign` | names of logs and files that are not read |
 //! | `falsify` | faults in the frames |
 //! | `week` | GPS week of the first epoch |
 //! | `orbits` | ephemerides of navigation files, if the capture has none |
@@ -21,6 +22,7 @@
 mod content;
 mod cuts;
 mod falsify;
+mod foreign;
 mod line;
 mod lumps;
 mod orbits;
@@ -44,7 +46,7 @@ use crate::signal::lumps::Window;
 pub struct Capture {
     bytes: Vec<u8>,
     content: Content,
-    missing: Option<String>,
+    advice: Option<String>,
     orbits: Option<Orbits>,
     /// GPS week of the first epoch, if the module would take another.
     week: Option<u16>,
@@ -120,8 +122,8 @@ impl Capture {
         let lumps = Lumps::of(Cursor::new(bytes.as_slice()), orbits.clone(), &[], &Window::ALL)?;
         let mut lumps = lumps.in_week(week);
         lumps.by_ref().try_for_each(|lump| lump.map(drop))?;
-        let (content, missing) = (lumps.content().clone(), lumps.missing());
-        Ok(Self { bytes, content, missing, orbits, week })
+        let (content, advice) = (lumps.content().clone(), lumps.advice());
+        Ok(Self { bytes, content, advice, orbits, week })
     }
 
     /// Returns the content of the capture.
@@ -129,9 +131,10 @@ impl Capture {
         &self.content
     }
 
-    /// Returns in words what the capture lacks for a position.
-    pub fn missing(&self) -> Option<String> {
-        self.missing.clone()
+    /// Returns in words what came, what of it is not read, and what is missing; `None` if there is
+    /// neither of the last two.
+    pub fn advice(&self) -> Option<String> {
+        self.advice.clone()
     }
 
     /// Returns the lumps of a window. Faults are timed from the first epoch of the capture,

@@ -10,6 +10,7 @@
 //! | `BeiDou` ephemeris | 1042 |
 //! | Galileo ephemeris F/NAV, I/NAV | 1045, 1046 |
 //! | GLONASS ephemeris | 1020 |
+//! | date and leap seconds, by a receiver with GLONASS | 1013 |
 //! | QZSS ephemeris | 1044 |
 //! | ranges of GPS, GLONASS, Galileo, QZSS, `BeiDou` | 1077, 1087, 1097, 1117, 1127 |
 //!
@@ -32,7 +33,9 @@ use rtcm_rs::{Message, MessageBuilder};
 use self::channels::Channels;
 pub use self::msm::Frequency;
 use self::schedule::Schedule;
+use crate::signal::checksum::rtcm_frame;
 use crate::signal::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
+use crate::signal::recording::leap_seconds;
 
 /// Selection of the measurements that are sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -89,7 +92,15 @@ pub struct Encoder {
     channels: Channels,
     builder: MessageBuilder,
     unsendable: u64,
+    /// GPS time minus UTC as stated in files, s.
+    leap_s: Option<u8>,
+    /// Time of the last statement of date and leap seconds.
+    dated: Option<GpsTime>,
+    is_receiver: bool,
 }
+
+/// Interval at which a receiver repeats the date, ms, as it repeats the set of a satellite.
+const DATE_REPEATS_MS: i64 = 60_000;
 
 /// Length of an epoch of three systems without ephemerides, bytes; longer ones grow.
 const EPOCH_BYTES: usize = 2048;
@@ -101,7 +112,17 @@ impl Encoder {
         let schedule = Schedule::new(ephemerides.iter().filter(selected).cloned());
         let channels = Channels::of(ephemerides);
         let (stated, builder) = (StatedWeek::Transmission, MessageBuilder::new());
-        Self { stated, selection, schedule, channels, builder, unsendable: 0 }
+        Self {
+            stated,
+            selection,
+            schedule,
+            channels,
+            builder,
+            unsendable: 0,
+            leap_s: None,
+            dated: None,
+            is_receiver: false,
+        }
     }
 
     /// Changes the meaning of week numbers, which is that of transmission by default.
@@ -110,10 +131,17 @@ impl Encoder {
         Self { stated, ..self }
     }
 
-    /// Sends ephemerides as a receiver does: only those of the satellites in view, repeatedly.
+    /// Sends ephemerides as a receiver does: only those of the satellites in view, repeatedly. With
+    /// GLONASS it also states date and leap seconds.
     #[must_use]
     pub fn as_receiver(self) -> Self {
-        Self { schedule: self.schedule.like_a_receiver(), ..self }
+        Self { schedule: self.schedule.like_a_receiver(), is_receiver: true, ..self }
+    }
+
+    /// Takes GPS time minus UTC, s, as files state it.
+    #[must_use]
+    pub fn counting(self, leap_s: Option<u8>) -> Self {
+        Self { leap_s, ..self }
     }
 
     /// Returns the number of signals that could not be sent so far. Their pseudorange is negative,
@@ -130,6 +158,12 @@ impl Encoder {
     /// A number does not fit its message.
     pub fn epoch(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
         let mut bytes = Vec::with_capacity(EPOCH_BYTES);
+        let leap_s = leap_seconds(epoch.time, self.leap_s);
+        let is_due = self.dated.is_none_or(|dated| epoch.time.since_ms(dated) >= DATE_REPEATS_MS);
+        if self.is_receiver && self.selection.letters.contains(&'R') && is_due {
+            self.dated = Some(epoch.time);
+            bytes.extend(date(epoch.time, leap_s));
+        }
         for ephemeris in self.schedule.news(epoch) {
             let week_of = match self.stated {
                 // A set that is sent ahead of its broadcast is sent as if it were broadcast now.
@@ -139,10 +173,25 @@ impl Encoder {
             append(&mut self.builder, &mut bytes, &broadcast(&ephemeris.message, week_of))
                 .with_context(|| format!("ephemeris of {}", ephemeris.satellite))?;
         }
-        let ranges = msm::frames(epoch, &self.selection, &self.channels, &mut self.unsendable);
+        let ranges = msm::frames(epoch, &self.selection, &self.channels, leap_s, &mut self.unsendable);
         ranges.for_each(|frame| bytes.extend_from_slice(&frame));
         Ok(bytes)
     }
+}
+
+/// Returns the frame of the date and the leap seconds.
+///
+/// The fields are number 12, station 12, modified Julian day 16, second of the day in UTC 17,
+/// number of announcements 5, leap seconds 8.
+fn date(time: GpsTime, leap_s: u8) -> Vec<u8> {
+    /// Modified Julian day of 1980-01-06.
+    const FIRST_DAY: u64 = 44_244;
+    let utc_s = (time.to_ms() / 1000).saturating_sub(u64::from(leap_s));
+    let (day, second) = (FIRST_DAY + utc_s / 86_400, utc_s % 86_400);
+    let fields = [(1013, 12), (0, 12), (day, 16), (second, 17), (0, 5), (u64::from(leap_s), 8), (0, 2)];
+    let bits = fields.iter().fold(0_u128, |bits, (value, width)| bits << width | u128::from(*value));
+    let [.., b0, b1, b2, b3, b4, b5, b6, b7, b8] = bits.to_be_bytes();
+    rtcm_frame(&[b0, b1, b2, b3, b4, b5, b6, b7, b8])
 }
 
 /// Returns the message of an ephemeris, with the week number of an instant.
@@ -175,4 +224,17 @@ fn append(builder: &mut MessageBuilder, bytes: &mut Vec<u8>, message: &Message) 
         built.map_err(|error| anyhow::anyhow!("message {number} cannot be built: {error:?}"))?,
     );
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn date_is_as_another_program_writes_it() {
+        // 2020-06-24 21:00:00 UTC, 18 leap seconds: pyrtcm 1.1.
+        let want = [0xD3, 0, 9, 0x3F, 0x50, 0, 0xE6, 0x90, 0x93, 0xA8, 0, 0x48, 0x1D, 0xDB, 0x91];
+        let time = GpsTime { week: 2111, tow_ms: (3 * 86_400 + 21 * 3600 + 18) * 1000 };
+        assert_eq!(date(time, 18), want);
+    }
 }

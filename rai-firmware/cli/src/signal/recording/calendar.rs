@@ -4,7 +4,7 @@
 //! |---|---|
 //! | GPS, Galileo, QZSS | 0 |
 //! | `BeiDou` | −14 s |
-//! | GLONASS, UTC | −leap seconds since 1980 |
+//! | GLONASS, UTC | −leap seconds since 1980 ([`leap_seconds`]) |
 //!
 //! RINEX gives dates in the time system of the satellite (ephemerides) or of the header
 //! (observations). References: [RINEX-4.01] §4.1; days by the era method of [Hinnant2013].
@@ -29,18 +29,61 @@ pub(super) enum TimeSystem {
     Beidou,
     /// UTC, in which GLONASS dates are.
     Utc {
-        /// Leap seconds since 1980.
-        leap_s: u8,
+        /// Leap seconds that the file states.
+        stated_s: Option<u8>,
     },
 }
 
+/// Months, from their first day on in UTC, of one more leap second: IERS Bulletin C 1 to 52.
+const INSERTED: [(i64, i64); 18] = [
+    (1981, 7),
+    (1982, 7),
+    (1983, 7),
+    (1985, 7),
+    (1988, 1),
+    (1990, 1),
+    (1991, 1),
+    (1992, 7),
+    (1993, 7),
+    (1994, 7),
+    (1996, 1),
+    (1997, 7),
+    (1999, 1),
+    (2006, 1),
+    (2009, 1),
+    (2012, 7),
+    (2015, 7),
+    (2017, 1),
+];
+
+/// Returns GPS time minus UTC, s, at an instant of UTC in milliseconds after 1980-01-06.
+///
+/// The table is complete up to the last leap second that it has. What a file states counts only
+/// after that: it may tell of a later leap second, but some files from before state the present
+/// number.
+fn leap_seconds_of_utc(utc_ms: i64, stated_s: Option<u8>) -> u8 {
+    let since = |&(year, month): &(i64, i64)| DAY_MS * (days_from_civil(year, month, 1) - GPS_EPOCH_DAYS);
+    let inserted = INSERTED.iter().take_while(|month| since(month) <= utc_ms).count();
+    match stated_s {
+        Some(stated_s) if inserted == INSERTED.len() => stated_s.max(inserted as u8),
+        _ => inserted as u8,
+    }
+}
+
+/// Returns GPS time minus UTC, s, at an instant of GPS time; a file may state the number.
+pub fn leap_seconds(time: GpsTime, stated_s: Option<u8>) -> u8 {
+    let gps_ms = time.to_ms().cast_signed();
+    let about = leap_seconds_of_utc(gps_ms, stated_s);
+    leap_seconds_of_utc(gps_ms - 1000 * i64::from(about), stated_s)
+}
+
 impl TimeSystem {
-    /// Returns the lead of GPS time, ms.
-    fn behind_gps_ms(self) -> i64 {
+    /// Returns the lead of GPS time at an instant of this time, in milliseconds after 1980-01-06.
+    fn behind_gps_ms(self, own_ms: i64) -> i64 {
         match self {
             Self::Gps => 0,
             Self::Beidou => i64::from(BEIDOU_OFFSET_MS),
-            Self::Utc { leap_s } => i64::from(leap_s) * 1000,
+            Self::Utc { stated_s } => i64::from(leap_seconds_of_utc(own_ms, stated_s)) * 1000,
         }
     }
 }
@@ -96,7 +139,16 @@ pub(super) fn instant(text: &str, system: TimeSystem) -> Option<GpsTime> {
     }
     let days = days - GPS_EPOCH_DAYS;
     let ms = days * DAY_MS + (hour * 60 + minute) * 60_000 + (second * 1000.0).round() as i64;
-    from_ms(ms + system.behind_gps_ms())
+    from_ms(ms + system.behind_gps_ms(ms))
+}
+
+/// Returns the instant of a date, `year month day hour minute second`, in GPS time, or in UTC and
+/// this many hours ahead of it.
+pub fn date(text: &str, ahead_of_utc_h: Option<u8>) -> Option<GpsTime> {
+    let Some(ahead_h) = ahead_of_utc_h else { return instant(text, TimeSystem::Gps) };
+    let local = instant(text, TimeSystem::Gps)?;
+    let utc_ms = local.to_ms().cast_signed() - 3_600_000 * i64::from(ahead_h);
+    from_ms(utc_ms + 1000 * i64::from(leap_seconds_of_utc(utc_ms, None)))
 }
 
 /// Returns the instant this many milliseconds after 1980-01-06, if it is within a century.
@@ -114,8 +166,8 @@ pub(super) fn nearest_week(tow_s: f64, near: GpsTime, system: TimeSystem) -> Opt
     if !(-WEEK_S..=WEEK_S).contains(&tow_s) {
         return None;
     }
-    let tow_ms = (tow_s * 1000.0).round() as i64 + system.behind_gps_ms();
     let near_ms = near.to_ms().cast_signed();
+    let tow_ms = (tow_s * 1000.0).round() as i64 + system.behind_gps_ms(near_ms);
     let ahead_ms = (tow_ms - near_ms + WEEK_MS / 2).rem_euclid(WEEK_MS) - WEEK_MS / 2;
     from_ms(near_ms + ahead_ms)
 }
@@ -146,7 +198,8 @@ mod tests {
             ("2024 01 01 00 00 00", TimeSystem::Gps, 2295, 86_400.0),
             ("2024 01 01 00 00 00", TimeSystem::Beidou, 2295, 86_414.0),
             ("2024 06 24 08 00 33.9970000", TimeSystem::Gps, 2320, 115_233.997),
-            ("2024 2 29 23 59 42", TimeSystem::Utc { leap_s: 18 }, 2303, 432_000.0),
+            ("2024 2 29 23 59 42", TimeSystem::Utc { stated_s: None }, 2303, 432_000.0),
+            ("2016 6 6 11 10 25", TimeSystem::Utc { stated_s: Some(18) }, 1900, 126_642.0),
         ] {
             let have = instant(text, system).unwrap();
             let want = GpsTime { week, tow_ms: f64::round(tow_s * 1000.0) as u32 };
@@ -160,6 +213,27 @@ mod tests {
             let have = instant(&text.replace(['-', ':'], " "), TimeSystem::Gps).map(readable).unwrap();
             assert_eq!(have, text);
         }
+    }
+
+    /// IERS Bulletin C: number after the leap second at the end of 2005, 2016 and June 2012.
+    #[test]
+    fn leap_seconds_are_those_of_the_date() {
+        for (utc, before_s, after_s) in [("2006 1 1", 13, 14), ("2012 7 1", 15, 16), ("2017 1 1", 17, 18)] {
+            let midnight = instant(&format!("{utc} 0 0 0"), TimeSystem::Gps).unwrap();
+            let at = |offset_s: i64| {
+                let ms = midnight.to_ms().cast_signed() + 1000 * (i64::from(before_s) + offset_s);
+                leap_seconds(from_ms(ms).unwrap(), None)
+            };
+            assert_eq!([at(-1), at(1)], [before_s, after_s], "{utc}");
+        }
+        // A file may state a leap second of later years, but none of earlier ones.
+        let later = instant("2031 1 1 0 0 0", TimeSystem::Gps).unwrap();
+        assert_eq!(
+            [None, Some(18), Some(19), Some(0)].map(|stated| leap_seconds(later, stated)),
+            [18, 18, 19, 18]
+        );
+        let earlier = instant("2016 6 6 0 0 0", TimeSystem::Gps).unwrap();
+        assert_eq!([None, Some(17), Some(18)].map(|stated| leap_seconds(earlier, stated)), [17; 3]);
     }
 
     #[test]

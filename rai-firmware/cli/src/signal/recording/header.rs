@@ -37,8 +37,8 @@ pub(super) struct Header {
     /// applies to unnamed satellites.
     pub(super) system: char,
     pub(super) time_system: TimeSystem,
-    /// GPS time minus UTC, s; the value since 2017 if the file has none.
-    pub(super) leap_s: u8,
+    /// GPS time minus UTC that the file states, s.
+    pub(super) leap_s: Option<u8>,
     pub(super) codes: ObservationCodes,
     pub(super) approximate_position: Option<Ecef>,
     pub(super) klobuchar: Klobuchar,
@@ -73,7 +73,7 @@ impl Header {
         }
         header.time_system = match (time_system.as_str(), header.system) {
             ("BDT", _) | ("", 'C') => TimeSystem::Beidou,
-            ("GLO" | "UTC", _) | ("", 'R') => TimeSystem::Utc { leap_s: header.leap_s },
+            ("GLO" | "UTC", _) | ("", 'R') => TimeSystem::Utc { stated_s: header.leap_s },
             _ => TimeSystem::Gps,
         };
         Ok(header)
@@ -83,7 +83,12 @@ impl Header {
     fn optional(&mut self, line: &str) -> Result<()> {
         match label(line) {
             "APPROX POSITION XYZ" => self.approximate_position = position(line)?,
-            "LEAP SECONDS" => self.leap_s = columns(line, 0, 6).parse()?,
+            "LEAP SECONDS" => {
+                let seconds: u8 = columns(line, 0, 6).parse()?;
+                // Some files count since the beginning of BeiDou's time, when there were 14.
+                let before_s = if columns(line, 24, 27) == "BDS" { 14 } else { 0 };
+                self.leap_s = Some(seconds.saturating_add(before_s)).filter(|seconds| *seconds > 0);
+            }
             _ => self.klobuchar.read(line)?,
         }
         Ok(())
@@ -115,7 +120,7 @@ impl Header {
             kind,
             system,
             time_system: TimeSystem::Gps,
-            leap_s: 18,
+            leap_s: None,
             codes: ObservationCodes::default(),
             approximate_position: None,
             klobuchar: Klobuchar::default(),

@@ -41,7 +41,7 @@ use anyhow::{Context, Result, bail, ensure};
 use raim_core::frame::Ecef;
 use raim_firmware::time::GpsTime;
 
-pub use self::calendar::{readable, readable_unix};
+pub use self::calendar::{date, leap_seconds, readable, readable_unix};
 pub use self::epochs::Epochs;
 pub use self::file::packed_by;
 use self::header::{Header, Kind};
@@ -62,6 +62,8 @@ pub struct Recording {
     /// GPS coefficients of the single-frequency ionosphere model, `α0…α3, β0…β3`, in the
     /// broadcast's units.
     pub klobuchar: Option<[f64; 8]>,
+    /// GPS time minus UTC in the header of a navigation file, s.
+    pub leap_s: Option<u8>,
     /// Records that were skipped.
     pub skipped: Skipped,
     /// Position of the antenna in the header; in some files it is wrong by hundreds of metres.
@@ -112,6 +114,7 @@ impl Recording {
         if header.kind == Kind::Observations {
             bail!("holds observations: give it as observation file");
         }
+        self.leap_s = self.leap_s.or(header.leap_s);
         skipped.add(&lines.skipped());
         let mut navigation = navigation::read(&header, &mut lines, skipped)?;
         self.ephemerides.append(&mut navigation.ephemerides);

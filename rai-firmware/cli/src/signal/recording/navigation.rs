@@ -193,7 +193,7 @@ impl Rows {
         let Some(satellite) = SatelliteId::from_name(letter, number) else { return Ok(Content::Unknown) };
         let (system, sizes) = match satellite.constellation() {
             Constellation::Beidou => (TimeSystem::Beidou, FULL..=FULL),
-            Constellation::Glonass => (TimeSystem::Utc { leap_s: header.leap_s }, 4..=5),
+            Constellation::Glonass => (TimeSystem::Utc { stated_s: header.leap_s }, 4..=5),
             Constellation::Gps | Constellation::Galileo => (TimeSystem::Gps, FULL..=FULL),
         };
         let size = self.lines.len();
@@ -205,7 +205,7 @@ impl Rows {
         let values = values(rows.map(|(row, line)| (line.as_str(), if row == 0 { date } else { indent })))?;
         let ephemeris = if letter == 'R' {
             glonass::check(&values).with_context(|| format!("{satellite}"))?;
-            glonass::ephemeris(satellite, toc, header.leap_s, &values)
+            glonass::ephemeris(satellite, toc, calendar::leap_seconds(toc, header.leap_s), &values)
         } else {
             Record { satellite, toc, system, values }.timed()?
         };

@@ -121,8 +121,15 @@ impl Skipped {
     /// Checks that at most a tenth of the lines is lost.
     pub(super) fn check(&self, lines: u64) -> Result<()> {
         let first = self.first.as_ref().map_or(0, |first| first.line);
+        let is_lost = self.lost_lines * Self::TENTH > lines;
         ensure!(
-            self.lost_lines * Self::TENTH <= lines,
+            !is_lost || self.out_of_order <= self.damaged + self.unknown_satellites,
+            "time goes back or stands still in {} epochs, the first at line {first}: two recordings in one file, or one that is \
+             not in the order of time; cut it there and give both parts",
+            self.out_of_order,
+        );
+        ensure!(
+            !is_lost,
             "{} of {lines} lines cannot be read, at most a tenth may be lost; the first is line {first}",
             self.lost_lines,
         );

@@ -124,6 +124,7 @@ impl Simulation {
             epochs: self.epochs().collect(),
             ephemerides: self.ephemerides(),
             klobuchar: None,
+            leap_s: None,
             skipped: Skipped::default(),
             approximate_position: Some(self.site.position),
         }

@@ -14,7 +14,6 @@
 //!
 //! [RTCM-10403.3]: crate#references
 
-use raim_firmware::output::nmea::GPS_MINUS_UTC_S;
 use raim_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
 
 use super::{Cell, Row};
@@ -26,9 +25,9 @@ const LONGEST: usize = 1024;
 /// Milliseconds of a day.
 const DAY_MS: u32 = 86_400_000;
 
-/// Returns the frame of the rows of one system by its letter; `more` is true if other messages of
-/// the same epoch follow.
-pub(super) fn frame(letter: char, time: GpsTime, more: bool, rows: &[Row]) -> Vec<u8> {
+/// Returns the frame of the rows of one system by its letter, at an instant with GPS time minus UTC,
+/// s; `more` is true if other messages of the same epoch follow.
+pub(super) fn frame(letter: char, time: (GpsTime, u8), more: bool, rows: &[Row]) -> Vec<u8> {
     let mut bits = Bits { bytes: Vec::with_capacity(LONGEST), held: 0, count: 0 };
     header(&mut bits, letter, time, more);
     let (satellites, signals) = masks(rows);
@@ -43,9 +42,9 @@ pub(super) fn frame(letter: char, time: GpsTime, more: bool, rows: &[Row]) -> Ve
 }
 
 /// Puts the fields before the masks.
-fn header(bits: &mut Bits, letter: char, time: GpsTime, more: bool) {
+fn header(bits: &mut Bits, letter: char, (time, leap_s): (GpsTime, u8), more: bool) {
     let (number, time_field) = match letter {
-        'R' => (1087, glonass_time(time)),
+        'R' => (1087, glonass_time(time, leap_s)),
         'E' => (1097, time.tow_ms),
         'J' => (1117, time.tow_ms),
         'C' => (1127, (time.tow_ms + WEEK_MS - BEIDOU_OFFSET_MS) % WEEK_MS),
@@ -61,8 +60,8 @@ fn header(bits: &mut Bits, letter: char, time: GpsTime, more: bool) {
 
 /// Returns the day of the week and the time of day of GLONASS, three hours ahead of UTC, as one
 /// field of 3 and 27 bits.
-fn glonass_time(time: GpsTime) -> u32 {
-    let utc_ms = time.tow_ms + WEEK_MS - 1000 * u32::from(GPS_MINUS_UTC_S);
+fn glonass_time(time: GpsTime, leap_s: u8) -> u32 {
+    let utc_ms = time.tow_ms + WEEK_MS - 1000 * u32::from(leap_s);
     let of_week_ms = (utc_ms + GLONASS_OFFSET_MS as u32) % WEEK_MS;
     ((of_week_ms / DAY_MS) << 27) | (of_week_ms % DAY_MS)
 }

@@ -292,6 +292,7 @@ pub(super) fn frames(
     epoch: &MeasuredEpoch,
     selection: &Selection,
     channels: &Channels,
+    leap_s: u8,
     unsendable: &mut u64,
 ) -> impl Iterator<Item = Vec<u8>> {
     let mut planned: Vec<(char, Vec<Row>)> = Vec::new();
@@ -301,7 +302,7 @@ pub(super) fn frames(
     }
     let last = planned.len().saturating_sub(1);
     let frame = move |(index, (letter, rows)): (usize, (_, Vec<Row>))| {
-        message::frame(letter, epoch.time, index < last, &rows)
+        message::frame(letter, (epoch.time, leap_s), index < last, &rows)
     };
     planned.into_iter().enumerate().map(frame)
 }

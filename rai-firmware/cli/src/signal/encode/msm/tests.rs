@@ -95,7 +95,7 @@ fn a_library_reads_what_was_sent_and_writes_the_same_bits() {
         let epoch = epoch(&mut random, letter);
         let selection = Selection::new(&letter.to_string(), Frequency::Dual).unwrap();
         let mut unsendable = 0;
-        let bytes: Vec<u8> = frames(&epoch, &selection, &channels, &mut unsendable).flatten().collect();
+        let bytes: Vec<u8> = frames(&epoch, &selection, &channels, 18, &mut unsendable).flatten().collect();
         assert_eq!(unsendable, 0, "{letter}");
         let mut sent = Sent::new();
         let mut again = Vec::new();
@@ -163,7 +163,7 @@ fn satellite_with_any_single_band_of_the_module_is_sent() {
             for frequency in [Frequency::Single, Frequency::Dual] {
                 let selection = Selection::new("GECR", frequency).unwrap();
                 let mut unsendable = 0;
-                let sent = frames(&epoch, &selection, &channels, &mut unsendable).count();
+                let sent = frames(&epoch, &selection, &channels, 18, &mut unsendable).count();
                 assert_eq!((sent, unsendable), (1, 0), "{band:?}{attribute} {frequency:?}");
                 let rate_m_s = super::rate_m_s(system, 0, &signal);
                 assert!(rate_m_s.is_some_and(|rate_m_s| rate_m_s < -15.0), "{band:?}: no range rate");
