@@ -22,6 +22,8 @@ const IDLE_SLEEP: Duration = Duration::from_millis(300);
 /// Silence after which the line counts as silent, ms: longer than the module waits for the rest of
 /// an epoch.
 const SILENT_MS: u64 = 2000;
+/// Pause after which an epoch without an end is complete, ms: a little more than the module waits.
+const QUIET_MS: u64 = 600;
 
 /// The ports of the service, as the epoch loop sees them.
 pub(super) struct Computer<'s> {
@@ -69,7 +71,7 @@ impl<'s> Computer<'s> {
     /// Lets the module judge what a finite input has left incomplete.
     pub(super) fn drain(&mut self, receiver: &mut Receiver<Pin>) {
         // A pause that no frame has inside completes what waits.
-        receiver.tick(self.inbox.now_ms().saturating_add(1000), self.outbox);
+        receiver.tick(self.inbox.now_ms().saturating_add(QUIET_MS), self.outbox);
     }
 }
 

@@ -25,6 +25,8 @@ const PAUSE_MS: u64 = 30;
 #[derive(Debug)]
 pub(super) struct Inbox {
     clock: Arc<Clock>,
+    /// True if the source waits: its bytes count as come when they are taken.
+    waits: bool,
     state: Mutex<State>,
     arrival: Condvar,
     /// Signalled when bytes have been taken.
@@ -45,8 +47,8 @@ struct State {
 }
 
 impl Inbox {
-    pub(super) fn new(clock: Arc<Clock>) -> Self {
-        Self { clock, state: Mutex::default(), arrival: Condvar::new(), room: Condvar::new() }
+    pub(super) fn new(clock: Arc<Clock>, waits: bool) -> Self {
+        Self { clock, waits, state: Mutex::default(), arrival: Condvar::new(), room: Condvar::new() }
     }
 
     /// Milliseconds since the program started.
@@ -80,8 +82,11 @@ impl Inbox {
         self.clock.hear(bytes.len(), 0);
     }
 
-    /// Takes bytes of a source that can wait, as soon as there is room for them.
+    /// Takes bytes of a source, which may have to wait until there is room for them.
     pub(super) fn push_in_turn(&self, bytes: &[u8]) {
+        if !self.waits {
+            return self.push(bytes);
+        }
         let state = self.state();
         drop(self.room.wait_while(state, |state| state.bytes.len() + bytes.len() > MOST_BYTES));
         self.push(bytes);
@@ -153,7 +158,7 @@ impl Inbox {
         }
         drop(state);
         self.room.notify_one();
-        Taken::Bytes { count, came_ms }
+        Taken::Bytes { count, came_ms: if self.waits { now_ms } else { came_ms } }
     }
 
     /// Hands out one byte of a command.
@@ -199,7 +204,7 @@ mod tests {
 
     #[test]
     fn bytes_come_out_in_order_with_their_time() {
-        let inbox = Inbox::new(Clock::of_the_computer());
+        let inbox = Inbox::new(Clock::of_the_computer(), false);
         inbox.push(b"abc");
         inbox.push(b"de");
         let mut chunk = [0; 2];
@@ -212,7 +217,7 @@ mod tests {
 
     #[test]
     fn orbit_waits_for_a_pause_of_the_line() {
-        let inbox = Inbox::new(Clock::of_the_computer());
+        let inbox = Inbox::new(Clock::of_the_computer(), false);
         inbox.push(b"a");
         inbox.push_orbit(b"orbit".to_vec());
         let mut chunk = [0; 16];
@@ -223,8 +228,19 @@ mod tests {
     }
 
     #[test]
+    fn bytes_of_a_source_that_waits_grow_no_older() {
+        for (waits, want_ms) in [(false, 0), (true, 1000)] {
+            let clock = Clock::led();
+            let inbox = Inbox::new(Arc::clone(&clock), waits);
+            inbox.push_in_turn(b"a");
+            clock.set(Duration::from_secs(1));
+            assert_eq!(inbox.take(&mut [0; 4]), Taken::Bytes { count: 1, came_ms: want_ms });
+        }
+    }
+
+    #[test]
     fn flood_is_bounded_and_counted() {
-        let inbox = Inbox::new(Clock::of_the_computer());
+        let inbox = Inbox::new(Clock::of_the_computer(), false);
         for _ in 0..2 * MOST_BYTES / 1024 {
             inbox.push(&[0; 1024]);
         }

@@ -15,6 +15,7 @@ use std::time::Duration;
 use anyhow::{Context as _, Result, bail};
 
 use super::inbox::Inbox;
+use super::played;
 use crate::serial;
 
 /// Rate of a serial port if none is named: the module's own first guess.
@@ -64,6 +65,43 @@ impl fmt::Display for Source {
             Self::Tcp(address) => write!(f, "tcp://{address}"),
             Self::Standard => f.write_str("standard input"),
         }
+    }
+}
+
+/// The kinds of input, by what a stop of it means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Nature {
+    /// A file: it has an end, and its time is that of its epochs.
+    File,
+    /// A pipe: it has an end and waits for its reader, and it may be that of a receiver.
+    Pipe,
+    /// A line that waits for nobody.
+    Live,
+}
+
+impl Nature {
+    /// Returns the nature of a source.
+    pub(super) fn of(source: &Source) -> Self {
+        match source {
+            Source::Standard => Self::of_standard_input(),
+            Source::Serial(..) | Source::Tcp(_) => Self::Live,
+        }
+    }
+
+    #[cfg(unix)]
+    fn of_standard_input() -> Self {
+        use std::os::unix::fs::FileTypeExt as _;
+        match std::fs::metadata(played::NAME).map(|metadata| metadata.file_type()) {
+            // It is opened by its name, which only Linux allows again from its beginning.
+            Ok(kind) if kind.is_file() && cfg!(target_os = "linux") => Self::File,
+            Ok(kind) if kind.is_file() || kind.is_fifo() => Self::Pipe,
+            _ => Self::Live,
+        }
+    }
+
+    #[cfg(not(unix))]
+    fn of_standard_input() -> Self {
+        if io::stdin().is_terminal() { Self::Live } else { Self::Pipe }
     }
 }
 
@@ -117,13 +155,13 @@ fn keep_reading(source: &Source, first: Option<Port>, inbox: &Inbox, stop: &Atom
     while !stop.load(Ordering::Relaxed) {
         match port.take().map_or_else(|| open(source), Ok) {
             Ok(open) => {
-                // Standard input is whole from its first byte, and a pipe can wait.
-                let can_wait = *source == Source::Standard;
-                if !can_wait {
+                // Standard input is whole from its first byte, and ends once.
+                let is_standard = *source == Source::Standard;
+                if !is_standard {
                     inbox.interrupt();
                 }
-                let (count, reason) = read(open, can_wait, inbox, stop);
-                if can_wait {
+                let (count, reason) = read(open, inbox, stop);
+                if is_standard {
                     return inbox.end();
                 }
                 if count > 0 {
@@ -139,18 +177,13 @@ fn keep_reading(source: &Source, first: Option<Port>, inbox: &Inbox, stop: &Atom
 }
 
 /// Reads until the port ends; returns how many bytes came, and why it ended.
-fn read(mut port: Port, can_wait: bool, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
+fn read(mut port: Port, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
     let (mut bytes, mut total, mut last) = ([0; 4096], 0, inbox.clock().now());
     while !stop.load(Ordering::Relaxed) {
         match port.read(&mut bytes) {
             Ok(0) => return (total, "the other side has closed it".into()),
             Ok(count) => {
-                let bytes = bytes.get(..count).unwrap_or_default();
-                if can_wait {
-                    inbox.push_in_turn(bytes);
-                } else {
-                    inbox.push(bytes);
-                }
+                inbox.push_in_turn(bytes.get(..count).unwrap_or_default());
                 total += count as u64;
                 last = inbox.clock().now();
             }

@@ -56,19 +56,16 @@ use clients::Clients;
 use clock::Clock;
 use guard::Guard;
 use inbox::Inbox;
-use input::Source;
+use input::Nature;
 use log::Log;
-use outbox::Outbox;
+use outbox::{Outbox, Wait};
 use pin::{Pin, Wire};
 use report::Recorder;
 
 pub use plan::{Arguments, Plan};
 
-/// Longest wait for a consumer of a file's sentences.
-const FILE_PATIENCE: Duration = Duration::from_hours(1);
-/// Longest wait for a consumer of a pipe's sentences. The dozen sentences of an epoch wait for less
-/// than the guard's patience.
-const PIPE_PATIENCE: Duration = Duration::from_millis(50);
+/// Wait for a consumer after which the pin falls, because nothing is judged meanwhile.
+const LONGEST_HIGH: Duration = Duration::from_millis(500);
 
 /// Runs the service as the command line asks, until the input ends or a signal stops it.
 ///
@@ -108,18 +105,13 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
     let _lowered = Lowered { wire, clock };
     // The pin first: it is low before anything else can fail.
     wire.lower().context("the pin cannot be set")?;
-    let inbox = Arc::new(Inbox::new(Arc::clone(clock)));
-    let is_file = plan.input == Source::Standard && played::is_file();
-    // A file waits for its readers. A pipe may be that of a receiver, for which the epoch loop must
-    // come round.
-    let patience = match plan.input {
-        Source::Standard if is_file => FILE_PATIENCE,
-        Source::Standard => PIPE_PATIENCE,
-        _ => Duration::ZERO,
-    };
-    let mut outbox = Outbox::new(patience);
+    let nature = Nature::of(&plan.input);
+    let (is_file, waits) = (nature == Nature::File, nature != Nature::Live);
+    let inbox = Arc::new(Inbox::new(Arc::clone(clock), waits));
+    let guard = (!is_file).then(|| Arc::new(Guard::start(wire, stop)));
+    let mut outbox = Outbox::new(waits.then(|| wait(wire, clock, stop, guard.clone())));
     outbox.keep_log(Log::new(plan.log));
-    let mut clients = Clients::new(plan.clients, is_file)?;
+    let mut clients = Clients::new(plan.clients, waits)?;
     for output in &plan.outputs {
         output::open(output, &mut outbox, &inbox, &mut clients).with_context(|| output.to_string())?;
     }
@@ -129,15 +121,15 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
     }
     let mut recorder = plan.report.clone().map(|folder| Recorder::new(folder, plan.input.to_string()));
     outbox.keep_tape(recorder.is_some());
-    let configuration = if is_file {
-        Some(played::play(plan, wire, &mut outbox, recorder.as_mut(), stop)?)
-    } else {
-        live(plan, wire, &inbox, &mut outbox, recorder.as_mut(), stop)?
+    let configuration = match &guard {
+        None => Some(played::play(plan, wire, &mut outbox, recorder.as_mut(), stop)?),
+        Some(guard) => live(plan, (wire, guard), &inbox, &mut outbox, recorder.as_mut(), stop)?,
     };
     wire.lower().context("the pin cannot be set")?;
     let is_finite = is_file || inbox.has_ended();
-    let lost = [inbox.dropped(), outbox.lost()];
+    let lost = (inbox.dropped(), Arc::clone(&outbox.for_clients().0));
     let errors = outbox.close();
+    let lost = [lost.0, lost.1.load(Ordering::Relaxed)];
     if let Some((recorder, configuration)) = recorder.zip(configuration) {
         recorder.end(&configuration)?;
     }
@@ -147,18 +139,17 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
 /// Runs the module in real time; returns its settings at the end.
 fn live(
     plan: &Plan,
-    wire: &Arc<Wire>,
+    (wire, guard): (&Arc<Wire>, &Guard),
     inbox: &Arc<Inbox>,
     outbox: &mut Outbox,
     mut recorder: Option<&mut Recorder>,
     stop: &Arc<AtomicBool>,
 ) -> Result<Option<Configuration>> {
-    let guard = Guard::start(wire, stop);
     let mut sealed = Box::new([0; SEALED_BYTES]);
     let (mut after_power_on, mut configuration) = (true, None);
     while !stop.load(Ordering::Relaxed) && !inbox.has_ended() {
         let mut receiver = receiver(wire)?;
-        let mut board = Computer::new(inbox, outbox, &mut sealed, &guard, wire, recorder.as_deref_mut());
+        let mut board = Computer::new(inbox, outbox, &mut sealed, guard, wire, recorder.as_deref_mut());
         receiver.restore(board.sealed_memory(), after_power_on);
         apply(plan, &mut receiver)?;
         if after_power_on {
@@ -182,6 +173,23 @@ fn live(
         after_power_on = false;
     }
     Ok(configuration)
+}
+
+/// Returns how a file or a pipe waits for a consumer: time stands still, the guard is content, and
+/// the pin falls.
+fn wait(wire: &Arc<Wire>, clock: &Arc<Clock>, stop: &Arc<AtomicBool>, guard: Option<Arc<Guard>>) -> Wait {
+    let (wire, held, after) = (Arc::clone(wire), Arc::clone(clock), Arc::clone(clock));
+    let meanwhile = move |waited: Duration| {
+        held.hold();
+        if let Some(guard) = &guard {
+            guard.feed();
+        }
+        if waited > LONGEST_HIGH && wire.is_high() {
+            // If it fails, the next look tries again.
+            let _ = wire.drive(false);
+        }
+    };
+    Wait { stop: Arc::clone(stop), meanwhile: Arc::new(meanwhile), after: Arc::new(move || after.go_on()) }
 }
 
 /// Reports what was lost. A finite input could have waited, so that a loss of it is an error.

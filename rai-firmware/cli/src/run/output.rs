@@ -262,7 +262,7 @@ mod tests {
 
     #[test]
     fn full_disk_costs_no_other_consumer_a_sentence() {
-        let mut outbox = Outbox::new(Duration::ZERO);
+        let mut outbox = Outbox::new(None);
         let (hear, heard) = std::sync::mpsc::channel();
         let full = OpenOptions::new().write(true).open("/dev/full").expect("the device of Linux");
         let (give_up, gave_up) = std::sync::mpsc::channel();
