@@ -9,6 +9,7 @@ use raim_firmware::board::{Board, HOST_OUT_BYTES, Note, PortLosses, SEALED_BYTES
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::timed_ring::Taken;
 
+use super::contact::{Contact, Progress};
 use super::guard::Guard;
 use super::inbox::Inbox;
 use super::outbox::Outbox;
@@ -29,6 +30,7 @@ const QUIET_MS: u64 = 600;
 pub(super) struct Computer<'s> {
     inbox: &'s Inbox,
     outbox: &'s mut Outbox,
+    contact: &'s mut Contact,
     sealed: &'s mut [u8; SEALED_BYTES],
     guard: &'s Guard,
     wire: &'s Wire,
@@ -38,13 +40,26 @@ pub(super) struct Computer<'s> {
 impl<'s> Computer<'s> {
     pub(super) fn new(
         inbox: &'s Inbox,
-        outbox: &'s mut Outbox,
+        (outbox, contact): (&'s mut Outbox, &'s mut Contact),
         sealed: &'s mut [u8; SEALED_BYTES],
-        guard: &'s Guard,
-        wire: &'s Wire,
+        (guard, wire): (&'s Guard, &'s Wire),
         recorder: Option<&'s mut Recorder>,
     ) -> Self {
-        Self { inbox, outbox, sealed, guard, wire, recorder }
+        Self { inbox, outbox, contact, sealed, guard, wire, recorder }
+    }
+
+    /// Looks at what the module has made of the receiver's bytes.
+    pub(super) fn look(&mut self, receiver: &Receiver<Pin>) {
+        let report = receiver.last_report();
+        let progress = Progress {
+            frames: receiver.frames(),
+            has_epoch: report.is_some(),
+            has_position: report.is_some_and(|report| report.solution.is_some()),
+            fixed: receiver.configuration().bit_rate.rate(),
+        };
+        if let Some(words) = self.contact.look(progress, self.inbox.now_ms()) {
+            eprintln!("{words}");
+        }
     }
 
     /// Passes the sentences since the last call to the recorder, if there is one.
@@ -81,6 +96,9 @@ impl Board for Computer<'_> {
 
     fn gnss(&mut self, chunk: &mut [u8]) -> Taken {
         let taken = self.inbox.take(chunk);
+        if let Taken::Bytes { count, came_ms } = &taken {
+            self.contact.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);
+        }
         if let (Some(recorder), Taken::Bytes { count, came_ms }) = (&mut self.recorder, &taken) {
             recorder.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);
         }
@@ -141,7 +159,7 @@ impl Board for Computer<'_> {
         self.sealed
     }
 
-    // The rate of a serial port is set where it is named.
+    // `Contact` has the rate of the port: its trial begins at the rate that the user has named.
     fn set_gnss_rate(&mut self, _: u32) {}
 
     fn note(&mut self, _: Note) {}

@@ -2,17 +2,19 @@
 //!
 //! A port that fails or ends is opened again, after a pause that doubles from a quarter of a second
 //! to eight. Meanwhile nothing arrives, so the module reports `STALE` and drops the pin by itself.
+//! A serial port takes another rate when [`super::contact`] asks for one.
 
 use std::fmt;
 use std::io::{self, IsTerminal as _, Read};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::str::FromStr;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
+use serialport::SerialPort;
 
 use super::inbox::Inbox;
 use super::played;
@@ -110,10 +112,16 @@ impl Nature {
 /// # Errors
 /// If a serial port does not exist when the service starts: a wrong name should not be retried
 /// forever.
-pub(super) fn start(source: &Source, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) -> Result<()> {
+pub(super) fn start(
+    source: &Source,
+    rate: &Arc<AtomicU32>,
+    inbox: &Arc<Inbox>,
+    stop: &Arc<AtomicBool>,
+) -> Result<()> {
     let (source, inbox, stop) = (source.clone(), Arc::clone(inbox), Arc::clone(stop));
+    let rate = Arc::clone(rate);
     let first = match &source {
-        Source::Serial(..) => Some(open(&source).with_context(|| source.to_string())?),
+        Source::Serial(..) => Some(open(&source, &rate).with_context(|| source.to_string())?),
         Source::Standard if io::stdin().is_terminal() => {
             // Otherwise it would seem to hang.
             eprintln!(
@@ -123,18 +131,57 @@ pub(super) fn start(source: &Source, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>)
         }
         Source::Tcp(_) | Source::Standard => None,
     };
-    thread::spawn(move || keep_reading(&source, first, &inbox, &stop));
+    thread::spawn(move || keep_reading(&source, &rate, first, &inbox, &stop));
     Ok(())
 }
 
-/// An open source, and whether its end is the end of all.
-type Port = Box<dyn Read + Send>;
+/// Returns the rate of a source at start, bit/s, which its reader follows.
+pub(super) fn rate_of(source: &Source) -> Arc<AtomicU32> {
+    Arc::new(AtomicU32::new(match source {
+        Source::Serial(_, baud) => *baud,
+        Source::Tcp(_) | Source::Standard => 0,
+    }))
+}
 
-fn open(source: &Source) -> Result<Port> {
+/// An open source.
+enum Port {
+    /// One without a rate.
+    Plain(Box<dyn Read + Send>),
+    /// A serial port, at this rate.
+    Serial(Box<dyn SerialPort>, u32),
+}
+
+impl Port {
+    /// Takes this rate; returns true if the port had another one.
+    fn follow(&mut self, baud: u32) -> io::Result<bool> {
+        match self {
+            Self::Serial(port, now) if *now != baud => {
+                port.set_baud_rate(baud)?;
+                *now = baud;
+                Ok(true)
+            }
+            _ => Ok(false),
+        }
+    }
+}
+
+impl Read for Port {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Plain(port) => port.read(into),
+            Self::Serial(port, _) => port.read(into),
+        }
+    }
+}
+
+fn open(source: &Source, rate: &AtomicU32) -> Result<Port> {
     Ok(match source {
-        Source::Standard => Box::new(io::stdin()),
-        Source::Serial(port, baud) => Box::new(serial::open(port, *baud, READ_TIMEOUT)?),
-        Source::Tcp(address) => Box::new(connect(address)?),
+        Source::Standard => Port::Plain(Box::new(io::stdin())),
+        Source::Serial(port, _) => {
+            let baud = rate.load(Ordering::Relaxed);
+            Port::Serial(serial::open(port, baud, READ_TIMEOUT)?, baud)
+        }
+        Source::Tcp(address) => Port::Plain(Box::new(connect(address)?)),
     })
 }
 
@@ -149,18 +196,18 @@ pub(super) fn connect(address: &str) -> Result<TcpStream> {
     Ok(stream)
 }
 
-fn keep_reading(source: &Source, first: Option<Port>, inbox: &Inbox, stop: &AtomicBool) {
+fn keep_reading(source: &Source, rate: &AtomicU32, first: Option<Port>, inbox: &Inbox, stop: &AtomicBool) {
     let mut pause = FIRST_PAUSE;
     let mut port = first;
     while !stop.load(Ordering::Relaxed) {
-        match port.take().map_or_else(|| open(source), Ok) {
+        match port.take().map_or_else(|| open(source, rate), Ok) {
             Ok(open) => {
                 // Standard input is whole from its first byte, and ends once.
                 let is_standard = *source == Source::Standard;
                 if !is_standard {
                     inbox.interrupt();
                 }
-                let (count, reason) = read(open, inbox, stop);
+                let (count, reason) = read(open, rate, inbox, stop);
                 if is_standard {
                     return inbox.end();
                 }
@@ -177,9 +224,14 @@ fn keep_reading(source: &Source, first: Option<Port>, inbox: &Inbox, stop: &Atom
 }
 
 /// Reads until the port ends; returns how many bytes came, and why it ended.
-fn read(mut port: Port, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
+fn read(mut port: Port, rate: &AtomicU32, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
     let (mut bytes, mut total, mut last) = ([0; 4096], 0, inbox.clock().now());
     while !stop.load(Ordering::Relaxed) {
+        match port.follow(rate.load(Ordering::Relaxed)) {
+            Ok(true) => inbox.interrupt(),
+            Ok(false) => {}
+            Err(error) => return (total, format!("cannot have another rate: {error}")),
+        }
         match port.read(&mut bytes) {
             Ok(0) => return (total, "the other side has closed it".into()),
             Ok(count) => {

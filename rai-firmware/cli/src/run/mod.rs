@@ -11,6 +11,7 @@
 //! | [`plan`] | reads the command line and the configuration file |
 //! | `input`, `caster`, `inbox` | read bytes with their time of arrival, and reconnect |
 //! | `board` | implements the firmware's `Board` on a computer |
+//! | `contact` | finds the rate of a port, and says what the receiver's bytes lack |
 //! | `played` | plays a file on standard input, in the time of its epochs |
 //! | `outbox`, `output`, `clients` | send sentences to consumers, none of which another one waits for |
 //! | [`pin`], `actuator`, `reserve` | drive the integrity pin, whatever the computer has run out of |
@@ -28,6 +29,7 @@ mod board;
 mod caster;
 mod clients;
 pub mod clock;
+mod contact;
 mod guard;
 mod inbox;
 mod input;
@@ -54,6 +56,7 @@ use raim_firmware::settings::Configuration;
 use board::Computer;
 use clients::Clients;
 use clock::Clock;
+use contact::Contact;
 use guard::Guard;
 use inbox::Inbox;
 use input::Nature;
@@ -147,14 +150,22 @@ fn live(
 ) -> Result<Option<Configuration>> {
     let mut sealed = Box::new([0; SEALED_BYTES]);
     let (mut after_power_on, mut configuration) = (true, None);
+    let rate = input::rate_of(&plan.input);
+    let mut contact = Contact::new(&plan.input, &rate, plan.caster.is_some());
     while !stop.load(Ordering::Relaxed) && !inbox.has_ended() {
         let mut receiver = receiver(wire)?;
-        let mut board = Computer::new(inbox, outbox, &mut sealed, guard, wire, recorder.as_deref_mut());
+        let mut board = Computer::new(
+            inbox,
+            (&mut *outbox, &mut contact),
+            &mut sealed,
+            (guard, wire),
+            recorder.as_deref_mut(),
+        );
         receiver.restore(board.sealed_memory(), after_power_on);
         apply(plan, &mut receiver)?;
         if after_power_on {
             // The settings are in force before the first byte.
-            input::start(&plan.input, inbox, stop)?;
+            input::start(&plan.input, &rate, inbox, stop)?;
             if let Some(caster) = &plan.caster {
                 caster::start(caster.clone(), inbox, stop);
             }
@@ -165,12 +176,17 @@ fn live(
         let mut epochs = EpochLoop::new();
         while !receiver.reset_requested() && !stop.load(Ordering::Relaxed) && !board.has_ended() {
             epochs.pass(&mut board, &mut receiver);
+            board.look(&receiver);
             board.record(&receiver);
         }
         board.drain(&mut receiver);
+        board.look(&receiver);
         board.record(&receiver);
         configuration = Some(*receiver.configuration());
         after_power_on = false;
+    }
+    if inbox.has_ended() {
+        contact.end()?;
     }
     Ok(configuration)
 }
