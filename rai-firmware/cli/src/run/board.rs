@@ -2,10 +2,14 @@
 
 use std::convert::Infallible;
 use std::time::Duration;
+#[cfg(unix)]
+use std::time::SystemTime;
 
 use embedded_io::{ErrorType, Write};
 use raim_firmware::board::reset::ResetCause;
 use raim_firmware::board::{Board, HOST_OUT_BYTES, Note, PortLosses, SEALED_BYTES};
+#[cfg(unix)]
+use raim_firmware::output::nmea::GPS_MINUS_UTC_S;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::timed_ring::Taken;
 
@@ -15,6 +19,8 @@ use super::inbox::Inbox;
 use super::outbox::Outbox;
 use super::pin::{Pin, Wire};
 use super::report::Recorder;
+#[cfg(unix)]
+use super::time_server::{Sample, TimeServer};
 
 /// Longest sleep of the loop while the pin is high or bytes have come lately.
 const LONGEST_SLEEP: Duration = Duration::from_millis(50);
@@ -81,6 +87,29 @@ impl<'s> Computer<'s> {
     /// Returns true once a finite input has ended and all of it was judged.
     pub(super) fn has_ended(&self) -> bool {
         self.inbox.has_ended()
+    }
+
+    /// Tells the time of an epoch that was protected.
+    #[cfg(unix)]
+    pub(super) fn tell_time(&mut self, receiver: &Receiver<Pin>, servers: &mut [TimeServer]) {
+        /// Speed of light, m/s.
+        const C_M_S: f64 = 299_792_458.0;
+        if !self.outbox.take_protected() || servers.is_empty() {
+            return;
+        }
+        let clock_m =
+            receiver.last_report().and_then(|report| report.solution.as_ref()).and_then(|solution| {
+                // The systems differ by less than a microsecond.
+                solution.clocks_m.iter().copied().flatten().next()
+            });
+        let (Some(epoch), Some(clock_m)) = (receiver.last_epoch(), clock_m) else { return };
+        let age = self.inbox.burst_age();
+        let leap_s = receiver.leap_second().map_or(GPS_MINUS_UTC_S, |leap| leap.seconds);
+        let came = SystemTime::now() - age;
+        let sample = Sample { gps_s: epoch.time_s() - clock_m / C_M_S, leap_s, came, age };
+        for server in servers {
+            server.tell(&sample);
+        }
     }
 
     /// Lets the module judge what a finite input has left incomplete.

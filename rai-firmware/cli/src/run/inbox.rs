@@ -39,6 +39,9 @@ struct State {
     /// The number of bytes that came at each instant, in ms, oldest first.
     arrivals: VecDeque<(usize, u64)>,
     last_ms: u64,
+    /// Arrival of the last bytes that were taken, and of the first of them after a pause, ms.
+    taken_ms: u64,
+    burst_ms: u64,
     orbits: VecDeque<Vec<u8>>,
     commands: VecDeque<u8>,
     is_broken: bool,
@@ -156,9 +159,18 @@ impl Inbox {
             Some(front) if many > count => front.0 = many - count,
             _ => drop(state.arrivals.pop_front()),
         }
+        if came_ms.saturating_sub(state.taken_ms) >= PAUSE_MS {
+            state.burst_ms = came_ms;
+        }
+        state.taken_ms = came_ms;
         drop(state);
         self.room.notify_one();
         Taken::Bytes { count, came_ms: if self.waits { now_ms } else { came_ms } }
+    }
+
+    /// Returns the time since the first byte after a pause came of those that were taken last.
+    pub(super) fn burst_age(&self) -> Duration {
+        Duration::from_millis(self.now_ms().saturating_sub(self.state().burst_ms))
     }
 
     /// Hands out one byte of a command.
@@ -213,6 +225,18 @@ mod tests {
             have.extend_from_slice(&chunk[..count]);
         }
         assert_eq!(have, b"abcde");
+    }
+
+    #[test]
+    fn age_is_that_of_the_first_byte_after_a_pause() {
+        let clock = Clock::led();
+        let inbox = Inbox::new(Arc::clone(&clock), false);
+        for (now_ms, want_ms) in [(1000, 0), (1029, 29), (1058, 58), (2000, 0)] {
+            clock.set(Duration::from_millis(now_ms));
+            inbox.push(b"a");
+            inbox.take(&mut [0; 4]);
+            assert_eq!(inbox.burst_age(), Duration::from_millis(want_ms));
+        }
     }
 
     #[test]

@@ -14,6 +14,7 @@
 //! | `contact` | finds the rate of a port, and says what the receiver's bytes lack |
 //! | `played` | plays a file on standard input, in the time of its epochs |
 //! | `outbox`, `output`, `clients` | send sentences to consumers, none of which another one waits for |
+//! | `time_server` | tells chrony the time of protected epochs |
 //! | [`pin`], `actuator`, `reserve` | drive the integrity pin, whatever the computer has run out of |
 //! | `signals` | lowers the pin before a signal or a panic ends the program |
 //! | [`clock`] | has the time, which a test may move |
@@ -42,12 +43,14 @@ mod played;
 mod report;
 mod reserve;
 mod signals;
+#[cfg(unix)]
+mod time_server;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use raim_firmware::board::SEALED_BYTES;
 use raim_firmware::epoch_loop::EpochLoop;
 use raim_firmware::receiver::{Boot, Receiver};
@@ -62,6 +65,7 @@ use inbox::Inbox;
 use input::Nature;
 use log::Log;
 use outbox::{Outbox, Wait};
+use output::Sink;
 use pin::{Pin, Wire};
 use report::Recorder;
 
@@ -109,6 +113,10 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
     // The pin first: it is low before anything else can fail.
     wire.lower().context("the pin cannot be set")?;
     let nature = Nature::of(&plan.input);
+    ensure!(
+        nature == Nature::Live || !plan.outputs.iter().any(|output| matches!(output, Sink::Chrony(_))),
+        "chrony: takes the time of a receiver on a serial port or over TCP; that of a file or a pipe may be of the past"
+    );
     let (is_file, waits) = (nature == Nature::File, nature != Nature::Live);
     let inbox = Arc::new(Inbox::new(Arc::clone(clock), waits));
     let guard = (!is_file).then(|| Arc::new(Guard::start(wire, stop)));
@@ -151,6 +159,8 @@ fn live(
     let mut sealed = Box::new([0; SEALED_BYTES]);
     let (mut after_power_on, mut configuration) = (true, None);
     let rate = input::rate_of(&plan.input);
+    #[cfg(unix)]
+    let mut servers = time_servers(plan)?;
     let mut contact = Contact::new(&plan.input, &rate, plan.caster.is_some());
     while !stop.load(Ordering::Relaxed) && !inbox.has_ended() {
         let mut receiver = receiver(wire)?;
@@ -177,6 +187,8 @@ fn live(
         while !receiver.reset_requested() && !stop.load(Ordering::Relaxed) && !board.has_ended() {
             epochs.pass(&mut board, &mut receiver);
             board.look(&receiver);
+            #[cfg(unix)]
+            board.tell_time(&receiver, &mut servers);
             board.record(&receiver);
         }
         board.drain(&mut receiver);
@@ -189,6 +201,16 @@ fn live(
         contact.end()?;
     }
     Ok(configuration)
+}
+
+/// Returns the consumers of the time.
+#[cfg(unix)]
+fn time_servers(plan: &Plan) -> Result<Vec<time_server::TimeServer>> {
+    let paths = plan.outputs.iter().filter_map(|output| match output {
+        Sink::Chrony(path) => Some(path),
+        _ => None,
+    });
+    paths.map(|path| time_server::TimeServer::at(path)).collect()
 }
 
 /// Returns how a file or a pipe waits for a consumer: time stands still, the guard is content, and

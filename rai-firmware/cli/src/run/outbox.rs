@@ -90,6 +90,8 @@ pub(super) struct Outbox {
     /// Sentences for the report; `None` if there is none.
     tape: Option<Vec<u8>>,
     log: Log,
+    /// True if a sentence has said that the position is protected.
+    is_protected: bool,
 }
 
 impl Outbox {
@@ -103,6 +105,7 @@ impl Outbox {
             done: channel(),
             tape: None,
             log: Log::new(None),
+            is_protected: false,
         }
     }
 
@@ -155,6 +158,11 @@ impl Outbox {
         self.tape.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
+    /// Returns true if an epoch was reported as protected since the last call.
+    pub(super) fn take_protected(&mut self) -> bool {
+        std::mem::take(&mut self.is_protected)
+    }
+
     /// Messages that a consumer's full queue has lost.
     pub(super) fn lost(&self) -> u32 {
         self.lost.load(Ordering::Relaxed)
@@ -171,7 +179,7 @@ impl Outbox {
         if let Some(tape) = self.tape.as_mut().filter(|_| kind == Kind::Nmea) {
             tape.extend_from_slice(message);
         }
-        self.log.hear(message);
+        self.is_protected |= self.log.hear(message) == Some('P');
         let message: Arc<[u8]> = message.into();
         let Self { consumers, lost, wait, .. } = self;
         consumers.retain(|consumer| {

@@ -38,6 +38,9 @@ pub enum Sink {
     MavlinkUdp(String),
     /// `mavlink-serial:/dev/ttyS1@57600`: `MAVLink` on a serial port.
     MavlinkSerial(String, u32),
+    /// `chrony:/run/chrony.rai.sock`: the time of protected epochs for chronyd, which makes the
+    /// socket.
+    Chrony(PathBuf),
 }
 
 impl FromStr for Sink {
@@ -49,6 +52,9 @@ impl FromStr for Sink {
         }
         if let Some(path) = text.strip_prefix("pty:") {
             return Ok(Self::Pty(path.into()));
+        }
+        if let Some(path) = text.strip_prefix("chrony:") {
+            return Ok(Self::Chrony(path.into()));
         }
         if let Some(address) = text.strip_prefix("tcp://") {
             return Ok(Self::Tcp(address.to_owned()));
@@ -67,8 +73,8 @@ impl FromStr for Sink {
             return Ok(Self::MavlinkSerial(port.to_owned(), baud));
         }
         bail!(
-            "an output is -, pty:PATH, tcp://ADDRESS:PORT, udp://ADDRESS:PORT, mavlink-udp://ADDRESS:PORT \
-             or mavlink-serial:PORT@BAUD, not `{text}`"
+            "an output is -, pty:PATH, tcp://ADDRESS:PORT, udp://ADDRESS:PORT, mavlink-udp://ADDRESS:PORT, \
+             mavlink-serial:PORT@BAUD or chrony:PATH, not `{text}`"
         )
     }
 }
@@ -78,6 +84,7 @@ impl fmt::Display for Sink {
         match self {
             Self::Standard => f.write_str("standard output"),
             Self::Pty(path) => write!(f, "pty:{}", path.display()),
+            Self::Chrony(path) => write!(f, "chrony:{}", path.display()),
             Self::Tcp(address) => write!(f, "tcp://{address}"),
             Self::Udp(address) => write!(f, "udp://{address}"),
             Self::MavlinkUdp(address) => write!(f, "mavlink-udp://{address}"),
@@ -106,6 +113,8 @@ pub(super) fn open(
         }
         Sink::Tcp(address) => clients.listen(address)?,
         Sink::Pty(path) => terminal(path, outbox, inbox)?,
+        // It gets no messages: `time_server` sends it the time of epochs.
+        Sink::Chrony(_) => {}
     }
     Ok(())
 }

@@ -42,7 +42,7 @@ pub struct Arguments {
     #[arg(long, value_name = "CASTER")]
     pub caster: Option<String>,
     /// Consumer: -, pty:PATH, tcp://ADDRESS:PORT, udp://ADDRESS:PORT, mavlink-udp://ADDRESS:PORT,
-    /// mavlink-serial:PORT@BAUD; repeatable. Standard output unless one is given.
+    /// mavlink-serial:PORT@BAUD, chrony:PATH; repeatable. Standard output unless one is given.
     #[arg(long, short, value_name = "SINK")]
     pub output: Vec<String>,
     /// Integrity pin: gpio:CHIP:LINE, file:PATH, or exec:PROGRAM (called with high or low).

@@ -143,3 +143,16 @@ fn termination_cuts_no_sentence_and_waits_for_no_reader() {
         }
     }
 }
+
+#[test]
+fn time_of_a_recording_is_refused() {
+    for kind in ["file", "pipe"] {
+        let mut service = Command::new(std::env::current_exe().unwrap());
+        service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
+        service.env(ARGUMENTS, "--output=chrony:/nowhere/x.sock").env("RUST_TEST_THREADS", "1");
+        let input = if kind == "file" { File::open("Cargo.toml").unwrap().into() } else { Stdio::piped() };
+        let output = service.stdin(input).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && said.contains("may be of the past"), "{said}");
+    }
+}
