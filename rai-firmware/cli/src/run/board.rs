@@ -17,6 +17,7 @@ use super::contact::{Contact, Progress};
 use super::guard::Guard;
 use super::inbox::Inbox;
 use super::outbox::Outbox;
+use super::page::Page;
 use super::pin::{Pin, Wire};
 use super::report::Recorder;
 #[cfg(unix)]
@@ -41,6 +42,7 @@ pub(super) struct Computer<'s> {
     guard: &'s Guard,
     wire: &'s Wire,
     recorder: Option<&'s mut Recorder>,
+    page: Option<&'s mut Page>,
 }
 
 impl<'s> Computer<'s> {
@@ -49,9 +51,9 @@ impl<'s> Computer<'s> {
         (outbox, contact): (&'s mut Outbox, &'s mut Contact),
         sealed: &'s mut [u8; SEALED_BYTES],
         (guard, wire): (&'s Guard, &'s Wire),
-        recorder: Option<&'s mut Recorder>,
+        (recorder, page): (Option<&'s mut Recorder>, Option<&'s mut Page>),
     ) -> Self {
-        Self { inbox, outbox, contact, sealed, guard, wire, recorder }
+        Self { inbox, outbox, contact, sealed, guard, wire, recorder, page }
     }
 
     /// Looks at what the module has made of the receiver's bytes.
@@ -68,10 +70,13 @@ impl<'s> Computer<'s> {
         }
     }
 
-    /// Passes the sentences since the last call to the recorder, if there is one.
+    /// Passes the sentences since the last call to the recorder and to the page, if there are such.
     pub(super) fn record(&mut self, receiver: &Receiver<Pin>) {
+        let said = self.outbox.take_tape();
+        if let Some(page) = &mut self.page {
+            page.note(&said, receiver);
+        }
         if let Some(recorder) = &mut self.recorder {
-            let said = self.outbox.take_tape();
             recorder.note(&said, receiver, receiver.pin().is_high(), self.inbox.now_ms());
         }
     }
@@ -127,6 +132,9 @@ impl Board for Computer<'_> {
         let taken = self.inbox.take(chunk);
         if let Taken::Bytes { count, came_ms } = &taken {
             self.contact.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);
+        }
+        if let (Some(page), Taken::Bytes { count, came_ms }) = (&mut self.page, &taken) {
+            page.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);
         }
         if let (Some(recorder), Taken::Bytes { count, came_ms }) = (&mut self.recorder, &taken) {
             recorder.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);

@@ -20,6 +20,7 @@
 //! | [`clock`] | has the time, which a test may move |
 //! | [`log`] | reports the start and each change of the state |
 //! | `report` | takes notes of every epoch, for a page as `replay` writes it |
+//! | `page` | serves a page of the running module |
 //! | `guard` | drops the pin and ends the program if the epoch loop hangs |
 //!
 //! The epoch loop runs in the calling thread. Every port has a thread of its own, with a bounded
@@ -37,6 +38,7 @@ mod input;
 pub mod log;
 mod outbox;
 mod output;
+mod page;
 pub mod pin;
 pub mod plan;
 mod played;
@@ -66,6 +68,7 @@ use input::Nature;
 use log::Log;
 use outbox::{Outbox, Wait};
 use output::Sink;
+use page::Page;
 use pin::{Pin, Wire};
 use report::Recorder;
 
@@ -114,6 +117,10 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
     wire.lower().context("the pin cannot be set")?;
     let nature = Nature::of(&plan.input);
     ensure!(
+        nature != Nature::File || plan.page.is_none(),
+        "--page shows a running module; `replay --report` shows a file"
+    );
+    ensure!(
         nature == Nature::Live || !plan.outputs.iter().any(|output| matches!(output, Sink::Chrony(_))),
         "chrony: takes the time of a receiver on a serial port or over TCP; that of a file or a pipe may be of the past"
     );
@@ -131,7 +138,7 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
         outbox.add_clients(clients.start(lost, done)?);
     }
     let mut recorder = plan.report.clone().map(|folder| Recorder::new(folder, plan.input.to_string()));
-    outbox.keep_tape(recorder.is_some());
+    outbox.keep_tape(recorder.is_some() || plan.page.is_some());
     let configuration = match &guard {
         None => Some(played::play(plan, wire, &mut outbox, recorder.as_mut(), stop)?),
         Some(guard) => live(plan, (wire, guard), &inbox, &mut outbox, recorder.as_mut(), stop)?,
@@ -159,6 +166,8 @@ fn live(
     let mut sealed = Box::new([0; SEALED_BYTES]);
     let (mut after_power_on, mut configuration) = (true, None);
     let rate = input::rate_of(&plan.input);
+    let serve = |address: &String| Page::serve(address, plan.clients, plan.input.to_string(), &plan.settings);
+    let mut page = plan.page.as_ref().map(serve).transpose().context("--page")?;
     #[cfg(unix)]
     let mut servers = time_servers(plan)?;
     let mut contact = Contact::new(&plan.input, &rate, plan.caster.is_some());
@@ -169,7 +178,7 @@ fn live(
             (&mut *outbox, &mut contact),
             &mut sealed,
             (guard, wire),
-            recorder.as_deref_mut(),
+            (recorder.as_deref_mut(), page.as_mut()),
         );
         receiver.restore(board.sealed_memory(), after_power_on);
         apply(plan, &mut receiver)?;

@@ -57,6 +57,9 @@ pub struct Arguments {
     /// Write a report into this folder, every ten minutes and at the end: one HTML page.
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
+    /// Serve a page of the running module here, read only: ADDRESS:PORT, or a PORT of this computer.
+    #[arg(long, value_name = "ADDRESS")]
+    pub page: Option<String>,
     /// Only drive the pin low, and end: what a service manager calls after the service has died.
     #[arg(long)]
     pub lower_pin: bool,
@@ -79,6 +82,7 @@ struct File {
     pin: Option<String>,
     clients: Option<usize>,
     report: Option<PathBuf>,
+    page: Option<String>,
     #[serde(default)]
     settings: BTreeMap<String, String>,
 }
@@ -100,6 +104,8 @@ pub struct Plan {
     pub log: Option<Form>,
     /// Folder of the report.
     pub report: Option<PathBuf>,
+    /// Address of the page.
+    pub page: Option<String>,
     /// Settings of the module in the order in which they are given: key, value.
     pub settings: Vec<(String, String)>,
 }
@@ -110,8 +116,20 @@ impl Plan {
     /// # Errors
     /// If the file cannot be read or has an unknown entry, or if a value has the wrong form.
     pub fn read(arguments: Arguments) -> Result<Self> {
-        let Arguments { config, input, caster, output, pin, set, clients, report, quiet, log, lower_pin: _ } =
-            arguments;
+        let Arguments {
+            config,
+            input,
+            caster,
+            output,
+            pin,
+            set,
+            clients,
+            report,
+            page,
+            quiet,
+            log,
+            lower_pin: _,
+        } = arguments;
         let file = config.map_or_else(|| Ok(File::default()), |path| read_file(&path))?;
         let input = input.or(file.input).unwrap_or_else(|| "-".into());
         let mut outputs = if output.is_empty() { file.outputs } else { output };
@@ -137,6 +155,7 @@ impl Plan {
             outputs: outputs.iter().map(|text| text.parse()).collect::<Result<_>>()?,
             pin: pin.or(file.pin).map_or(Ok(Place::Nowhere), |text| text.parse())?,
             report: report.or(file.report),
+            page: page.or(file.page),
             clients,
             log: (!quiet).then_some(log),
             settings,

@@ -6,11 +6,13 @@
 //! | [`time`] | chrony behind gpsd |
 //! | [`ports`] | a serial port, and a caster for a receiver without orbits |
 //! | [`played`] | a file on standard input |
+//! | [`page`] | the page in a browser |
 //! | [`endurance`] | the service as a program, between cuts, kills and dead clients |
 
 mod consumers;
 #[cfg(target_os = "linux")]
 mod endurance;
+mod page;
 #[cfg(target_os = "linux")]
 mod played;
 mod ports;
