@@ -90,7 +90,8 @@ const live = () => {
       }
       if (past.length > 1) {
         parts.push(svg("text", { x: left, y: height - 4 }, clock(past[0][1])));
-        parts.push(svg("text", { x: width - 4, y: height - 4, "text-anchor": "end" }, clock(past[past.length - 1][1])));
+        const end = Math.max(x(past.length - 1), left + 110);
+        parts.push(svg("text", { x: end, y: height - 4, "text-anchor": "end" }, clock(past[past.length - 1][1])));
       }
     }
     picture.setAttribute("viewBox", `0 0 ${width} ${height}`);
