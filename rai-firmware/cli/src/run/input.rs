@@ -5,7 +5,7 @@
 //! A serial port takes another rate when [`super::contact`] asks for one.
 
 use std::fmt;
-use std::io::{self, IsTerminal as _, Read};
+use std::io::{self, IsTerminal as _, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::str::FromStr;
 use std::sync::Arc;
@@ -18,6 +18,7 @@ use serialport::SerialPort;
 
 use super::inbox::Inbox;
 use super::played;
+use super::share::Share;
 use crate::serial;
 
 /// Rate of a serial port if none is named: the module's own first guess.
@@ -112,16 +113,11 @@ impl Nature {
 /// # Errors
 /// If a serial port does not exist when the service starts: a wrong name should not be retried
 /// forever.
-pub(super) fn start(
-    source: &Source,
-    rate: &Arc<AtomicU32>,
-    inbox: &Arc<Inbox>,
-    stop: &Arc<AtomicBool>,
-) -> Result<()> {
+pub(super) fn start(source: &Source, line: &Line, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) -> Result<()> {
     let (source, inbox, stop) = (source.clone(), Arc::clone(inbox), Arc::clone(stop));
-    let rate = Arc::clone(rate);
+    let line = line.clone();
     let first = match &source {
-        Source::Serial(..) => Some(open(&source, &rate).with_context(|| source.to_string())?),
+        Source::Serial(..) => Some(open(&source, &line).with_context(|| source.to_string())?),
         Source::Standard if io::stdin().is_terminal() => {
             // Otherwise it would seem to hang.
             eprintln!(
@@ -131,16 +127,34 @@ pub(super) fn start(
         }
         Source::Tcp(_) | Source::Standard => None,
     };
-    thread::spawn(move || keep_reading(&source, &rate, first, &inbox, &stop));
+    thread::spawn(move || keep_reading(&source, &line, first, &inbox, &stop));
     Ok(())
 }
 
-/// Returns the rate of a source at start, bit/s, which its reader follows.
-pub(super) fn rate_of(source: &Source) -> Arc<AtomicU32> {
-    Arc::new(AtomicU32::new(match source {
-        Source::Serial(_, baud) => *baud,
-        Source::Tcp(_) | Source::Standard => 0,
-    }))
+/// What a reader shares with others: the rate that it follows, bit/s, and the programs to which it
+/// passes the bytes.
+#[derive(Clone, Debug)]
+pub(super) struct Line {
+    pub(super) rate: Arc<AtomicU32>,
+    pub(super) share: Option<Arc<Share>>,
+}
+
+impl Line {
+    /// Returns the line of a source at start.
+    pub(super) fn of(source: &Source, share: Option<Arc<Share>>) -> Self {
+        let rate = match source {
+            Source::Serial(_, baud) => *baud,
+            Source::Tcp(_) | Source::Standard => 0,
+        };
+        Self { rate: Arc::new(AtomicU32::new(rate)), share }
+    }
+
+    /// Notes the writing side of the port, or that it is closed.
+    fn connect(&self, port: Option<Box<dyn Write + Send>>) {
+        if let Some(share) = &self.share {
+            share.connect(port);
+        }
+    }
 }
 
 /// An open source.
@@ -174,14 +188,21 @@ impl Read for Port {
     }
 }
 
-fn open(source: &Source, rate: &AtomicU32) -> Result<Port> {
+fn open(source: &Source, line: &Line) -> Result<Port> {
     Ok(match source {
         Source::Standard => Port::Plain(Box::new(io::stdin())),
         Source::Serial(port, _) => {
-            let baud = rate.load(Ordering::Relaxed);
-            Port::Serial(serial::open(port, baud, READ_TIMEOUT)?, baud)
+            let baud = line.rate.load(Ordering::Relaxed);
+            let port = serial::open(port, baud, READ_TIMEOUT)?;
+            line.connect(Some(Box::new(port.try_clone()?)));
+            Port::Serial(port, baud)
         }
-        Source::Tcp(address) => Port::Plain(Box::new(connect(address)?)),
+        Source::Tcp(address) => {
+            let stream = connect(address)?;
+            stream.set_write_timeout(Some(READ_TIMEOUT))?;
+            line.connect(Some(Box::new(stream.try_clone()?)));
+            Port::Plain(Box::new(stream))
+        }
     })
 }
 
@@ -196,18 +217,19 @@ pub(super) fn connect(address: &str) -> Result<TcpStream> {
     Ok(stream)
 }
 
-fn keep_reading(source: &Source, rate: &AtomicU32, first: Option<Port>, inbox: &Inbox, stop: &AtomicBool) {
+fn keep_reading(source: &Source, line: &Line, first: Option<Port>, inbox: &Inbox, stop: &AtomicBool) {
     let mut pause = FIRST_PAUSE;
     let mut port = first;
     while !stop.load(Ordering::Relaxed) {
-        match port.take().map_or_else(|| open(source, rate), Ok) {
+        match port.take().map_or_else(|| open(source, line), Ok) {
             Ok(open) => {
                 // Standard input is whole from its first byte, and ends once.
                 let is_standard = *source == Source::Standard;
                 if !is_standard {
                     inbox.interrupt();
                 }
-                let (count, reason) = read(open, rate, inbox, stop);
+                let (count, reason) = read(open, line, inbox, stop);
+                line.connect(None);
                 if is_standard {
                     return inbox.end();
                 }
@@ -224,10 +246,10 @@ fn keep_reading(source: &Source, rate: &AtomicU32, first: Option<Port>, inbox: &
 }
 
 /// Reads until the port ends; returns how many bytes came, and why it ended.
-fn read(mut port: Port, rate: &AtomicU32, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
+fn read(mut port: Port, line: &Line, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
     let (mut bytes, mut total, mut last) = ([0; 4096], 0, inbox.clock().now());
     while !stop.load(Ordering::Relaxed) {
-        match port.follow(rate.load(Ordering::Relaxed)) {
+        match port.follow(line.rate.load(Ordering::Relaxed)) {
             Ok(true) => inbox.interrupt(),
             Ok(false) => {}
             Err(error) => return (total, format!("cannot have another rate: {error}")),
@@ -235,7 +257,11 @@ fn read(mut port: Port, rate: &AtomicU32, inbox: &Inbox, stop: &AtomicBool) -> (
         match port.read(&mut bytes) {
             Ok(0) => return (total, "the other side has closed it".into()),
             Ok(count) => {
-                inbox.push_in_turn(bytes.get(..count).unwrap_or_default());
+                let bytes = bytes.get(..count).unwrap_or_default();
+                inbox.push_in_turn(bytes);
+                if let Some(share) = &line.share {
+                    share.pass(bytes);
+                }
                 total += count as u64;
                 last = inbox.clock().now();
             }

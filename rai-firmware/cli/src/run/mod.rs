@@ -20,6 +20,7 @@
 //! | [`clock`] | has the time, which a test may move |
 //! | [`log`] | reports the start and each change of the state |
 //! | `report` | takes notes of every epoch, for a page as `replay` writes it |
+//! | `share` | passes the receiver's raw bytes to other programs |
 //! | `page` | serves a page of the running module |
 //! | `guard` | drops the pin and ends the program if the epoch loop hangs |
 //!
@@ -44,6 +45,7 @@ pub mod plan;
 mod played;
 mod report;
 mod reserve;
+mod share;
 mod signals;
 #[cfg(unix)]
 mod time_server;
@@ -64,13 +66,14 @@ use clock::Clock;
 use contact::Contact;
 use guard::Guard;
 use inbox::Inbox;
-use input::Nature;
+use input::{Line, Nature};
 use log::Log;
 use outbox::{Outbox, Wait};
 use output::Sink;
 use page::Page;
 use pin::{Pin, Wire};
 use report::Recorder;
+use share::Share;
 
 pub use plan::{Arguments, Plan};
 
@@ -121,6 +124,10 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
         "--page shows a running module; `replay --report` shows a file"
     );
     ensure!(
+        nature == Nature::Live || plan.share.is_none(),
+        "--share passes the bytes of a receiver on a serial port or TCP"
+    );
+    ensure!(
         nature == Nature::Live || !plan.outputs.iter().any(|output| matches!(output, Sink::Chrony(_))),
         "chrony: takes the time of a receiver on a serial port or over TCP; that of a file or a pipe may be of the past"
     );
@@ -165,12 +172,16 @@ fn live(
 ) -> Result<Option<Configuration>> {
     let mut sealed = Box::new([0; SEALED_BYTES]);
     let (mut after_power_on, mut configuration) = (true, None);
-    let rate = input::rate_of(&plan.input);
-    let serve = |address: &String| Page::serve(address, plan.clients, plan.input.to_string(), &plan.settings);
+    let share = |name: &String| Share::serve(name, plan.share_write, plan.clients).map(Arc::new);
+    let line = Line::of(&plan.input, plan.share.as_ref().map(share).transpose().context("--share")?);
+    let serve = |address: &String| {
+        let back = line.share.as_ref().map(|share| Arc::clone(share.back()));
+        Page::serve(address, plan, back)
+    };
     let mut page = plan.page.as_ref().map(serve).transpose().context("--page")?;
     #[cfg(unix)]
     let mut servers = time_servers(plan)?;
-    let mut contact = Contact::new(&plan.input, &rate, plan.caster.is_some());
+    let mut contact = Contact::new(&plan.input, &line.rate, plan.caster.is_some());
     while !stop.load(Ordering::Relaxed) && !inbox.has_ended() {
         let mut receiver = receiver(wire)?;
         let mut board = Computer::new(
@@ -184,7 +195,7 @@ fn live(
         apply(plan, &mut receiver)?;
         if after_power_on {
             // The settings are in force before the first byte.
-            input::start(&plan.input, &rate, inbox, stop)?;
+            input::start(&plan.input, &line, inbox, stop)?;
             if let Some(caster) = &plan.caster {
                 caster::start(caster.clone(), inbox, stop);
             }
@@ -205,6 +216,10 @@ fn live(
         board.record(&receiver);
         configuration = Some(*receiver.configuration());
         after_power_on = false;
+    }
+    let refused = line.share.as_ref().map_or(0, |share| share.back().counts()[1]);
+    if refused > 0 {
+        eprintln!("share: {refused} bytes towards the receiver were refused");
     }
     if inbox.has_ended() {
         contact.end()?;

@@ -57,6 +57,12 @@ pub struct Arguments {
     /// Write a report into this folder, every ten minutes and at the end: one HTML page.
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
+    /// Pass the receiver's raw bytes to the TCP clients of this address: tcp://ADDRESS:PORT.
+    #[arg(long, value_name = "SHARE")]
+    pub share: Option<String>,
+    /// Pass bytes of these clients to the receiver; otherwise they are dropped and counted.
+    #[arg(long, requires = "share")]
+    pub share_write: bool,
     /// Serve a page of the running module here, read only: ADDRESS:PORT, or a PORT of this computer.
     #[arg(long, value_name = "ADDRESS")]
     pub page: Option<String>,
@@ -83,6 +89,9 @@ struct File {
     clients: Option<usize>,
     report: Option<PathBuf>,
     page: Option<String>,
+    share: Option<String>,
+    #[serde(default)]
+    share_write: bool,
     #[serde(default)]
     settings: BTreeMap<String, String>,
 }
@@ -106,6 +115,10 @@ pub struct Plan {
     pub report: Option<PathBuf>,
     /// Address of the page.
     pub page: Option<String>,
+    /// Address of the clients that get the receiver's bytes.
+    pub share: Option<String>,
+    /// True if the bytes of these clients go to the receiver.
+    pub share_write: bool,
     /// Settings of the module in the order in which they are given: key, value.
     pub settings: Vec<(String, String)>,
 }
@@ -126,6 +139,8 @@ impl Plan {
             clients,
             report,
             page,
+            share,
+            share_write,
             quiet,
             log,
             lower_pin: _,
@@ -156,6 +171,8 @@ impl Plan {
             pin: pin.or(file.pin).map_or(Ok(Place::Nowhere), |text| text.parse())?,
             report: report.or(file.report),
             page: page.or(file.page),
+            share: share.or(file.share),
+            share_write: share_write || file.share_write,
             clients,
             log: (!quiet).then_some(log),
             settings,

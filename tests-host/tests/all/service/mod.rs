@@ -3,9 +3,10 @@
 //! | module | content |
 //! |---|---|
 //! | [`consumers`] | gpsd on the pseudo-terminal, `pymavlink` over UDP |
-//! | [`time`] | chrony behind gpsd |
+//! | [`time`] | chrony by its own socket, and behind gpsd |
 //! | [`ports`] | a serial port, and a caster for a receiver without orbits |
-//! | [`played`] | a file on standard input |
+//! | [`played`] | a file or a pipe on standard input |
+//! | [`share`] | the receiver's bytes for other programs |
 //! | [`page`] | the page in a browser |
 //! | [`endurance`] | the service as a program, between cuts, kills and dead clients |
 
@@ -16,6 +17,7 @@ mod page;
 #[cfg(target_os = "linux")]
 mod played;
 mod ports;
+mod share;
 mod time;
 
 use std::fs;

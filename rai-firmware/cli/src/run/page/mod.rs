@@ -30,7 +30,9 @@ use mio::Waker;
 use raim_firmware::receiver::Receiver;
 
 use self::state::State;
+use super::Plan;
 use super::pin::Pin;
+use super::share::Back;
 use crate::satellites::Watcher;
 use crate::sentence;
 
@@ -47,15 +49,10 @@ impl Page {
     ///
     /// # Errors
     /// If the address cannot be used.
-    pub(super) fn serve(
-        address: &str,
-        most: usize,
-        input: String,
-        settings: &[(String, String)],
-    ) -> Result<Self> {
-        let settings = settings.iter().map(|(key, value)| format!("{key}={value}")).collect();
-        let state = Arc::new(Mutex::new(State::new(input, settings)));
-        let (own, waker) = server::start(&with_host(address), most, Arc::clone(&state))?;
+    pub(super) fn serve(address: &str, plan: &Plan, back: Option<Arc<Back>>) -> Result<Self> {
+        let settings = plan.settings.iter().map(|(key, value)| format!("{key}={value}")).collect();
+        let state = Arc::new(Mutex::new(State::new(plan.input.to_string(), settings, back)));
+        let (own, waker) = server::start(&with_host(address), plan.clients, Arc::clone(&state))?;
         eprintln!("page: http://{own}/");
         Ok(Self { watcher: Watcher::new(), state, waker })
     }

@@ -1,10 +1,12 @@
 //! The state of the module as the page shows it, and what it was before.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
+use super::super::share::Back;
 use crate::page::Verdict;
 use crate::page::report::explanation;
 use crate::satellites::Seen;
@@ -22,6 +24,8 @@ const HUNG: Duration = Duration::from_secs(3);
 pub(super) struct State {
     pub(super) input: String,
     pub(super) settings: Vec<String>,
+    /// The way from other programs to the receiver.
+    pub(super) back: Option<Arc<Back>>,
     pub(super) said: Option<EpochOutput>,
     pub(super) pin_is_high: bool,
     pub(super) satellites: Vec<Seen>,
@@ -37,10 +41,11 @@ pub(super) struct State {
 }
 
 impl State {
-    pub(super) fn new(input: String, settings: Vec<String>) -> Self {
+    pub(super) fn new(input: String, settings: Vec<String>, back: Option<Arc<Back>>) -> Self {
         Self {
             input,
             settings,
+            back,
             said: None,
             pin_is_high: false,
             satellites: Vec::new(),

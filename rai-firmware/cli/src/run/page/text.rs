@@ -129,5 +129,13 @@ pub(super) fn metrics(state: &State) -> String {
     for (name, count) in &state.counters {
         let _ = writeln!(text, "rai_events_total{{name=\"{name}\"}} {count}");
     }
+    if let Some([passed, refused]) = state.back.as_ref().map(|back| back.counts()) {
+        text.push_str(
+            "# HELP rai_share_bytes_total Bytes of other programs for the receiver.\n\
+             # TYPE rai_share_bytes_total counter\n",
+        );
+        let _ = writeln!(text, "rai_share_bytes_total{{fate=\"passed\"}} {passed}");
+        let _ = writeln!(text, "rai_share_bytes_total{{fate=\"refused\"}} {refused}");
+    }
     text
 }
