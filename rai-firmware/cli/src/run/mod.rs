@@ -75,8 +75,12 @@ use pin::{Pin, Wire};
 use report::Recorder;
 use share::Share;
 
+use crate::replay::settings;
+
 pub use plan::{Arguments, Plan};
 
+/// Messages of `MAVLink`.
+const MESSAGES: [&str; 3] = ["HEARTBEAT", "GPS_INPUT", "GNSS_INTEGRITY"];
 /// Wait for a consumer after which the pin falls, because nothing is judged meanwhile.
 const LONGEST_HIGH: Duration = Duration::from_millis(500);
 
@@ -306,8 +310,19 @@ fn apply(plan: &Plan, receiver: &mut Receiver<Pin>) -> Result<()> {
         let answer = String::from_utf8_lossy(&answer);
         let (_, why) = answer.split_once(",ERR,").unwrap_or_default();
         let why = why.split('*').next().unwrap_or_default();
-        bail!("the module refuses {key} = \"{value}\": {why} (INTERFACES.md lists every key and its values)");
+        let advice = settings::advice(key, why);
+        bail!(
+            "the module refuses {key} = \"{value}\": {why}{advice} (INTERFACES.md lists every key and its values)"
+        );
     }
+    let configuration = receiver.configuration();
+    let is_silent =
+        configuration.outputs.rates().all(|(name, every)| every == 0 || !MESSAGES.contains(&name));
+    let is_mavlink = |output: &Sink| matches!(output, Sink::MavlinkUdp(_) | Sink::MavlinkSerial(..));
+    ensure!(
+        !is_silent || !plan.outputs.iter().any(is_mavlink),
+        "a MAVLink output without a message: set OUTPUT=GPS_INPUT,1, OUTPUT=GNSS_INTEGRITY,1 or OUTPUT=HEARTBEAT,1"
+    );
     Ok(())
 }
 

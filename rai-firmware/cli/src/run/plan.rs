@@ -9,7 +9,7 @@
 //!
 //! [settings]                                                     # keys of INTERFACES.md
 //! PHASE = "LPV200"
-//! MASK = "5"
+//! MASK = 5
 //! ```
 
 use std::collections::BTreeMap;
@@ -41,8 +41,8 @@ pub struct Arguments {
     /// Caster of orbits: ntrip://USER:PASSWORD@HOST:PORT/MOUNTPOINT. Its ranges are never used.
     #[arg(long, value_name = "CASTER")]
     pub caster: Option<String>,
-    /// Consumer: -, pty:PATH, tcp://ADDRESS:PORT, udp://ADDRESS:PORT, mavlink-udp://ADDRESS:PORT,
-    /// mavlink-serial:PORT@BAUD, chrony:PATH; repeatable. Standard output unless one is given.
+    /// Consumer: -, pty:PATH, serial:PORT@BAUD, tcp://ADDRESS:PORT, udp://ADDRESS:PORT,
+    /// mavlink-udp://ADDRESS:PORT, mavlink-serial:PORT@BAUD, chrony:PATH; repeatable. Standard output unless one is given.
     #[arg(long, short, value_name = "SINK")]
     pub output: Vec<String>,
     /// Integrity pin: gpio:CHIP:LINE, file:PATH, or exec:PROGRAM (called with high or low).
@@ -93,7 +93,26 @@ struct File {
     #[serde(default)]
     share_write: bool,
     #[serde(default)]
-    settings: BTreeMap<String, String>,
+    settings: BTreeMap<String, Value>,
+}
+
+/// The value of a setting in the file: a text, or a number as it stands.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "a setting is a text in quotes or a number")]
+enum Value {
+    Text(String),
+    Whole(i64),
+    Decimal(f64),
+}
+
+impl Value {
+    fn text(self) -> String {
+        match self {
+            Self::Text(text) => text,
+            Self::Whole(number) => number.to_string(),
+            Self::Decimal(number) => number.to_string(),
+        }
+    }
 }
 
 /// The parts of the service, each valid in form.
@@ -152,7 +171,8 @@ impl Plan {
             outputs.push("-".into());
         }
         // PHASE sets what other keys refine, so it comes first.
-        let (phase, rest): (Vec<_>, Vec<_>) = file.settings.into_iter().partition(|(key, _)| key == "PHASE");
+        let settings = file.settings.into_iter().map(|(key, value)| (key, value.text()));
+        let (phase, rest): (Vec<_>, Vec<_>) = settings.partition(|(key, _)| key == "PHASE");
         let given = set.iter().map(|text| setting(text)).collect::<Result<Vec<_>>>()?;
         let settings = [phase, rest, given].concat();
         ensure!(

@@ -98,6 +98,45 @@ fn gpsd_on_the_terminal_reports_each_epoch_once_and_its_sky_and_loses_the_fix_in
     }
 }
 
+/// The service is killed and started again under gpsd, which runs as a user of its own.
+#[test]
+#[cfg(target_os = "linux")]
+fn gpsd_has_a_position_again_within_ten_seconds_of_a_restart() {
+    let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let (receiver, input) = receiver();
+    let start = || {
+        let mut service = Command::new(std::env::current_exe().unwrap());
+        service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
+        let arguments = format!("--input={}\n--output=udp://{address}", input.as_deref().unwrap());
+        service.env(super::endurance::ARGUMENTS, arguments).env("RUST_TEST_THREADS", "1");
+        service.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+    };
+    let Some(mut gpsd) = Gpsd::on_datagrams_or_skip(address).unwrap() else { return };
+    let pieces = pieces(120);
+    let mut rest = pieces[1..].iter();
+    for run in 0..2 {
+        let mut service = start();
+        let started = Instant::now();
+        let (mut line, _) = receiver.accept().unwrap();
+        line.write_all(&pieces[0]).unwrap();
+        let mut fixes = 0;
+        while fixes < 3 {
+            line.write_all(rest.next().expect("an epoch")).unwrap();
+            let end = Instant::now() + Duration::from_secs(1) / RATE_HZ;
+            while Instant::now() < end {
+                let objects = gpsd.objects().unwrap();
+                fixes +=
+                    objects.iter().filter(|object| object["class"] == "TPV" && object["mode"] == 3).count();
+            }
+            assert!(started.elapsed() < Duration::from_secs(10), "start {run}: {fixes} positions");
+        }
+        // Nothing of the service lives on.
+        service.kill().unwrap();
+        service.wait().unwrap();
+        while !gpsd.objects().unwrap().is_empty() {}
+    }
+}
+
 /// A sky in which `BeiDou` fills two `GSA`.
 #[test]
 fn gpsd_marks_every_satellite_that_is_used_beside_a_full_beidou() {
