@@ -7,12 +7,15 @@
 //! | [`ports`] | a serial port, and a caster for a receiver without orbits |
 //! | [`played`] | a file or a pipe on standard input |
 //! | [`share`] | the receiver's bytes for other programs |
+//! | [`limits`] | the pin while clients take all places and files |
 //! | [`page`] | the page in a browser |
 //! | [`endurance`] | the service as a program, between cuts, kills and dead clients |
 
 mod consumers;
 #[cfg(target_os = "linux")]
 mod endurance;
+#[cfg(target_os = "linux")]
+mod limits;
 mod page;
 #[cfg(target_os = "linux")]
 mod played;
