@@ -1,4 +1,5 @@
-//! A real chronyd that takes the time from a gpsd that reads our sentences, as a time server does.
+//! A real chronyd that takes the time from a gpsd that reads our sentences, or from a socket of its
+//! own, as a time server does.
 //!
 //! gpsd writes the time of each sentence and that of its arrival to shared memory; chronyd reads
 //! them once a second. It runs without touching the clock of this machine, and both share memory
@@ -7,6 +8,7 @@
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
@@ -14,7 +16,7 @@ use tempfile::TempDir;
 
 use crate::gpsd::{Daemon, Gpsd, free_port, path_of_daemons};
 
-/// A running chronyd with gpsd as its only source.
+/// A running chronyd with one source.
 pub struct Chronyd {
     port: u16,
     _daemon: Daemon,
@@ -58,21 +60,36 @@ impl Chronyd {
     /// # Errors
     /// If chronyd does not start.
     pub fn beside(gpsd: &Gpsd) -> Result<Self> {
+        let mut apart = Command::new("nsenter");
+        apart.args(["--ipc", "--target", &gpsd.process().to_string(), "chronyd"]);
+        Self::launched_by(apart, TempDir::new()?, "SHM 0")
+    }
+
+    /// Starts chronyd with a socket for samples, and returns the path of the socket too.
+    ///
+    /// # Errors
+    /// If chronyd does not start.
+    pub fn with_socket() -> Result<(Self, PathBuf)> {
         let folder = TempDir::new()?;
+        let path = folder.path().join("chrony.rai.sock");
+        // Each sample counts by itself, so that each poll shows whether one came.
+        let source = format!("SOCK {} filter 1", path.display());
+        Ok((Self::launched_by(Command::new("chronyd"), folder, &source)?, path))
+    }
+
+    fn launched_by(mut command: Command, folder: TempDir, source: &str) -> Result<Self> {
         fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o700))?;
         let (port, place) = (free_port()?, folder.path().display());
         let settings = folder.path().join("chrony.conf");
         fs::write(
             &settings,
             format!(
-                "refclock SHM 0 refid GNSS poll 0\ncmdport {port}\nbindcmdaddress 127.0.0.1\n\
+                "refclock {source} refid GNSS poll 0\ncmdport {port}\nbindcmdaddress 127.0.0.1\n\
                  bindcmdaddress {place}/chronyd.sock\npidfile {place}/chronyd.pid\nport 0\n"
             ),
         )?;
-        let mut command = Command::new("nsenter");
-        command.args(["--ipc", "--target", &gpsd.process().to_string()]);
         // The daemon runs in the foreground and leaves the clock of this machine alone.
-        command.args(["chronyd", "-x", "-d", "-u", "root", "-f"]).arg(&settings);
+        command.args(["-x", "-d", "-u", "root", "-f"]).arg(&settings);
         command.env("PATH", path_of_daemons()?);
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         let daemon = Daemon(command.spawn().context("starting chronyd")?);

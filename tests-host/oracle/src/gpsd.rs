@@ -75,6 +75,14 @@ impl Gpsd {
         Self::reading(OsStr::new(&format!("tcp://{address}")), apart())
     }
 
+    /// Starts gpsd on a UDP port to which another program sends.
+    ///
+    /// # Errors
+    /// As [`Self::start_or_skip`].
+    pub fn on_datagrams_or_skip(address: SocketAddr) -> Result<Option<Self>> {
+        Self::reading(OsStr::new(&format!("udp://{address}")), Command::new("gpsd"))
+    }
+
     fn reading(source: &OsStr, command: Command) -> Result<Option<Self>> {
         let served = free_port()?;
         let Some(daemon) = launch(command, source, served)? else {

@@ -3,12 +3,14 @@
 //! | module | content |
 //! |---|---|
 //! | [`gpsd`], [`chrony`] | programs that read the module's sentences |
+//! | [`browser`] | a browser that opens a page |
 //! | [`geoid`] | the geoid table, from EGM96 |
 //! | [`tables`] | the threshold tables and their check |
 //! | [`vectors`] | reference values |
 //!
 //! Second opinions by slow and exact methods are in [`raim::second_opinion`].
 
+pub mod browser;
 pub mod chrony;
 pub mod geoid;
 pub mod gpsd;

@@ -189,7 +189,7 @@ fn an_autopilot_gets_no_position_that_is_not_protected() {
     let cases = [
         (Verdict::Alert(Alert::Fault), true, [1, 3, 5]),
         (Verdict::Alert(Alert::Spoofed), true, [1, 3, 5]),
-        (Verdict::Unavailable(Unavailable::Hpl), true, [1, 3, 3]),
+        (Verdict::Unavailable(Unavailable::Hpl), true, [1, 0, 3]),
         (Verdict::Unavailable(Unavailable::NoFix), false, [0, 0, 3]),
     ];
     for (verdict, has_position, [fix_type, raim_state, system_status]) in cases {

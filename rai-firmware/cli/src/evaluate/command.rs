@@ -58,6 +58,12 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         None => Box::new(stdin().lock()),
     };
     let summary = run_part(part, input, stdout().lock(), arguments.scalar)?;
-    ensure!(summary.errors == 0, "{} of {} lines could not be evaluated", summary.errors, summary.lines);
+    let reason = summary.first_error.unwrap_or_default();
+    ensure!(
+        summary.errors == 0,
+        "{} of {} lines could not be evaluated; the first: {reason}",
+        summary.errors,
+        summary.lines
+    );
     Ok(())
 }

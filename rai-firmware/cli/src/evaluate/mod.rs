@@ -27,9 +27,9 @@ mod ransac;
 mod thresholds;
 
 use std::collections::HashMap;
-use std::io::{self, BufRead, Write};
+use std::io::{self, BufRead, Read as _, Write};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 use flate2::bufread::MultiGzDecoder;
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::integrity::raim::isolation::ransac::ConsensusLimits;
@@ -149,13 +149,19 @@ pub enum Part {
 }
 
 /// Counts of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
     /// Number of lines that are not blank.
     pub lines: usize,
     /// Number of lines answered by an error.
     pub errors: usize,
+    /// The first of these errors.
+    pub first_error: Option<String>,
 }
+
+/// Most bytes of a line: a hundred times those of the longest epoch. A line without an end must not
+/// fill the memory.
+const LINE_BYTES: u64 = 4 << 20;
 
 /// One line of output.
 #[derive(Serialize)]
@@ -215,17 +221,25 @@ pub fn run_part(
     loop {
         bytes.clear();
         number += 1;
-        let length = input.read_until(b'\n', &mut bytes).with_context(|| format!("reading line {number}"))?;
+        let mut line = input.by_ref().take(LINE_BYTES);
+        let length = line.read_until(b'\n', &mut bytes).with_context(|| format!("reading line {number}"))?;
         if length == 0 {
             break;
         }
+        ensure!(
+            (length as u64) < LINE_BYTES,
+            "line {number} has more than {LINE_BYTES} bytes, and no epoch has"
+        );
         let text = bytes.trim_ascii_end();
         if text.is_empty() {
             continue;
         }
         let answer = answer(part, text, number, scalar, &mut rows);
         summary.lines += 1;
-        summary.errors += usize::from(matches!(answer, Answer::Error { .. }));
+        if let Answer::Error { error, .. } = &answer {
+            summary.errors += 1;
+            summary.first_error.get_or_insert_with(|| error.clone());
+        }
         serde_json::to_writer(&mut output, &answer).context("writing an answer")?;
         output.write_all(b"\n").context("writing an answer")?;
     }
@@ -352,5 +366,25 @@ impl RowCache {
             let rows = &self.0[&Self::key(false_alarm, missed_detection)];
             Thresholds::from_rows(&rows.tau1, &rows.lambda, &rows.w_test)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn line_without_an_end_is_refused_before_it_fills_the_memory() {
+        let endless = io::BufReader::new(io::repeat(b'x').take(100 << 20));
+        let error = run(endless, io::sink(), None).unwrap_err().to_string();
+        assert!(error.contains("line 1 has more than 4194304 bytes"), "{error}");
+    }
+
+    #[test]
+    fn first_error_of_a_text_is_kept() {
+        let summary = run(&b"$GPGGA,1*00\n$GPGGA,2*00\n"[..], io::sink(), None).unwrap();
+        let reason = summary.first_error.unwrap();
+        assert_eq!(summary.errors, 2);
+        assert!(reason.starts_with("line 1, column 1: not JSON"), "{reason}");
     }
 }

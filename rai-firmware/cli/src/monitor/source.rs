@@ -7,11 +7,12 @@
 //! Everything about one epoch is one message: its sentences, the pin, the satellites. A picture
 //! between two messages therefore never shows the verdict of one epoch beside the pin of another.
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Read as _, Write};
 use std::net::TcpStream;
 use std::path::PathBuf;
 use std::sync::mpsc::{self, Receiver, SyncSender, sync_channel};
 use std::thread;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
 
@@ -21,7 +22,7 @@ use crate::replay::{Pace, Playback, Window};
 use crate::satellites::Seen;
 use crate::sentence::{self, Sentence};
 use crate::serial;
-use crate::signal::capture::{Bytes, Lumps, has_frames};
+use crate::signal::capture::{Bytes, Capture, Lumps, has_frames};
 
 /// Longest pause in a file of sentences that is waited for, s. In a longer one the module was off.
 const LONGEST_PAUSE_S: f64 = 60.0;
@@ -32,8 +33,13 @@ const BAUD: u32 = 115_200;
 /// Seconds of a day, at whose end the time of sentences restarts.
 const DAY_S: f64 = 86_400.0;
 
-/// Bytes without a sentence of a module after which a port is refused.
+/// Bytes without a sentence of a module after which a port is refused, and the time in which a
+/// module has sent one.
 const NO_MODULE_BYTES: usize = 16 * 1024;
+const NO_MODULE_TIME: Duration = Duration::from_secs(15);
+
+/// Most bytes that are read as one line; no sentence is longer.
+const LINE_BYTES: u64 = 1024;
 
 /// Sentences that belong together: all of an epoch, or one between two epochs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -170,17 +176,26 @@ impl Write for Commands {
 }
 
 /// Sends the sentences of a module behind a port, epoch by epoch. A port of something else is
-/// refused.
+/// refused, with what `replay` says of its bytes.
 fn module(mut reader: impl BufRead, sender: &SyncSender<News>) -> Result<&'static str> {
-    let (mut line, mut batches, mut unknown) = (Vec::new(), Batches::default(), 0);
-    while reader.read_until(b'\n', &mut line).context("cannot be read")? > 0 {
+    let (mut line, mut batches, mut unknown) = (Vec::new(), Batches::default(), Vec::new());
+    let mut since = Instant::now();
+    // Bytes that are no text have no end of a line.
+    while reader.by_ref().take(LINE_BYTES).read_until(b'\n', &mut line).context("cannot be read")? > 0 {
         let text = String::from_utf8_lossy(&line).into_owned();
-        let is_of_module = text.starts_with("$PRAI") && sentence::parse(&text).is_ok();
-        unknown = if is_of_module { 0 } else { unknown + line.len() };
+        if text.starts_with("$PRAI") && sentence::parse(&text).is_ok() {
+            unknown.clear();
+        } else {
+            if unknown.is_empty() {
+                since = Instant::now();
+            }
+            unknown.extend_from_slice(&line);
+        }
         ensure!(
-            unknown < NO_MODULE_BYTES,
-            "{unknown} bytes came and no sentence of the module ($PRAIS): is this the port of {}?",
-            if has_frames(&line) { "a receiver? `run` and `replay` read it" } else { "the module" }
+            unknown.len() < NO_MODULE_BYTES && (unknown.is_empty() || since.elapsed() < NO_MODULE_TIME),
+            "{} bytes came and no sentence of the module ($PRAIS). {}",
+            unknown.len(),
+            said_of(unknown)
         );
         line.clear();
         for lines in batches.push(text) {
@@ -190,6 +205,14 @@ fn module(mut reader: impl BufRead, sender: &SyncSender<News>) -> Result<&'stati
     let lines = batches.end();
     sender.send(News::Said(Message { lines, ..Message::default() }))?;
     Ok("the end")
+}
+
+/// Returns what `replay` says of bytes that are no sentences of a module.
+fn said_of(bytes: Vec<u8>) -> String {
+    match Capture::of(bytes, None) {
+        Ok(_) => "They are those of a receiver: `run` and `replay` read them".to_owned(),
+        Err(error) => format!("As a receiver's, what comes {error:#}"),
+    }
 }
 
 /// Sends recorded sentences at the pace of the times of the verdicts.
@@ -312,6 +335,20 @@ mod tests {
         let have = all(&source);
         let Some(News::Failed(why)) = have.last() else { panic!("{have:?}") };
         assert!(why.contains("no sentence of the module"), "{why}");
+        assert!(why.contains("lines of NMEA and no ranges"), "{why}");
+    }
+
+    /// Bytes of another rate have no ends of lines.
+    #[test]
+    fn a_line_without_an_end_is_refused_and_kept_in_bounded_memory() {
+        let (sender, news) = sync_channel(256);
+        let noise = [0x80, 0xFF, 0x3F].repeat(NO_MODULE_BYTES);
+        spawn(sender, move |sender| module(BufReader::new(std::io::repeat(0x80).take(1 << 30)), sender));
+        let source = Source { news, commands: None, name: String::new() };
+        let have = all(&source);
+        let Some(News::Failed(why)) = have.last() else { panic!("{have:?}") };
+        assert!(why.starts_with("16384 bytes came"), "{why}");
+        assert!(said_of(noise).contains("no frame of UBX or RTCM 3"));
     }
 
     #[test]

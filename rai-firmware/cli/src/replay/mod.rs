@@ -21,7 +21,7 @@ pub mod command;
 pub mod host;
 mod page;
 mod quantiles;
-mod settings;
+pub(crate) mod settings;
 mod sink;
 mod source;
 mod summary;

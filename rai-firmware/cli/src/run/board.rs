@@ -2,18 +2,26 @@
 
 use std::convert::Infallible;
 use std::time::Duration;
+#[cfg(unix)]
+use std::time::SystemTime;
 
 use embedded_io::{ErrorType, Write};
 use raim_firmware::board::reset::ResetCause;
 use raim_firmware::board::{Board, HOST_OUT_BYTES, Note, PortLosses, SEALED_BYTES};
+#[cfg(unix)]
+use raim_firmware::output::nmea::GPS_MINUS_UTC_S;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::timed_ring::Taken;
 
+use super::contact::{Contact, Progress};
 use super::guard::Guard;
 use super::inbox::Inbox;
 use super::outbox::Outbox;
+use super::page::Page;
 use super::pin::{Pin, Wire};
 use super::report::Recorder;
+#[cfg(unix)]
+use super::time_server::{Sample, TimeServer};
 
 /// Longest sleep of the loop while the pin is high or bytes have come lately.
 const LONGEST_SLEEP: Duration = Duration::from_millis(50);
@@ -22,33 +30,53 @@ const IDLE_SLEEP: Duration = Duration::from_millis(300);
 /// Silence after which the line counts as silent, ms: longer than the module waits for the rest of
 /// an epoch.
 const SILENT_MS: u64 = 2000;
+/// Pause after which an epoch without an end is complete, ms: a little more than the module waits.
+const QUIET_MS: u64 = 600;
 
 /// The ports of the service, as the epoch loop sees them.
 pub(super) struct Computer<'s> {
     inbox: &'s Inbox,
     outbox: &'s mut Outbox,
+    contact: &'s mut Contact,
     sealed: &'s mut [u8; SEALED_BYTES],
     guard: &'s Guard,
     wire: &'s Wire,
     recorder: Option<&'s mut Recorder>,
+    page: Option<&'s mut Page>,
 }
 
 impl<'s> Computer<'s> {
     pub(super) fn new(
         inbox: &'s Inbox,
-        outbox: &'s mut Outbox,
+        (outbox, contact): (&'s mut Outbox, &'s mut Contact),
         sealed: &'s mut [u8; SEALED_BYTES],
-        guard: &'s Guard,
-        wire: &'s Wire,
-        recorder: Option<&'s mut Recorder>,
+        (guard, wire): (&'s Guard, &'s Wire),
+        (recorder, page): (Option<&'s mut Recorder>, Option<&'s mut Page>),
     ) -> Self {
-        Self { inbox, outbox, sealed, guard, wire, recorder }
+        Self { inbox, outbox, contact, sealed, guard, wire, recorder, page }
     }
 
-    /// Passes the sentences since the last call to the recorder, if there is one.
+    /// Looks at what the module has made of the receiver's bytes.
+    pub(super) fn look(&mut self, receiver: &Receiver<Pin>) {
+        let report = receiver.last_report();
+        let progress = Progress {
+            frames: receiver.frames(),
+            has_epoch: report.is_some(),
+            has_position: report.is_some_and(|report| report.solution.is_some()),
+            fixed: receiver.configuration().bit_rate.rate(),
+        };
+        if let Some(words) = self.contact.look(progress, self.inbox.now_ms()) {
+            eprintln!("{words}");
+        }
+    }
+
+    /// Passes the sentences since the last call to the recorder and to the page, if there are such.
     pub(super) fn record(&mut self, receiver: &Receiver<Pin>) {
+        let said = self.outbox.take_tape();
+        if let Some(page) = &mut self.page {
+            page.note(&said, receiver);
+        }
         if let Some(recorder) = &mut self.recorder {
-            let said = self.outbox.take_tape();
             recorder.note(&said, receiver, receiver.pin().is_high(), self.inbox.now_ms());
         }
     }
@@ -66,10 +94,33 @@ impl<'s> Computer<'s> {
         self.inbox.has_ended()
     }
 
+    /// Tells the time of an epoch that was protected.
+    #[cfg(unix)]
+    pub(super) fn tell_time(&mut self, receiver: &Receiver<Pin>, servers: &mut [TimeServer]) {
+        /// Speed of light, m/s.
+        const C_M_S: f64 = 299_792_458.0;
+        if !self.outbox.take_protected() || servers.is_empty() {
+            return;
+        }
+        let clock_m =
+            receiver.last_report().and_then(|report| report.solution.as_ref()).and_then(|solution| {
+                // The systems differ by less than a microsecond.
+                solution.clocks_m.iter().copied().flatten().next()
+            });
+        let (Some(epoch), Some(clock_m)) = (receiver.last_epoch(), clock_m) else { return };
+        let age = self.inbox.burst_age();
+        let leap_s = receiver.leap_second().map_or(GPS_MINUS_UTC_S, |leap| leap.seconds);
+        let came = SystemTime::now() - age;
+        let sample = Sample { gps_s: epoch.time_s() - clock_m / C_M_S, leap_s, came, age };
+        for server in servers {
+            server.tell(&sample);
+        }
+    }
+
     /// Lets the module judge what a finite input has left incomplete.
     pub(super) fn drain(&mut self, receiver: &mut Receiver<Pin>) {
         // A pause that no frame has inside completes what waits.
-        receiver.tick(self.inbox.now_ms().saturating_add(1000), self.outbox);
+        receiver.tick(self.inbox.now_ms().saturating_add(QUIET_MS), self.outbox);
     }
 }
 
@@ -79,6 +130,12 @@ impl Board for Computer<'_> {
 
     fn gnss(&mut self, chunk: &mut [u8]) -> Taken {
         let taken = self.inbox.take(chunk);
+        if let Taken::Bytes { count, came_ms } = &taken {
+            self.contact.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);
+        }
+        if let (Some(page), Taken::Bytes { count, came_ms }) = (&mut self.page, &taken) {
+            page.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);
+        }
         if let (Some(recorder), Taken::Bytes { count, came_ms }) = (&mut self.recorder, &taken) {
             recorder.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);
         }
@@ -139,7 +196,7 @@ impl Board for Computer<'_> {
         self.sealed
     }
 
-    // The rate of a serial port is set where it is named.
+    // `Contact` has the rate of the port: its trial begins at the rate that the user has named.
     fn set_gnss_rate(&mut self, _: u32) {}
 
     fn note(&mut self, _: Note) {}

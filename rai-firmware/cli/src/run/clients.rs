@@ -2,7 +2,8 @@
 //!
 //! A client has a queue of its own. It loses sentences when the queue is full, and is disconnected
 //! if it takes nothing for [`PATIENCE`]. A client that is gone is noticed by a read, so that it
-//! keeps no descriptor. A client beyond the largest number is closed at once. If the system refuses
+//! keeps no descriptor; what it sends is discarded, unless it is for the receiver ([`super::share`]).
+//! A client beyond the largest number is closed at once. If the system refuses
 //! a new descriptor, the listeners rest for [`REST`], because they would otherwise be ready without
 //! an end.
 
@@ -20,6 +21,7 @@ use mio::net::{TcpListener, TcpStream};
 use mio::{Events, Interest, Poll, Token, Waker};
 
 use super::outbox::QUEUE;
+use super::share::Back;
 
 /// Clients at once, unless the user names another number.
 pub(super) const MOST_CLIENTS: usize = 16;
@@ -43,6 +45,8 @@ pub(super) struct Clients {
     most: usize,
     /// True if sentences wait for a client instead of being lost.
     waits: bool,
+    /// Takes what clients send.
+    back: Option<Arc<Back>>,
 }
 
 /// The way to the thread: a queue, and the waker that says that there is something in it.
@@ -50,7 +54,13 @@ pub(super) type Way = (SyncSender<Arc<[u8]>>, Arc<Waker>);
 
 impl Clients {
     pub(super) fn new(most: usize, waits: bool) -> Result<Self> {
-        Ok(Self { poll: Poll::new()?, listeners: Vec::new(), most, waits })
+        Ok(Self { poll: Poll::new()?, listeners: Vec::new(), most, waits, back: None })
+    }
+
+    /// Lets this have what clients send.
+    #[must_use]
+    pub(super) fn with_back(self, back: Arc<Back>) -> Self {
+        Self { back: Some(back), ..self }
     }
 
     /// Listens on an address.
@@ -77,12 +87,13 @@ impl Clients {
     pub(super) fn start(self, lost: Arc<AtomicU32>, done: Sender<()>) -> Result<Way> {
         let waker = Arc::new(Waker::new(self.poll.registry(), WAKER).context("a waker")?);
         let (queue, messages) = sync_channel(QUEUE);
-        let Self { poll, listeners, most, waits } = self;
+        let Self { poll, listeners, most, waits, back } = self;
         let mut server = Server {
             poll,
             listeners,
             most,
             waits,
+            back,
             clients: Vec::new(),
             next: FIRST_CLIENT,
             lost,
@@ -139,13 +150,17 @@ impl Client {
         Ok(())
     }
 
-    /// Discards what the client sends; an error if it is gone, or sends without an end.
-    fn read(&mut self) -> io::Result<()> {
+    /// Reads what the client sends; an error if it is gone, or sends without an end.
+    fn read(&mut self, back: Option<&Back>) -> io::Result<()> {
         let mut bytes = [0; 512];
         for _ in 0..MOST_READS {
             match self.stream.read(&mut bytes) {
                 Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
-                Ok(_) => {}
+                Ok(count) => {
+                    if let Some(back) = back {
+                        back.take(bytes.get(..count).unwrap_or_default());
+                    }
+                }
                 Err(error) if error.kind() == ErrorKind::WouldBlock => return Ok(()),
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) => return Err(error),
@@ -161,6 +176,7 @@ struct Server {
     listeners: Vec<TcpListener>,
     most: usize,
     waits: bool,
+    back: Option<Arc<Back>>,
     clients: Vec<Client>,
     next: usize,
     lost: Arc<AtomicU32>,
@@ -263,7 +279,10 @@ impl Server {
 
     /// Reads from a client that is ready, and sends what it has room for.
     fn serve(&mut self, token: Token) {
-        self.keep(|client| client.token != token || client.read().and_then(|()| client.flush()).is_ok());
+        let back = self.back.clone();
+        self.keep(|client| {
+            client.token != token || client.read(back.as_deref()).and_then(|()| client.flush()).is_ok()
+        });
     }
 
     /// Hands every message to every client; returns true once no more come.

@@ -8,6 +8,9 @@
 //! A led clock passes in steps of at most [`STEP`]. A step is over once the loop has come round
 //! twice and found nothing to do, so that one of the two rounds began after the step. A test
 //! therefore sees the same states as in real time, and needs no sleep.
+//!
+//! The time of the computer stands still while it is held, because a consumer of a pipe's sentences
+//! does not read: the bytes of the pipe wait meanwhile, and grow no older.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -25,7 +28,15 @@ const ROUND: Duration = Duration::from_millis(100);
 #[derive(Debug)]
 pub struct Clock {
     start: Instant,
+    held: Mutex<Held>,
     led: Option<Led>,
+}
+
+/// The time that does not count.
+#[derive(Debug, Default)]
+struct Held {
+    past: Duration,
+    since: Option<Instant>,
 }
 
 /// A clock that a test moves.
@@ -51,17 +62,39 @@ struct State {
 impl Clock {
     /// Returns the clock of the computer.
     pub fn of_the_computer() -> Arc<Self> {
-        Arc::new(Self { start: Instant::now(), led: None })
+        Arc::new(Self { start: Instant::now(), held: Mutex::default(), led: None })
     }
 
     /// Returns a clock that stands still until it is [advanced](Self::advance).
     pub fn led() -> Arc<Self> {
-        Arc::new(Self { start: Instant::now(), led: Some(Led::default()) })
+        Arc::new(Self { start: Instant::now(), held: Mutex::default(), led: Some(Led::default()) })
     }
 
     /// Returns the time since the start.
     pub(super) fn now(&self) -> Duration {
-        self.led.as_ref().map_or_else(|| self.start.elapsed(), |led| led.state().now)
+        if let Some(led) = &self.led {
+            return led.state().now;
+        }
+        let held = self.held();
+        let now = held.since.unwrap_or_else(Instant::now);
+        now.saturating_duration_since(self.start).saturating_sub(held.past)
+    }
+
+    fn held(&self) -> MutexGuard<'_, Held> {
+        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Lets the time of the computer stand still.
+    pub(super) fn hold(&self) {
+        self.held().since.get_or_insert_with(Instant::now);
+    }
+
+    /// Lets the time of the computer go on from where it stands.
+    pub(super) fn go_on(&self) {
+        let mut held = self.held();
+        if let Some(since) = held.since.take() {
+            held.past += since.elapsed();
+        }
     }
 
     /// Sleeps, in pieces, so that a stop is noticed.
@@ -90,6 +123,12 @@ impl Clock {
             state.events += 1;
             led.come_round(state);
         }
+    }
+
+    /// Sets a led clock that no service follows.
+    #[cfg(test)]
+    pub(super) fn set(&self, now: Duration) {
+        self.led.as_ref().expect("a led clock").state().now = now;
     }
 
     /// Waits in real time until this number of bytes of the receiver have come since the start.
@@ -164,5 +203,23 @@ impl Led {
             self.change.wait_timeout_while(state, PATIENCE, |state| !state.has_ended && !is_met(state));
         let has_failed = waited.unwrap_or_else(PoisonError::into_inner).1.timed_out();
         assert!(!has_failed, "the service: {what}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn held_time_does_not_count_and_goes_on_from_where_it_stood() {
+        let clock = Clock::of_the_computer();
+        clock.hold();
+        let before = clock.now();
+        thread::sleep(Duration::from_millis(30));
+        clock.hold();
+        assert_eq!(clock.now(), before);
+        clock.go_on();
+        clock.go_on();
+        assert!(clock.now() >= before && clock.now() < before + Duration::from_millis(30));
     }
 }

@@ -25,6 +25,8 @@ const PAUSE_MS: u64 = 30;
 #[derive(Debug)]
 pub(super) struct Inbox {
     clock: Arc<Clock>,
+    /// True if the source waits: its bytes count as come when they are taken.
+    waits: bool,
     state: Mutex<State>,
     arrival: Condvar,
     /// Signalled when bytes have been taken.
@@ -37,6 +39,9 @@ struct State {
     /// The number of bytes that came at each instant, in ms, oldest first.
     arrivals: VecDeque<(usize, u64)>,
     last_ms: u64,
+    /// Arrival of the last bytes that were taken, and of the first of them after a pause, ms.
+    taken_ms: u64,
+    burst_ms: u64,
     orbits: VecDeque<Vec<u8>>,
     commands: VecDeque<u8>,
     is_broken: bool,
@@ -45,8 +50,8 @@ struct State {
 }
 
 impl Inbox {
-    pub(super) fn new(clock: Arc<Clock>) -> Self {
-        Self { clock, state: Mutex::default(), arrival: Condvar::new(), room: Condvar::new() }
+    pub(super) fn new(clock: Arc<Clock>, waits: bool) -> Self {
+        Self { clock, waits, state: Mutex::default(), arrival: Condvar::new(), room: Condvar::new() }
     }
 
     /// Milliseconds since the program started.
@@ -80,8 +85,11 @@ impl Inbox {
         self.clock.hear(bytes.len(), 0);
     }
 
-    /// Takes bytes of a source that can wait, as soon as there is room for them.
+    /// Takes bytes of a source, which may have to wait until there is room for them.
     pub(super) fn push_in_turn(&self, bytes: &[u8]) {
+        if !self.waits {
+            return self.push(bytes);
+        }
         let state = self.state();
         drop(self.room.wait_while(state, |state| state.bytes.len() + bytes.len() > MOST_BYTES));
         self.push(bytes);
@@ -151,9 +159,18 @@ impl Inbox {
             Some(front) if many > count => front.0 = many - count,
             _ => drop(state.arrivals.pop_front()),
         }
+        if came_ms.saturating_sub(state.taken_ms) >= PAUSE_MS {
+            state.burst_ms = came_ms;
+        }
+        state.taken_ms = came_ms;
         drop(state);
         self.room.notify_one();
-        Taken::Bytes { count, came_ms }
+        Taken::Bytes { count, came_ms: if self.waits { now_ms } else { came_ms } }
+    }
+
+    /// Returns the time since the first byte after a pause came of those that were taken last.
+    pub(super) fn burst_age(&self) -> Duration {
+        Duration::from_millis(self.now_ms().saturating_sub(self.state().burst_ms))
     }
 
     /// Hands out one byte of a command.
@@ -199,7 +216,7 @@ mod tests {
 
     #[test]
     fn bytes_come_out_in_order_with_their_time() {
-        let inbox = Inbox::new(Clock::of_the_computer());
+        let inbox = Inbox::new(Clock::of_the_computer(), false);
         inbox.push(b"abc");
         inbox.push(b"de");
         let mut chunk = [0; 2];
@@ -211,8 +228,20 @@ mod tests {
     }
 
     #[test]
+    fn age_is_that_of_the_first_byte_after_a_pause() {
+        let clock = Clock::led();
+        let inbox = Inbox::new(Arc::clone(&clock), false);
+        for (now_ms, want_ms) in [(1000, 0), (1029, 29), (1058, 58), (2000, 0)] {
+            clock.set(Duration::from_millis(now_ms));
+            inbox.push(b"a");
+            inbox.take(&mut [0; 4]);
+            assert_eq!(inbox.burst_age(), Duration::from_millis(want_ms));
+        }
+    }
+
+    #[test]
     fn orbit_waits_for_a_pause_of_the_line() {
-        let inbox = Inbox::new(Clock::of_the_computer());
+        let inbox = Inbox::new(Clock::of_the_computer(), false);
         inbox.push(b"a");
         inbox.push_orbit(b"orbit".to_vec());
         let mut chunk = [0; 16];
@@ -223,8 +252,19 @@ mod tests {
     }
 
     #[test]
+    fn bytes_of_a_source_that_waits_grow_no_older() {
+        for (waits, want_ms) in [(false, 0), (true, 1000)] {
+            let clock = Clock::led();
+            let inbox = Inbox::new(Arc::clone(&clock), waits);
+            inbox.push_in_turn(b"a");
+            clock.set(Duration::from_secs(1));
+            assert_eq!(inbox.take(&mut [0; 4]), Taken::Bytes { count: 1, came_ms: want_ms });
+        }
+    }
+
+    #[test]
     fn flood_is_bounded_and_counted() {
-        let inbox = Inbox::new(Clock::of_the_computer());
+        let inbox = Inbox::new(Clock::of_the_computer(), false);
         for _ in 0..2 * MOST_BYTES / 1024 {
             inbox.push(&[0; 1024]);
         }

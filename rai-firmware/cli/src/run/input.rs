@@ -2,19 +2,23 @@
 //!
 //! A port that fails or ends is opened again, after a pause that doubles from a quarter of a second
 //! to eight. Meanwhile nothing arrives, so the module reports `STALE` and drops the pin by itself.
+//! A serial port takes another rate when [`super::contact`] asks for one.
 
 use std::fmt;
-use std::io::{self, IsTerminal as _, Read};
+use std::io::{self, IsTerminal as _, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::str::FromStr;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
+use serialport::SerialPort;
 
 use super::inbox::Inbox;
+use super::played;
+use super::share::Share;
 use crate::serial;
 
 /// Rate of a serial port if none is named: the module's own first guess.
@@ -67,15 +71,53 @@ impl fmt::Display for Source {
     }
 }
 
+/// The kinds of input, by what a stop of it means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Nature {
+    /// A file: it has an end, and its time is that of its epochs.
+    File,
+    /// A pipe: it has an end and waits for its reader, and it may be that of a receiver.
+    Pipe,
+    /// A line that waits for nobody.
+    Live,
+}
+
+impl Nature {
+    /// Returns the nature of a source.
+    pub(super) fn of(source: &Source) -> Self {
+        match source {
+            Source::Standard => Self::of_standard_input(),
+            Source::Serial(..) | Source::Tcp(_) => Self::Live,
+        }
+    }
+
+    #[cfg(unix)]
+    fn of_standard_input() -> Self {
+        use std::os::unix::fs::FileTypeExt as _;
+        match std::fs::metadata(played::NAME).map(|metadata| metadata.file_type()) {
+            // It is opened by its name, which only Linux allows again from its beginning.
+            Ok(kind) if kind.is_file() && cfg!(target_os = "linux") => Self::File,
+            Ok(kind) if kind.is_file() || kind.is_fifo() => Self::Pipe,
+            _ => Self::Live,
+        }
+    }
+
+    #[cfg(not(unix))]
+    fn of_standard_input() -> Self {
+        if io::stdin().is_terminal() { Self::Live } else { Self::Pipe }
+    }
+}
+
 /// Starts the thread that reads.
 ///
 /// # Errors
 /// If a serial port does not exist when the service starts: a wrong name should not be retried
 /// forever.
-pub(super) fn start(source: &Source, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) -> Result<()> {
+pub(super) fn start(source: &Source, line: &Line, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) -> Result<()> {
     let (source, inbox, stop) = (source.clone(), Arc::clone(inbox), Arc::clone(stop));
+    let line = line.clone();
     let first = match &source {
-        Source::Serial(..) => Some(open(&source).with_context(|| source.to_string())?),
+        Source::Serial(..) => Some(open(&source, &line).with_context(|| source.to_string())?),
         Source::Standard if io::stdin().is_terminal() => {
             // Otherwise it would seem to hang.
             eprintln!(
@@ -85,18 +127,82 @@ pub(super) fn start(source: &Source, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>)
         }
         Source::Tcp(_) | Source::Standard => None,
     };
-    thread::spawn(move || keep_reading(&source, first, &inbox, &stop));
+    thread::spawn(move || keep_reading(&source, &line, first, &inbox, &stop));
     Ok(())
 }
 
-/// An open source, and whether its end is the end of all.
-type Port = Box<dyn Read + Send>;
+/// What a reader shares with others: the rate that it follows, bit/s, and the programs to which it
+/// passes the bytes.
+#[derive(Clone, Debug)]
+pub(super) struct Line {
+    pub(super) rate: Arc<AtomicU32>,
+    pub(super) share: Option<Arc<Share>>,
+}
 
-fn open(source: &Source) -> Result<Port> {
+impl Line {
+    /// Returns the line of a source at start.
+    pub(super) fn of(source: &Source, share: Option<Arc<Share>>) -> Self {
+        let rate = match source {
+            Source::Serial(_, baud) => *baud,
+            Source::Tcp(_) | Source::Standard => 0,
+        };
+        Self { rate: Arc::new(AtomicU32::new(rate)), share }
+    }
+
+    /// Notes the writing side of the port, or that it is closed.
+    fn connect(&self, port: Option<Box<dyn Write + Send>>) {
+        if let Some(share) = &self.share {
+            share.connect(port);
+        }
+    }
+}
+
+/// An open source.
+enum Port {
+    /// One without a rate.
+    Plain(Box<dyn Read + Send>),
+    /// A serial port, at this rate.
+    Serial(Box<dyn SerialPort>, u32),
+}
+
+impl Port {
+    /// Takes this rate; returns true if the port had another one.
+    fn follow(&mut self, baud: u32) -> io::Result<bool> {
+        match self {
+            Self::Serial(port, now) if *now != baud => {
+                port.set_baud_rate(baud)?;
+                *now = baud;
+                Ok(true)
+            }
+            _ => Ok(false),
+        }
+    }
+}
+
+impl Read for Port {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Plain(port) => port.read(into),
+            Self::Serial(port, _) => port.read(into),
+        }
+    }
+}
+
+fn open(source: &Source, line: &Line) -> Result<Port> {
     Ok(match source {
-        Source::Standard => Box::new(io::stdin()),
-        Source::Serial(port, baud) => Box::new(serial::open(port, *baud, READ_TIMEOUT)?),
-        Source::Tcp(address) => Box::new(connect(address)?),
+        Source::Standard => Port::Plain(Box::new(io::stdin())),
+        Source::Serial(port, _) => {
+            let baud = line.rate.load(Ordering::Relaxed);
+            let port = serial::open(port, baud, READ_TIMEOUT)?;
+            line.connect(Some(Box::new(port.try_clone()?)));
+            Port::Serial(port, baud)
+        }
+        Source::Tcp(address) => {
+            let stream = connect(address)?;
+            stream.set_write_timeout(Some(READ_TIMEOUT))?;
+            line.connect(Some(Box::new(stream.try_clone()?)));
+            Port::Plain(Box::new(stream))
+        }
     })
 }
 
@@ -111,19 +217,20 @@ pub(super) fn connect(address: &str) -> Result<TcpStream> {
     Ok(stream)
 }
 
-fn keep_reading(source: &Source, first: Option<Port>, inbox: &Inbox, stop: &AtomicBool) {
+fn keep_reading(source: &Source, line: &Line, first: Option<Port>, inbox: &Inbox, stop: &AtomicBool) {
     let mut pause = FIRST_PAUSE;
     let mut port = first;
     while !stop.load(Ordering::Relaxed) {
-        match port.take().map_or_else(|| open(source), Ok) {
+        match port.take().map_or_else(|| open(source, line), Ok) {
             Ok(open) => {
-                // Standard input is whole from its first byte, and a pipe can wait.
-                let can_wait = *source == Source::Standard;
-                if !can_wait {
+                // Standard input is whole from its first byte, and ends once.
+                let is_standard = *source == Source::Standard;
+                if !is_standard {
                     inbox.interrupt();
                 }
-                let (count, reason) = read(open, can_wait, inbox, stop);
-                if can_wait {
+                let (count, reason) = read(open, line, inbox, stop);
+                line.connect(None);
+                if is_standard {
                     return inbox.end();
                 }
                 if count > 0 {
@@ -139,17 +246,21 @@ fn keep_reading(source: &Source, first: Option<Port>, inbox: &Inbox, stop: &Atom
 }
 
 /// Reads until the port ends; returns how many bytes came, and why it ended.
-fn read(mut port: Port, can_wait: bool, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
+fn read(mut port: Port, line: &Line, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
     let (mut bytes, mut total, mut last) = ([0; 4096], 0, inbox.clock().now());
     while !stop.load(Ordering::Relaxed) {
+        match port.follow(line.rate.load(Ordering::Relaxed)) {
+            Ok(true) => inbox.interrupt(),
+            Ok(false) => {}
+            Err(error) => return (total, format!("cannot have another rate: {error}")),
+        }
         match port.read(&mut bytes) {
             Ok(0) => return (total, "the other side has closed it".into()),
             Ok(count) => {
                 let bytes = bytes.get(..count).unwrap_or_default();
-                if can_wait {
-                    inbox.push_in_turn(bytes);
-                } else {
-                    inbox.push(bytes);
+                inbox.push_in_turn(bytes);
+                if let Some(share) = &line.share {
+                    share.pass(bytes);
                 }
                 total += count as u64;
                 last = inbox.clock().now();

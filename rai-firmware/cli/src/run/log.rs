@@ -52,12 +52,12 @@ impl Log {
         );
     }
 
-    /// Reports the state of a sentence `PRAIS`, if it is another than that of the last line. The
-    /// level of the pin is that which the state demands.
-    pub(super) fn hear(&mut self, message: &[u8]) {
-        let Some((state, reason)) = state_of(message) else { return };
+    /// Reports the state of a sentence `PRAIS`, if it is another than that of the last line;
+    /// returns its letter. The level of the pin is that which the state demands.
+    pub(super) fn hear(&mut self, message: &[u8]) -> Option<char> {
+        let (state, reason) = state_of(message)?;
         if self.last.as_ref().is_some_and(|(last, why)| *last == state && why == reason) {
-            return;
+            return Some(state);
         }
         self.last = Some((state, reason.to_owned()));
         let name = match state {
@@ -71,6 +71,7 @@ impl Log {
             &format!("state: {name} {reason}, pin {pin}"),
             json!({"event": "state", "state": name, "reason": reason, "pin": is_high}),
         );
+        Some(state)
     }
 
     fn line(&self, words: &str, mut object: Value) {

@@ -11,13 +11,17 @@
 //! | [`plan`] | reads the command line and the configuration file |
 //! | `input`, `caster`, `inbox` | read bytes with their time of arrival, and reconnect |
 //! | `board` | implements the firmware's `Board` on a computer |
+//! | `contact` | finds the rate of a port, and says what the receiver's bytes lack |
 //! | `played` | plays a file on standard input, in the time of its epochs |
 //! | `outbox`, `output`, `clients` | send sentences to consumers, none of which another one waits for |
+//! | `time_server` | tells chrony the time of protected epochs |
 //! | [`pin`], `actuator`, `reserve` | drive the integrity pin, whatever the computer has run out of |
 //! | `signals` | lowers the pin before a signal or a panic ends the program |
 //! | [`clock`] | has the time, which a test may move |
 //! | [`log`] | reports the start and each change of the state |
 //! | `report` | takes notes of every epoch, for a page as `replay` writes it |
+//! | `share` | passes the receiver's raw bytes to other programs |
+//! | `page` | serves a page of the running module |
 //! | `guard` | drops the pin and ends the program if the epoch loop hangs |
 //!
 //! The epoch loop runs in the calling thread. Every port has a thread of its own, with a bounded
@@ -28,24 +32,29 @@ mod board;
 mod caster;
 mod clients;
 pub mod clock;
+mod contact;
 mod guard;
 mod inbox;
 mod input;
 pub mod log;
 mod outbox;
 mod output;
+mod page;
 pub mod pin;
 pub mod plan;
 mod played;
 mod report;
 mod reserve;
+mod share;
 mod signals;
+#[cfg(unix)]
+mod time_server;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use raim_firmware::board::SEALED_BYTES;
 use raim_firmware::epoch_loop::EpochLoop;
 use raim_firmware::receiver::{Boot, Receiver};
@@ -54,21 +63,26 @@ use raim_firmware::settings::Configuration;
 use board::Computer;
 use clients::Clients;
 use clock::Clock;
+use contact::Contact;
 use guard::Guard;
 use inbox::Inbox;
-use input::Source;
+use input::{Line, Nature};
 use log::Log;
-use outbox::Outbox;
+use outbox::{Outbox, Wait};
+use output::Sink;
+use page::Page;
 use pin::{Pin, Wire};
 use report::Recorder;
+use share::Share;
+
+use crate::replay::settings;
 
 pub use plan::{Arguments, Plan};
 
-/// Longest wait for a consumer of a file's sentences.
-const FILE_PATIENCE: Duration = Duration::from_hours(1);
-/// Longest wait for a consumer of a pipe's sentences. The dozen sentences of an epoch wait for less
-/// than the guard's patience.
-const PIPE_PATIENCE: Duration = Duration::from_millis(50);
+/// Messages of `MAVLink`.
+const MESSAGES: [&str; 3] = ["HEARTBEAT", "GPS_INPUT", "GNSS_INTEGRITY"];
+/// Wait for a consumer after which the pin falls, because nothing is judged meanwhile.
+const LONGEST_HIGH: Duration = Duration::from_millis(500);
 
 /// Runs the service as the command line asks, until the input ends or a signal stops it.
 ///
@@ -108,18 +122,25 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
     let _lowered = Lowered { wire, clock };
     // The pin first: it is low before anything else can fail.
     wire.lower().context("the pin cannot be set")?;
-    let inbox = Arc::new(Inbox::new(Arc::clone(clock)));
-    let is_file = plan.input == Source::Standard && played::is_file();
-    // A file waits for its readers. A pipe may be that of a receiver, for which the epoch loop must
-    // come round.
-    let patience = match plan.input {
-        Source::Standard if is_file => FILE_PATIENCE,
-        Source::Standard => PIPE_PATIENCE,
-        _ => Duration::ZERO,
-    };
-    let mut outbox = Outbox::new(patience);
+    let nature = Nature::of(&plan.input);
+    ensure!(
+        nature != Nature::File || plan.page.is_none(),
+        "--page shows a running module; `replay --report` shows a file"
+    );
+    ensure!(
+        nature == Nature::Live || plan.share.is_none(),
+        "--share passes the bytes of a receiver on a serial port or TCP"
+    );
+    ensure!(
+        nature == Nature::Live || !plan.outputs.iter().any(|output| matches!(output, Sink::Chrony(_))),
+        "chrony: takes the time of a receiver on a serial port or over TCP; that of a file or a pipe may be of the past"
+    );
+    let (is_file, waits) = (nature == Nature::File, nature != Nature::Live);
+    let inbox = Arc::new(Inbox::new(Arc::clone(clock), waits));
+    let guard = (!is_file).then(|| Arc::new(Guard::start(wire, stop)));
+    let mut outbox = Outbox::new(waits.then(|| wait(wire, clock, stop, guard.clone())));
     outbox.keep_log(Log::new(plan.log));
-    let mut clients = Clients::new(plan.clients, is_file)?;
+    let mut clients = Clients::new(plan.clients, waits)?;
     for output in &plan.outputs {
         output::open(output, &mut outbox, &inbox, &mut clients).with_context(|| output.to_string())?;
     }
@@ -128,16 +149,16 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
         outbox.add_clients(clients.start(lost, done)?);
     }
     let mut recorder = plan.report.clone().map(|folder| Recorder::new(folder, plan.input.to_string()));
-    outbox.keep_tape(recorder.is_some());
-    let configuration = if is_file {
-        Some(played::play(plan, wire, &mut outbox, recorder.as_mut(), stop)?)
-    } else {
-        live(plan, wire, &inbox, &mut outbox, recorder.as_mut(), stop)?
+    outbox.keep_tape(recorder.is_some() || plan.page.is_some());
+    let configuration = match &guard {
+        None => Some(played::play(plan, wire, &mut outbox, recorder.as_mut(), stop)?),
+        Some(guard) => live(plan, (wire, guard), &inbox, &mut outbox, recorder.as_mut(), stop)?,
     };
     wire.lower().context("the pin cannot be set")?;
     let is_finite = is_file || inbox.has_ended();
-    let lost = [inbox.dropped(), outbox.lost()];
+    let lost = (inbox.dropped(), Arc::clone(&outbox.for_clients().0));
     let errors = outbox.close();
+    let lost = [lost.0, lost.1.load(Ordering::Relaxed)];
     if let Some((recorder, configuration)) = recorder.zip(configuration) {
         recorder.end(&configuration)?;
     }
@@ -147,23 +168,38 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
 /// Runs the module in real time; returns its settings at the end.
 fn live(
     plan: &Plan,
-    wire: &Arc<Wire>,
+    (wire, guard): (&Arc<Wire>, &Guard),
     inbox: &Arc<Inbox>,
     outbox: &mut Outbox,
     mut recorder: Option<&mut Recorder>,
     stop: &Arc<AtomicBool>,
 ) -> Result<Option<Configuration>> {
-    let guard = Guard::start(wire, stop);
     let mut sealed = Box::new([0; SEALED_BYTES]);
     let (mut after_power_on, mut configuration) = (true, None);
+    let share = |name: &String| Share::serve(name, plan.share_write, plan.clients).map(Arc::new);
+    let line = Line::of(&plan.input, plan.share.as_ref().map(share).transpose().context("--share")?);
+    let serve = |address: &String| {
+        let back = line.share.as_ref().map(|share| Arc::clone(share.back()));
+        Page::serve(address, plan, back)
+    };
+    let mut page = plan.page.as_ref().map(serve).transpose().context("--page")?;
+    #[cfg(unix)]
+    let mut servers = time_servers(plan)?;
+    let mut contact = Contact::new(&plan.input, &line.rate, plan.caster.is_some());
     while !stop.load(Ordering::Relaxed) && !inbox.has_ended() {
         let mut receiver = receiver(wire)?;
-        let mut board = Computer::new(inbox, outbox, &mut sealed, &guard, wire, recorder.as_deref_mut());
+        let mut board = Computer::new(
+            inbox,
+            (&mut *outbox, &mut contact),
+            &mut sealed,
+            (guard, wire),
+            (recorder.as_deref_mut(), page.as_mut()),
+        );
         receiver.restore(board.sealed_memory(), after_power_on);
         apply(plan, &mut receiver)?;
         if after_power_on {
             // The settings are in force before the first byte.
-            input::start(&plan.input, inbox, stop)?;
+            input::start(&plan.input, &line, inbox, stop)?;
             if let Some(caster) = &plan.caster {
                 caster::start(caster.clone(), inbox, stop);
             }
@@ -174,14 +210,52 @@ fn live(
         let mut epochs = EpochLoop::new();
         while !receiver.reset_requested() && !stop.load(Ordering::Relaxed) && !board.has_ended() {
             epochs.pass(&mut board, &mut receiver);
+            board.look(&receiver);
+            #[cfg(unix)]
+            board.tell_time(&receiver, &mut servers);
             board.record(&receiver);
         }
         board.drain(&mut receiver);
+        board.look(&receiver);
         board.record(&receiver);
         configuration = Some(*receiver.configuration());
         after_power_on = false;
     }
+    let refused = line.share.as_ref().map_or(0, |share| share.back().counts()[1]);
+    if refused > 0 {
+        eprintln!("share: {refused} bytes towards the receiver were refused");
+    }
+    if inbox.has_ended() {
+        contact.end()?;
+    }
     Ok(configuration)
+}
+
+/// Returns the consumers of the time.
+#[cfg(unix)]
+fn time_servers(plan: &Plan) -> Result<Vec<time_server::TimeServer>> {
+    let paths = plan.outputs.iter().filter_map(|output| match output {
+        Sink::Chrony(path) => Some(path),
+        _ => None,
+    });
+    paths.map(|path| time_server::TimeServer::at(path)).collect()
+}
+
+/// Returns how a file or a pipe waits for a consumer: time stands still, the guard is content, and
+/// the pin falls.
+fn wait(wire: &Arc<Wire>, clock: &Arc<Clock>, stop: &Arc<AtomicBool>, guard: Option<Arc<Guard>>) -> Wait {
+    let (wire, held, after) = (Arc::clone(wire), Arc::clone(clock), Arc::clone(clock));
+    let meanwhile = move |waited: Duration| {
+        held.hold();
+        if let Some(guard) = &guard {
+            guard.feed();
+        }
+        if waited > LONGEST_HIGH && wire.is_high() {
+            // If it fails, the next look tries again.
+            let _ = wire.drive(false);
+        }
+    };
+    Wait { stop: Arc::clone(stop), meanwhile: Arc::new(meanwhile), after: Arc::new(move || after.go_on()) }
 }
 
 /// Reports what was lost. A finite input could have waited, so that a loss of it is an error.
@@ -236,8 +310,19 @@ fn apply(plan: &Plan, receiver: &mut Receiver<Pin>) -> Result<()> {
         let answer = String::from_utf8_lossy(&answer);
         let (_, why) = answer.split_once(",ERR,").unwrap_or_default();
         let why = why.split('*').next().unwrap_or_default();
-        bail!("the module refuses {key} = \"{value}\": {why} (INTERFACES.md lists every key and its values)");
+        let advice = settings::advice(key, why);
+        bail!(
+            "the module refuses {key} = \"{value}\": {why}{advice} (INTERFACES.md lists every key and its values)"
+        );
     }
+    let configuration = receiver.configuration();
+    let is_silent =
+        configuration.outputs.rates().all(|(name, every)| every == 0 || !MESSAGES.contains(&name));
+    let is_mavlink = |output: &Sink| matches!(output, Sink::MavlinkUdp(_) | Sink::MavlinkSerial(..));
+    ensure!(
+        !is_silent || !plan.outputs.iter().any(is_mavlink),
+        "a MAVLink output without a message: set OUTPUT=GPS_INPUT,1, OUTPUT=GNSS_INTEGRITY,1 or OUTPUT=HEARTBEAT,1"
+    );
     Ok(())
 }
 

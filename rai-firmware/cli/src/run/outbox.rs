@@ -2,13 +2,13 @@
 //!
 //! The epoch loop never waits for a consumer. A consumer whose queue is full loses that sentence,
 //! and the loss is counted; one that is gone is forgotten. A recording is another matter: it can
-//! wait, so that no consumer loses a sentence of it.
+//! wait, so that no consumer loses a sentence of it. Whoever stops the service waits for nobody.
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
 use std::time::{Duration, Instant};
+use std::{fmt, thread};
 
 use mio::Waker;
 use raim_firmware::settings::Configuration;
@@ -24,7 +24,11 @@ pub(super) const QUEUE: usize = 256;
 /// Pause between two looks at a full queue.
 const LOOK: Duration = Duration::from_millis(1);
 
-/// Longest time in which consumers may read their queues at the end.
+/// Time between two looks at the consumers at the end.
+const LAST_LOOK: Duration = Duration::from_millis(50);
+
+/// Longest time in which consumers may read their queues at the end of a live line, or of a service
+/// that was stopped.
 const FAREWELL: Duration = Duration::from_secs(3);
 
 /// First byte of a frame of `MAVLink` 2.
@@ -54,12 +58,29 @@ struct Consumer {
     waker: Option<Arc<Waker>>,
 }
 
+/// How a recording waits for its consumers.
+#[derive(Clone)]
+pub(super) struct Wait {
+    /// Ends every wait once it is true.
+    pub(super) stop: Arc<AtomicBool>,
+    /// Called at each look at a full queue, with the time that the wait has taken.
+    pub(super) meanwhile: Arc<dyn Fn(Duration) + Send + Sync>,
+    /// Called at the end of a wait.
+    pub(super) after: Arc<dyn Fn() + Send + Sync>,
+}
+
+impl fmt::Debug for Wait {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Wait").field("stop", &self.stop).finish_non_exhaustive()
+    }
+}
+
 /// The way out.
 #[derive(Debug)]
 pub(super) struct Outbox {
     consumers: Vec<Consumer>,
-    /// Longest wait for a full queue.
-    patience: Duration,
+    /// How a full queue is waited for; `None` on a live line, which never waits.
+    wait: Option<Wait>,
     lost: Arc<AtomicU32>,
     /// The first error of each consumer.
     errors: Arc<Mutex<Vec<std::io::Error>>>,
@@ -69,19 +90,22 @@ pub(super) struct Outbox {
     /// Sentences for the report; `None` if there is none.
     tape: Option<Vec<u8>>,
     log: Log,
+    /// True if a sentence has said that the position is protected.
+    is_protected: bool,
 }
 
 impl Outbox {
-    /// Returns a way out without consumers, which waits as long for a full queue.
-    pub(super) fn new(patience: Duration) -> Self {
+    /// Returns a way out without consumers, which waits for a full queue like this.
+    pub(super) fn new(wait: Option<Wait>) -> Self {
         Self {
             consumers: Vec::new(),
-            patience,
+            wait,
             lost: Arc::default(),
             errors: Arc::default(),
             done: channel(),
             tape: None,
             log: Log::new(None),
+            is_protected: false,
         }
     }
 
@@ -134,6 +158,11 @@ impl Outbox {
         self.tape.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
+    /// Returns true if an epoch was reported as protected since the last call.
+    pub(super) fn take_protected(&mut self) -> bool {
+        std::mem::take(&mut self.is_protected)
+    }
+
     /// Messages that a consumer's full queue has lost.
     pub(super) fn lost(&self) -> u32 {
         self.lost.load(Ordering::Relaxed)
@@ -150,14 +179,14 @@ impl Outbox {
         if let Some(tape) = self.tape.as_mut().filter(|_| kind == Kind::Nmea) {
             tape.extend_from_slice(message);
         }
-        self.log.hear(message);
+        self.is_protected |= self.log.hear(message) == Some('P');
         let message: Arc<[u8]> = message.into();
-        let Self { consumers, lost, patience, .. } = self;
+        let Self { consumers, lost, wait, .. } = self;
         consumers.retain(|consumer| {
             if consumer.wanted != kind {
                 return true;
             }
-            let is_there = match send_within(*patience, &consumer.queue, &message) {
+            let is_there = match send_within(wait.as_ref(), &consumer.queue, &message) {
                 Ok(()) => true,
                 Err(TrySendError::Full(_)) => {
                     lost.fetch_add(1, Ordering::Relaxed);
@@ -173,39 +202,58 @@ impl Outbox {
     /// Lets every consumer end once it has read its queue, and waits for that; returns the errors
     /// of the consumers.
     pub(super) fn close(self) -> Vec<std::io::Error> {
-        let Self { consumers, done: (own, all), errors, .. } = self;
+        let Self { consumers, done: (own, all), errors, wait, .. } = self;
         let wakers: Vec<_> = consumers.iter().filter_map(|consumer| consumer.waker.clone()).collect();
         drop((consumers, own));
         for waker in wakers {
             let _ = waker.wake();
         }
-        if all.recv_timeout(FAREWELL) == Err(RecvTimeoutError::Timeout) {
-            eprintln!("a consumer does not read; its last sentences are lost");
+        let start = Instant::now();
+        let may_wait = || {
+            wait.as_ref().is_some_and(|wait| !wait.stop.load(Ordering::Relaxed)) || start.elapsed() < FAREWELL
+        };
+        let mut errors = std::mem::take(&mut *errors.lock().unwrap_or_else(PoisonError::into_inner));
+        while all.recv_timeout(LAST_LOOK) == Err(RecvTimeoutError::Timeout) {
+            if !may_wait() {
+                errors.push(std::io::Error::other("a consumer does not read; its last sentences are lost"));
+                break;
+            }
         }
-        std::mem::take(&mut errors.lock().unwrap_or_else(PoisonError::into_inner))
+        errors
     }
 }
 
-/// Puts a message into a queue as soon as there is room.
+/// Puts a message into a queue, as soon as there is room if that is waited for.
 fn send_within(
-    patience: Duration,
+    wait: Option<&Wait>,
     queue: &SyncSender<Arc<[u8]>>,
     message: &Arc<[u8]>,
 ) -> Result<(), TrySendError<Arc<[u8]>>> {
     let mut start = None;
-    loop {
-        match queue.try_send(Arc::clone(message)) {
-            Err(TrySendError::Full(_)) if start.get_or_insert_with(Instant::now).elapsed() < patience => {
+    let outcome = loop {
+        match (queue.try_send(Arc::clone(message)), wait) {
+            (Err(TrySendError::Full(_)), Some(wait)) if !wait.stop.load(Ordering::Relaxed) => {
+                (wait.meanwhile)(start.get_or_insert_with(Instant::now).elapsed());
                 thread::sleep(LOOK);
             }
-            outcome => return outcome,
+            (outcome, _) => break outcome,
         }
+    };
+    if let (Some(_), Some(wait)) = (start, wait) {
+        (wait.after)();
     }
+    outcome
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl Wait {
+        fn until(stop: &Arc<AtomicBool>) -> Self {
+            Self { stop: Arc::clone(stop), meanwhile: Arc::new(|_| ()), after: Arc::new(|| ()) }
+        }
+    }
 
     impl Outbox {
         fn push(&mut self, wanted: Kind, queue: SyncSender<Arc<[u8]>>) {
@@ -215,7 +263,7 @@ mod tests {
 
     #[test]
     fn full_and_dead_consumers_cost_nobody_else_a_sentence() {
-        let mut outbox = Outbox::new(Duration::ZERO);
+        let mut outbox = Outbox::new(None);
         let (quick, read) = sync_channel(8);
         let (slow, kept) = sync_channel(1);
         let (dead, gone) = sync_channel(1);
@@ -232,7 +280,7 @@ mod tests {
 
     #[test]
     fn last_sentences_are_written_before_the_end() {
-        let mut outbox = Outbox::new(Duration::ZERO);
+        let mut outbox = Outbox::new(None);
         let written = Arc::new(Mutex::new(Vec::new()));
         let copy = Arc::clone(&written);
         outbox.add(Kind::Nmea, move |messages| {
@@ -251,7 +299,7 @@ mod tests {
 
     #[test]
     fn sentences_of_a_recording_wait_for_a_slow_consumer() {
-        let mut outbox = Outbox::new(Duration::from_secs(5));
+        let mut outbox = Outbox::new(Some(Wait::until(&Arc::default())));
         let count = Arc::new(AtomicU32::new(0));
         let copy = Arc::clone(&count);
         outbox.add(Kind::Nmea, move |messages| {
@@ -267,5 +315,24 @@ mod tests {
         assert_eq!(outbox.lost(), 0);
         outbox.close();
         assert_eq!(count.load(Ordering::Relaxed) as usize, 3 * QUEUE);
+    }
+
+    /// A reader that has stopped, and a service that is told to stop.
+    #[test]
+    fn stop_ends_every_wait_for_a_consumer() {
+        let stop = Arc::new(AtomicBool::new(false));
+        let mut outbox = Outbox::new(Some(Wait::until(&stop)));
+        let (queue, _kept) = sync_channel(1);
+        outbox.push(Kind::Nmea, queue);
+        let start = Instant::now();
+        let until = thread::spawn(move || {
+            thread::sleep(Duration::from_millis(50));
+            stop.store(true, Ordering::Relaxed);
+        });
+        outbox.send(b"$GPRMC\r\n");
+        outbox.send(b"$GPRMC\r\n");
+        until.join().unwrap();
+        assert!(start.elapsed() < Duration::from_secs(5));
+        assert_eq!(outbox.lost(), 1);
     }
 }

@@ -34,10 +34,15 @@ pub enum Sink {
     Tcp(String),
     /// `udp://127.0.0.1:10110`: sentences are sent there.
     Udp(String),
+    /// `serial:/dev/ttyS1@115200`: sentences on a serial port.
+    Serial(String, u32),
     /// `mavlink-udp://127.0.0.1:14550`: `MAVLink` is sent there.
     MavlinkUdp(String),
     /// `mavlink-serial:/dev/ttyS1@57600`: `MAVLink` on a serial port.
     MavlinkSerial(String, u32),
+    /// `chrony:/run/chrony.rai.sock`: the time of protected epochs for chronyd, which makes the
+    /// socket.
+    Chrony(PathBuf),
 }
 
 impl FromStr for Sink {
@@ -50,6 +55,9 @@ impl FromStr for Sink {
         if let Some(path) = text.strip_prefix("pty:") {
             return Ok(Self::Pty(path.into()));
         }
+        if let Some(path) = text.strip_prefix("chrony:") {
+            return Ok(Self::Chrony(path.into()));
+        }
         if let Some(address) = text.strip_prefix("tcp://") {
             return Ok(Self::Tcp(address.to_owned()));
         }
@@ -59,16 +67,19 @@ impl FromStr for Sink {
         if let Some(address) = text.strip_prefix("mavlink-udp://") {
             return Ok(Self::MavlinkUdp(address.to_owned()));
         }
-        if let Some((port, baud)) =
-            text.strip_prefix("mavlink-serial:").and_then(|port| port.rsplit_once('@'))
-        {
-            let baud =
-                baud.parse().with_context(|| format!("the rate behind @ must be a number: `{text}`"))?;
-            return Ok(Self::MavlinkSerial(port.to_owned(), baud));
+        for (prefix, sink) in [
+            ("mavlink-serial:", Self::MavlinkSerial as fn(String, u32) -> Self),
+            ("serial:", Self::Serial as fn(String, u32) -> Self),
+        ] {
+            if let Some((port, baud)) = text.strip_prefix(prefix).and_then(|port| port.rsplit_once('@')) {
+                let baud =
+                    baud.parse().with_context(|| format!("the rate behind @ must be a number: `{text}`"))?;
+                return Ok(sink(port.to_owned(), baud));
+            }
         }
         bail!(
-            "an output is -, pty:PATH, tcp://ADDRESS:PORT, udp://ADDRESS:PORT, mavlink-udp://ADDRESS:PORT \
-             or mavlink-serial:PORT@BAUD, not `{text}`"
+            "an output is -, pty:PATH, serial:PORT@BAUD, tcp://ADDRESS:PORT, udp://ADDRESS:PORT, \
+             mavlink-udp://ADDRESS:PORT, mavlink-serial:PORT@BAUD or chrony:PATH, not `{text}`"
         )
     }
 }
@@ -78,8 +89,10 @@ impl fmt::Display for Sink {
         match self {
             Self::Standard => f.write_str("standard output"),
             Self::Pty(path) => write!(f, "pty:{}", path.display()),
+            Self::Chrony(path) => write!(f, "chrony:{}", path.display()),
             Self::Tcp(address) => write!(f, "tcp://{address}"),
             Self::Udp(address) => write!(f, "udp://{address}"),
+            Self::Serial(port, baud) => write!(f, "serial:{port}@{baud}"),
             Self::MavlinkUdp(address) => write!(f, "mavlink-udp://{address}"),
             Self::MavlinkSerial(port, baud) => write!(f, "mavlink-serial:{port}@{baud}"),
         }
@@ -98,6 +111,10 @@ pub(super) fn open(
 ) -> Result<()> {
     match sink {
         Sink::Standard => spawn(outbox, Kind::Nmea, io::stdout()),
+        Sink::Serial(port, baud) => {
+            let port = serial::open(port, *baud, PATIENCE)?;
+            spawn(outbox, Kind::Nmea, port);
+        }
         Sink::Udp(address) => spawn(outbox, Kind::Nmea, Datagrams::to(address)?),
         Sink::MavlinkUdp(address) => spawn(outbox, Kind::Mavlink, Datagrams::to(address)?),
         Sink::MavlinkSerial(port, baud) => {
@@ -106,6 +123,9 @@ pub(super) fn open(
         }
         Sink::Tcp(address) => clients.listen(address)?,
         Sink::Pty(path) => terminal(path, outbox, inbox)?,
+        // It gets no messages: `time_server` sends it the time of epochs.
+        Sink::Chrony(_) if cfg!(unix) => {}
+        Sink::Chrony(_) => bail!("chrony has its socket on Unix only"),
     }
     Ok(())
 }
@@ -166,6 +186,7 @@ fn terminal(path: &std::path::Path, outbox: &mut Outbox, inbox: &Arc<Inbox>) -> 
     let mut settings = tcgetattr(&pair.slave)?;
     cfmakeraw(&mut settings);
     tcsetattr(&pair.slave, SetArg::TCSANOW, &settings)?;
+    admit_the_group(&pair.slave);
     let name = nix::unistd::ttyname(&pair.slave)?;
     match std::fs::symlink_metadata(path) {
         Ok(there) if there.file_type().is_symlink() => std::fs::remove_file(path)?,
@@ -195,6 +216,20 @@ fn terminal(path: &std::path::Path, outbox: &mut Outbox, inbox: &Arc<Inbox>) -> 
         }
     });
     Ok(())
+}
+
+/// Lets the group of serial ports read and write the terminal, if there is one and this user may say
+/// so; otherwise the group that the system gives it.
+#[cfg(unix)]
+fn admit_the_group(slave: &std::os::fd::OwnedFd) {
+    use nix::sys::stat::{Mode, fchmod};
+    use nix::unistd::{Group, fchown};
+
+    if let Ok(Some(group)) = Group::from_name("dialout") {
+        let _ = fchown(slave, None, Some(group.gid));
+    }
+    // A terminal that stays closed to others is still one for this user.
+    let _ = fchmod(slave, Mode::from_bits_truncate(0o660));
 }
 
 #[cfg(not(unix))]
@@ -261,8 +296,37 @@ mod tests {
     }
 
     #[test]
+    fn outputs_are_read_or_refused_with_their_form() {
+        for text in [
+            "pty:/x",
+            "tcp://a:1",
+            "udp://a:1",
+            "serial:/dev/x@9600",
+            "mavlink-udp://a:1",
+            "mavlink-serial:/dev/x@57600",
+            "chrony:/run/x",
+        ] {
+            assert_eq!(text.parse::<Sink>().unwrap().to_string(), text);
+        }
+        for wrong in ["", "serial:/dev/x", "serial:/dev/x@fast", "http://x"] {
+            assert!(wrong.parse::<Sink>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn terminal_is_open_to_its_group() {
+        use std::os::unix::fs::MetadataExt as _;
+
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("nmea");
+        let inbox = Arc::new(Inbox::new(super::super::clock::Clock::of_the_computer(), false));
+        terminal(&path, &mut Outbox::new(None), &inbox).unwrap();
+        assert_eq!(std::fs::metadata(&path).unwrap().mode() & 0o777, 0o660);
+    }
+
+    #[test]
     fn full_disk_costs_no_other_consumer_a_sentence() {
-        let mut outbox = Outbox::new(Duration::ZERO);
+        let mut outbox = Outbox::new(None);
         let (hear, heard) = std::sync::mpsc::channel();
         let full = OpenOptions::new().write(true).open("/dev/full").expect("the device of Linux");
         let (give_up, gave_up) = std::sync::mpsc::channel();

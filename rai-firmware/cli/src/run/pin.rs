@@ -272,7 +272,8 @@ impl Pin {
     }
 
     fn drive(&mut self, high: bool) -> Result<(), PinError> {
-        if self.is_high == Some(high) {
+        // Another thread, or a wait for a consumer, may have lowered the wire.
+        if self.is_high == Some(high) && self.wire.is_high() == high {
             return Ok(());
         }
         self.is_high = None;

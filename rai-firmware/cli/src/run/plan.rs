@@ -9,7 +9,7 @@
 //!
 //! [settings]                                                     # keys of INTERFACES.md
 //! PHASE = "LPV200"
-//! MASK = "5"
+//! MASK = 5
 //! ```
 
 use std::collections::BTreeMap;
@@ -44,8 +44,8 @@ pub struct Arguments {
     /// Caster of orbits: ntrip://USER:PASSWORD@HOST:PORT/MOUNTPOINT. Its ranges are never used.
     #[arg(long, value_name = "CASTER")]
     pub caster: Option<String>,
-    /// Consumer: -, pty:PATH, tcp://ADDRESS:PORT, udp://ADDRESS:PORT, mavlink-udp://ADDRESS:PORT,
-    /// mavlink-serial:PORT@BAUD; repeatable. Standard output unless one is given.
+    /// Consumer: -, pty:PATH, serial:PORT@BAUD, tcp://ADDRESS:PORT, udp://ADDRESS:PORT,
+    /// mavlink-udp://ADDRESS:PORT, mavlink-serial:PORT@BAUD, chrony:PATH; repeatable. Standard output unless one is given.
     #[arg(long, short, value_name = "SINK")]
     pub output: Vec<String>,
     /// Integrity pin: gpio:CHIP:LINE, file:PATH, or exec:PROGRAM (called with high or low).
@@ -60,6 +60,15 @@ pub struct Arguments {
     /// Write a report into this folder, every ten minutes and at the end: one HTML page.
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
+    /// Pass the receiver's raw bytes to the TCP clients of this address: tcp://ADDRESS:PORT.
+    #[arg(long, value_name = "SHARE")]
+    pub share: Option<String>,
+    /// Pass bytes of these clients to the receiver; otherwise they are dropped and counted.
+    #[arg(long, requires = "share")]
+    pub share_write: bool,
+    /// Serve a page of the running module here, read only: ADDRESS:PORT, or a PORT of this computer.
+    #[arg(long, value_name = "ADDRESS")]
+    pub page: Option<String>,
     /// Only drive the pin low, and end: what a service manager calls after the service has died.
     #[arg(long)]
     pub lower_pin: bool,
@@ -82,8 +91,31 @@ struct File {
     pin: Option<String>,
     clients: Option<usize>,
     report: Option<PathBuf>,
+    page: Option<String>,
+    share: Option<String>,
     #[serde(default)]
-    settings: BTreeMap<String, String>,
+    share_write: bool,
+    #[serde(default)]
+    settings: BTreeMap<String, Value>,
+}
+
+/// The value of a setting in the file: a text, or a number as it stands.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "a setting is a text in quotes or a number")]
+enum Value {
+    Text(String),
+    Whole(i64),
+    Decimal(f64),
+}
+
+impl Value {
+    fn text(self) -> String {
+        match self {
+            Self::Text(text) => text,
+            Self::Whole(number) => number.to_string(),
+            Self::Decimal(number) => number.to_string(),
+        }
+    }
 }
 
 /// The parts of the service, each valid in form.
@@ -103,6 +135,12 @@ pub struct Plan {
     pub log: Option<Form>,
     /// Folder of the report.
     pub report: Option<PathBuf>,
+    /// Address of the page.
+    pub page: Option<String>,
+    /// Address of the clients that get the receiver's bytes.
+    pub share: Option<String>,
+    /// True if the bytes of these clients go to the receiver.
+    pub share_write: bool,
     /// Settings of the module in the order in which they are given: key, value.
     pub settings: Vec<(String, String)>,
 }
@@ -113,8 +151,22 @@ impl Plan {
     /// # Errors
     /// If the file cannot be read or has an unknown entry, or if a value has the wrong form.
     pub fn read(arguments: Arguments) -> Result<Self> {
-        let Arguments { config, input, caster, output, pin, set, clients, report, quiet, log, lower_pin: _ } =
-            arguments;
+        let Arguments {
+            config,
+            input,
+            caster,
+            output,
+            pin,
+            set,
+            clients,
+            report,
+            page,
+            share,
+            share_write,
+            quiet,
+            log,
+            lower_pin: _,
+        } = arguments;
         let file = config.map_or_else(|| Ok(File::default()), |path| read_file(&path))?;
         let input = input.or(file.input).unwrap_or_else(|| "-".into());
         let mut outputs = if output.is_empty() { file.outputs } else { output };
@@ -122,11 +174,11 @@ impl Plan {
             outputs.push("-".into());
         }
         // PHASE sets what other keys refine, so it comes first.
-        let text = |(key, value): (&String, &String)| match value.as_str() {
-            "" => key.clone(),
+        let text = |(key, value): (String, Value)| match value.text().as_str() {
+            "" => key,
             value => format!("{key}={value}"),
         };
-        let stated = file.settings.iter().map(|entry| setting(&text(entry)));
+        let stated = file.settings.into_iter().map(|entry| setting(&text(entry)));
         let stated = stated.collect::<Result<Vec<_>>>()?;
         let (phase, rest): (Vec<_>, Vec<_>) = stated.into_iter().partition(|(key, _)| key == "PHASE");
         let given = set.iter().map(|text| setting(text)).collect::<Result<Vec<_>>>()?;
@@ -146,6 +198,9 @@ impl Plan {
             outputs: outputs.iter().map(|text| text.parse()).collect::<Result<_>>()?,
             pin: pin.or(file.pin).map_or(Ok(Place::Nowhere), |text| text.parse())?,
             report: report.or(file.report),
+            page: page.or(file.page),
+            share: share.or(file.share),
+            share_write: share_write || file.share_write,
             clients,
             log: (!quiet).then_some(log),
             settings,

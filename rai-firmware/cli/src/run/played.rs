@@ -22,12 +22,7 @@ use crate::signal::capture::{self, Bytes, Lumps};
 use crate::signal::lumps::Window;
 
 /// Name of standard input as a file.
-const NAME: &str = "/dev/stdin";
-
-/// Returns true if standard input is a file.
-pub(super) fn is_file() -> bool {
-    cfg!(target_os = "linux") && std::path::Path::new(NAME).is_file()
-}
+pub(super) const NAME: &str = "/dev/stdin";
 
 /// Plays the file; returns the settings at its end.
 ///

@@ -56,3 +56,35 @@ pub(super) fn end_on_panic(wire: &Arc<Wire>) {
         std::process::exit(PANICKED);
     }));
 }
+
+#[cfg(test)]
+mod tests {
+    use std::process::Command;
+
+    use super::super::pin::Place;
+    use super::*;
+
+    /// Variable with the path of the pin, in the process that panics.
+    const PIN: &str = "RAI_PIN_OF_A_PANIC";
+
+    /// In a process of its own: a thread panics while the pin is high.
+    #[test]
+    fn panic_of_any_thread_lowers_the_pin_and_ends_the_program() {
+        if let Ok(path) = std::env::var(PIN) {
+            let wire = Arc::new(Wire::open(&Place::File(path.into())).unwrap());
+            end_on_panic(&wire);
+            wire.drive(true).unwrap();
+            let _ = std::thread::spawn(|| panic!("on purpose")).join();
+            unreachable!("the panic has ended the program");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let pin = folder.path().join("pin");
+        let name = "run::signals::tests::panic_of_any_thread_lowers_the_pin_and_ends_the_program";
+        let mut program = Command::new(std::env::current_exe().unwrap());
+        let output = program.args([name, "--exact", "--nocapture"]).env(PIN, &pin).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(PANICKED), "{said}");
+        assert!(said.contains("on purpose"), "{said}");
+        assert_eq!(std::fs::read_to_string(&pin).unwrap(), "0\n");
+    }
+}

@@ -93,6 +93,40 @@ fn client_gets_the_first_sentences_and_the_receiver_may_come_late() {
     service.join().unwrap().unwrap();
 }
 
+/// Returns the refusal of a start with these settings and this output.
+fn refusal(set: &[&str], output: &str) -> String {
+    let receiver = TcpListener::bind("127.0.0.1:0").unwrap();
+    let arguments = Arguments {
+        input: Some(format!("tcp://{}", receiver.local_addr().unwrap())),
+        output: vec![output.to_owned()],
+        set: set.iter().map(|text| (*text).to_owned()).collect(),
+        ..Arguments::default()
+    };
+    serve(&plan(arguments).unwrap(), &Arc::new(AtomicBool::new(false))).unwrap_err().to_string()
+}
+
+#[test]
+fn wrong_inputs_of_a_new_user_are_answered_with_what_would_be_right() {
+    let udp = "udp://127.0.0.1:9";
+    assert!(refusal(&["MAKS=5"], udp).contains("is MASK meant?"));
+    assert!(refusal(&["MASK=95"], udp).contains("it takes 0 to 60 °"));
+    assert!(refusal(&["PHASE=CRUISE"], udp).contains("it takes ENROUTE, TERMINAL"));
+    assert!(refusal(&[], "mavlink-udp://127.0.0.1:9").contains("without a message: set OUTPUT=GPS_INPUT,1"));
+}
+
+#[test]
+fn number_in_the_file_needs_no_quotes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rai.toml");
+    std::fs::write(&path, "[settings]\nMASK = 5\nPFA = 1e-7\nHAL = 40.5\nRECOVER = \"3,3\"\n").unwrap();
+    let have = plan(Arguments { config: Some(path.clone()), ..Arguments::default() }).unwrap();
+    let want = [("HAL", "40.5"), ("MASK", "5"), ("PFA", "0.0000001"), ("RECOVER", "3,3")];
+    assert_eq!(have.settings, want.map(|(key, value)| (key.to_owned(), value.to_owned())));
+    std::fs::write(&path, "[settings]\nMASK = [5]\n").unwrap();
+    let error = plan(Arguments { config: Some(path), ..Arguments::default() }).unwrap_err();
+    assert!(format!("{error:#}").contains("a setting is a text in quotes or a number"), "{error:#}");
+}
+
 #[test]
 fn reset_is_no_setting() {
     let arguments = Arguments { set: vec!["RESET=".into()], ..Arguments::default() };

@@ -140,27 +140,64 @@ impl<R: Read> Stream<R> {
     }
 }
 
+/// Bytes whose checks may fail, for each byte that is searched. Bytes that imitate beginnings of
+/// frames would otherwise cost a check of a whole frame each.
+const FUTILE: usize = 8;
+
+/// The work on frames that turn out to be none.
+#[derive(Debug)]
+struct Budget {
+    /// Bytes of further checks.
+    left: usize,
+    /// Bytes of the checks so far.
+    spent: usize,
+}
+
+impl Budget {
+    const fn new() -> Self {
+        Self { left: LONGEST, spent: 0 }
+    }
+
+    /// Returns true if a check of this many bytes is within the budget.
+    fn allows(&mut self, bytes: usize) -> bool {
+        let is_within = bytes <= self.left;
+        if is_within {
+            self.left -= bytes;
+            self.spent += bytes;
+        }
+        is_within
+    }
+}
+
 /// Returns the kind and the length of the piece at the front. Bytes outside frames end after
 /// `known` bytes at the latest.
 fn first(bytes: &[u8], known: usize) -> Option<(Kind, usize)> {
+    first_within(&mut Budget::new(), bytes, known)
+}
+
+fn first_within(budget: &mut Budget, bytes: &[u8], known: usize) -> Option<(Kind, usize)> {
     if bytes.is_empty() {
         return None;
     }
-    let frame_at = |at: usize| bytes.get(at..).and_then(frame);
-    frame_at(0).or_else(|| {
-        let end = (1..known).find(|at| frame_at(*at).is_some());
-        Some((Kind::Rest, end.unwrap_or(known)))
-    })
+    if let Some(frame) = frame(budget, bytes) {
+        return Some(frame);
+    }
+    let end = (1..known).find(|at| {
+        budget.left += FUTILE;
+        bytes.get(*at..).is_some_and(|rest| frame(budget, rest).is_some())
+    });
+    Some((Kind::Rest, end.unwrap_or(known)))
 }
 
-/// Returns the frame or line at the front, if it is complete.
-fn frame(bytes: &[u8]) -> Option<(Kind, usize)> {
+/// Returns the frame or line at the front, if it is complete and its check is within the budget.
+fn frame(budget: &mut Budget, bytes: &[u8]) -> Option<(Kind, usize)> {
     match bytes {
         [0xB5, 0x62, class, id, low, high, ..] => {
             let payload = usize::from(*high) << 8 | usize::from(*low);
             let length = 6 + payload + 2;
             let sums = bytes.get(length - 2..length).filter(|_| payload <= UBX_PAYLOAD)?;
-            (fletcher(bytes.get(2..length - 2)?) == sums).then_some((Kind::Ubx([*class, *id]), length))
+            let is_right = budget.allows(length) && fletcher(bytes.get(2..length - 2)?) == sums;
+            is_right.then_some((Kind::Ubx([*class, *id]), length))
         }
         [0xD3, high, low, ..] if high & 0b1111_1100 == 0 => {
             let length = 3 + (usize::from(*high) << 8 | usize::from(*low)) + 3;
@@ -169,9 +206,10 @@ fn frame(bytes: &[u8]) -> Option<(Kind, usize)> {
                 [high, low, ..] => u16::from(*high) << 4 | u16::from(*low) >> 4,
                 _ => 0,
             };
-            (crc24q(bytes.get(..length - 3)?) == parity).then_some((Kind::Rtcm(number), length))
+            let is_right = budget.allows(length) && crc24q(bytes.get(..length - 3)?) == parity;
+            is_right.then_some((Kind::Rtcm(number), length))
         }
-        [b'$' | b'!', ..] => {
+        [b'$' | b'!', ..] if budget.allows(LINE.min(bytes.len())) => {
             let end = bytes.iter().take(LINE).position(|byte| *byte == b'\n')?;
             is_sentence(bytes.get(1..end)?).then_some((Kind::Line, end + 1))
         }
@@ -253,5 +291,23 @@ mod tests {
                 assert_eq!(kinds(&broken), [(Kind::Rest, frame.len())], "{at}");
             }
         }
+    }
+
+    /// Beginnings of the longest frames of each kind, again and again.
+    #[test]
+    fn imitated_frames_cost_some_bytes_of_checks_each() {
+        let length = u16::try_from(UBX_PAYLOAD).unwrap().to_le_bytes();
+        for imitation in
+            [&[0xB5, 0x62, 2, 0x15, length[0], length[1]][..], &[0xD3, 3, 0xFF], b"$", b"$\xD3\x03"]
+        {
+            let junk = imitation.repeat(200_000 / imitation.len());
+            let mut budget = Budget::new();
+            let have = first_within(&mut budget, &junk, junk.len());
+            assert_eq!(have, Some((Kind::Rest, junk.len())));
+            assert!(budget.spent <= FUTILE * junk.len() + LONGEST, "{imitation:?}: {}", budget.spent);
+        }
+        // A frame behind a false one, as it comes in a real stream, is found.
+        let stream = [&[0xD3, 3, 0xFF][..], &[0x55; 2000], &UBX].concat();
+        assert_eq!(kinds(&stream), [(Kind::Rest, 2003), (Kind::Ubx([0x0A, 0x04]), 8)]);
     }
 }

@@ -15,9 +15,9 @@
 //! `GNSS_INTEGRITY` carries the protection levels in `raim_hfom` and `raim_vfom`, rounded up to a
 //! centimetre. Its layout follows the dialect [`DIALECT`], which will change; only [`dialect`]
 //! depends on it. The authentication state is `OK` while the receiver reports an authenticated
-//! signal, otherwise `UNKNOWN`. The integrity state is `OK` in a protected epoch and `FAILED` in an
-//! alert. An unavailable epoch is `FAILED` with a fix and `UNKNOWN` without one. Unless the epoch
-//! is protected, both levels are invalid.
+//! signal, otherwise `UNKNOWN`. The integrity state is `OK` in a protected epoch, `FAILED` in an alert
+//! and `UNKNOWN` in an unavailable epoch, in which nothing has failed. Unless the epoch is
+//! protected, both levels are invalid.
 //!
 //! References: [MAVLINK], the guide, `common.xml` and `development.xml`.
 //!
@@ -152,8 +152,8 @@ fn gnss_integrity(
     let is_protected = matches!(verdict, Verdict::Protected(_));
     let state = match verdict {
         Verdict::Protected(_) => OK,
-        Verdict::Unavailable(Unavailable::NoFix) => UNKNOWN,
-        Verdict::Alert(_) | Verdict::Unavailable(_) => FAILED,
+        Verdict::Unavailable(_) => UNKNOWN,
+        Verdict::Alert(_) => FAILED,
     };
     let errors =
         if matches!(verdict, Verdict::Unavailable(Unavailable::SelfTest)) { SOFTWARE_ERROR } else { 0 };

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `RMC`, `GGA`, `GNS`, `VTG` | at its rate ([`super::schedule`]) |
 //! | `ZDA` | at its rate, at most once a second |
-//! | `GSA` | at its rate: one for each system used, and another for each 12 further satellites |
+//! | `GSA` | at its rate: one for each system used, and another for each 12 further satellites, not next to each other |
 //! | `GST` | at its rate |
 //! | `GBS` | at its rate, if there is redundancy |
 //! | `PRAIS` | always |

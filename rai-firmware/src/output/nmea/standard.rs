@@ -48,14 +48,35 @@ pub(super) fn write_satellites<W: Write, const N: usize>(
     let Some(solution) = &report.solution else { return Ok(()) };
     let mode = if statement.is_alert() { 1 } else { 3 };
     let dilutions = [solution.pdop(), solution.hdop, solution.vdop].map(dilution);
-    for (letter, address, id) in SYSTEMS {
-        let of_system = || report.used.iter().filter(|used| used.name().0 == letter);
-        for first in (0..of_system().count()).step_by(PER_GSA) {
-            let satellites = of_system().skip(first).copied();
-            write_sentence(&mut active((address, id), mode, satellites, dilutions), out)?;
-        }
+    let of_system = |letter| report.used.iter().filter(move |used| used.name().0 == letter);
+    let mut left = SYSTEMS.map(|(letter, ..)| of_system(letter).count().div_ceil(PER_GSA));
+    let mut last = None;
+    // gpsd forgets what it has heard if two sentences of one talker follow each other. The system
+    // with most sentences left therefore comes next, and none twice in a row if there is another.
+    while let Some(next) = following(&left, last) {
+        let (Some(left), Some((letter, address, id))) = (left.get_mut(next), SYSTEMS.get(next).copied())
+        else {
+            break;
+        };
+        let satellites =
+            of_system(letter).skip(PER_GSA * (of_system(letter).count().div_ceil(PER_GSA) - *left));
+        *left -= 1;
+        last = Some(next);
+        write_sentence(&mut active((address, id), mode, satellites.copied(), dilutions), out)?;
     }
     Ok(())
+}
+
+/// Returns the number of the system with most sentences left, which is the last one only if no
+/// other has any; `None` if none has.
+fn following(left: &[usize; SYSTEMS.len()], last: Option<usize>) -> Option<usize> {
+    let others = left.iter().enumerate().filter(|(number, count)| **count > 0 && Some(*number) != last);
+    let most = others.fold(None, |most: Option<(usize, usize)>, (number, count)| match most {
+        Some((_, greatest)) if *count <= greatest => most,
+        _ => Some((number, *count)),
+    });
+    let again = last.filter(|number| left.get(*number).is_some_and(|count| *count > 0));
+    most.map(|(number, _)| number).or(again)
 }
 
 /// Returns one `GSA` with the first 12 of the satellites.

@@ -5,7 +5,7 @@ use std::net::UdpSocket;
 use std::process::{Command, Stdio};
 
 use oracle::gpsd::Gpsd;
-use raim::signal::sky::Site;
+use raim::signal::sky::{Fleet, Site};
 use raim_core::frame::Geodetic;
 use rig::{setup, skip};
 use serde_json::Value;
@@ -96,6 +96,86 @@ fn gpsd_on_the_terminal_reports_each_epoch_once_and_its_sky_and_loses_the_fix_in
             assert!((cn0_dbhz - (36.0 + 14.0 * elevation_rad.sin())).abs() < 0.6, "{name}: {cn0_dbhz}");
         }
     }
+}
+
+/// The service is killed and started again under gpsd, which runs as a user of its own.
+#[test]
+#[cfg(target_os = "linux")]
+fn gpsd_has_a_position_again_within_ten_seconds_of_a_restart() {
+    let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let (receiver, input) = receiver();
+    let start = || {
+        let mut service = Command::new(std::env::current_exe().unwrap());
+        service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
+        let arguments = format!("--input={}\n--output=udp://{address}", input.as_deref().unwrap());
+        service.env(super::endurance::ARGUMENTS, arguments).env("RUST_TEST_THREADS", "1");
+        service.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+    };
+    let Some(mut gpsd) = Gpsd::on_datagrams_or_skip(address).unwrap() else { return };
+    let pieces = pieces(120);
+    let mut rest = pieces[1..].iter();
+    for run in 0..2 {
+        let mut service = start();
+        let started = Instant::now();
+        let (mut line, _) = receiver.accept().unwrap();
+        line.write_all(&pieces[0]).unwrap();
+        let mut fixes = 0;
+        while fixes < 3 {
+            line.write_all(rest.next().expect("an epoch")).unwrap();
+            let end = Instant::now() + Duration::from_secs(1) / RATE_HZ;
+            while Instant::now() < end {
+                let objects = gpsd.objects().unwrap();
+                fixes +=
+                    objects.iter().filter(|object| object["class"] == "TPV" && object["mode"] == 3).count();
+            }
+            assert!(started.elapsed() < Duration::from_secs(10), "start {run}: {fixes} positions");
+        }
+        // Nothing of the service lives on.
+        service.kill().unwrap();
+        service.wait().unwrap();
+        while !gpsd.objects().unwrap().is_empty() {}
+    }
+}
+
+/// A sky in which `BeiDou` fills two `GSA`.
+#[test]
+fn gpsd_marks_every_satellite_that_is_used_beside_a_full_beidou() {
+    let folder = tempfile::tempdir().unwrap();
+    let (receiver, input) = receiver();
+    let terminal = folder.path().join("nmea");
+    let output = vec![format!("pty:{}", terminal.display())];
+    let set = ["OUTPUT=GSV,1", "MASK=0"].map(str::to_owned).to_vec();
+    let arguments = Arguments { input, output, set, ..Arguments::default() };
+    let mut service = Service::start(folder.path(), arguments);
+    let (mut line, _) = receiver.accept().unwrap();
+    let Some(mut gpsd) = Gpsd::on_terminal_or_skip(&terminal).unwrap() else { return };
+    let fleets = [Fleet::Gps31, Fleet::Galileo24, Fleet::Beidou44];
+    let full = Simulation {
+        satellites: fleets.into_iter().flat_map(Fleet::satellites).collect(),
+        mask_rad: 0.0,
+        ..sky(EPOCHS)
+    };
+    let beidou = full.sights_at(0).iter().filter(|sight| sight.satellite.name().0 == 'C').count();
+    assert!(beidou > 12, "{beidou} of BeiDou fill one sentence");
+    // The store keeps the orbits of satellites in view, which it knows after the first epochs.
+    let mut pieces = pieces_of(&full);
+    pieces[4] = [pieces[0].clone(), pieces[4].clone()].concat();
+    let feed = thread::spawn(move || {
+        service.send_each(&mut line, &pieces, || thread::sleep(TURN));
+        thread::sleep(Duration::from_millis(500));
+    });
+    let mut objects = Vec::new();
+    while !feed.is_finished() {
+        objects.extend(gpsd.objects().unwrap());
+    }
+    feed.join().unwrap();
+    let sky = complete_sky(&objects);
+    let used = |letter: char| sky.iter().filter(|one| one.2 && one.0.starts_with(letter)).count();
+    let counts = ['G', 'E', 'C'].map(used);
+    // gpsd does not mark a satellite of which it knows no C/N0.
+    let known = |letter: char| sky.iter().filter(|one| one.0.starts_with(letter) && one.1[2] > 28.0).count();
+    assert_eq!(counts, ['G', 'E', 'C'].map(known), "{sky:?}");
+    assert!(counts[2] > 12, "{counts:?}");
 }
 
 /// Returns the satellites of gpsd's last sky with the most of them: name, elevation, azimuth and

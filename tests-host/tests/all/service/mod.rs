@@ -3,11 +3,14 @@
 //! | module | content |
 //! |---|---|
 //! | [`consumers`] | gpsd on the pseudo-terminal, `pymavlink` over UDP |
-//! | [`time`] | chrony behind gpsd |
+//! | [`time`] | chrony by its own socket, and behind gpsd |
 //! | [`casters`] | casters that answer in chunks, or with the table of their mountpoints |
 //! | [`ports`] | a serial port, and a caster for a receiver without orbits |
-//! | [`played`] | a file on standard input |
+//! | [`played`] | a file or a pipe on standard input |
 //! | [`named`] | a file by its name, and settings in every form |
+//! | [`share`] | the receiver's bytes for other programs |
+//! | [`limits`] | the pin while clients take all places and files |
+//! | [`page`] | the page in a browser |
 //! | [`endurance`] | the service as a program, between cuts, kills and dead clients |
 
 mod casters;
@@ -15,10 +18,14 @@ mod consumers;
 #[cfg(target_os = "linux")]
 mod endurance;
 #[cfg(target_os = "linux")]
+mod limits;
+#[cfg(target_os = "linux")]
 mod named;
+mod page;
 #[cfg(target_os = "linux")]
 mod played;
 mod ports;
+mod share;
 mod time;
 
 use std::fs;

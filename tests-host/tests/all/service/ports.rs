@@ -70,6 +70,77 @@ fn serial_port_is_read_and_opened_again_after_it_was_gone() {
     assert!(is_high(folder.path()), "the port is back");
 }
 
+/// Prints the input rate of a terminal by the call of Linux that has any rate (`TCGETS2`; `struct
+/// termios2` in asm-generic/termbits.h).
+const RATE: &str = r"
+import fcntl, os, struct, sys
+port = os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+print(struct.unpack('4I20s2I', fcntl.ioctl(port, 0x802C542A, bytes(44)))[5])
+";
+
+/// Returns the rate of a terminal, as the kernel has it.
+fn rate_of(port: &Path) -> u32 {
+    let output = Command::new("python3").args(["-c", RATE]).arg(port).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    text.trim().parse().unwrap_or_else(|error| panic!("{error}: {}", String::from_utf8_lossy(&output.stderr)))
+}
+
+/// A receiver at the second rate that is tried. At every other rate its bytes are noise.
+#[test]
+fn receiver_at_another_rate_is_found_as_the_board_finds_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let ends = ["receiver", "port"].map(|name| folder.path().join(name));
+    let Some(_cable) = Cable::plug(&ends) else { return };
+    let input = Some(format!("serial:{}@115200", ends[1].display()));
+    let output = vec!["udp://127.0.0.1:9".to_owned()];
+    let mut service = Service::start(folder.path(), Arguments { input, output, ..Arguments::default() });
+    // The service opens the port in real time.
+    thread::sleep(Duration::from_millis(300));
+    let mut line = fs::OpenOptions::new().write(true).open(&ends[0]).unwrap();
+    let noise = vec![0x80, 0xFF, 0x3F];
+    let (mut rates, mut is_found) = (Vec::new(), false);
+    // A piece comes every 0.2 s, and each rate has five seconds; the kernel is asked every second.
+    for five in pieces(60).chunks(5) {
+        rates.push(rate_of(&ends[1]));
+        if rates.last() == Some(&38_400) {
+            if !std::mem::replace(&mut is_found, true) {
+                service.send(&mut line, &pieces(1)[..1]);
+            }
+            service.send(&mut line, five);
+        } else {
+            service.send(&mut line, &vec![noise.clone(); 5]);
+        }
+    }
+    rates.dedup();
+    assert_eq!(rates, [115_200, 38_400]);
+    assert!(is_high(folder.path()), "the sky is good");
+}
+
+/// A receiver that sends only sentences: the service says what `replay` says, and says it once.
+#[test]
+fn receiver_of_sentences_is_told_once_what_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let ends = ["receiver", "port"].map(|name| folder.path().join(name));
+    let Some(_cable) = Cable::plug(&ends) else { return };
+    let mut service = Command::new(std::env::current_exe().unwrap());
+    service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
+    let arguments = format!("--input=serial:{}\n--output=udp://127.0.0.1:9", ends[1].display());
+    service.env(super::endurance::ARGUMENTS, arguments).env("RUST_TEST_THREADS", "1");
+    let mut service = service.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut line = fs::OpenOptions::new().write(true).open(&ends[0]).unwrap();
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_secs(12) {
+        line.write_all(b"$GPGLL,4916.45,N,12311.12,W,225444,A,*1D\r\n").unwrap();
+        thread::sleep(Duration::from_millis(100));
+    }
+    let _ = Command::new("kill").arg(service.id().to_string()).status();
+    let mut said = String::new();
+    service.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    service.wait().unwrap();
+    assert_eq!(said.matches("lines of NMEA and no ranges").count(), 1, "{said}");
+    assert!(said.contains("RXM-RAWX and RXM-SFRBX"), "{said}");
+}
+
 /// Returns the range messages of a piece, RXM-RAWX, without its navigation bits.
 pub(super) fn ranges_of(piece: &[u8]) -> Vec<u8> {
     let (mut ranges, mut rest) = (Vec::new(), piece);

@@ -1,0 +1,136 @@
+//! The state of the module as the page shows it, and what it was before.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use super::super::share::Back;
+use crate::page::Verdict;
+use crate::page::report::explanation;
+use crate::satellites::Seen;
+use crate::sentence::EpochOutput;
+
+/// Verdicts of the past that a new page gets.
+const PAST: usize = 600;
+/// Changes of the state that a new page gets.
+const CHANGES: usize = 100;
+/// Time after which the epoch loop counts as hung.
+const HUNG: Duration = Duration::from_secs(3);
+
+/// The state, which the epoch loop writes and the server reads.
+#[derive(Debug)]
+pub(super) struct State {
+    pub(super) input: String,
+    pub(super) settings: Vec<String>,
+    /// The way from other programs to the receiver.
+    pub(super) back: Option<Arc<Back>>,
+    pub(super) said: Option<EpochOutput>,
+    pub(super) pin_is_high: bool,
+    pub(super) satellites: Vec<Seen>,
+    pub(super) counters: Vec<(&'static str, u32)>,
+    /// Number of verdicts so far.
+    pub(super) verdicts: u64,
+    /// True once the service has ended.
+    pub(super) has_ended: bool,
+    judged: Option<Instant>,
+    alive: Instant,
+    past: VecDeque<Value>,
+    changes: VecDeque<Value>,
+}
+
+impl State {
+    pub(super) fn new(input: String, settings: Vec<String>, back: Option<Arc<Back>>) -> Self {
+        Self {
+            input,
+            settings,
+            back,
+            said: None,
+            pin_is_high: false,
+            satellites: Vec::new(),
+            counters: Vec::new(),
+            verdicts: 0,
+            has_ended: false,
+            judged: None,
+            alive: Instant::now(),
+            past: VecDeque::new(),
+            changes: VecDeque::new(),
+        }
+    }
+
+    /// Notes that the epoch loop comes round.
+    pub(super) fn live(&mut self, pin_is_high: bool) {
+        self.alive = Instant::now();
+        self.pin_is_high = pin_is_high;
+    }
+
+    /// Takes a verdict; returns true if it is another than that before.
+    pub(super) fn take(&mut self, said: EpochOutput, satellites: Option<Vec<Seen>>) -> bool {
+        let (word, reason) = (self.word(), self.reason().to_owned());
+        let is_first = self.said.is_none();
+        self.verdicts += 1;
+        self.judged = Some(Instant::now());
+        // After a silence the satellites are those of before.
+        self.satellites = satellites.unwrap_or_default();
+        let state = &said.state;
+        self.past.push_back(json!([
+            self.verdicts,
+            state.time_s,
+            state.state.to_string(),
+            state.hpl_m,
+            state.vpl_m,
+            state.statistic,
+            state.threshold
+        ]));
+        self.said = Some(said);
+        let has_changed = is_first || word != self.word() || reason != self.reason();
+        if has_changed {
+            let time_s = self.said.as_ref().and_then(|said| said.state.time_s);
+            self.changes.push_back(json!([time_s, self.word(), self.reason()]));
+        }
+        self.past.drain(..self.past.len().saturating_sub(PAST));
+        self.changes.drain(..self.changes.len().saturating_sub(CHANGES));
+        has_changed
+    }
+
+    /// Returns the state in a word. Before the first verdict, and if the loop hangs, the position is
+    /// unavailable.
+    pub(super) fn word(&self) -> &'static str {
+        match &self.said {
+            Some(said) if self.alive.elapsed() < HUNG => Verdict::from_letter(said.state.state).word(),
+            _ => "unavailable",
+        }
+    }
+
+    pub(super) fn reason(&self) -> &str {
+        self.said.as_ref().map_or("", |said| &said.state.reason)
+    }
+
+    pub(super) fn explanation(&self) -> &'static str {
+        match &self.said {
+            _ if self.alive.elapsed() >= HUNG => "the module does not come round",
+            Some(said) => explanation(&said.state.reason).unwrap_or_default(),
+            None => "no epoch has been judged yet",
+        }
+    }
+
+    /// Returns the time since the last verdict.
+    pub(super) fn age(&self) -> Option<Duration> {
+        self.judged.map(|judged| judged.elapsed())
+    }
+
+    /// Returns true while the loop runs and the receiver is heard.
+    pub(super) fn is_healthy(&self) -> bool {
+        self.alive.elapsed() < HUNG
+            && self
+                .said
+                .as_ref()
+                .is_some_and(|said| !matches!(said.state.reason.as_str(), "STALE" | "SOURCE" | "SELFTEST"))
+    }
+
+    /// Returns the past for a new page: verdicts, and changes of the state.
+    pub(super) fn past(&self) -> Value {
+        json!({"past": self.past, "changes": self.changes})
+    }
+}

@@ -1,0 +1,146 @@
+//! A real browser, headless Chromium, that opens pages of a server of this computer.
+//!
+//! It is told what to do through a pair of pipes, by the Chrome `DevTools` Protocol: one JSON
+//! object after another, each followed by a zero byte.
+
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::process::{ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use crate::gpsd::Daemon;
+
+/// Longest wait for an answer.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A running browser with one page.
+pub struct Browser {
+    orders: ChildStdin,
+    answers: Receiver<Value>,
+    number: u64,
+    session: Option<String>,
+    /// Messages of the page's console.
+    pub complaints: Vec<String>,
+    _daemon: Daemon,
+    _folder: TempDir,
+}
+
+/// Returns the name of the browser, if there is one.
+pub fn name() -> Option<&'static str> {
+    ["chromium", "chromium-browser", "google-chrome"]
+        .into_iter()
+        .find(|name| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success()))
+}
+
+impl Browser {
+    /// Opens an address in a window of this size, in pixels.
+    ///
+    /// # Errors
+    /// If the browser does not start or does not answer.
+    pub fn open(name: &str, address: &str, (width, height): (u32, u32)) -> Result<Self> {
+        let folder = TempDir::new()?;
+        // The shell puts the pipes where the browser expects them: orders on 3, answers on 4.
+        let script = format!(
+            "exec {name} --headless --no-sandbox --disable-gpu --disable-quic --no-first-run \
+             --disable-background-networking --disable-component-update --disable-sync \
+             --remote-debugging-pipe --user-data-dir={} about:blank 3<&0 4>&1 </dev/null >/dev/null 2>&1",
+            folder.path().display()
+        );
+        let mut command = Command::new("sh");
+        command.args(["-c", &script]).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut child = command.spawn().context("starting the browser")?;
+        let (orders, said) = (child.stdin.take().context("a pipe")?, child.stdout.take().context("a pipe")?);
+        let (sender, answers) = channel();
+        thread::spawn(move || {
+            for part in BufReader::new(said).split(0).map_while(Result::ok) {
+                let Ok(value) = serde_json::from_slice(&part) else { return };
+                if sender.send(value).is_err() {
+                    return;
+                }
+            }
+        });
+        let mut browser = Self {
+            orders,
+            answers,
+            number: 0,
+            session: None,
+            complaints: Vec::new(),
+            _daemon: Daemon(child),
+            _folder: folder,
+        };
+        let target = browser.order("Target.createTarget", &json!({"url": "about:blank"}))?;
+        let session = browser
+            .order("Target.attachToTarget", &json!({"targetId": target["targetId"], "flatten": true}))?;
+        browser.session = session["sessionId"].as_str().map(str::to_owned);
+        browser.order("Log.enable", &json!({}))?;
+        browser.order("Runtime.enable", &json!({}))?;
+        let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600});
+        browser.order("Emulation.setDeviceMetricsOverride", &size)?;
+        browser.order("Page.navigate", &json!({"url": address}))?;
+        Ok(browser)
+    }
+
+    /// Gives an order, and returns its result.
+    fn order(&mut self, method: &str, parameters: &Value) -> Result<Value> {
+        self.number += 1;
+        let mut order = json!({"id": self.number, "method": method, "params": parameters});
+        if let Some(session) = &self.session {
+            order["sessionId"] = json!(session);
+        }
+        self.orders.write_all(order.to_string().as_bytes())?;
+        self.orders.write_all(&[0])?;
+        let end = Instant::now() + PATIENCE;
+        loop {
+            let left = end.saturating_duration_since(Instant::now());
+            let answer = self.answers.recv_timeout(left).with_context(|| format!("{method}: no answer"))?;
+            if answer["id"] == self.number {
+                if let Some(error) = answer.get("error") {
+                    bail!("{method}: {error}");
+                }
+                return Ok(answer["result"].clone());
+            }
+            if ["Log.entryAdded", "Runtime.exceptionThrown"].iter().any(|name| answer["method"] == *name) {
+                self.complaints.push(answer["params"].to_string());
+            }
+        }
+    }
+
+    /// Returns the value of an expression in the page.
+    ///
+    /// # Errors
+    /// If the browser does not answer.
+    pub fn value(&mut self, expression: &str) -> Result<Value> {
+        let parameters = json!({"expression": expression, "returnByValue": true});
+        Ok(self.order("Runtime.evaluate", &parameters)?["result"]["value"].clone())
+    }
+
+    /// Waits until an expression in the page is true; returns the time that it took.
+    ///
+    /// # Errors
+    /// If it does not become true in time.
+    pub fn wait_for(&mut self, expression: &str, within: Duration) -> Result<Duration> {
+        let start = Instant::now();
+        while self.value(expression)? != true {
+            if start.elapsed() > within {
+                bail!("{expression} is not true after {within:?}");
+            }
+            thread::sleep(Duration::from_millis(10));
+        }
+        Ok(start.elapsed())
+    }
+
+    /// Returns a picture of the page, as a PNG in Base64.
+    ///
+    /// # Errors
+    /// If the browser does not answer.
+    pub fn picture(&mut self) -> Result<String> {
+        let parameters = json!({"captureBeyondViewport": true});
+        let picture = self.order("Page.captureScreenshot", &parameters)?;
+        Ok(picture["data"].as_str().context("a picture")?.to_owned())
+    }
+}

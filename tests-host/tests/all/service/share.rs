@@ -1,0 +1,53 @@
+//! The receiver's raw bytes for other programs, and theirs for the receiver.
+
+use super::*;
+
+/// Reads this many bytes.
+fn read(stream: &mut TcpStream, count: usize) -> Vec<u8> {
+    stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+    let mut bytes = vec![0; count];
+    stream.read_exact(&mut bytes).unwrap();
+    bytes
+}
+
+#[test]
+fn other_programs_get_every_byte_and_write_only_if_that_is_allowed() {
+    // UBX-MON-VER, a question to the receiver.
+    const QUESTION: [u8; 8] = [0xB5, 0x62, 0x0A, 0x04, 0x00, 0x00, 0x0E, 0x34];
+    for share_write in [false, true] {
+        let folder = tempfile::tempdir().unwrap();
+        let ((receiver, input), share, page) = (receiver(), free_address(), free_address());
+        let arguments = Arguments {
+            input,
+            output: vec!["udp://127.0.0.1:9".to_owned()],
+            share: Some(format!("tcp://{share}")),
+            share_write,
+            page: Some(page.to_string()),
+            ..Arguments::default()
+        };
+        let mut service = Service::start(folder.path(), arguments);
+        let (mut line, _) = receiver.accept().unwrap();
+        let (mut program, _deaf, mut other) = (client(share), client(share), client(share));
+        // The service takes the clients that have just connected.
+        thread::sleep(Duration::from_millis(100));
+        let pieces = pieces(20);
+        service.send(&mut line, &pieces);
+        let want = pieces.concat();
+        assert!(read(&mut program, want.len()) == want, "every byte, in order");
+        assert!(read(&mut other, want.len()) == want, "every byte, in order");
+        assert!(is_high(folder.path()), "the module has them too");
+        program.write_all(&QUESTION).unwrap();
+        let (mut question, mut metrics) = ([0; 8], String::new());
+        line.set_read_timeout(Some(Duration::from_millis(500))).unwrap();
+        let has_come = line.read_exact(&mut question).is_ok();
+        assert_eq!(has_come.then_some(question), share_write.then_some(QUESTION));
+        let mut scraper = client(page);
+        scraper.write_all(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+        scraper.read_to_string(&mut metrics).unwrap();
+        let (passed, refused) = if share_write { (8, 0) } else { (0, 8) };
+        for (fate, count) in [("passed", passed), ("refused", refused)] {
+            let want = format!("rai_share_bytes_total{{fate=\"{fate}\"}} {count}\n");
+            assert!(metrics.contains(&want), "{want}: {metrics}");
+        }
+    }
+}
