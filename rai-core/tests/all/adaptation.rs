@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::noise::Noise;
-use crate::sky::{DIRECTIONS, SIGMA_M, observe, satellite};
+use crate::sky::{CAPACITY, DIRECTIONS, SIGMA_M, observe, satellite};
 use raim_core::epoch::Epoch;
 use raim_core::monitor::{Monitor, Strategy};
 use raim_core::report::{Report, Unavailable, Verdict};
@@ -97,9 +97,9 @@ fn one_noisy_minute_ends_a_scale_below_one() {
 }
 
 /// Reports of a quarter of an hour at this share of the sigmas, and of `epochs` at another.
-fn quiet_then(strategy: Strategy, noise_after: f64, epochs: u32, seed: u64) -> Vec<Report<16>> {
+fn quiet_then(strategy: Strategy, noise_after: f64, epochs: u32, seed: u64) -> Vec<Report<CAPACITY>> {
     const QUIET: u32 = 900;
-    let mut monitor = Monitor::<f64, 16>::new(Requirements::non_precision_approach()).unwrap();
+    let mut monitor = Monitor::<f64, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
     monitor.set_strategy(strategy).unwrap();
     let mut chance = Noise(seed);
     let mut judge = |second: u32| {
@@ -118,7 +118,7 @@ fn quiet_then(strategy: Strategy, noise_after: f64, epochs: u32, seed: u64) -> V
 #[test]
 fn noise_that_returns_after_a_quiet_quarter_of_an_hour_costs_few_epochs() {
     let adapted = Strategy { sigma_adapt: true, ..Strategy::DEFAULT };
-    let lost = |report: &&Report<16>| !matches!(report.verdict, Verdict::Protected(_));
+    let lost = |report: &&Report<CAPACITY>| !matches!(report.verdict, Verdict::Protected(_));
     let epochs = (1..=20).flat_map(|seed| quiet_then(adapted, 1.0, 100, seed)).collect::<Vec<_>>();
     let count = epochs.iter().filter(lost).count();
     assert!(count * 20 < epochs.len(), "{count} of {}", epochs.len());
@@ -126,7 +126,7 @@ fn noise_that_returns_after_a_quiet_quarter_of_an_hour_costs_few_epochs() {
 
 #[test]
 fn noise_beyond_the_sigmas_promises_nothing() {
-    let is_refuted = |report: &Report<16>| report.verdict == Verdict::Unavailable(Unavailable::Sigmas);
+    let is_refuted = |report: &Report<CAPACITY>| report.verdict == Verdict::Unavailable(Unavailable::Sigmas);
     let reports = quiet_then(Strategy::DEFAULT, 2.0, 120, 7);
     assert!(reports.iter().skip(60).all(|report| !matches!(report.verdict, Verdict::Protected(_))));
     assert!(reports.iter().any(is_refuted));
