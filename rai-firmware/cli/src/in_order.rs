@@ -1,0 +1,156 @@
+//! Work that many threads share, whose results come in the order of the work.
+//!
+//! A thread that is free takes the next piece, so that nobody waits for the others: all are busy
+//! until no piece is left. A result that is early waits until those before it have been taken.
+
+use std::collections::BTreeMap;
+use std::num::NonZero;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{self, Receiver};
+use std::thread;
+
+use anyhow::Result;
+
+/// Returns the number of threads that this computer can run at once.
+pub fn threads() -> usize {
+    thread::available_parallelism().map_or(1, NonZero::get)
+}
+
+/// Computes the pieces 0 to `count` − 1 on so many threads, and passes their results on in order.
+///
+/// # Errors
+/// The first error of `take`; pieces that nobody has begun are then left.
+pub fn compute<R: Send>(
+    count: usize,
+    threads: usize,
+    work: &(dyn Fn(usize) -> R + Sync),
+    take: &mut dyn FnMut(R) -> Result<()>,
+) -> Result<()> {
+    let next = AtomicUsize::new(0);
+    let (done, results) = mpsc::channel();
+    let walk = |done: mpsc::Sender<(usize, R)>| {
+        loop {
+            let piece = next.fetch_add(1, Ordering::Relaxed);
+            if piece >= count || done.send((piece, work(piece))).is_err() {
+                return;
+            }
+        }
+    };
+    thread::scope(|scope| {
+        for _ in 0..threads.clamp(1, count.max(1)) {
+            let done = done.clone();
+            scope.spawn(|| walk(done));
+        }
+        drop(done);
+        pass_on(results, take)
+    })
+}
+
+/// Passes results on in the order of their pieces.
+fn pass_on<R>(results: Receiver<(usize, R)>, take: &mut dyn FnMut(R) -> Result<()>) -> Result<()> {
+    let (mut early, mut due) = (BTreeMap::new(), 0);
+    for (piece, result) in results {
+        early.insert(piece, result);
+        while let Some(result) = early.remove(&due) {
+            take(result)?;
+            due += 1;
+        }
+    }
+    Ok(())
+}
+
+/// Returns the results of the pieces 0 to `count` − 1, computed on all processors.
+pub fn all<R: Send>(count: usize, work: &(dyn Fn(usize) -> R + Sync)) -> Vec<R> {
+    let mut results = Vec::with_capacity(count);
+    // Keeping a result cannot fail.
+    let _ = compute(count, threads(), work, &mut |result| {
+        results.push(result);
+        Ok(())
+    });
+    results
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::sync::Mutex;
+    use std::thread::ThreadId;
+    use std::time::{Duration, Instant};
+
+    use anyhow::bail;
+
+    use super::*;
+
+    /// Returns the share of its time that each of the threads is busy, if a piece keeps one busy for
+    /// so long. A thread that sleeps needs no processor, so that this counts any number of them.
+    fn efficiency(threads: usize, pieces: &[Duration]) -> f64 {
+        let start = Instant::now();
+        let mut busy = Duration::ZERO;
+        let work = |piece: usize| {
+            let begin = Instant::now();
+            thread::sleep(pieces[piece]);
+            begin.elapsed()
+        };
+        let mut add = |one| {
+            busy += one;
+            Ok(())
+        };
+        compute(pieces.len(), threads, &work, &mut add).unwrap();
+        busy.as_secs_f64() / (start.elapsed().as_secs_f64() * threads as f64)
+    }
+
+    /// The cells of `tests-host/campaigns/lpv200.toml`: those of two systems, then those of three, at
+    /// a twentieth and a seventh of a cell's second, each a little cheaper or dearer than the next.
+    fn cells() -> Vec<Duration> {
+        let cost = |cell: u64| if cell < 648 { 4_000 + cell % 7 * 300 } else { 9_000 + cell % 5 * 900 };
+        (0..1296).map(|cell| Duration::from_micros(cost(cell))).collect()
+    }
+
+    #[test]
+    fn sixty_four_threads_are_busy_nine_tenths_of_their_time() {
+        let have = efficiency(64, &cells());
+        assert!(have >= 0.9, "{have}");
+    }
+
+    #[test]
+    fn one_long_piece_holds_nobody_up() {
+        let mut pieces = vec![Duration::from_millis(2); 100];
+        pieces[10] = Duration::from_millis(60);
+        let have = efficiency(2, &pieces);
+        assert!(have >= 0.9, "{have}");
+    }
+
+    #[test]
+    fn results_come_in_order_from_several_threads() {
+        let threads = Mutex::new(BTreeSet::new());
+        let name = |id: ThreadId| format!("{id:?}");
+        let work = |piece: usize| {
+            thread::sleep(Duration::from_millis(if piece.is_multiple_of(3) { 3 } else { 1 }));
+            threads.lock().unwrap().insert(name(thread::current().id()));
+            piece * piece
+        };
+        let mut have = Vec::new();
+        let mut keep = |result| {
+            have.push(result);
+            Ok(())
+        };
+        compute(40, 4, &work, &mut keep).unwrap();
+        assert_eq!(have, Vec::from_iter((0..40).map(|piece| piece * piece)));
+        assert_eq!(threads.lock().unwrap().len(), 4);
+        assert_eq!(all(3, &|piece| piece), [0, 1, 2]);
+        assert!(all(0, &|piece| piece).is_empty());
+    }
+
+    #[test]
+    fn an_error_ends_the_work() {
+        let begun = AtomicUsize::new(0);
+        let work = |piece: usize| {
+            begun.fetch_add(1, Ordering::Relaxed);
+            thread::sleep(Duration::from_millis(1));
+            piece
+        };
+        let mut fail = |piece| if piece == 5 { bail!("full") } else { Ok(()) };
+        assert_eq!(compute(1_000, 2, &work, &mut fail).unwrap_err().to_string(), "full");
+        assert!(begun.load(Ordering::Relaxed) < 100);
+    }
+}
