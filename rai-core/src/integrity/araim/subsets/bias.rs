@@ -117,17 +117,21 @@ impl<T: Real, const N: usize> SubsetSolutions<'_, T, N> {
     /// the kernel has lost; `Z` is `turn`, `s_c` are `steps`.
     #[inline(never)]
     fn summed_bias(&self, out: &[usize; 3], turn: &Matrix3<T>, steps: &[Vector3<T>; GROUPS]) -> Vector3<T> {
-        let turned = columns(&matrix_product(turn, &self.kernel.covariance)).map(|column| four(&column));
-        let (steps, constellations) = (steps.map(|step| four(&step)), self.at.constellations);
+        let [first, second, third] = columns(&matrix_product(turn, &self.kernel.covariance));
+        let turned = [four(&first), four(&second), four(&third)];
+        let nothing = T::Four::repeat(T::zero());
+        let mut joined = [nothing; GROUPS];
+        joined.iter_mut().zip(steps).for_each(|(joined, step)| *joined = four(step));
+        let constellations = self.at.constellations;
         let part = |(row, fit, own): (&Row<T>, &RowFit<T>, &IntegrityRow<T>)| {
             let group = group_of(row);
             let is_lost = group < Constellation::COUNT && constellations >> group & 1 != 0;
             // No step is missing, because every group has one.
-            steps.get(group).filter(|_| !is_lost).map(|step| share(&turned, &fit.centred, *step, own))
+            joined.get(group).filter(|_| !is_lost).map(|step| share(&turned, &fit.centred, *step, own))
         };
-        let of_all = self.rows().filter_map(part).fold(T::Four::repeat(T::zero()), |all, one| all + one);
+        let of_all = self.rows().fold(nothing, |all, row| part(row).map_or(all, |one| all + one));
         let [east, north, up, _] =
-            self.rows_of(out).filter_map(part).fold(of_all, |left, one| left - one).numbers();
+            self.rows_of(out).fold(of_all, |left, row| part(row).map_or(left, |one| left - one)).numbers();
         Vector3::new(east, north, up)
     }
 
@@ -158,6 +162,6 @@ fn share<T: Real>(
     step: T::Four,
     own: &IntegrityRow<T>,
 ) -> T::Four {
-    let [x, y, z] = [lever.x, lever.y, lever.z].map(T::Four::repeat);
+    let (x, y, z) = (T::Four::repeat(lever.x), T::Four::repeat(lever.y), T::Four::repeat(lever.z));
     (*first * x + (*second * y + (*third * z + step))).magnitudes() * T::Four::repeat(own.weighted_bias)
 }
