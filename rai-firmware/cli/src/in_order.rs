@@ -7,9 +7,8 @@ use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
-
-use anyhow::Result;
 
 /// Returns the number of threads that this computer can run at once.
 pub fn threads() -> usize {
@@ -24,8 +23,8 @@ pub fn compute<R: Send>(
     count: usize,
     threads: usize,
     work: &(dyn Fn(usize) -> R + Sync),
-    take: &mut dyn FnMut(R) -> Result<()>,
-) -> Result<()> {
+    take: &mut dyn FnMut(R) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
     let next = AtomicUsize::new(0);
     let (done, results) = mpsc::channel();
     let walk = |done: mpsc::Sender<(usize, R)>| {
@@ -47,7 +46,10 @@ pub fn compute<R: Send>(
 }
 
 /// Passes results on in the order of their pieces.
-fn pass_on<R>(results: Receiver<(usize, R)>, take: &mut dyn FnMut(R) -> Result<()>) -> Result<()> {
+fn pass_on<R>(
+    results: Receiver<(usize, R)>,
+    take: &mut dyn FnMut(R) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
     let (mut early, mut due) = (BTreeMap::new(), 0);
     for (piece, result) in results {
         early.insert(piece, result);
@@ -61,19 +63,95 @@ fn pass_on<R>(results: Receiver<(usize, R)>, take: &mut dyn FnMut(R) -> Result<(
 
 /// Returns the results of the pieces 0 to `count` − 1, computed on all processors.
 pub fn all<R: Send>(count: usize, work: &(dyn Fn(usize) -> R + Sync)) -> Vec<R> {
-    let mut results = Vec::with_capacity(count);
-    // Keeping a result cannot fail.
-    let _ = compute(count, threads(), work, &mut |result| {
-        results.push(result);
-        Ok(())
+    (0..count).together(work).collect()
+}
+
+/// Work on items, on all processors.
+pub trait Together: IntoIterator<Item: Send> + Sized {
+    /// Returns the results in the order of the items.
+    fn together<R: Send>(self, work: impl Fn(Self::Item) -> R + Sync) -> std::vec::IntoIter<R> {
+        let slots: Vec<_> = self.into_iter().map(|item| Mutex::new(Slot::Item(item))).collect();
+        let fill = |slot: &Mutex<Slot<Self::Item, R>>| {
+            let item = std::mem::replace(&mut *held(slot.lock()), Slot::Empty);
+            if let Slot::Item(item) = item {
+                let result = work(item);
+                *held(slot.lock()) = Slot::Result(result);
+            }
+        };
+        each(slots.len(), &|piece| slots.get(piece).into_iter().for_each(&fill));
+        let results = slots.into_iter().filter_map(|slot| match held(slot.into_inner()) {
+            Slot::Result(result) => Some(result),
+            _ => None,
+        });
+        Vec::from_iter(results).into_iter()
+    }
+
+    /// Returns the sum of the results, added in the order of the items. They are computed in
+    /// batches, because the results of a whole experiment may not fit the memory.
+    ///
+    /// # Errors
+    /// The first error of a result.
+    fn together_sum<R: Send>(
+        self,
+        work: impl Fn(Self::Item) -> anyhow::Result<R> + Sync,
+        nothing: R,
+        add: impl Fn(R, R) -> R,
+    ) -> anyhow::Result<R> {
+        let (mut items, mut sum) = (self.into_iter(), nothing);
+        loop {
+            let batch: Vec<_> = items.by_ref().take(BATCH).collect();
+            if batch.is_empty() {
+                return Ok(sum);
+            }
+            for result in batch.into_iter().together(&work) {
+                sum = add(sum, result?);
+            }
+        }
+    }
+}
+
+/// Number of results of [`Together::together_sum`] that are kept at once.
+const BATCH: usize = 4096;
+
+impl<I: IntoIterator<Item: Send>> Together for I {}
+
+/// An item, and then its result.
+enum Slot<T, R> {
+    Item(T),
+    Empty,
+    Result(R),
+}
+
+/// Returns what a lock holds. A thread that panicked ends the whole work, so that nobody reads what
+/// it left behind.
+fn held<T>(lock: Result<T, PoisonError<T>>) -> T {
+    lock.unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Does the pieces 0 to `count` − 1 on all processors. It is not generic, so that it is compiled
+/// once for all kinds of work.
+fn each(count: usize, work: &(dyn Fn(usize) + Sync)) {
+    let next = AtomicUsize::new(0);
+    let walk = || {
+        loop {
+            let piece = next.fetch_add(1, Ordering::Relaxed);
+            if piece >= count {
+                return;
+            }
+            work(piece);
+        }
+    };
+    thread::scope(|scope| {
+        for _ in 1..threads().min(count) {
+            scope.spawn(walk);
+        }
+        walk();
     });
-    results
 }
 
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
-    use std::sync::Mutex;
     use std::thread::ThreadId;
     use std::time::{Duration, Instant};
 
@@ -137,8 +215,19 @@ mod tests {
         compute(40, 4, &work, &mut keep).unwrap();
         assert_eq!(have, Vec::from_iter((0..40).map(|piece| piece * piece)));
         assert_eq!(threads.lock().unwrap().len(), 4);
+    }
+
+    #[test]
+    fn items_become_results_and_sums_in_their_order() {
+        let texts = ["a", "b", "c"].map(str::to_owned);
+        assert!(texts.into_iter().together(|text| text + "!").eq(["a!", "b!", "c!"]));
         assert_eq!(all(3, &|piece| piece), [0, 1, 2]);
         assert!(all(0, &|piece| piece).is_empty());
+        let count = BATCH * 2 + 3;
+        let sum = (0..count).together_sum(|piece| Ok(vec![piece]), Vec::new(), |a, b| [a, b].concat());
+        assert!(sum.unwrap().into_iter().eq(0..count));
+        let fail = |piece| if piece < 2 { Ok(piece) } else { bail!("{piece}") };
+        assert_eq!((0..9).together_sum(fail, 0, |a, b| a + b).unwrap_err().to_string(), "2");
     }
 
     #[test]
