@@ -26,6 +26,7 @@ pub trait Four<T>: Number {
     /// Returns the four numbers.
     fn numbers(self) -> [T; 4];
     /// Returns the magnitude of each number.
+    #[must_use]
     fn magnitudes(self) -> Self;
 }
 
