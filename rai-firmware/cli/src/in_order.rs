@@ -83,7 +83,7 @@ pub trait Together: IntoIterator<Item: Send> + Sized {
             Slot::Result(result) => Some(result),
             _ => None,
         });
-        Vec::from_iter(results).into_iter()
+        results.collect::<Vec<_>>().into_iter()
     }
 
     /// Returns the sum of the results, added in the order of the items. They are computed in
@@ -213,7 +213,7 @@ mod tests {
             Ok(())
         };
         compute(40, 4, &work, &mut keep).unwrap();
-        assert_eq!(have, Vec::from_iter((0..40).map(|piece| piece * piece)));
+        assert!(have.into_iter().eq((0..40).map(|piece| piece * piece)));
         assert_eq!(threads.lock().unwrap().len(), 4);
     }
 
