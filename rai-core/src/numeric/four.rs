@@ -1,7 +1,7 @@
 //! Four numbers, with which a host computes at once.
 //!
 //! ```text
-//! a + b        a − b        a b        each of its four numbers by itself
+//! a + b        a − b        a b        |a|        each of its four numbers by itself
 //! ```
 //!
 //! A range has three directions and a residual, and every sum over the ranges treats them alike. A
@@ -15,6 +15,8 @@
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Sub};
 
+use nalgebra::RealField;
+
 /// Four numbers of type `T`.
 pub trait Four<T>: Number {
     /// Joins four numbers.
@@ -23,6 +25,9 @@ pub trait Four<T>: Number {
     fn repeat(number: T) -> Self;
     /// Returns the four numbers.
     fn numbers(self) -> [T; 4];
+    /// Returns the magnitude of each number.
+    #[must_use]
+    fn magnitudes(self) -> Self;
 }
 
 /// Number that can be added, subtracted and multiplied.
@@ -64,7 +69,7 @@ impl<T: Mul<Output = T>> Mul for Apart<T> {
     }
 }
 
-impl<T: Number> Four<T> for Apart<T> {
+impl<T: RealField + Copy> Four<T> for Apart<T> {
     #[inline(always)]
     fn join(numbers: [T; 4]) -> Self {
         Self(numbers)
@@ -77,6 +82,11 @@ impl<T: Number> Four<T> for Apart<T> {
     #[inline(always)]
     fn numbers(self) -> [T; 4] {
         self.0
+    }
+    #[inline(always)]
+    fn magnitudes(self) -> Self {
+        let Self([a, b, c, d]) = self;
+        Self([a.abs(), b.abs(), c.abs(), d.abs()])
     }
 }
 
@@ -94,16 +104,20 @@ impl Four<f32> for wide::f32x4 {
     fn numbers(self) -> [f32; 4] {
         self.to_array()
     }
+    #[inline]
+    fn magnitudes(self) -> Self {
+        self.abs()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Apart, Four};
 
-    /// Returns the bits of sum, difference and product.
-    fn bits<F: Four<f32>>(a: [f32; 4], b: [f32; 4]) -> [[u32; 4]; 3] {
+    /// Returns the bits of sum, difference, product and magnitude.
+    fn bits<F: Four<f32>>(a: [f32; 4], b: [f32; 4]) -> [[u32; 4]; 4] {
         let (a, b) = (F::join(a), F::join(b));
-        [a + b, a - b, a * b].map(|result| result.numbers().map(f32::to_bits))
+        [a + b, a - b, a * b, a.magnitudes()].map(|result| result.numbers().map(f32::to_bits))
     }
 
     #[test]

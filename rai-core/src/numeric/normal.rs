@@ -227,5 +227,9 @@ fn quotient<T: Real, const N: usize, const D: usize>(of: &Quotient<T, N, D>, x: 
 /// Evaluates a polynomial by Horner's scheme, constant term first.
 #[inline]
 fn polynomial<T: Real, const N: usize>(coefficients: &[T; N], x: T) -> T {
-    coefficients.iter().rev().fold(T::zero(), |sum, &coefficient| sum * x + coefficient)
+    let mut sum = T::zero();
+    for &coefficient in coefficients.iter().rev() {
+        sum = sum * x + coefficient;
+    }
+    sum
 }

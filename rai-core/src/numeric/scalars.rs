@@ -18,9 +18,11 @@ impl Real for f64 {
     const TIE: Self = 1e-9;
     const CHI_SQUARE: Precision<Self> = DOUBLE;
 
+    #[inline]
     fn narrow(value: f64) -> Self {
         value
     }
+    #[inline]
     fn widen(self) -> f64 {
         self
     }
@@ -57,9 +59,11 @@ impl Real for f32 {
     const TIE: Self = 1e-3;
     const CHI_SQUARE: Precision<Self> = SINGLE;
 
+    #[inline]
     fn narrow(value: f64) -> Self {
         value as f32
     }
+    #[inline]
     fn widen(self) -> f64 {
         f64::from(self)
     }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::noise::Noise;
-use crate::sky::{DIRECTIONS, SIGMA_M, observe, receiver, satellite};
+use crate::sky::{CAPACITY, DIRECTIONS, SIGMA_M, observe, receiver, satellite};
 use raim_core::epoch::Epoch;
 use raim_core::monitor as strategy;
 use raim_core::monitor::{Monitor, Strategy};
@@ -83,9 +83,9 @@ fn a_few_noisy_epochs_end_a_noise_below_one() {
 }
 
 /// Reports of a quarter of an hour at this share of the sigmas, and of `epochs` at another.
-fn quiet_then(strategy: Strategy, noise_after: f64, epochs: u32, seed: u64) -> Vec<Report<16>> {
+fn quiet_then(strategy: Strategy, noise_after: f64, epochs: u32, seed: u64) -> Vec<Report<CAPACITY>> {
     const QUIET: u32 = 900;
-    let mut monitor = Monitor::<f64, 16>::new(Requirements::non_precision_approach()).unwrap();
+    let mut monitor = Monitor::<f64, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
     monitor.set_strategy(strategy).unwrap();
     let mut chance = Noise(seed);
     let mut judge = |second: u32| {
@@ -103,7 +103,7 @@ fn quiet_then(strategy: Strategy, noise_after: f64, epochs: u32, seed: u64) -> V
 
 #[test]
 fn noise_that_returns_after_a_quiet_quarter_of_an_hour_costs_few_epochs() {
-    let lost = |report: &&Report<16>| !matches!(report.verdict, Verdict::Protected(_));
+    let lost = |report: &&Report<CAPACITY>| !matches!(report.verdict, Verdict::Protected(_));
     let epochs = (1..=20).flat_map(|seed| quiet_then(Strategy::DEFAULT, 1.0, 100, seed)).collect::<Vec<_>>();
     let count = epochs.iter().filter(lost).count();
     assert!(count * 20 < epochs.len(), "{count} of {}", epochs.len());
@@ -111,9 +111,9 @@ fn noise_that_returns_after_a_quiet_quarter_of_an_hour_costs_few_epochs() {
 
 /// Levels in the last epoch of a quarter of an hour of a third of the noise, after which the
 /// satellites and the place may be others.
-fn last_hpl_m(noise: strategy::Noise, change: impl Fn(&mut Epoch<16>)) -> f64 {
+fn last_hpl_m(noise: strategy::Noise, change: impl Fn(&mut Epoch<CAPACITY>)) -> f64 {
     const LAST: u32 = 900;
-    let mut monitor = Monitor::<f64, 16>::new(Requirements::non_precision_approach()).unwrap();
+    let mut monitor = Monitor::<f64, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
     monitor.set_strategy(Strategy { noise, ..Strategy::DEFAULT }).unwrap();
     let (mut chance, mut hpl_m) = (Noise(5), f64::NAN);
     for second in 0..=LAST {
@@ -132,7 +132,7 @@ fn last_hpl_m(noise: strategy::Noise, change: impl Fn(&mut Epoch<16>)) -> f64 {
 }
 
 /// Returns the observations of an epoch with other ranges.
-fn again(epoch: &mut Epoch<16>, error_m: impl Fn(usize) -> Option<f64>) {
+fn again(epoch: &mut Epoch<CAPACITY>, error_m: impl Fn(usize) -> Option<f64>) {
     let observations = epoch.observations().to_vec();
     epoch.restart(epoch.time_s());
     for (index, mut observation) in observations.into_iter().enumerate() {
@@ -149,13 +149,13 @@ fn what_quiet_minutes_lowered_is_taken_back_in_the_epoch_that_changes() {
     let quiet_m = last_hpl_m(strategy::Noise::Auto, |_| {});
     assert!((0.3..0.45).contains(&(quiet_m / plain_m)), "{quiet_m} of {plain_m}");
     // A satellite is missing.
-    let fewer = |epoch: &mut Epoch<16>| again(epoch, |index| (index != 3).then_some(0.0));
+    let fewer = |epoch: &mut Epoch<CAPACITY>| again(epoch, |index| (index != 3).then_some(0.0));
     assert!(last_hpl_m(strategy::Noise::Auto, fewer) >= last_hpl_m(strategy::Noise::Geodetic, fewer));
     // A range is wrong by what the larger sigmas allow.
-    let wrong = |epoch: &mut Epoch<16>| again(epoch, |index| Some(if index == 3 { 12.0 } else { 0.0 }));
+    let wrong = |epoch: &mut Epoch<CAPACITY>| again(epoch, |index| Some(if index == 3 { 12.0 } else { 0.0 }));
     assert!(last_hpl_m(strategy::Noise::Auto, wrong) >= last_hpl_m(strategy::Noise::Geodetic, wrong));
     // The receiver is elsewhere: 20 m higher.
-    let higher = |epoch: &mut Epoch<16>| {
+    let higher = |epoch: &mut Epoch<CAPACITY>| {
         again(epoch, |index| {
             DIRECTIONS.get(index).map(|(_, elevation_deg)| -20.0 * elevation_deg.to_radians().sin())
         });
@@ -168,10 +168,11 @@ fn noise_beyond_the_sigmas_raises_the_levels() {
     let median_hpl_m = |noise: f64| {
         let fixed = Strategy { noise: strategy::Noise::Geodetic, ..Strategy::DEFAULT };
         let reports = quiet_then(fixed, noise, 120, 7);
-        let promised = |report: &&Report<16>| matches!(report.verdict, Verdict::Protected(_));
+        let promised = |report: &&Report<CAPACITY>| matches!(report.verdict, Verdict::Protected(_));
         let mut levels: Vec<_> = reports.iter().skip(60).filter(promised).collect();
         assert!(levels.len() >= 57, "{noise}: {} of 60", levels.len());
-        let error_m = |report: &Report<16>| report.solution.as_ref().unwrap().position.distance_m(receiver());
+        let error_m =
+            |report: &Report<CAPACITY>| report.solution.as_ref().unwrap().position.distance_m(receiver());
         assert!(levels.iter().all(|report| {
             let levels = report.protection.as_ref().unwrap();
             error_m(report) < levels.hpl_m.hypot(levels.vpl_m)

@@ -3,14 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use crate::noise::Noise;
-use crate::sky::{METHODS, epoch_of, observe, receiver, satellite};
+use crate::sky::{CAPACITY, METHODS, epoch_of, observe, receiver, satellite};
 use raim_core::epoch::Observation;
 use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::report::{Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation::{self, Beidou, Galileo, Glonass, Gps};
-
-const CAPACITY: usize = 48;
 
 /// Returns so many satellites of each system, with noise of 1 m. Those of the systems in `broken`
 /// are wrong by 100 m to 2 km, each by another error.

@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::noise::Noise;
-use crate::sky::{self, SIGMA_M, receiver, satellite};
+use crate::sky::{self, CAPACITY, SIGMA_M, receiver, satellite};
 use raim_core::epoch::Epoch;
 use raim_core::frame::LocalFrame;
 use raim_core::monitor::{Monitor, Strategy};
@@ -14,7 +14,6 @@ use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
 
-const CAPACITY: usize = 16;
 const GEOMETRIES: u64 = 40;
 
 /// Satellites while the clock is learned, s of learning, and s of the ramp.

@@ -1,6 +1,7 @@
 //! An error that all ranges share: the levels grow by its effect on the position.
 #![allow(clippy::unwrap_used)]
 
+use crate::sky::CAPACITY as N;
 use raim_core::epoch::{Epoch, EpochError, Observation};
 use raim_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
 use raim_core::monitor::Monitor;
@@ -8,8 +9,6 @@ use raim_core::report::Report;
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_core::weighting::shared::SharedError;
-
-const N: usize = 24;
 
 /// Azimuth and elevation in degrees: more satellites in the south than in the north.
 const SKY: [(f64, f64); 10] = [

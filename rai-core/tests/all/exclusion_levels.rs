@@ -16,14 +16,13 @@ use raim_core::report::ProtectionLevels;
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
 
+use crate::sky::CAPACITY;
+
 /// Singular value, of a design in units of its sigmas, below which a column adds nothing.
 const NO_COLUMN: f64 = 1e-9;
 
 /// Redundancy below which a bias is hardly seen: the comparison then shows rounding alone.
 const HARDLY: f64 = 1e-4;
-
-/// Rows of an epoch.
-const CAPACITY: usize = 24;
 
 /// Direction east, north, up; constellation; standard deviation in m.
 type Range = ([f64; 3], usize, f64);
@@ -109,21 +108,25 @@ fn literal(ranges: &[Range]) -> Option<(f64, f64)> {
     let squared =
         |dof: usize, shown: f64| (shown > HARDLY).then(|| thresholds.lambda::<f64>(dof).unwrap() / shown);
     let (dof, inverse, projection) = Model::new(ranges).solve();
+    // Each rival explanation is solved once, whatever range it is a rival of.
+    let biased: Vec<_> = (0..ranges.len()).map(|rival| Model::new(ranges).with_bias(rival).solve()).collect();
+    let shifted: Vec<_> = shiftable(ranges)
+        .into_iter()
+        .map(|system| (system, Model::new(ranges).with_shift(system).solve()))
+        .collect();
     let (mut horizontal, mut vertical) = (0.0_f64, 0.0_f64);
     for index in 0..ranges.len() {
         let mut hidden = squared(dof, projection[(index, index)])?;
-        for rival in (0..ranges.len()).filter(|&rival| rival != index) {
-            let (dof, _, projection) = Model::new(ranges).with_bias(rival).solve();
-            hidden = hidden.max(squared(dof, projection[(index, index)])?);
+        for (_, (dof, _, projection)) in biased.iter().enumerate().filter(|(rival, _)| *rival != index) {
+            hidden = hidden.max(squared(*dof, projection[(index, index)])?);
         }
-        for system in shiftable(ranges) {
-            let (dof, _, projection) = Model::new(ranges).with_shift(system).solve();
+        for (system, (dof, _, projection)) in &shifted {
             // Ranges that always agree with each other are no evidence for a shift.
             let part: Vec<usize> = (0..ranges.len())
-                .filter(|&row| (ranges[row].1 == system) == (ranges[index].1 == system))
+                .filter(|&row| (ranges[row].1 == *system) == (ranges[index].1 == *system))
                 .collect();
             if part.iter().any(|&row| projection[(row, row)] > NO_COLUMN) {
-                hidden = hidden.max(squared(dof, projection[(index, index)])?);
+                hidden = hidden.max(squared(*dof, projection[(index, index)])?);
             }
         }
         let bias = hidden.sqrt();

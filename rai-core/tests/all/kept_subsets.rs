@@ -7,9 +7,7 @@ use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection, Subsets
 use raim_core::least_squares::Workspace;
 use raim_core::satellite::Constellation;
 
-use crate::sky::{observe, receiver, satellite};
-
-const CAPACITY: usize = 24;
+use crate::sky::{CAPACITY, observe, receiver, satellite};
 
 /// Returns sixteen satellites, numbered from one on; `turned_deg` turns the sky about the zenith.
 fn epoch(first: usize, turned_deg: f64) -> Epoch<CAPACITY> {

@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
-use crate::sky::{observe, receiver, satellite};
+use crate::sky::{CAPACITY, observe, receiver, satellite};
 use crate::solved::solved;
 use nalgebra::{DMatrix, Vector3};
 use raim_core::epoch::{Aiding, Epoch};
@@ -14,8 +14,6 @@ use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::report::{Alert, Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
-
-const CAPACITY: usize = 16;
 
 /// Azimuth and elevation in degrees. Beside a height, the first four and any four of the first five
 /// test each other well.

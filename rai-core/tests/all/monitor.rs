@@ -1,7 +1,7 @@
 //! Reports of the monitor on small skies whose truth is known by construction.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
-use crate::sky::{self, DIRECTIONS, epoch_of, receiver, satellite};
+use crate::sky::{self, CAPACITY, DIRECTIONS, epoch_of, receiver, satellite};
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::Ecef;
 use raim_core::monitor::Monitor;
@@ -9,7 +9,6 @@ use raim_core::report::{Alert, Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 
-const CAPACITY: usize = 24;
 const CLOCKS_M: [f64; 4] = [1234.5, -271_828.0, 31.4, 0.0];
 
 /// Returns a satellite in a direction, with its constellation's clock.

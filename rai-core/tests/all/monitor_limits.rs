@@ -1,15 +1,13 @@
 //! State of the monitor between epochs, and the limits of its verdicts.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
-use crate::sky::{DIRECTIONS, SIGMA_M, epoch_of, observe, receiver, satellite};
+use crate::sky::{CAPACITY, DIRECTIONS, SIGMA_M, epoch_of, observe, receiver, satellite};
 use raim_core::epoch::{Aiding, Epoch, Observation};
 use raim_core::frame::{Ecef, LocalFrame};
 use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::report::{Alert, Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
-
-const CAPACITY: usize = 16;
 
 fn seen(directions: &[(f64, f64)], clock_m: f64) -> Vec<Observation> {
     let numbered = directions.iter().enumerate();
@@ -101,7 +99,7 @@ fn clocks_are_forgotten_where_aiding_changes_and_only_there() {
 
 #[test]
 fn an_epoch_without_room_for_the_forecast_is_judged_without_it() {
-    let verdict = coasting::<7>(7).process(&epoch(90.0, &seen(&DIRECTIONS[..7], clock_m(90)))).verdict;
+    let verdict = coasting::<8>(8).process(&epoch(90.0, &seen(&DIRECTIONS, clock_m(90)))).verdict;
     assert_eq!(verdict, OK);
     // Seven satellites and a known height fill eight places.
     let mut full = epoch(90.0, &seen(&DIRECTIONS[..7], clock_m(90)));

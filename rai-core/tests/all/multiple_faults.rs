@@ -7,7 +7,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::noise::Noise;
-use crate::sky::{self, SIGMA_M, receiver, satellite};
+use crate::sky::{self, CAPACITY, SIGMA_M, receiver, satellite};
 use raim_core::epoch::Epoch;
 use raim_core::integrity::raim::isolation::parity::Isolation;
 use raim_core::monitor::{Method, Monitor, Strategy};
@@ -15,7 +15,6 @@ use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
 
-const CAPACITY: usize = 16;
 const SKIES: u64 = 400;
 const CLOCKS_M: [f64; 2] = [1234.5, -271.8];
 

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::noise::Noise;
-use crate::sky::{DIRECTIONS, SIGMA_M, observe, receiver, satellite};
+use crate::sky::{CAPACITY, DIRECTIONS, SIGMA_M, observe, receiver, satellite};
 use raim_core::epoch::Epoch;
 use raim_core::frame::LocalFrame;
 use raim_core::monitor::Monitor;
@@ -25,7 +25,7 @@ struct Count {
 
 impl Count {
     /// Adds a report, if it counts.
-    fn add(&mut self, report: &Report<16>, counts: bool) {
+    fn add(&mut self, report: &Report<CAPACITY>, counts: bool) {
         if !counts {
             return;
         }
@@ -52,7 +52,7 @@ struct Sky {
 
 /// Adds a quarter of an hour with errors of satellites, by their index and the second, m.
 fn run(sky: Sky, error_m: &dyn Fn(usize, u32) -> f64, faulty: usize, count: &mut Count) {
-    let mut monitor = Monitor::<f64, 16>::new(Requirements::non_precision_approach()).unwrap();
+    let mut monitor = Monitor::<f64, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
     let (mut chance, mut noise) = (Noise(sky.seed), [0.0; DIRECTIONS.len()]);
     let kept = if sky.correlated_s > 0.0 { (-1.0 / sky.correlated_s).exp() } else { 0.0 };
     for value in &mut noise {
@@ -154,7 +154,7 @@ fn several_faults(faults: usize, from: u32, count: &mut Count) {
             let size_m = 10.0 * 30_f64.powf(chance.uniform());
             *fault_m = if chance.uniform() < 0.5 { size_m } else { -size_m };
         }
-        let mut monitor = Monitor::<f64, 16>::new(Requirements::non_precision_approach()).unwrap();
+        let mut monitor = Monitor::<f64, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
         for second in 0..120 {
             let mut epoch = Epoch::new(f64::from(second));
             for (index, (direction, fault_m)) in sky.iter().enumerate() {

@@ -117,13 +117,16 @@ impl Sky {
         parts.iter().any(|&(_, has_blamed)| has_blamed).then_some(total)
     }
 
-    /// Returns the smallest eigenvalue of the block of `I − A(AᵀA)⁻¹Aᵀ` that belongs to a set: 0
-    /// where its rows are needed.
-    fn redundancy(&self, set: &[usize]) -> f64 {
+    /// Returns `I − A(AᵀA)⁻¹Aᵀ`.
+    fn projection(&self) -> DMatrix<f64> {
         let design = self.design(&[]);
         let normal = (design.transpose() * &design).try_inverse().unwrap();
-        let projection =
-            DMatrix::identity(design.nrows(), design.nrows()) - &design * normal * design.transpose();
+        DMatrix::identity(design.nrows(), design.nrows()) - &design * normal * design.transpose()
+    }
+
+    /// Returns the smallest eigenvalue of the block of the projection that belongs to a set: 0 where
+    /// its rows are needed.
+    fn redundancy(projection: &DMatrix<f64>, set: &[usize]) -> f64 {
         let block = DMatrix::from_fn(set.len(), set.len(), |row, column| projection[(set[row], set[column])]);
         block.symmetric_eigenvalues().min()
     }
@@ -133,6 +136,7 @@ impl Sky {
     fn is_unrivalled(&self) -> Option<bool> {
         let thresholds = thresholds();
         let margin = thresholds.w_test::<f64>(self.rows.len()).unwrap().powi(2);
+        let projection = self.projection();
         let (found, _) = self.left(&self.faulty);
         let near = |value: f64, limit: f64| (value - limit).abs() < CLOSE * limit;
         let mut unrivalled = true;
@@ -145,7 +149,7 @@ impl Sky {
             unrivalled &= sse > most || sse > threshold;
         }
         for set in sets(self.rows.len(), self.faulty.len()) {
-            let redundancy = self.redundancy(&set);
+            let redundancy = Self::redundancy(&projection, &set);
             if set.iter().all(|row| self.faulty.contains(row)) || redundancy < f64::UNTESTABLE / 2.0 {
                 continue;
             }
@@ -177,7 +181,7 @@ fn a_set_is_separable_where_no_other_explains_the_data_as_well() {
     let mut seen = [[0_usize; 2]; 3];
     for seed in 0..SKIES {
         let sky = Sky::drawn(seed);
-        if sky.redundancy(&sky.faulty) < 0.01 {
+        if Sky::redundancy(&sky.projection(), &sky.faulty) < 0.01 {
             continue;
         }
         let Some(want) = sky.is_unrivalled() else { continue };

@@ -12,7 +12,8 @@ use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation::{self, Beidou, Galileo, Gps};
 use raim_core::weighting::Ism;
 
-const CAPACITY: usize = 48;
+/// Room for whatever the property below draws, as for the largest epoch of all.
+const CAPACITY: usize = 64;
 
 /// Returns azimuth and elevation in degrees of some satellites, spread over the sky.
 fn direction(index: usize) -> (f64, f64) {

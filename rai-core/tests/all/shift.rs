@@ -3,14 +3,13 @@
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use crate::noise::Noise;
-use crate::sky::{METHODS, epoch_of, observe, receiver, satellite};
+use crate::sky::{CAPACITY, METHODS, epoch_of, observe, receiver, satellite};
 use raim_core::epoch::Observation;
 use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::report::{Alert, Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation::{self, Beidou, Galileo, Gps};
 
-const CAPACITY: usize = 24;
 const EACH: usize = 7;
 
 /// Returns azimuth and elevation, °.

@@ -12,6 +12,10 @@ use raim_core::satellite::{Constellation, SatelliteId};
 /// Standard deviation that the observations claim, m.
 pub(crate) const SIGMA_M: f64 = 3.0;
 
+/// Satellites for which an epoch has room in the tests that do not ask about room: each other number
+/// compiles the whole monitor once more.
+pub(crate) const CAPACITY: usize = 40;
+
 /// Azimuth and elevation in degrees of well-spread directions.
 pub(crate) const DIRECTIONS: [(f64, f64); 8] = [
     (10.0, 75.0),

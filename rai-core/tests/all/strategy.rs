@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
-use crate::sky::{epoch_of, observe, receiver, satellite};
+use crate::sky::{CAPACITY, epoch_of, observe, receiver, satellite};
 use raim_core::epoch::{Aiding, Epoch, Observation};
 use raim_core::frame::LocalFrame;
 use raim_core::integrity::raim::detection::threshold::policy::Policy;
@@ -12,8 +12,6 @@ use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::report::{Alert, Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
-
-const CAPACITY: usize = 16;
 
 /// Azimuth and elevation in degrees.
 const DIRECTIONS: [(f64, f64); 7] =

@@ -11,9 +11,7 @@ use raim_core::report::{Alert, Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 
-use crate::sky::{epoch_of, observe, receiver, satellite};
-
-const CAPACITY: usize = 16;
+use crate::sky::{CAPACITY, epoch_of, observe, receiver, satellite};
 
 /// Azimuth and elevation of satellites in degrees, with their range rates, m/s.
 const SATELLITES: [((f64, f64), f32); 12] = [

@@ -10,6 +10,8 @@ use raim_core::numeric::real::Real;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_core::velocity::{RangeRate, Velocity, VelocityError, estimate};
 
+use crate::sky::CAPACITY;
+
 /// Ten satellites all around: azimuth and elevation in degrees.
 const SKY: [(f64, f64); 10] = [
     (10.0, 20.0),
@@ -65,7 +67,7 @@ fn solve(rates: Vec<RangeRate>) -> Result<Velocity, VelocityError> {
         sigma_m_s: rate.sigma_m_s as f32,
     };
     let rates = rates.into_iter().map(single);
-    estimate(&mut Workspace::<f32, 48>::new(), rates, &thresholds(), &factors())
+    estimate(&mut Workspace::<f32, CAPACITY>::new(), rates, &thresholds(), &factors())
 }
 
 #[track_caller]
@@ -97,8 +99,8 @@ fn it_is_the_least_squares_of_the_textbook() {
     }
     let covariance = normal.try_inverse().expect("regular");
     let want = covariance * right;
-    let have =
-        estimate(&mut Workspace::<f64, 48>::new(), rates, &thresholds(), &factors()).expect("a velocity");
+    let have = estimate(&mut Workspace::<f64, CAPACITY>::new(), rates, &thresholds(), &factors())
+        .expect("a velocity");
     for (index, have) in have.east_north_up_m_s.iter().enumerate() {
         assert!((have - want[index]).abs() < 1e-9, "have {have}, want {}", want[index]);
     }

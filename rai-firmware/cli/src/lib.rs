@@ -25,6 +25,7 @@
 //! | [`second_opinion`] | slow and exact methods beside the core's: dense least squares, exact tails, every subset |
 //! | [`command_line`] | the command `rai` itself: its commands, and their dispatch |
 //! | [`exit`] | exit code of a command |
+//! | [`in_order`] | work of many threads, whose results come in order |
 //!
 //! The algorithms of the module are in `rai-core` and `rai-firmware`, not here. Each command has a
 //! module `command` with its arguments and a function that runs it.
@@ -71,6 +72,8 @@ pub mod configure;
 pub mod evaluate;
 #[cfg(feature = "commands")]
 pub mod exit;
+#[cfg(feature = "commands")]
+pub mod in_order;
 #[cfg(feature = "commands")]
 pub mod monitor;
 #[cfg(feature = "commands")]

@@ -74,8 +74,9 @@ fn the_same_specification_gives_the_same_bytes_and_another_seed_does_not() {
 fn threads_change_nothing() {
     let bytes = |threads: usize| {
         let folder = tempfile::tempdir().unwrap();
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let path = pool.install(|| work(&campaign(SPEC), folder.path(), Share::ALL, false));
+        let mut campaign = campaign(SPEC);
+        campaign.threads = threads;
+        let path = work(&campaign, folder.path(), Share::ALL, false);
         fs::read(path).unwrap()
     };
     assert_eq!(bytes(1), bytes(4));

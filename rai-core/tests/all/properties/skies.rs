@@ -14,8 +14,10 @@ use raim_core::numeric::real::Real;
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 
-/// Most satellites in an epoch here.
-pub(crate) const CAPACITY: usize = 24;
+pub(crate) use crate::sky::CAPACITY;
+
+/// Most satellites of a plausible sky.
+const MOST: usize = 24;
 
 /// A receiver and the satellites that it observes.
 #[derive(Clone, Debug)]
@@ -132,7 +134,7 @@ struct Draw {
 pub(crate) fn any_sky(faults: usize) -> impl Strategy<Value = Sky> {
     let place = (-1.5..1.5_f64, -3.1..3.1_f64, -100.0..10_000.0_f64);
     let clocks_m = proptest::array::uniform4(-3e5..3e5_f64);
-    let draws = proptest::collection::vec(any_draw(), 4..=CAPACITY);
+    let draws = proptest::collection::vec(any_draw(), 4..=MOST);
     let biases = proptest::collection::vec(any_bias(), 0..=faults);
     (place, clocks_m, draws, biases)
         .prop_map(|(place, clocks_m, draws, biases)| sky(place, clocks_m, &draws, &biases))

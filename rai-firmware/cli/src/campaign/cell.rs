@@ -1,15 +1,18 @@
 //! One place under one sky: every fault, every judge, every instant.
 
+use raim_core::epoch::Epoch;
 use raim_core::frame::Enu;
-use raim_core::monitor::Monitor;
+use raim_core::monitor::Search;
 use raim_core::report::Report;
+use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
 use raim_firmware::settings::Configuration;
+use raim_single::{CAPACITY, Monitor, MonitorWorkspace};
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 
-use super::errors::{CAPACITY, ErrorModel, Seen, epoch, seen};
+use super::errors::{ErrorModel, Said, Seen, epoch, seen};
 use super::place::Place;
 use super::sky::Heaven;
 use super::spec::FaultSpec;
@@ -23,7 +26,7 @@ pub struct Judge {
     pub words: [String; 3],
     /// Configuration after the commands.
     pub configuration: Configuration,
-    monitor: Monitor<f32, CAPACITY>,
+    monitor: Monitor,
 }
 
 impl Judge {
@@ -40,6 +43,28 @@ impl Judge {
         let _ = monitor.set_strategy(configuration.strategy());
         monitor.disable_continuity();
         Ok(Self { words, configuration, monitor })
+    }
+}
+
+/// A judge at work in one cell. It learns from no epoch: each is judged as if it were the only one.
+struct Seat {
+    monitor: Monitor,
+    said: Said,
+    required: Requirements,
+    memory: Box<MonitorWorkspace>,
+}
+
+impl Seat {
+    fn of(judge: &Judge, model: ErrorModel) -> Self {
+        let Judge { configuration, monitor, .. } = judge;
+        let mut monitor = monitor.clone();
+        monitor.set_ism(model.promises(configuration.promises.ism()));
+        let memory = Box::new(MonitorWorkspace::new());
+        Self { monitor, said: model.said_to(configuration), required: configuration.requirements(), memory }
+    }
+
+    fn report(&mut self, epoch: &Epoch<CAPACITY>, site: &Site) -> &Report<CAPACITY> {
+        &raim_single::judge(&self.monitor, epoch, site.position, Search::Anew, None, &mut self.memory).report
     }
 }
 
@@ -64,14 +89,7 @@ impl Bench<'_> {
     pub fn judge(&self, faults: &[FaultSpec], judges: &[Judge]) -> Vec<CellStatistics> {
         let site = self.place.site();
         let noise = Noise::new(self.seed);
-        let mut monitors: Vec<_> = judges
-            .iter()
-            .map(|judge| {
-                let mut monitor = judge.monitor.clone();
-                monitor.set_ism(self.model.promises(judge.configuration.promises.ism()));
-                monitor
-            })
-            .collect();
+        let mut seats: Vec<Seat> = judges.iter().map(|judge| Seat::of(judge, self.model)).collect();
         let mut statistics = vec![CellStatistics::default(); faults.len() * judges.len()];
         for (index, (time_s, heaven)) in (0_u64..).zip(self.instants) {
             if self.place.time_s.is_some_and(|only_s| only_s.to_bits() != time_s.to_bits()) {
@@ -81,15 +99,11 @@ impl Bench<'_> {
             let rows = statistics.chunks_exact_mut(judges.len());
             for (number, (fault, statistics)) in (0_u64..).zip(faults.iter().zip(rows)) {
                 for befallen in befallen(fault, &seen, self.seed, index << 8 | number) {
-                    for ((judge, monitor), of_judge) in judges.iter().zip(&mut monitors).zip(&mut *statistics)
-                    {
-                        let epoch = epoch(&seen, self.model, &judge.configuration, *time_s, |one| {
-                            befallen.adds_m(one)
-                        });
-                        monitor.start_from(site.position);
-                        let report = monitor.process(&epoch);
-                        let error = error(&site, &report);
-                        of_judge.add(&report, error, &judge.configuration.requirements());
+                    for (seat, of_judge) in seats.iter_mut().zip(&mut *statistics) {
+                        let epoch = epoch(&seen, &seat.said, *time_s, |one| befallen.adds_m(one));
+                        let required = seat.required;
+                        let report = seat.report(&epoch, &site);
+                        of_judge.add(report, error(&site, report), &required);
                     }
                 }
             }

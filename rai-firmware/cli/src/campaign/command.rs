@@ -51,17 +51,6 @@ enum Action {
 }
 
 impl Arguments {
-    /// Returns the number of epochs that the command judges, after a check of the specification.
-    ///
-    /// # Errors
-    /// If the specification is missing or wrong.
-    pub fn epochs(&self) -> Result<u64> {
-        if self.action.is_some() {
-            return Ok(0);
-        }
-        Ok(self.load()?.epochs(self.shard.unwrap_or(Share::ALL)))
-    }
-
     fn load(&self) -> Result<Campaign> {
         let spec = self.spec.as_deref().context(
             "give a specification, such as tests-host/campaigns/lpv200.toml, or `merge` and the tables of all shares",

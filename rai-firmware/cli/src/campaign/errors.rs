@@ -20,14 +20,11 @@ use raim_core::monitor::Method;
 use raim_core::satellite::SatelliteId;
 use raim_core::weighting::{ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, sigma_m};
 use raim_firmware::settings::Configuration;
+use raim_single::CAPACITY;
 
 use super::sky::Heaven;
 use super::spec::ErrorSpec;
 use crate::signal::sky::{Noise, Site};
-
-/// Capacity for satellites of four systems. The module itself has less, and counts the satellites
-/// that it leaves out.
-pub const CAPACITY: usize = 48;
 
 /// The receiver's clock, m.
 const CLOCK_M: f64 = 12_345.0;
@@ -66,14 +63,11 @@ impl ErrorModel {
         }
     }
 
-    /// Returns the standard deviation given to a method, m.
-    fn said_m(self, judge: &Configuration, satellite: SatelliteId, sin_elevation: f64) -> f64 {
+    /// Returns what a judge is told of its ranges.
+    pub fn said_to(self, judge: &Configuration) -> Said {
         match self {
-            Self::User(user) if judge.method == Method::Araim => {
-                let support = judge.promises.ism().of(satellite.constellation());
-                f64::from(integrity_sigma_m(&support, 0.0, &budget(user, satellite, sin_elevation)))
-            }
-            _ => self.expected_m(satellite, sin_elevation),
+            Self::User(user) if judge.method == Method::Araim => Said::Promised(user, judge.promises.ism()),
+            _ => Said::Expected(self),
         }
     }
 
@@ -82,6 +76,28 @@ impl ErrorModel {
         match self {
             Self::User(user) => Ism { user, ..ism },
             Self::Constant(_) | Self::Cosecant(_) => ism,
+        }
+    }
+}
+
+/// The standard deviations that accompany the ranges of one method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Said {
+    /// Those of the error model.
+    Expected(ErrorModel),
+    /// Those of the integrity support message, for [`Method::Araim`].
+    Promised(UserModel, Ism),
+}
+
+impl Said {
+    /// Returns the standard deviation of a range, m.
+    fn sigma_m(&self, satellite: SatelliteId, sin_elevation: f64) -> f64 {
+        match self {
+            Self::Expected(model) => model.expected_m(satellite, sin_elevation),
+            Self::Promised(user, ism) => {
+                let support = ism.of(satellite.constellation());
+                f64::from(integrity_sigma_m(&support, 0.0, &budget(*user, satellite, sin_elevation)))
+            }
         }
     }
 }
@@ -117,8 +133,9 @@ pub fn seen(
     (noise, factor, epoch): (&Noise, f64, u64),
 ) -> Vec<Seen> {
     let sin_mask = libm::sin(mask_deg.to_radians());
-    let above = heaven.iter().map(|&(satellite, position)| (satellite, position, site.direction(position)));
-    let above = above.filter(|(_, _, line_of_sight)| line_of_sight.up >= sin_mask);
+    let above = heaven.iter().filter_map(|&(satellite, position)| {
+        Some((satellite, position, site.direction_above(position, sin_mask)?))
+    });
     let one = |(index, (satellite, position, line_of_sight)): (usize, (SatelliteId, _, Enu))| {
         let drawn_m = if factor > 0.0 {
             factor * model.expected_m(satellite, line_of_sight.up) * noise.normal(satellite, 0, epoch)
@@ -140,18 +157,12 @@ fn distance_m(satellite: Ecef, site: Ecef) -> f64 {
 }
 
 /// Returns the epoch as one judge receives it, with the fault added to each range.
-pub fn epoch(
-    seen: &[Seen],
-    model: ErrorModel,
-    judge: &Configuration,
-    time_s: f64,
-    fault_m: impl Fn(&Seen) -> f64,
-) -> Epoch<CAPACITY> {
+pub fn epoch(seen: &[Seen], said: &Said, time_s: f64, fault_m: impl Fn(&Seen) -> f64) -> Epoch<CAPACITY> {
     let mut epoch = Epoch::new(time_s);
     for one in seen {
         let observation = Observation {
             range_m: one.observation.range_m + fault_m(one),
-            sigma_m: model.said_m(judge, one.observation.satellite, one.line_of_sight.up),
+            sigma_m: said.sigma_m(one.observation.satellite, one.line_of_sight.up),
             ..one.observation
         };
         // Absurd ranges and those beyond the capacity are left out, as in the module.

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, bail, ensure};
 use raim_core::monitor::Method;
 use raim_firmware::settings::{Configuration, Order};
-use rayon::prelude::*;
 
 use super::cell::{Bench, Judge};
 use super::errors::ErrorModel;
@@ -15,9 +14,7 @@ use super::place::{self, Place};
 use super::sky::{Heaven, Sky};
 use super::spec::{FaultSpec, Spec};
 use super::table::{Identity, Table};
-
-/// Number of cells computed together, which an interrupted run loses.
-const TOGETHER: usize = 32;
+use crate::in_order;
 
 /// A share of the cells: those whose number leaves the remainder `index` when divided by `of`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +56,8 @@ pub struct Campaign {
     skies: Vec<Vec<(f64, Heaven)>>,
     places: Vec<Place>,
     judges: Vec<Judge>,
+    /// Number of threads that compute cells: at first, as many as this computer runs at once.
+    pub threads: usize,
     /// Identity of the tables.
     pub identity: Identity,
 }
@@ -82,7 +81,12 @@ impl Campaign {
         let places = place::all(&spec.places, folder)?;
         let judges = judges(&spec)?;
         let instants = instants(&spec, &places);
-        let located = |sky: Sky| instants.par_iter().map(|&t_s| (t_s, sky.at(t_s))).collect();
+        let located = |sky: Sky| {
+            in_order::all(instants.len(), &|index| {
+                let t_s = instants.get(index).copied().unwrap_or_default();
+                (t_s, sky.at(t_s))
+            })
+        };
         let skies: Vec<Vec<(f64, Heaven)>> =
             spec.skies.iter().map(|sky| Ok(located(Sky::load(sky, folder)?))).collect::<Result<_>>()?;
         let identity = Identity {
@@ -94,7 +98,7 @@ impl Campaign {
             cells: skies.len() * spec.masks_deg.len() * spec.errors.len() * places.len(),
             rows: spec.faults.len() * judges.len(),
         };
-        Ok(Self { spec, skies, places, judges, identity })
+        Ok(Self { spec, skies, places, judges, threads: in_order::threads(), identity })
     }
 
     /// Computes a share into a folder and returns the table's path. `progress` receives the number
@@ -115,41 +119,32 @@ impl Campaign {
         let cells: Vec<usize> = (share.index..self.identity.cells).step_by(share.of).collect();
         let (mut file, mut done) = self.begin(&path, &cells, resume)?;
         progress(done, cells.len());
-        for chunk in cells.get(done..).unwrap_or_default().chunks(TOGETHER) {
-            let texts: Vec<String> = chunk.par_iter().map(|&cell| self.rows(cell)).collect();
-            file.write_all(texts.concat().as_bytes())
-                .and_then(|()| file.flush())
-                .with_context(|| format!("cannot write {}", path.display()))?;
-            done += chunk.len();
+        let left = cells.get(done..).unwrap_or_default();
+        self.compute(left, &mut |text| {
+            file.write_all(text.as_bytes()).with_context(|| format!("cannot write {}", path.display()))?;
+            done += 1;
             progress(done, cells.len());
-        }
+            Ok(())
+        })?;
         Ok(path)
-    }
-
-    /// Returns the number of epochs that a share judges. If a fault strikes every satellite in
-    /// turn, it is an estimate: a third of a sky is above the horizon.
-    pub fn epochs(&self, share: Share) -> u64 {
-        let cells = (share.index..self.identity.cells).step_by(share.of).count();
-        let instants = if self.places.iter().any(|place| place.time_s.is_some()) {
-            1
-        } else {
-            self.skies.first().map_or(0, Vec::len)
-        };
-        let largest = self.skies.iter().flatten().map(|(_, heaven)| heaven.len()).max().unwrap_or(0);
-        let cases = |fault: &FaultSpec| match fault {
-            FaultSpec::None | FaultSpec::Drawn { .. } => 1,
-            FaultSpec::EverySatellite { .. } => largest / 3,
-            FaultSpec::Constellation { .. } => 2,
-        };
-        let cases: usize = self.spec.faults.iter().map(cases).sum();
-        (cells * instants * cases * self.judges.len()) as u64
     }
 
     /// Returns a share as text, without a file.
     pub fn text(&self, share: Share) -> String {
         let cells: Vec<usize> = (share.index..self.identity.cells).step_by(share.of).collect();
-        let texts: Vec<String> = cells.par_iter().map(|&cell| self.rows(cell)).collect();
-        self.identity.heading() + &texts.concat()
+        let mut text = self.identity.heading();
+        // Keeping a text cannot fail.
+        let _ = self.compute(&cells, &mut |rows| {
+            text += &rows;
+            Ok(())
+        });
+        text
+    }
+
+    /// Computes cells, and passes their rows on in order.
+    fn compute(&self, cells: &[usize], take: &mut dyn FnMut(String) -> Result<()>) -> Result<()> {
+        let rows = |index: usize| cells.get(index).map_or_else(String::new, |&cell| self.rows(cell));
+        in_order::compute(cells.len(), self.threads, &rows, take)
     }
 
     /// Opens a table after its last complete cell; returns the number of complete cells.

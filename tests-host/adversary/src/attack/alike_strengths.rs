@@ -2,10 +2,10 @@
 //! beside a receiver that suspects spoofing it does.
 
 use anyhow::{Context as _, Result};
+use raim::in_order::Together as _;
 use raim::signal::encode::{Encoder, Frequency, Selection, ubx};
 use raim::signal::recording::Recording;
 use raim_core::frame::Ecef;
-use rayon::prelude::*;
 use rig::shared;
 
 use super::forgery::Sky;
@@ -77,8 +77,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     }
     let most = effort.pick(2880, usize::MAX);
     let signs = STATIONS
-        .par_iter()
-        .map(|(station, systems)| {
+        .iter()
+        .together(|(station, systems)| {
             let recording = station.load().with_context(|| format!("{} is missing", station.folder))?;
             false_signs(&recording, systems, most)
         })

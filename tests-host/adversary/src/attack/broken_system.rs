@@ -9,6 +9,7 @@
 //! and never beyond its level.
 
 use anyhow::Result;
+use raim::in_order::Together as _;
 use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
 use raim::signal::measurement::MeasuredEpoch;
@@ -17,7 +18,6 @@ use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::{Constellation, SatelliteId};
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::forgery::Sky;
 use super::tally::Tally;
@@ -53,7 +53,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for method in ["AUTO", "BAARDA", "ARAIM"] {
         let all = |fault: Fault| -> Result<Tally> {
-            let tallies = seeds.par_iter().map(|&seed| attempt(method, fault, seed));
+            let tallies = seeds.iter().together(|&seed| attempt(method, fault, seed));
             let tallies: Vec<Tally> = tallies.collect::<Result<_>>()?;
             Ok(tallies.iter().fold(Tally::default(), Tally::with))
         };

@@ -5,12 +5,12 @@
 //! for itself would follow it.
 
 use anyhow::Result;
+use raim::in_order::Together as _;
 use raim::signal::fault::{Fault, Kind, Measured, Target};
 use raim_core::satellite::{Constellation, SatelliteId};
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::forgery::Sky;
 use super::tally::Tally;
@@ -36,8 +36,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     for systems in [&[Constellation::Gps][..], &[Constellation::Gps, Constellation::Beidou]] {
         for count in 4..=6 {
             let tallies: Vec<Tally> = (0..geometries)
-                .into_par_iter()
-                .map(|seed| attempt(systems, count, epochs, seed))
+                .together(|seed| attempt(systems, count, epochs, seed))
                 .collect::<Result<_>>()?;
             let tally = tallies.iter().fold(Tally::default(), Tally::with);
             let what = format!("{count} of {} systems", systems.len());

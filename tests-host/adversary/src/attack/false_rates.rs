@@ -5,6 +5,7 @@
 //! satellites may be left out, some of the few that remain always agree by chance.
 
 use anyhow::Result;
+use raim::in_order::Together as _;
 use raim::signal::encode::Frequency;
 use raim::signal::measurement::MeasuredEpoch;
 use raim::signal::sky::Fleet;
@@ -12,7 +13,6 @@ use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::Constellation;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::forgery::{Sky, keep_first};
 use super::tally::least_rate;
@@ -133,7 +133,7 @@ fn attempts(
 ) -> Result<Told> {
     let runs: Vec<(usize, u64)> =
         kept.iter().flat_map(|&kept| (0..seeds).map(move |seed| (kept, seed))).collect();
-    let told = runs.par_iter().map(|&(kept, seed)| attempt(kept, seed)).collect::<Result<Vec<_>>>()?;
+    let told = runs.iter().together(|&(kept, seed)| attempt(kept, seed)).collect::<Result<Vec<_>>>()?;
     Ok(told.iter().fold(Told::default(), Told::with))
 }
 

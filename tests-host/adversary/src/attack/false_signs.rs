@@ -8,6 +8,7 @@
 //! alarm is justified there if the position is farther off than [`JUSTIFIED_M`].
 
 use anyhow::{Context as _, Result};
+use raim::in_order::Together as _;
 use raim::replay::Truth;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::fault::Measured as _;
@@ -15,7 +16,6 @@ use raim::signal::recording::Recording;
 use raim::signal::sky::Oscillator;
 use raim::signal::sky::raw::Simulation;
 use raim_core::frame::Ecef;
-use rayon::prelude::*;
 use rig::shared;
 
 use super::forgery::Sky;
@@ -163,7 +163,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     for (name, oscillator, step_s, offset_m) in clocks {
         let seeds: Vec<u64> = (0..effort.pick(2, 8)).collect();
         let epochs = effort.pick(1800, 14_400);
-        let runs = seeds.par_iter().map(|&seed| simulated(seed, epochs, oscillator, step_s, offset_m));
+        let runs = seeds.iter().together(|&seed| simulated(seed, epochs, oscillator, step_s, offset_m));
         let runs: Vec<Signs> = runs.collect::<Result<_>>()?;
         report(name, runs.iter().fold(Signs::default(), Signs::with));
     }

@@ -6,13 +6,13 @@
 use std::f64::consts::PI;
 
 use anyhow::Result;
+use raim::in_order::Together as _;
 use raim::signal::fault::Measured as _;
 use raim::signal::measurement::{Ephemeris, TimedEphemeris};
 use raim_core::satellite::SatelliteId;
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::forgery::Sky;
 use super::tally::Tally;
@@ -34,7 +34,7 @@ const MISSED: f64 = 1e-3;
 
 fn run(effort: Effort) -> Result<Vec<Figure>> {
     let seeds: Vec<u64> = (0..effort.pick(8, 400)).collect();
-    let tallies: Vec<Tally> = seeds.par_iter().map(|&seed| attempt(seed)).collect::<Result<_>>()?;
+    let tallies: Vec<Tally> = seeds.iter().together(|&seed| attempt(seed)).collect::<Result<_>>()?;
     Ok(tallies.iter().fold(Tally::default(), Tally::with).figures_by_rate(MISSED))
 }
 

@@ -5,6 +5,7 @@
 //! method hold for its promises here as elsewhere, because gross faults contradict each other.
 
 use anyhow::Result;
+use raim::in_order::Together as _;
 use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
 use raim::signal::sky::raw::Simulation;
@@ -12,7 +13,6 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::forgery::Sky;
 use super::tally::{Tally, least_rate};
@@ -64,8 +64,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
             let runs: Vec<(u64, usize)> =
                 (0..effort.pick(6, 60)).flat_map(|seed| [(seed, 0), (seed, HEALTHY)]).collect();
             let tallies: Vec<Tally> = runs
-                .par_iter()
-                .map(|&(seed, healthy)| attempt(method, faults, seed, healthy))
+                .iter()
+                .together(|&(seed, healthy)| attempt(method, faults, seed, healthy))
                 .collect::<Result<_>>()?;
             let tally = tallies.iter().fold(Tally::default(), Tally::with);
             let share = 100.0 * tally.outcomes.promised as f64 / tally.outcomes.epochs().max(1) as f64;

@@ -15,13 +15,13 @@
 //! | `g` | slope to the south, as at the edge of the equatorial anomaly | 0, 0.06 per degree |
 
 use anyhow::{Context as _, Result};
+use raim::in_order::Together as _;
 use raim::signal::encode::{Encoder, Frequency, Selection, ubx};
 use raim::signal::fault::Measured as _;
 use raim::signal::sky::Site;
 use raim::signal::sky::atmosphere::ionosphere_m;
 use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::{Constellation, SatelliteId};
-use rayon::prelude::*;
 
 use super::forgery::Sky;
 use super::tally::Tally;
@@ -79,8 +79,8 @@ fn run(effort: Effort, slope_per_deg: f64, command: Option<&'static str>) -> Res
         .flat_map(|latitude_deg| ELECTRONS_TECU.map(|electrons_tecu| (latitude_deg, electrons_tecu)))
         .collect();
     let tallies: Vec<Tally> = skies
-        .par_iter()
-        .map(|&(latitude_deg, electrons_tecu)| {
+        .iter()
+        .together(|&(latitude_deg, electrons_tecu)| {
             attempt(effort.pick(24, 144), latitude_deg, electrons_tecu, slope_per_deg, command)
         })
         .collect::<Result<_>>()?;
@@ -155,8 +155,8 @@ const EPOCHS: u32 = 400;
 
 fn forged(_: Effort) -> Result<Vec<Figure>> {
     let tallies: Vec<Tally> = PAGES
-        .par_iter()
-        .map(|&(latitude_deg, start_ks, page)| under_forged(latitude_deg, 1e3 * start_ks, page))
+        .iter()
+        .together(|&(latitude_deg, start_ks, page)| under_forged(latitude_deg, 1e3 * start_ks, page))
         .collect::<Result<_>>()?;
     Ok(tallies.iter().fold(Tally::default(), Tally::with).figures(0.0))
 }

@@ -6,7 +6,7 @@
 //! below that of sigmas without learning.
 
 use anyhow::Result;
-use rayon::prelude::*;
+use raim::in_order::Together as _;
 
 use super::forgery::Sky;
 use super::victim::Victim;
@@ -37,7 +37,7 @@ const ROUNDING: f64 = 1.0;
 fn run(effort: Effort) -> Result<Vec<Figure>> {
     let seeds = effort.pick(1, 8);
     let of_case = |(at_start, then): ([&str; 2], &str)| -> Result<[f64; 2]> {
-        let shares = (0..seeds).into_par_iter().map(|seed| shares(&at_start, then, seed));
+        let shares = (0..seeds).together(|seed| shares(&at_start, then, seed));
         let least = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
         Ok(shares.collect::<Result<Vec<_>>>()?.into_iter().fold([f64::INFINITY; 2], least))
     };

@@ -9,6 +9,7 @@
 //! before it. The step is noticed if the module leaves a satellite out or promises nothing.
 
 use anyhow::{Context as _, Result, ensure};
+use raim::in_order::Together as _;
 use raim::replay::{self, Lump, Window};
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::fault::Measured as _;
@@ -17,7 +18,6 @@ use raim::signal::sky::raw::Simulation;
 use raim::signal::sky::{Fleet, Site};
 use raim_core::frame::Ecef;
 use raim_core::satellite::SatelliteId;
-use rayon::prelude::*;
 use rig::shared;
 use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
@@ -138,8 +138,7 @@ impl Course {
     }
 
     fn figures(&self, name: &str, runs: usize, most_m: f64) -> Result<Vec<Figure>> {
-        let runs: Vec<Sighting> =
-            (0..runs).into_par_iter().map(|run| self.drive(run)).collect::<Result<_>>()?;
+        let runs: Vec<Sighting> = (0..runs).together(|run| self.drive(run)).collect::<Result<_>>()?;
         let mut all = Sighting::default();
         for run in runs {
             all.steps += run.steps;

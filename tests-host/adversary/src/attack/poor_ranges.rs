@@ -12,13 +12,13 @@
 //! today and not a promise of the product.
 
 use anyhow::Result;
+use raim::in_order::Together as _;
 use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
 use raim::signal::sky::raw::Simulation;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use rayon::prelude::*;
 
 use super::faulty_orbit::move_ahead;
 use super::forgery::Sky;
@@ -80,7 +80,7 @@ fn run(effort: Effort, poor: Poor, bounds: [f64; 2]) -> Result<Vec<Figure>> {
     for (method, bound) in ["ARAIM", "AUTO"].into_iter().zip(bounds) {
         let seeds: Vec<u64> = (0..effort.pick(48, 480)).collect();
         let tallies: Vec<Tally> =
-            seeds.par_iter().map(|&seed| attempt(method, poor, seed)).collect::<Result<_>>()?;
+            seeds.iter().together(|&seed| attempt(method, poor, seed)).collect::<Result<_>>()?;
         let all = tallies.iter().fold(Tally::default(), Tally::with);
         let [epochs, promised, beyond] =
             [all.outcomes.epochs(), all.outcomes.promised, all.outcomes.misleading].map(|count| count as f64);

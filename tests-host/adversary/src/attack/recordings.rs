@@ -9,12 +9,12 @@
 use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
+use raim::in_order::Together as _;
 use raim::replay::Truth;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::recording::Recording;
 use raim_core::frame::Ecef;
 use raim_firmware::time::GpsTime;
-use rayon::prelude::*;
 use rig::shared;
 use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
@@ -60,8 +60,8 @@ fn nominal(effort: Effort) -> Result<Vec<Figure>> {
     // The quick effort sends the first hours only.
     let most = effort.pick(360, usize::MAX);
     let per_station: Vec<Vec<Figure>> = STATIONS
-        .par_iter()
-        .map(|&(station, systems)| of_station(station, systems, most))
+        .iter()
+        .together(|&(station, systems)| of_station(station, systems, most))
         .collect::<Result<_>>()?;
     Ok(per_station.concat())
 }
@@ -104,8 +104,8 @@ fn urban(effort: Effort) -> Result<Vec<Figure>> {
     let runs: Vec<(&str, &[&str])> =
         methods.iter().flat_map(|method| limits.map(|limits| (*method, limits))).collect();
     let played: Vec<(Tally, u32)> = runs
-        .par_iter()
-        .map(|(method, limits)| {
+        .iter()
+        .together(|(method, limits)| {
             let method = format!("METHOD,{method}");
             let mut commands = vec![method.as_str()];
             commands.extend(*limits);

@@ -11,6 +11,7 @@
 //! level is therefore bounded, but not zero.
 
 use anyhow::Result;
+use raim::in_order::Together as _;
 use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
 use raim::signal::sky::raw::Simulation;
@@ -18,7 +19,6 @@ use raim::signal::sky::{Fleet, Sight};
 use raim_core::satellite::SatelliteId;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::forgery::Sky;
 use super::several_faults::by_every_method;
@@ -61,8 +61,8 @@ fn run(seeds: u64) -> Result<Vec<Figure>> {
         }
     }
     let tallies: Vec<(Frequency, Tally)> = trials
-        .par_iter()
-        .map(|&(systems, frequency, size_m, seed)| {
+        .iter()
+        .together(|&(systems, frequency, size_m, seed)| {
             Ok((frequency, attempt(systems, frequency, size_m, seed)?))
         })
         .collect::<Result<_>>()?;

@@ -6,6 +6,7 @@
 //! steered, and on recordings whose Doppler frequencies are removed.
 
 use anyhow::{Context as _, Result};
+use raim::in_order::Together as _;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::fault::Measured as _;
 use raim::signal::measurement::MeasuredEpoch;
@@ -13,7 +14,6 @@ use raim::signal::recording::Recording;
 use raim::signal::sky::Oscillator;
 use raim::signal::sky::raw::Simulation;
 use raim_core::frame::Ecef;
-use rayon::prelude::*;
 use rig::shared;
 use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
@@ -46,7 +46,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     for delay_m in DELAYS_M {
         let seeds: Vec<u64> = (0..effort.pick(4, 40)).collect();
         let runs: Vec<[usize; 2]> =
-            seeds.par_iter().map(|&seed| repeated(seed, delay_m)).collect::<Result<_>>()?;
+            seeds.iter().together(|&seed| repeated(seed, delay_m)).collect::<Result<_>>()?;
         let seen: usize = runs.iter().map(|[seen, _]| seen).sum();
         let early: usize = runs.iter().map(|[_, early]| early).sum();
         let share = seen as f64 / runs.len().max(1) as f64;
@@ -64,7 +64,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     ] {
         let epochs = effort.pick(1200, 14_400);
         let seeds: Vec<u64> = (0..effort.pick(2, 8)).collect();
-        let runs = seeds.par_iter().map(|&seed| clean(seed, epochs, oscillator, step_s, steered_m));
+        let runs = seeds.iter().together(|&seed| clean(seed, epochs, oscillator, step_s, steered_m));
         let runs: Vec<Tally> = runs.collect::<Result<_>>()?;
         let all = runs.iter().fold(Tally::default(), Tally::with);
         figures.push(false_alarms(name, &all, step_s));
@@ -143,7 +143,7 @@ fn recorded(effort: Effort) -> Result<Vec<Figure>> {
         let [dual, single] = both;
         Ok([dual?, single?])
     };
-    let stations: Vec<[Figure; 2]> = STATIONS.par_iter().map(of_station).collect::<Result<_>>()?;
+    let stations: Vec<[Figure; 2]> = STATIONS.iter().together(of_station).collect::<Result<_>>()?;
     let mut figures: Vec<Figure> = stations.into_iter().flatten().collect();
     let file = |name: &str| folder.join(name);
     let car = Recording::load(&[file("car.obs.gz")], &[file("gps.nav.gz"), file("beidou.nav.gz")])?;

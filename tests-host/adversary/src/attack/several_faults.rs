@@ -13,6 +13,7 @@
 
 use anyhow::Result;
 use nalgebra::{DMatrix, SymmetricEigen};
+use raim::in_order::Together as _;
 use raim::outcomes::Outcomes;
 use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
@@ -23,7 +24,6 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::forgery::Sky;
@@ -105,8 +105,8 @@ pub fn table(epochs: u64) -> Result<Vec<Passing>> {
         }
     }
     cells
-        .par_iter()
-        .map(|&(method, faults, satellites)| {
+        .iter()
+        .together(|&(method, faults, satellites)| {
             let outcomes = random(&[&format!("METHOD,{method}")], satellites, faults, epochs)?.outcomes;
             let Outcomes { promised, misleading, hazardous, .. } = outcomes;
             let epochs = outcomes.epochs();

@@ -13,6 +13,7 @@
 //! residual; only ARAIM bounds them, by their prior probability.
 
 use anyhow::Result;
+use raim::in_order::Together as _;
 use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
 use raim::signal::sky::Fleet;
@@ -22,7 +23,6 @@ use raim_core::satellite::SatelliteId;
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::forgery::Sky;
 use super::several_faults::by_every_method;
@@ -74,8 +74,10 @@ fn run(in_view: &[Option<(usize, usize)>], seeds: u64, beyond: f64) -> Result<Ve
         }
     }
     let tallies: Vec<Tally> = trials
-        .par_iter()
-        .map(|&(systems, shifted, size_m, in_view, seed)| attempt(systems, shifted, size_m, in_view, seed))
+        .iter()
+        .together(|&(systems, shifted, size_m, in_view, seed)| {
+            attempt(systems, shifted, size_m, in_view, seed)
+        })
         .collect::<Result<_>>()?;
     let all = tallies.iter().fold(Tally::default(), Tally::with);
     let mut figures = all.figures(f64::INFINITY);

@@ -4,6 +4,7 @@
 //! faulty epochs above their level may equal that of missed detections.
 
 use anyhow::Result;
+use raim::in_order::Together as _;
 use raim::signal::encode::Frequency;
 use raim::signal::fault::{Fault, Kind, Measured as _, Target};
 use raim::signal::sky::raw::Simulation;
@@ -11,7 +12,6 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::forgery::Sky;
 use super::tally::Tally;
@@ -89,7 +89,7 @@ fn run(effort: Effort, kind: fn(f64) -> Kind) -> Result<Vec<Figure>> {
     let runs: Vec<(usize, u64)> =
         (0..SETTINGS.len()).flat_map(|set| (0..effort.pick(2, 60)).map(move |seed| (set, seed))).collect();
     let tallies: Vec<Tally> =
-        runs.par_iter().map(|&(set, seed)| attempt(SETTINGS[set], seed, kind)).collect::<Result<_>>()?;
+        runs.iter().together(|&(set, seed)| attempt(SETTINGS[set], seed, kind)).collect::<Result<_>>()?;
     let all = tallies.iter().fold(Tally::default(), Tally::with);
     let mut figures = all.figures_by_rate(MISSED);
     for (set, commands) in SETTINGS.iter().enumerate() {
@@ -114,7 +114,7 @@ fn gross(effort: Effort) -> Result<Vec<Figure>> {
             .flat_map(|bias_m| (0..effort.pick(4, 24)).map(move |seed| (bias_m, seed)))
             .collect();
         let tallies: Vec<Tally> =
-            runs.par_iter().map(|&(bias_m, seed)| grossly(commands, bias_m, seed)).collect::<Result<_>>()?;
+            runs.iter().together(|&(bias_m, seed)| grossly(commands, bias_m, seed)).collect::<Result<_>>()?;
         let tally = tallies.iter().fold(Tally::default(), Tally::with);
         let share = 100.0 * tally.outcomes.promised as f64 / tally.outcomes.epochs() as f64;
         figures.push(Figure::at_least(format!("% protected by {}", commands.join(" ")), share, 100.0 * KEPT));

@@ -21,11 +21,11 @@
 //! well, because a module that promises nothing misleads nobody.
 
 use anyhow::{Context as _, Result};
+use raim::in_order::Together as _;
 use raim_core::frame::{Ecef, Enu};
 use raim_core::satellite::SatelliteId;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::recordings::skipped;
 use super::tally::Tally;
@@ -173,8 +173,7 @@ fn of_station(station: &Station, systems: &str, seeds: u64, most: usize) -> Resu
     let selection = Selection::new(systems, Frequency::Dual)?;
     let directions = directions(&recording, &selection, station.truth, most)?;
     let runs: Vec<Streets> = (0..seeds)
-        .into_par_iter()
-        .map(|seed| drive(&recording, &selection, &directions, station.truth, seed))
+        .together(|seed| drive(&recording, &selection, &directions, station.truth, seed))
         .collect::<Result<_>>()?;
     Ok(runs.iter().fold(Streets::default(), Streets::with))
 }

@@ -12,13 +12,13 @@
 //! nothing, so that all of them are well above the elevation mask.
 
 use anyhow::Result;
+use raim::in_order::Together as _;
 use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
 use raim::signal::measurement::MeasuredEpoch;
 use raim::signal::sky::Fleet;
 use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::{Constellation, SatelliteId};
-use rayon::prelude::*;
 
 use super::forgery::{Sky, elsewhere};
 use super::tally::Tally;
@@ -53,7 +53,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         for genuine in GENUINE {
             let seeds: Vec<u64> = (0..effort.pick(6, 60)).collect();
             let tallies: Vec<Tally> =
-                seeds.par_iter().map(|&seed| attempt(method, genuine, seed)).collect::<Result<_>>()?;
+                seeds.iter().together(|&seed| attempt(method, genuine, seed)).collect::<Result<_>>()?;
             let all = tallies.iter().fold(Tally::default(), Tally::with);
             figures.push(Figure::plain(
                 format!("{method}, {genuine} genuine: epochs"),

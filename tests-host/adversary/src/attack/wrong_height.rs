@@ -7,6 +7,7 @@
 //! [TSO-C129a]: raim_core#references
 
 use anyhow::{Result, bail};
+use raim::in_order::Together as _;
 use raim::signal::encode::Frequency;
 use raim::signal::fault::{Fault, Kind, Measured, Target};
 use raim::signal::sky::raw::Simulation;
@@ -16,7 +17,6 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::forgery::Sky;
 use super::tally::Tally;
@@ -99,8 +99,7 @@ fn wrong(effort: Effort) -> Result<Vec<Figure>> {
     for count in [4, 5, 6, usize::MAX] {
         for has_fault in [false, true] {
             let tallies: Vec<Tally> = (0..geometries * WRONGS.len() as u64)
-                .into_par_iter()
-                .map(|seed| attempt(count, has_fault, epochs, seed))
+                .together(|seed| attempt(count, has_fault, epochs, seed))
                 .collect::<Result<_>>()?;
             let tally = tallies.iter().fold(Tally::default(), Tally::with);
             let satellites = if count == usize::MAX { "all".to_owned() } else { count.to_string() };
@@ -167,7 +166,7 @@ fn rising(effort: Effort) -> Result<Vec<Figure>> {
     for speed_m_s in [0.2, 0.5, 2.0] {
         let epochs = (RISEN_M / speed_m_s) as u32;
         for has_height in [false, true] {
-            let runs = (0..effort.pick(2_u32, 12)).into_par_iter().map(|seed| {
+            let runs = (0..effort.pick(2_u32, 12)).together(|seed| {
                 let simulation = Simulation::above_xian(
                     3700.0 + 7200.0 * f64::from(seed),
                     BEFORE + epochs,
@@ -243,8 +242,7 @@ fn ramps(effort: Effort) -> Result<Vec<Figure>> {
             ("of a satellite with a height", Some(satellite_m_min), Some(0.0)),
             ("of the altimeter", None, Some(altimeter_m_min)),
         ] {
-            let runs =
-                (0..effort.pick(3, 20)).into_par_iter().map(|seed| ramp(seed, of_satellite, of_altimeter));
+            let runs = (0..effort.pick(3, 20)).together(|seed| ramp(seed, of_satellite, of_altimeter));
             let runs = runs.collect::<Result<Vec<_>>>()?;
             // Where nothing is promised when the ramp begins, there is nothing to take back.
             let runs: Vec<_> = runs.into_iter().flatten().collect();

@@ -10,11 +10,11 @@
 //! by `δ`, then right again; or wrong from the start.
 
 use anyhow::Result;
+use raim::in_order::Together as _;
 use raim::signal::encode::Frequency;
 use raim::signal::sky::Fleet;
 use raim::signal::sky::raw::Simulation;
 use raim_firmware::time::GpsTime;
-use rayon::prelude::*;
 
 use super::forgery::Sky;
 use super::tally::{Tally, least_rate};
@@ -134,7 +134,7 @@ fn of_seed(seed: u64, offset_ms: i64) -> (i64, u32) {
 
 /// Runs the trials; returns the tallies and the states at the end.
 fn attempt_all(trials: &[Trial]) -> Result<(Vec<Tally>, Vec<InTheEnd>)> {
-    let seen: Vec<(Tally, InTheEnd)> = trials.par_iter().map(attempt).collect::<Result<_>>()?;
+    let seen: Vec<(Tally, InTheEnd)> = trials.iter().together(attempt).collect::<Result<_>>()?;
     Ok(seen.into_iter().unzip())
 }
 

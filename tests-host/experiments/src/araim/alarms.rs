@@ -10,11 +10,11 @@
 
 use anyhow::Result;
 use nalgebra::DVector;
+use raim::in_order::Together as _;
 use raim_core::integrity::araim::{Allocation, Priors, judge};
 use raim_core::least_squares::Workspace;
 use raim_core::weighting::Ism;
 use rand::Rng as _;
-use rayon::prelude::*;
 
 use super::risk::{hypotheses, normal, site};
 use super::scene::Scene;
@@ -76,8 +76,7 @@ fn weights(scene: &Scene, allocation: &Allocation, draws: u64) -> Result<Vec<f64
         }
     }
     (0..draws)
-        .into_par_iter()
-        .map(|number| {
+        .together(|number| {
             let mut chance = generator(5000, number);
             let centre = &centres[chance.random_range(0..centres.len())];
             let sign = if chance.random() { 1.0 } else { -1.0 };

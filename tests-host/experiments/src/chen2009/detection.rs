@@ -21,6 +21,7 @@
 use anyhow::Result;
 use indicatif::ProgressBar;
 use nalgebra::Vector3;
+use raim::in_order::Together as _;
 use raim::page::canvas::{BLUE, GREY, Mark, ORANGE, VIOLET};
 use raim::page::chart::{Axis, LineChart, Series};
 use raim::second_opinion::chi_square::noncentral_lower_tail;
@@ -30,7 +31,6 @@ use raim_core::least_squares::Workspace;
 use raim_core::least_squares::equations::LinearEpoch;
 use raim_core::numeric::probability::Probability;
 use raim_core::satellite::Constellation::Gps;
-use rayon::prelude::*;
 
 use super::super::{Finding, Judgement, Picture, Row, Section};
 
@@ -159,7 +159,7 @@ impl Power {
             };
             (0..=(Self::CERTAIN * Self::NODES) as usize).map(node).collect()
         };
-        Self((1..=most).into_par_iter().map(of_dof).collect())
+        Self((1..=most).together(of_dof).collect())
     }
 
     fn at(&self, dof: usize, root: f64) -> f64 {

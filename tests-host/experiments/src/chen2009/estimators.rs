@@ -16,10 +16,10 @@
 //! [Chen2009]: raim#references
 
 use indicatif::ProgressBar;
+use raim::in_order::Together as _;
 use raim::signal::clock_models::{burg, yule_walker};
 use raim_core::clock::Autoregression;
 use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
 
 use super::super::draw::generator;
 use super::super::{Finding, Interval, Judgement, Row, Section};
@@ -96,8 +96,11 @@ impl Accuracy {
 }
 
 pub(super) fn section(records: usize, bar: &ProgressBar) -> Section {
-    let all: Vec<Estimates> =
-        (0..records as u64).into_par_iter().inspect(|_| bar.inc(1)).filter_map(estimates).collect();
+    let estimated = |record: u64| {
+        bar.inc(1);
+        estimates(record)
+    };
+    let all: Vec<Estimates> = (0..records as u64).together(estimated).flatten().collect();
     let mut rows = Vec::new();
     for (estimator, name) in NAMES.into_iter().enumerate() {
         let Accuracy { bias, interval, deviation } = Accuracy::of(&all, estimator);

@@ -20,11 +20,11 @@
 
 use anyhow::Result;
 use indicatif::ProgressBar;
+use raim::in_order::Together as _;
 use raim::page::canvas::{BLUE, INK, Mark, ORANGE, VIOLET};
 use raim::page::chart::{Axis, LineChart, Series};
 use raim::signal::clock_models::{Process, burg, centred_differences, polynomial, yule_walker};
 use raim_core::clock::CoastingClock;
-use rayon::prelude::*;
 
 use super::super::{Finding, Interval, Judgement, Picture, Row, Section};
 use super::series::solved_clock_m;
@@ -159,7 +159,7 @@ fn simulate(clock: usize, runs: usize, bar: &ProgressBar) -> (Vec<Errors>, Vec<f
         bar.inc(1);
         (MODELS.map(|model| model.errors_m(&solved_m)), normalised_error(&solved_m))
     };
-    let all: Vec<_> = (0..runs).into_par_iter().map(of_run).collect();
+    let all: Vec<_> = (0..runs).together(of_run).collect();
     let of_model = |model: usize| {
         let errors = || all.iter().map(|(errors, _)| &errors[model]);
         Errors {

@@ -19,10 +19,10 @@
 //! detection.
 
 use anyhow::Context as _;
+use raim::in_order::Together as _;
 use raim_core::integrity::raim::detection::detect;
 use raim_core::integrity::raim::isolation::baarda::identify;
 use rand::Rng as _;
-use rayon::prelude::*;
 
 use super::{Day, EPOCHS, Finding, Judgement, Picture, Row, SEED, SIGMA_M, Section, faulty, pose};
 use crate::draw::generator;
@@ -57,7 +57,7 @@ struct Exact {
 
 fn exact(day: &Day) -> anyhow::Result<Vec<Exact>> {
     let epochs: Vec<[(f64, f64); BIASES]> =
-        (0..EPOCHS).into_par_iter().map(|epoch| moments(day, epoch)).collect::<anyhow::Result<_>>()?;
+        (0..EPOCHS).together(|epoch| moments(day, epoch)).collect::<anyhow::Result<_>>()?;
     let of_bias = |step: usize| {
         let sum =
             |pick: fn(&(f64, f64)) -> f64| epochs.iter().map(|moments| pick(&moments[step])).sum::<f64>();
@@ -106,9 +106,8 @@ impl Counts {
 }
 
 fn simulate(day: &Day, trials: usize) -> anyhow::Result<[Counts; BIASES]> {
-    let tried = (0..trials * EPOCHS).into_par_iter().map(|number| try_all_biases(day, number));
     let sum = |a: [Counts; BIASES], b: [Counts; BIASES]| std::array::from_fn(|step| a[step].add(b[step]));
-    tried.try_reduce(Default::default, |a, b| Ok(sum(a, b)))
+    (0..trials * EPOCHS).together_sum(|number| try_all_biases(day, number), Default::default(), sum)
 }
 
 /// Tries all biases with one noise and one satellite, in the scalar type of the target.

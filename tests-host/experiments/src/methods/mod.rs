@@ -24,9 +24,9 @@ mod skies;
 
 use anyhow::Result;
 use indicatif::ProgressBar;
+use raim::in_order::Together as _;
 use raim_core::integrity::raim::isolation::parity;
 use raim_core::monitor::Method;
-use rayon::prelude::*;
 use rig::bench::{budget, stages};
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Row, Section};
@@ -144,7 +144,7 @@ fn tally(runs: u64, bar: &ProgressBar) -> Tallies {
         (place, fates)
     };
     let mut tallies = Tallies::empty();
-    for (place, fates) in scenes.par_iter().map(judge).collect::<Vec<_>>() {
+    for (place, fates) in scenes.iter().together(judge).collect::<Vec<_>>() {
         for (contender, judged) in fates.into_iter().enumerate() {
             if let Some(judged) = judged {
                 tallies.of(place, contender).add(judged);

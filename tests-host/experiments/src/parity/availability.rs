@@ -5,13 +5,13 @@
 
 use anyhow::Result;
 use indicatif::ProgressBar;
+use raim::in_order::Together as _;
 use raim::page::canvas::{Mark, SERIES};
 use raim::page::chart::{Axis, LineChart, Series};
 use raim::signal::sky::{Satellite, Sight, Site, linear, sights};
 use raim_core::integrity::raim::detection::threshold::Thresholds;
 use raim_core::integrity::raim::levels::largest_slopes;
 use raim_core::least_squares::Workspace;
-use rayon::prelude::*;
 
 use super::super::{Effort, Finding, Judgement, Picture, Row, Section};
 use super::{AVAILABILITY, MASK_RAD, MOST_ROWS, Sky};
@@ -130,7 +130,7 @@ fn count(window: Window, effort: Effort, bar: &ProgressBar) -> Result<Counts> {
         Ok(counts)
     };
     let tasks = u64::from(points(effort)) * window.days;
-    (0..tasks).into_par_iter().map(of).try_reduce(Counts::default, |sum, counts| Ok(sum.and(&counts)))
+    (0..tasks).together_sum(of, Counts::default(), |sum, counts| sum.and(&counts))
 }
 
 /// Returns the table, and availability over the mask.

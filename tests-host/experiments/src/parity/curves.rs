@@ -6,6 +6,7 @@
 
 use anyhow::Result;
 use indicatif::ProgressBar;
+use raim::in_order::Together as _;
 use raim::page::canvas::{Mark, SERIES};
 use raim::page::chart::{Axis, LineChart, Series};
 use raim::second_opinion::chi_square::noncentral_lower_tail;
@@ -14,7 +15,6 @@ use raim_core::integrity::raim::isolation::parity::hybrid;
 use raim_core::least_squares::Workspace;
 use raim_core::satellite::Constellation;
 use rand_distr::{Distribution as _, StandardNormal};
-use rayon::prelude::*;
 
 use super::super::draw::generator;
 use super::super::{Effort, Finding, Interval, Judgement, Picture, Row, Section};
@@ -131,7 +131,7 @@ fn curves(effort: Effort, bar: &ProgressBar) -> Result<Curves> {
     };
     // The results are collected first, because sums of floating-point numbers depend on their
     // order.
-    let each: Vec<Curves> = (0..steps(effort)).into_par_iter().map(of).collect::<Result<_>>()?;
+    let each: Vec<Curves> = (0..steps(effort)).together(of).collect::<Result<_>>()?;
     Ok(each.iter().fold(Curves::default(), |sum, curves| {
         std::array::from_fn(|sky| std::array::from_fn(|sigma| sum[sky][sigma].and(&curves[sky][sigma])))
     }))

@@ -10,6 +10,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use nalgebra::Vector3;
+use raim::in_order::Together as _;
 use raim::page::bars::BarChart;
 use raim_core::integrity::raim::isolation::parity::{
     ParityFinding as Found, grouping, hybrid, hybrid_without_grouping, simultaneous,
@@ -20,7 +21,6 @@ use raim_core::satellite::Constellation;
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use rayon::prelude::*;
 
 use super::super::draw::{distinct, generator};
 use super::super::{Finding, Interval, Judgement, Picture, Row, Section};
@@ -176,8 +176,8 @@ fn runs(geometry: &Geometry, faults: usize, first: u64, count: u64) -> Result<Is
         }
         Ok(tally)
     };
-    let starts: Vec<u64> = (first..first + count).step_by(RUNS_EACH as usize).collect();
-    starts.into_par_iter().map(chunk).try_reduce(IsolationCounts::default, |sum, tally| Ok(sum.and(&tally)))
+    let starts = (first..first + count).step_by(RUNS_EACH as usize);
+    starts.together_sum(chunk, IsolationCounts::default(), |sum, tally| sum.and(&tally))
 }
 
 /// Runs each geometry of the search for one number of faults.
@@ -187,7 +187,7 @@ fn over_geometries(faults: usize, bar: &ProgressBar) -> Result<Vec<IsolationCoun
         bar.inc(1);
         tally
     };
-    (0..SEARCHED).into_par_iter().map(of).collect()
+    (0..SEARCHED).together(of).collect()
 }
 
 /// Returns the geometry whose rates are nearest to the printed ones, by the sum of squared

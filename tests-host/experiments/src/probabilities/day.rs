@@ -20,6 +20,7 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::{Matrix2, Vector2};
+use raim::in_order::Together as _;
 use raim::outcomes::{Outcome, Outcomes};
 use raim::page::{self, Moment};
 use raim::signal::sky::{Satellite, Sight, Site, sights};
@@ -30,7 +31,6 @@ use raim_core::integrity::raim::levels::Levels;
 use raim_core::monitor::{Monitor, Strategy};
 use raim_core::report::{Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
-use rayon::prelude::*;
 
 use super::disc::beyond;
 use super::geometry::{Geometry, Worst, epoch, satellites};
@@ -119,7 +119,7 @@ impl Day<'_> {
             }
             Ok(tally)
         };
-        let chunks: Vec<DayOutcomes> = starts.par_iter().map(chunk).collect::<Result<_>>()?;
+        let chunks: Vec<DayOutcomes> = starts.iter().together(chunk).collect::<Result<_>>()?;
         Ok(chunks.into_iter().fold(DayOutcomes::default(), DayOutcomes::add))
     }
 

@@ -34,6 +34,7 @@
 use anyhow::{Context as _, Result, ensure};
 use indicatif::ProgressBar;
 use nalgebra::DVector;
+use raim::in_order::Together as _;
 use raim::signal::sky::Site;
 use raim_core::epoch::Epoch;
 use raim_core::integrity::raim::detection::threshold::Thresholds;
@@ -43,7 +44,6 @@ use raim_core::report::{Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use super::exclusion::{FAILED_EXCLUSION, Failures, HardestExclusion};
 use super::geometry::{Worst, epoch};
@@ -90,7 +90,7 @@ fn run(effort: Effort, bar: &ProgressBar) -> Result<Outcome> {
         counts
     };
     let counts: Vec<Counts> =
-        (0..count).into_par_iter().filter_map(|number| judged(number).transpose()).collect::<Result<_>>()?;
+        (0..count).together(judged).filter_map(Result::transpose).collect::<Result<_>>()?;
     ensure!(!counts.is_empty(), "no geometry has a level within the limit");
     Ok(Outcome {
         name: EXPERIMENT.name,

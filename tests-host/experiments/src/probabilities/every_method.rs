@@ -27,6 +27,7 @@
 
 use anyhow::{Context as _, Result, ensure};
 use nalgebra::DVector;
+use raim::in_order::Together as _;
 use raim::signal::sky::Site;
 use raim_core::epoch::Epoch;
 use raim_core::integrity::raim::detection::threshold::Thresholds;
@@ -35,7 +36,6 @@ use raim_core::monitor::{Method, Monitor, MonitorWorkspace, Search, Strategy};
 use raim_core::report::{Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::weighting::Ism;
-use rayon::prelude::*;
 
 use super::CAPACITY;
 use super::geometry::epoch;
@@ -257,7 +257,7 @@ fn judged_with_fault(watched: &[Watched], draws: usize) -> Result<Vec<Counts>> {
     let of_place = |&(size, sky): &(usize, usize)| {
         watched[sky].counts(&thresholds, size, (sky..draws).step_by(watched.len()))
     };
-    let each: Vec<Counts> = places.par_iter().map(of_place).collect::<Result<_>>()?;
+    let each: Vec<Counts> = places.iter().together(of_place).collect::<Result<_>>()?;
     let mut sums = vec![Counts::default(); SIZES.len()];
     for ((size, _), counts) in places.iter().zip(&each) {
         let sum = sums[*size].as_flattened_mut().iter_mut();
@@ -301,7 +301,7 @@ fn judged_without_fault(watched: &[Watched], draws: usize) -> Result<FaultFree> 
         };
         (sky..draws).step_by(watched.len()).map(of_draw).collect()
     };
-    let each: Vec<_> = (0..watched.len()).into_par_iter().map(of_sky).collect::<Result<_>>()?;
+    let each: Vec<_> = (0..watched.len()).together(of_sky).collect::<Result<_>>()?;
     let drawn = || each.iter().flatten();
     Ok(FaultFree {
         weights: std::array::from_fn(|method| drawn().map(|(weights, _)| weights[method]).collect()),

@@ -21,6 +21,7 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::DVector;
+use raim::in_order::Together as _;
 use raim::signal::sky::linear::{Row, equations};
 use raim_core::integrity::raim::detection::detect;
 use raim_core::integrity::raim::detection::threshold::Thresholds;
@@ -29,7 +30,6 @@ use raim_core::least_squares::Workspace;
 use raim_core::numeric::real::Real;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use rayon::prelude::*;
 
 use super::CAPACITY;
 use super::geometry::{Geometry, Worst};
@@ -49,7 +49,7 @@ impl Sample {
         draw: impl Fn(usize, &mut ChaCha8Rng) -> Result<[f64; 2]> + Sync,
     ) -> Result<Self> {
         let of = |number: usize| draw(number % geometries, &mut generator(seed, number as u64));
-        let pairs: Vec<[f64; 2]> = (0..draws).into_par_iter().map(of).collect::<Result<_>>()?;
+        let pairs: Vec<[f64; 2]> = (0..draws).together(of).collect::<Result<_>>()?;
         let column = |column: usize| pairs.iter().map(|pair| pair[column]).collect();
         Ok(Self { weights: [column(0), column(1)] })
     }

@@ -23,6 +23,7 @@
 
 use anyhow::{Context as _, Result, ensure};
 use nalgebra::{Matrix2, Vector2};
+use raim::in_order::Together as _;
 use raim::second_opinion::chi_square::noncentral_lower_tail;
 use raim::signal::sky::Site;
 use raim::signal::sky::linear::equations;
@@ -32,7 +33,6 @@ use raim_core::least_squares::Workspace;
 use raim_core::numeric::probability::Probability;
 use raim_core::report::ProtectionLevels;
 use raim_core::requirements::Requirements;
-use rayon::prelude::*;
 
 use super::CAPACITY;
 use super::disc::beyond;
@@ -83,14 +83,13 @@ fn section(site: &Site, skies: u64, false_alarm: f64, missed: f64) -> Result<Sec
     let mut rows = Vec::new();
     for (constellations, counts) in KINDS {
         for &count in counts {
-            let numbers: Vec<u64> = (0..skies).collect();
-            let scenes: Vec<Scene> =
-                numbers.par_iter().filter_map(|&number| scene(site, constellations, count, number)).collect();
+            let drawn = |number: u64| scene(site, constellations, count, number);
+            let scenes: Vec<Scene> = (0..skies).together(drawn).flatten().collect();
             ensure!(!scenes.is_empty(), "no sky of {count} satellites of {constellations} systems");
             for (levels, name) in [(Levels::Slope, "SLOPE"), (Levels::Bound, "BOUND")] {
                 let passing: Vec<Passing> = scenes
-                    .par_iter()
-                    .map(|scene| of_geometry(&scene.geometry, &thresholds, levels, missed))
+                    .iter()
+                    .together(|scene| of_geometry(&scene.geometry, &thresholds, levels, missed))
                     .collect::<Result<_>>()?;
                 let worst = passing.into_iter().fold(Passing::default(), Passing::worse);
                 rows.push(row(

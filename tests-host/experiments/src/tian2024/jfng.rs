@@ -2,6 +2,7 @@
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
+use raim::in_order::Together as _;
 use raim::page::bars::BarChart;
 use raim::page::canvas::{Mark, SERIES};
 use raim::page::chart::{Axis, LineChart, Series};
@@ -11,7 +12,6 @@ use raim_core::integrity::raim::isolation::parity;
 use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
 use raim_core::least_squares::Workspace;
 use raim_core::least_squares::equations::Row as Equation;
-use rayon::prelude::*;
 
 use super::super::draw::{distinct, generator};
 use super::super::{Effort, Finding, Judgement, Picture, Row, Section};
@@ -222,7 +222,7 @@ pub(super) fn day(effort: Effort, bar: &ProgressBar) -> Result<(Vec<Section>, Ve
         bar.inc(1);
         sample
     };
-    let samples: Vec<Sample> = (0..epochs(effort)).into_par_iter().map(of).collect::<Result<_>>()?;
+    let samples: Vec<Sample> = (0..epochs(effort)).together(of).collect::<Result<_>>()?;
     let mut tally = Scores::default();
     for sample in &samples {
         let (sums, others) = (tally.as_flattened_mut(), sample.tally.as_flattened());

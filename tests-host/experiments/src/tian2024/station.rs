@@ -8,6 +8,7 @@
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
+use raim::in_order::Together as _;
 use raim::page::bars::BarChart;
 use raim::replay::{self, Window};
 use raim::signal::encode::{self, Frequency};
@@ -21,7 +22,6 @@ use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
 use raim_core::least_squares::Workspace;
 use raim_core::least_squares::fix::Fix;
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use rig::shared;
 
 use super::super::draw::{distinct, generator};
@@ -96,7 +96,7 @@ pub(super) fn recorded(effort: Effort, bar: &ProgressBar) -> Result<(Section, Op
         bar.inc(1);
         scores
     };
-    let each: Vec<Scores> = epochs.par_iter().enumerate().map(of).collect::<Result<_>>()?;
+    let each: Vec<Scores> = epochs.iter().enumerate().together(of).collect::<Result<_>>()?;
     let mut sum = Scores::default();
     for scores in &each {
         for (sum, score) in sum.as_flattened_mut().iter_mut().zip(scores.as_flattened()) {

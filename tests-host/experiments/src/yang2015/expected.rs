@@ -15,9 +15,9 @@
 
 use std::ops::Range;
 
+use raim::in_order::Together as _;
 use raim::second_opinion::chi_square::{noncentral_lower_tail, upper_tail};
 use raim_core::least_squares::Snapshot;
-use rayon::prelude::*;
 
 use super::case::{CASES, Case, Errors, ErrorsByCase, FAULT_M, FAULT_S, POLICIES};
 use super::grid::{CELLS, Cell, Sky, pose};
@@ -84,7 +84,7 @@ fn of_steps(
     steps: Range<usize>,
     of_step: impl Fn(f64) -> anyhow::Result<Expectation> + Sync,
 ) -> anyhow::Result<Expectation> {
-    let each = steps.into_par_iter().map(|step| of_step(step as f64 * STEP_S));
+    let each = steps.together(|step| of_step(step as f64 * STEP_S));
     let each: Vec<Expectation> = each.collect::<anyhow::Result<_>>()?;
     // The sum is taken in order, so that rounding is the same on every machine.
     Ok(each.iter().fold(Expectation::default(), |sum, step| sum.plus(step)))

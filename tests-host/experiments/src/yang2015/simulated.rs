@@ -5,13 +5,13 @@
 //! division of the work.
 
 use indicatif::ProgressBar;
+use raim::in_order::Together as _;
 use raim_core::integrity::raim::detection::Detection;
 use raim_core::integrity::raim::detection::threshold::policy::Policy;
 use raim_core::least_squares::Snapshot;
 use raim_core::numeric::real::Real as _;
 use rand::Rng as _;
 use rand_distr::{Distribution as _, StandardNormal};
-use rayon::prelude::*;
 
 use super::case::{Case, Errors, ErrorsByCase, FAULT_M, FAULT_S};
 use super::grid::{CELLS, Cell, Sky, pose};
@@ -47,10 +47,7 @@ pub(super) fn tally(
         bar.inc(1);
         tally
     };
-    (0..seconds(stride_s))
-        .into_par_iter()
-        .map(second)
-        .try_reduce(ErrorsByCase::default, |a, b| Ok(a.plus(&b)))
+    (0..seconds(stride_s)).together_sum(second, ErrorsByCase::default(), |a, b| a.plus(&b))
 }
 
 fn of_second(cases: &[Case], sky: &Sky, cells: &[Cell], second: usize) -> anyhow::Result<ErrorsByCase> {

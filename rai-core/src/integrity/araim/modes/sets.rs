@@ -49,7 +49,8 @@ impl Hypothesis {
     pub const NONE: Self = Self { constellations: 0, rows: [Self::NO_ROW; EVENTS] };
 
     pub(super) fn of(constellations: usize, rows: [usize; EVENTS]) -> Self {
-        Self { constellations: constellations as u8, rows: rows.map(|row| row as u8) }
+        let [first, second, third] = rows;
+        Self { constellations: constellations as u8, rows: [first as u8, second as u8, third as u8] }
     }
 
     /// Iterates over the indices of the rows of other constellations, ascending.
@@ -89,8 +90,11 @@ impl Hypothesis {
         is_pair && first == of_other && self.constellations | other.constellations == 0
     }
 
+    // Written out and inlined: every mode asks for them several times.
+    #[inline]
     pub(in crate::integrity::araim) fn slots(self) -> [usize; EVENTS] {
-        self.rows.map(usize::from)
+        let [first, second, third] = self.rows;
+        [usize::from(first), usize::from(second), usize::from(third)]
     }
 }
 

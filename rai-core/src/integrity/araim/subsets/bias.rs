@@ -10,9 +10,11 @@ use super::kernel::{GROUPS, group_of};
 use super::{IntegrityRow, SubsetSolutions};
 use crate::least_squares::RowFit;
 use crate::least_squares::equations::Row;
+use crate::numeric::four::Four;
 use crate::numeric::real::Real;
 use crate::numeric::space::{
-    add_whole_outer_product, difference, identity, magnitudes, matrix_product, plus_scaled, scaled, sum, zero,
+    add_whole_outer_product, columns, difference, identity, magnitudes, matrix_product, plus_scaled, scaled,
+    sum, zero,
 };
 use crate::satellite::Constellation;
 
@@ -115,15 +117,22 @@ impl<T: Real, const N: usize> SubsetSolutions<'_, T, N> {
     /// the kernel has lost; `Z` is `turn`, `s_c` are `steps`.
     #[inline(never)]
     fn summed_bias(&self, out: &[usize; 3], turn: &Matrix3<T>, steps: &[Vector3<T>; GROUPS]) -> Vector3<T> {
-        let (turned, constellations) =
-            (matrix_product(turn, &self.kernel.covariance), self.at.constellations);
+        let [first, second, third] = columns(&matrix_product(turn, &self.kernel.covariance));
+        let turned = [four(&first), four(&second), four(&third)];
+        let nothing = T::Four::repeat(T::zero());
+        let mut joined = [nothing; GROUPS];
+        joined.iter_mut().zip(steps).for_each(|(joined, step)| *joined = four(step));
+        let constellations = self.at.constellations;
         let part = |(row, fit, own): (&Row<T>, &RowFit<T>, &IntegrityRow<T>)| {
             let group = group_of(row);
             let is_lost = group < Constellation::COUNT && constellations >> group & 1 != 0;
-            if is_lost { zero() } else { share(&turned, &fit.centred, steps.get(group), own) }
+            // No step is missing, because every group has one.
+            joined.get(group).filter(|_| !is_lost).map(|step| share(&turned, &fit.centred, *step, own))
         };
-        let of_all = self.rows().fold(zero(), |of_all, row| sum(&of_all, &part(row)));
-        self.rows_of(out).fold(of_all, |left, row| difference(&left, &part(row)))
+        let of_all = self.rows().fold(nothing, |all, row| part(row).map_or(all, |one| all + one));
+        let [east, north, up, _] =
+            self.rows_of(out).fold(of_all, |left, row| part(row).map_or(left, |one| left - one)).numbers();
+        Vector3::new(east, north, up)
     }
 
     /// Iterates over some rows, as [`Self::rows`] does over all.
@@ -139,22 +148,20 @@ const NONE: usize = usize::MAX;
 /// No rows.
 const NOTHING: [usize; 3] = [NONE; 3];
 
-/// Returns the effect of one row's bias.
+/// Joins the axes, of which the fourth is nothing.
+#[inline]
+fn four<T: Real>(vector: &Vector3<T>) -> T::Four {
+    T::Four::join([vector.x, vector.y, vector.z, T::zero()])
+}
+
+/// Returns the effect of one row's bias on each axis.
 #[inline]
 fn share<T: Real>(
-    turn: &Matrix3<T>,
+    [first, second, third]: &[T::Four; 3],
     lever: &Vector3<T>,
-    step: Option<&Vector3<T>>,
+    step: T::Four,
     own: &IntegrityRow<T>,
-) -> Vector3<T> {
-    // Never taken, because every group has a step.
-    let Some(step) = step else { return zero() };
-    let axis = |first: T, second: T, third: T, step: T| {
-        (first * lever.x + (second * lever.y + (third * lever.z + step))).abs() * own.weighted_bias
-    };
-    Vector3::new(
-        axis(turn.m11, turn.m12, turn.m13, step.x),
-        axis(turn.m21, turn.m22, turn.m23, step.y),
-        axis(turn.m31, turn.m32, turn.m33, step.z),
-    )
+) -> T::Four {
+    let (x, y, z) = (T::Four::repeat(lever.x), T::Four::repeat(lever.y), T::Four::repeat(lever.z));
+    (*first * x + (*second * y + (*third * z + step))).magnitudes() * T::Four::repeat(own.weighted_bias)
 }

@@ -34,10 +34,24 @@ impl Site {
     /// Returns the unit vector to an earth-fixed point of the same instant.
     pub fn direction(&self, point: Ecef) -> Enu {
         let difference = point - self.position;
-        let distance_m = difference.radius_m();
-        let Enu { east, north, up } = self.frame.rotate(difference);
-        Enu { east: east / distance_m, north: north / distance_m, up: up / distance_m }
+        unit(self.frame.rotate(difference), difference.radius_m())
     }
+
+    /// Returns the unit vector to an earth-fixed point of the same instant if the sine of its
+    /// elevation is at least `sin_mask`, which is not negative. Points below the horizon, two thirds
+    /// of a sky, cost no root.
+    pub fn direction_above(&self, point: Ecef, sin_mask: f64) -> Option<Enu> {
+        let difference = point - self.position;
+        let towards = self.frame.rotate(difference);
+        if towards.up < 0.0 {
+            return None;
+        }
+        Some(unit(towards, difference.radius_m())).filter(|direction| direction.up >= sin_mask)
+    }
+}
+
+fn unit(Enu { east, north, up }: Enu, length: f64) -> Enu {
+    Enu { east: east / length, north: north / length, up: up / length }
 }
 
 /// A satellite above the mask.

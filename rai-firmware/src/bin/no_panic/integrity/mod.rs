@@ -258,6 +258,7 @@ fn four_numbers() {
         <Apart<f32> as Four<f32>>::join as fn(_) -> _,
         <Apart<f32> as Four<f32>>::repeat as fn(_) -> _,
         <Apart<f32> as Four<f32>>::numbers as fn(_) -> _,
+        <Apart<f32> as Four<f32>>::magnitudes as fn(_) -> _,
         <Apart<f32> as Add>::add as fn(_, _) -> _,
         <Apart<f32> as Sub>::sub as fn(_, _) -> _,
         <Apart<f32> as Mul>::mul as fn(_, _) -> _,

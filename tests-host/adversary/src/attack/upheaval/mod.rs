@@ -15,7 +15,7 @@ mod run;
 mod scenes;
 
 use anyhow::Result;
-use rayon::prelude::*;
+use raim::in_order::Together as _;
 
 use self::oracle::{Finding, Oracle};
 use self::run::Run;
@@ -30,10 +30,8 @@ pub(super) const ATTACK: Attack = Attack {
 
 fn run(effort: Effort) -> Result<Vec<Figure>> {
     let seeds = seeds(effort);
-    let oracles: Vec<Oracle> = seeds
-        .into_par_iter()
-        .map(|seed| Run::of(seed, is_told()).and_then(Run::play))
-        .collect::<Result<_>>()?;
+    let oracles: Vec<Oracle> =
+        seeds.together(|seed| Run::of(seed, is_told()).and_then(Run::play)).collect::<Result<_>>()?;
     let count = |number: fn(&Oracle) -> usize| oracles.iter().map(number).sum::<usize>() as f64;
     let mut figures = vec![
         Figure::plain("epochs", count(|oracle| oracle.epochs)),

@@ -29,6 +29,7 @@ mod estimate;
 
 use anyhow::Result;
 use nalgebra::DVector;
+use raim::in_order::Together as _;
 use raim::signal::sky::Site;
 use raim_core::integrity::araim::{Allocation, AraimJudgement, AraimOutcome, Priors, judge};
 use raim_core::least_squares::Workspace;
@@ -36,7 +37,6 @@ use raim_core::satellite::Constellation;
 use raim_core::weighting::Ism;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
-use rayon::prelude::*;
 
 use super::scene::Scene;
 use super::{Effort, Judgement, Row, Section};
@@ -304,7 +304,7 @@ impl Trial<'_> {
             let counts = left_out == aim.left_out && self.is_beyond(position_m, levels_m);
             Ok(if counts { (half - aim.centre.dot(&drawn)).exp() } else { 0.0 })
         };
-        let weights: Vec<f64> = (0..self.draws).into_par_iter().map(weight).collect::<Result<_>>()?;
+        let weights: Vec<f64> = (0..self.draws).together(weight).collect::<Result<_>>()?;
         Ok(Estimate::of(&weights))
     }
 }

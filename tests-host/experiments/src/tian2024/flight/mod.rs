@@ -9,13 +9,13 @@ mod tables;
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
+use raim::in_order::Together as _;
 use raim::second_opinion::ransac_traditional::combination_count;
 use raim::signal::sky::linear::{Sigma, equations, rows};
 use raim::signal::sky::{Noise, Satellite, Sight, Site, sights};
 use raim_core::integrity::raim::isolation::parity;
 use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
 use raim_core::least_squares::{Snapshot, Workspace};
-use rayon::prelude::*;
 
 use super::super::draw::{distinct, generator};
 use super::super::{Effort, Picture, Section};
@@ -247,7 +247,7 @@ pub(super) fn flight(effort: Effort, bar: &ProgressBar) -> Result<(Vec<Section>,
         let [all, thinned] = samples;
         Ok([all?, thinned?])
     };
-    let samples: Vec<[Sample; 2]> = (0..epochs(effort)).into_par_iter().map(of).collect::<Result<_>>()?;
+    let samples: Vec<[Sample; 2]> = (0..epochs(effort)).together(of).collect::<Result<_>>()?;
     let mut sections = tables::sections(&samples);
     if effort == Effort::Full {
         sections.extend(tables::times(&flight)?);
