@@ -76,7 +76,7 @@ pub struct Criteria<'c, T> {
     /// Integrity support message, for [`Method::Araim`].
     pub ism: &'c Ism,
     /// Factor on the effect of shared errors, at least 1.
-    pub shared_growth: f64,
+    pub shared_growth: f32,
 }
 
 /// Scratch memory of the methods, and the subsets that [`Method::Ransac`] keeps from epoch to
@@ -149,7 +149,7 @@ impl<T: Real> Criteria<'_, T> {
         snapshot: &Snapshot<'_, T, N>,
         shared: &[SharedError],
     ) -> ProtectionLevels {
-        shared_shift(snapshot, shared).times(self.shared_growth)
+        shared_shift(snapshot, shared, self.shared_growth)
     }
 }
 

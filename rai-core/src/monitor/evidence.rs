@@ -130,6 +130,9 @@ const WHOLE_DELAY: f32 = 5.0 / 3.0;
 /// Receiver's share of the variance of a range of one frequency near the zenith: 0.2 m² of 3 m².
 const ONE_FREQUENCY: f32 = 0.0625;
 
+/// Ratio below which residuals are small: below `χ²_{0.5}(ν)/ν` from two degrees of freedom on.
+const SMALL: f32 = 0.69;
+
 /// Least share of the receiver in the variances, so that rounding cannot make it 0.
 const LEAST_SHARE: f32 = 0.05;
 
@@ -199,7 +202,8 @@ impl Evidence {
     #[inline(never)]
     pub(super) fn noise(&self, time_s: f64) -> f32 {
         // The ratio of a span without degrees of freedom is NaN, which `max` ignores.
-        self.all.at(time_s).fold(LEAST_NOISE, |most: f32, span| most.max(span.ratio())).min(MOST_NOISE)
+        let spans = self.all.at(time_s).into_iter();
+        spans.fold(LEAST_NOISE, |most: f32, span| most.max(span.ratio())).min(MOST_NOISE)
     }
 }
 
@@ -338,7 +342,8 @@ pub(super) fn residuals_of_all<T: Real, const N: usize>(
     // An infinite or NaN ratio counts as the largest permitted one.
     let ratio = if ratio < MOST_RATIO { ratio } else { MOST_RATIO };
     let agrees = judgement.outcome == ExclusionOutcome::Isolated;
-    let share = receivers_share(snapshot, epoch, noise);
+    // Residuals far below their sigmas show less noise than is in use, whatever the share.
+    let share = if dof > 1 && ratio < SMALL { 1.0 } else { receivers_share(snapshot, epoch, noise) };
     EpochResiduals { ratio, dof, share, noise, rest, excluded: if agrees { count as u8 } else { 0 } }
 }
 
@@ -361,8 +366,8 @@ fn without_fault<T: Real, const N: usize>(rest: Residuals, snapshot: &Snapshot<'
 
 /// Returns the factor on the effect of shared errors, 1 to [`WHOLE_DELAY`]: the growth of the
 /// variance of a range of one frequency. Other ranges share no error.
-pub(super) fn shared_growth(noise: f32) -> f64 {
-    f64::from((1.0 + (noise - 1.0) * ONE_FREQUENCY).clamp(1.0, WHOLE_DELAY))
+pub(super) fn shared_growth(noise: f32) -> f32 {
+    (1.0 + (noise - 1.0) * ONE_FREQUENCY).clamp(1.0, WHOLE_DELAY)
 }
 
 /// Returns the share of the receiver's part in the variances in use, weighted by redundancy.

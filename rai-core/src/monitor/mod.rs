@@ -402,7 +402,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    fn criteria(&self, shared_growth: f64) -> Criteria<'_, T> {
+    fn criteria(&self, shared_growth: f32) -> Criteria<'_, T> {
         Criteria {
             requirements: &self.validated.requirements,
             thresholds: self.validated.thresholds,

@@ -19,14 +19,14 @@ use crate::satellite::{Constellation, SatelliteId};
 use crate::velocity::{Velocity, VelocityError};
 
 /// Largest speed at rest, m/s: the noise of range rates at rest is below it.
-const SLOW_M_S: f64 = 0.5;
+const SLOW_M_S: f32 = 0.5;
 
 /// Largest distance from the place where the rest began, m. The scatter of a quiet receiver is
 /// below it.
 const NEAR_M: f32 = 10.0;
 
 /// Largest time from one epoch to the next, s.
-const LONGEST_STEP_S: f64 = 60.0;
+const LONGEST_STEP_S: f32 = 60.0;
 
 /// Satellites of each constellation, a bit for each number.
 type Satellites = [u64; Constellation::COUNT];
@@ -56,7 +56,7 @@ impl Rest {
         velocity: Result<&Velocity, VelocityError>,
     ) -> bool {
         let is_slow = match velocity {
-            Ok(velocity) => velocity.speed_m_s() < SLOW_M_S,
+            Ok(velocity) => (velocity.speed_m_s() as f32) < SLOW_M_S,
             Err(error) => error != VelocityError::Fault,
         };
         let is_same = is_slow && self.is_recent(time_s) && self.is_near(place);
@@ -64,7 +64,7 @@ impl Rest {
             self.place = Some(place);
         }
         self.last_s = time_s;
-        self.used = satellites(used.iter().copied());
+        self.used = satellites(&mut used.iter().copied());
         is_same
     }
 
@@ -79,18 +79,20 @@ impl Rest {
 
     /// Returns true if an epoch has the satellites of the last one, and soon after it.
     pub(super) fn is_as_before(&self, epoch: &EpochView<'_>) -> bool {
-        let present = satellites(epoch.observations().iter().map(|seen| seen.satellite));
+        let present = satellites(&mut epoch.observations().iter().map(|seen| seen.satellite));
         self.is_recent(epoch.time_s())
             && self.used.iter().zip(&present).all(|(used, present)| used & !present == 0)
     }
 
     fn is_recent(&self, time_s: f64) -> bool {
-        (0.0..=LONGEST_STEP_S).contains(&(time_s - self.last_s))
+        (0.0..=LONGEST_STEP_S).contains(&((time_s - self.last_s) as f32))
     }
 }
 
 /// Returns these satellites as bits.
-fn satellites(list: impl Iterator<Item = SatelliteId>) -> Satellites {
+// Compiled once for both callers.
+#[inline(never)]
+fn satellites(list: &mut dyn Iterator<Item = SatelliteId>) -> Satellites {
     let mut sets = [0; Constellation::COUNT];
     for satellite in list {
         if let Some(set) = sets.get_mut(satellite.constellation() as usize) {

@@ -90,7 +90,8 @@ impl Adaptation {
         if !(time_s - self.since_s >= LEAST_REST_S) {
             return 1.0;
         }
-        let all = self.spans.sum_at(time_s, Residuals::NONE);
+        let spans = self.spans.at(time_s);
+        let all = spans.into_iter().fold(Residuals::NONE, Residuals::plus);
         if all.dof < LEAST_DOF {
             return 1.0;
         }
@@ -98,6 +99,6 @@ impl Adaptation {
         // A span without residuals does not contradict.
         let contradicts = |span: Residuals| span.dof > 0 && span.ratio() > noise * span.ratio_at(CONFIDENCE);
         // A NaN fails this comparison.
-        if noise < 1.0 && !self.spans.at(time_s).any(contradicts) { noise } else { 1.0 }
+        if noise < 1.0 && !spans.into_iter().any(contradicts) { noise } else { 1.0 }
     }
 }

@@ -262,16 +262,25 @@ impl Ism {
 /// Returns the standard deviation of the corrected range for integrity, m; `promised_m` is the
 /// satellite's broadcast URA or SISA.
 pub fn integrity_sigma_m(support: &IsmParameters, promised_m: f32, budget: &ErrorBudget) -> f32 {
+    integrity_sigma_with_m(support, promised_m, budget, budget.receiver_m2())
+}
+
+/// Works like [`integrity_sigma_m`], with the receiver's part of the variance, m².
+pub fn integrity_sigma_with_m(
+    support: &IsmParameters,
+    promised_m: f32,
+    budget: &ErrorBudget,
+    receiver_m2: f32,
+) -> f32 {
     let ura_m = promised_m.max(support.ura_m as f32);
     let sin_elevation = budget.sin_elevation.max(0.05);
     let troposphere_m2 = 0.12 * 0.12 * 1.001 * 1.001 / (0.002_001 + sin_elevation * sin_elevation);
-    let user_m2 = user_m2(sin_elevation, budget) + budget.ionosphere_m * budget.ionosphere_m;
-    sqrt(ura_m * ura_m + user_m2 + troposphere_m2)
+    let ionosphere_m2 = budget.ionosphere_m * budget.ionosphere_m;
+    sqrt(ura_m * ura_m + receiver_m2 + ionosphere_m2 + troposphere_m2)
 }
 
-/// Returns the receiver's part of the variance, m². `sin_elevation` must be at least 0.05.
-#[inline(never)]
-pub fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
+/// Returns the receiver's part of the variance, m².
+fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
     let is_pair = budget.noise_gain > 1.0;
     if cfg!(feature = "araim") && budget.user == UserModel::Airborne && is_pair {
         airborne_m2(sin_elevation, budget.weakness)
@@ -325,14 +334,26 @@ pub struct ErrorBudget {
     pub user: UserModel,
 }
 
+impl ErrorBudget {
+    /// Returns the receiver's part of the variance, noise and multipath, m².
+    pub fn receiver_m2(&self) -> f32 {
+        user_m2(self.sin_elevation.max(0.05), self)
+    }
+}
+
 /// Returns the standard deviation of the corrected range, m.
 pub fn sigma_m(budget: &ErrorBudget) -> f32 {
+    sigma_with_m(budget, budget.receiver_m2())
+}
+
+/// Works like [`sigma_m`], with the receiver's part of the variance, m².
+pub fn sigma_with_m(budget: &ErrorBudget, receiver_m2: f32) -> f32 {
     // Below 3°, where masks end, the model is not calibrated, and the error of 3° is used.
     let sin_elevation = budget.sin_elevation.max(0.05);
     let troposphere_m = TROPOSPHERE_M / (sin_elevation + 0.05);
     sqrt(
         budget.ephemeris_m * budget.ephemeris_m
-            + user_m2(sin_elevation, budget)
+            + receiver_m2
             + troposphere_m * troposphere_m
             + budget.ionosphere_m * budget.ionosphere_m,
     )

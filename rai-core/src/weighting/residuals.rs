@@ -97,22 +97,21 @@ impl RecentResiduals {
         self.put(number, |sum| sum.plus(residuals));
     }
 
-    /// Returns the sum of the residuals that are recent at a time, and of `others`.
+    /// Returns the residuals of the spans that are recent at a time, and none for the others. Later
+    /// spans are not recent.
+    // Compiled once for all callers.
     #[inline(never)]
-    pub(crate) fn sum_at(&self, time_s: f64, others: Residuals) -> Residuals {
-        self.at(time_s).fold(others, Residuals::plus)
-    }
-
-    /// Iterates over the residuals of the spans that are recent at a time; later spans are not
-    /// recent.
-    pub(crate) fn at(&self, time_s: f64) -> impl Iterator<Item = Residuals> {
+    pub(crate) fn at(&self, time_s: f64) -> [Residuals; SPANS as usize] {
+        let mut recent = self.spans;
         let now = self.number(time_s);
-        let is_recent =
-            move |number: i32| now.is_some_and(|now| (0..SPANS).contains(&now.wrapping_sub(number)));
-        let numbers = (0..SPANS).map(|back| self.latest.wrapping_sub(back));
-        numbers
-            .filter(move |number| is_recent(*number))
-            .filter_map(|number| self.spans.get(place(number)).copied())
+        for back in 0..SPANS {
+            let number = self.latest.wrapping_sub(back);
+            let is_recent = now.is_some_and(|now| (0..SPANS).contains(&now.wrapping_sub(number)));
+            if let Some(span) = recent.get_mut(place(number)).filter(|_| !is_recent) {
+                *span = Residuals::NONE;
+            }
+        }
+        recent
     }
 
     /// Returns the number of the span that contains a time.

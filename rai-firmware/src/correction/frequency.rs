@@ -22,8 +22,9 @@
 //! shown is therefore kept in mind for some minutes.
 //!
 //! **No oscillation.** The set in use stays until the other has been better by a twentieth for ten
-//! consecutive epochs. As long as it is not better, the sets are compared only every tenth epoch:
-//! geometry changes slowly, and a comparison costs as much as a position for each set. Each change
+//! consecutive epochs. As long as it is not better, the sets are compared more and more seldom, and
+//! at last every thirtieth epoch: geometry changes slowly, and a comparison costs as much as a
+//! position for each set. In the first epochs the better set is taken at once. Each change
 //! moves the receiver clock by the delay between carriers. With clock aiding the set never changes,
 //! because such a change looks like a clock jump.
 
@@ -33,8 +34,11 @@ const BETTER: f32 = 0.95;
 /// Consecutive epochs for which the other set must be better.
 const PERSISTENT: u8 = 10;
 
-/// Share of the noise of pairs that a comparison keeps in mind: half of it after two minutes, by
-/// comparisons ten seconds apart.
+/// Most epochs from a comparison to the next, which are not counted.
+const LONGEST_PAUSE: u8 = 29;
+
+/// Share of the noise of pairs that a comparison keeps in mind: half of it after six minutes, by
+/// comparisons half a minute apart.
 const KEPT: f32 = 0.95;
 
 /// Kind of range for a satellite that offers both.
@@ -62,6 +66,8 @@ pub struct Preference {
     epochs_better: u8,
     /// Epochs until the next comparison.
     rest: u8,
+    /// The same after this comparison, if the other set is not better.
+    pause: u8,
     /// Factor on the receiver's part of a variance that pairs have shown, at least 1.
     noise_of_pairs: f32,
 }
@@ -69,7 +75,7 @@ pub struct Preference {
 impl Preference {
     /// Returns the preference at start: pairs, until singles are better.
     pub const fn new() -> Self {
-        Self { ranges: Ranges::Pairs, epochs_better: PERSISTENT - 1, rest: 0, noise_of_pairs: 1.0 }
+        Self { ranges: Ranges::Pairs, epochs_better: 0, rest: 0, pause: 0, noise_of_pairs: 1.0 }
     }
 
     /// Returns the set in use.
@@ -98,10 +104,13 @@ impl Preference {
             (mine, others) => mine.is_none() && others.is_some(),
         };
         self.epochs_better = if is_better { self.epochs_better.saturating_add(1) } else { 0 };
-        self.rest = if is_better { 0 } else { PERSISTENT - 1 };
-        if self.epochs_better >= PERSISTENT {
-            self.ranges = self.ranges.other();
-            (self.epochs_better, self.rest) = (0, PERSISTENT - 1);
+        let is_at_start = self.pause < PERSISTENT;
+        if self.epochs_better >= PERSISTENT || is_better && is_at_start {
+            (self.ranges, self.epochs_better) = (self.ranges.other(), 0);
+        }
+        if self.epochs_better == 0 {
+            self.rest = self.pause;
+            self.pause = (2 * self.pause + 1).min(LONGEST_PAUSE);
         }
         self.ranges
     }

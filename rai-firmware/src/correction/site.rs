@@ -10,8 +10,8 @@ use raim_core::satellite::Constellation;
 use raim_core::weighting::ionosphere::IonosphereError;
 use raim_core::weighting::shared::SharedError;
 use raim_core::weighting::{
-    ErrorBudget, Ism, MIXED_CARRIERS_M, UserModel, ephemeris_sigma_m, integrity_sigma_m, reflection_sigma_m,
-    sigma_m, user_m2,
+    ErrorBudget, Ism, MIXED_CARRIERS_M, UserModel, ephemeris_sigma_m, integrity_sigma_with_m,
+    reflection_sigma_m, sigma_with_m,
 };
 
 use super::atmosphere::{Klobuchar, Place, Troposphere};
@@ -161,17 +161,19 @@ impl Site {
             ionosphere_m: error.own_m,
             user: self.ism.map_or(UserModel::Ground, |ism| ism.user),
         };
+        let own_m2 = budget.receiver_m2();
         let air_m = self.troposphere.delay_m(sin_elevation) + delay_m;
         Some(Corrected {
             range_m: sum_m(choice.range_m, located.clock_m32, -air_m),
             sigma_m: match &self.ism {
                 Some(ism) if cfg!(feature = "araim") => {
                     let support = ism.of(located.satellite.constellation());
-                    root_of_squares(integrity_sigma_m(&support, promised_m, &budget), receiver_m)
+                    let sigma_m = integrity_sigma_with_m(&support, promised_m, &budget, own_m2);
+                    root_of_squares(sigma_m, receiver_m)
                 }
-                _ => sigma_m(&budget),
+                _ => sigma_with_m(&budget, own_m2),
             },
-            receiver_m2: user_m2(sin_elevation.max(0.05), &budget),
+            receiver_m2: own_m2,
             shared: error.shared,
         })
     }

@@ -84,10 +84,10 @@ fn costs(pairs: Option<f32>, singles: Option<f32>) -> impl Fn(Ranges, f32) -> Op
     move |ranges, _| if ranges == Ranges::Pairs { pairs } else { singles }
 }
 
-/// Returns a preference after its first comparison, which found pairs to be better.
+/// Returns a preference after its first comparisons, which found pairs to be better.
 fn settled() -> Preference {
     let mut preference = Preference::new();
-    for _ in 0..10 {
+    for _ in 0..61 {
         assert_eq!(preference.weigh(1.0, costs(Some(1.0), Some(1.0))), Ranges::Pairs);
     }
     preference
@@ -110,8 +110,8 @@ fn the_set_changes_when_the_other_has_been_a_twentieth_better_for_ten_epochs() {
     for _ in 0..100 {
         assert_eq!(preference.weigh(1.0, costs(None, None)), Ranges::Singles);
     }
-    // While the other set is not better, it is compared only every tenth epoch.
-    for _ in 0..20 {
+    // While the other set is not better, it is compared only every thirtieth epoch.
+    for _ in 0..40 {
         preference.weigh(1.0, costs(Some(5.0), None));
     }
     assert_eq!(preference.ranges(), Ranges::Pairs);
@@ -140,9 +140,9 @@ fn noise_that_pairs_have_shown_is_kept_in_mind_for_minutes() {
         preference.weigh(16.0, by_noise);
     }
     assert_eq!(preference.ranges(), Ranges::Singles);
-    let back = (0..1000).find(|_| preference.weigh(1.0, by_noise) == Ranges::Pairs);
-    // 1 + 15·0.95^n is below 0.9·4 after 34 comparisons, ten epochs apart.
-    assert!(back.is_some_and(|epoch| (340..=360).contains(&epoch)), "{back:?}");
+    let back = (0..2000).find(|_| preference.weigh(1.0, by_noise) == Ranges::Pairs);
+    // 1 + 15·0.95^n is below 0.95²·4 after 35 comparisons, thirty epochs apart, and ten epochs later.
+    assert!(back.is_some_and(|epoch| (1020..=1060).contains(&epoch)), "{back:?}");
 }
 
 #[test]

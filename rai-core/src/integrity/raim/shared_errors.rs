@@ -33,11 +33,13 @@ use crate::weighting::shared::SharedError;
 /// Returns the largest effect of the shared range errors on the position, horizontally and
 /// vertically, m.
 ///
-/// `shared` are the errors of the first rows; later rows share no error.
+/// `shared` are the errors of the first rows; later rows share no error. `growth` is a factor on the
+/// number of sigmas.
 #[inline(never)]
 pub fn shared_shift<T: Real, const N: usize>(
     snapshot: &Snapshot<'_, T, N>,
     shared: &[SharedError],
+    growth: f32,
 ) -> ProtectionLevels {
     let narrow = |error_m: f32| T::narrow(f64::from(error_m));
     let [mut offset, mut east, mut north] = [zero(); 3];
@@ -51,16 +53,16 @@ pub fn shared_shift<T: Real, const N: usize>(
             north = plus_scaled(&north, slope * row.design.y, &fit.gain);
         }
     }
-    largest_shift(&[offset, east, north])
+    largest_shift(&[offset, east, north], COMMON_SIGMAS * growth)
 }
 
-/// Returns the largest sum of these displacements within the ellipsoid.
-fn largest_shift<T: Real>(moves: &[Vector3<T>]) -> ProtectionLevels {
+/// Returns the largest sum of these displacements within the ellipsoid of so many sigmas.
+fn largest_shift<T: Real>(moves: &[Vector3<T>], sigmas: f32) -> ProtectionLevels {
     let mut squares = zeros();
     for moved in moves {
         add_outer_product(&mut squares, moved, moved);
     }
     let PositionSigma { horizontal, vertical } = PositionSigma::of(&squares);
-    let sigmas = f64::from(COMMON_SIGMAS);
+    let sigmas = f64::from(sigmas);
     ProtectionLevels { hpl_m: sigmas * horizontal.widen(), vpl_m: sigmas * vertical.widen() }
 }
