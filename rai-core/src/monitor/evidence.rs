@@ -253,6 +253,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         latest.growth(past)
     }
 
+    unstable! {
     /// Returns the factor on the receiver's part of the variances: the least one of the strategy, or
     /// the larger one that the last minute shows.
     ///
@@ -266,6 +267,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
         let least = if self.strategy.lowers_noise() { self.adaptation.noise(time_s) } else { least };
         self.evidence.noise(time_s).max(least)
+    }
     }
 
     /// Works like [`Self::noise`], for an epoch that must be as those before it if quiet minutes

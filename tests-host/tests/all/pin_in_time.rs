@@ -219,7 +219,7 @@ fn highest_epoch_rates() {
     let cases = [(FULL_HZ, 115_200), (FULL_HZ, 921_600), (INTERNAL_HZ, 115_200), (INTERNAL_HZ, 921_600)];
     let have = cases.map(|(core_hz, gnss_baud)| highest_hz(core_hz, gnss_baud));
     println!("{longest} bytes an epoch; line, usual, worst-case in Hz: {have:?}");
-    assert_eq!(have, [[21, 21, 21], [175, 175, 35], [21, 21, 4], [175, 33, 4]]);
+    assert_eq!(have, [[21, 21, 21], [175, 175, 35], [21, 21, 4], [175, 32, 4]]);
     for ((core_hz, gnss_baud), [line, usual, worst]) in cases.into_iter().zip(have) {
         let rate = format!("{},{:03}", gnss_baud / 1000, gnss_baud % 1000);
         let row = format!("| {} MHz, {rate} baud | {line} | {usual} | {worst} |", core_hz / 1_000_000);

@@ -335,7 +335,7 @@ mod tests {
         let have = all(&source);
         let Some(News::Failed(why)) = have.last() else { panic!("{have:?}") };
         assert!(why.contains("no sentence of the module"), "{why}");
-        assert!(why.contains("lines of NMEA and no ranges"), "{why}");
+        assert!(why.contains("lines of NMEA. missing: ranges"), "{why}");
     }
 
     /// Bytes of another rate have no ends of lines.

@@ -1,6 +1,6 @@
 //! Settings of a command line, `KEY=VALUE`, as commands of the module.
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context as _, Result, bail, ensure};
 use raim_firmware::settings::{Order, Setting};
 
 /// Returns the words that a setting may be.
@@ -51,7 +51,7 @@ pub fn setting(text: &str) -> Result<(String, String)> {
 /// # Errors
 /// As for [`setting`].
 pub fn command_for(text: &str) -> Result<String> {
-    let (key, value) = setting(text)?;
+    let (key, value) = setting(text).with_context(|| format!("--set {text}"))?;
     Ok(if value.is_empty() { key } else { format!("{key},{value}") })
 }
 

@@ -90,7 +90,7 @@ fn an_empty_file_is_named() {
     assert_says(&line, &["observation file empty", "is empty"]);
     let line = files.refusal(&["replay", "--obs", "day.obs", "--nav", "empty"]);
     assert_says(&line, &["navigation file empty", "is empty"]);
-    assert_says(&files.replay(&["--truth-csv", "empty"]), &["empty holds no position"]);
+    assert_says(&files.replay(&["--truth-csv", "empty"]), &["empty: holds no position"]);
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn a_truth_that_is_no_position_is_told_with_an_example() {
         assert_says(&files.replay(&["--truth", truth]), &["truth", &format!("{truth:?}")]);
     }
     files.write("truth.csv", "week,tow,x_m,y_m,z_m\n2320,115200,6378137,2,3\n2320,115201,6378137,2\n");
-    assert_says(&files.replay(&["--truth-csv", "truth.csv"]), &["truth.csv:3"]);
+    assert_says(&files.replay(&["--truth-csv", "truth.csv"]), &["truth.csv: line 3"]);
 }
 
 #[test]

@@ -266,7 +266,7 @@ fn monitor_refuses_what_is_no_stream_as_replay_does() {
         ("packed", bzip2, "bzip2"),
         ("day.obs", observation_header().into_bytes(), "RINEX observation file"),
         ("text", b"no stream at all\n".to_vec(), "text"),
-        ("nmea", nmea, "9 lines of NMEA and no ranges"),
+        ("nmea", nmea, "9 lines of NMEA. missing: ranges"),
     ] {
         let path = folder.join(name);
         fs::write(&path, bytes).unwrap();

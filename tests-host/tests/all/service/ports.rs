@@ -137,7 +137,7 @@ fn receiver_of_sentences_is_told_once_what_is_missing() {
     let mut said = String::new();
     service.stderr.take().unwrap().read_to_string(&mut said).unwrap();
     service.wait().unwrap();
-    assert_eq!(said.matches("lines of NMEA and no ranges").count(), 1, "{said}");
+    assert_eq!(said.matches("lines of NMEA. missing: ranges").count(), 1, "{said}");
     assert!(said.contains("RXM-RAWX and RXM-SFRBX"), "{said}");
 }
 

@@ -9,7 +9,7 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::ephemeris::Ephemeris as Read;
 use raim_firmware::input::{Event, Input};
 use raim_firmware::navigator::Navigator;
-use raim_firmware::settings::{Configuration, Systems};
+use raim_firmware::settings::{Configuration, Frequencies, Systems};
 use raim_firmware::time::GpsTime;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -129,6 +129,8 @@ impl Module {
     fn new(systems: &str) -> Self {
         let mut configuration = Configuration::at_start();
         configuration.systems = Systems::of(systems).unwrap();
+        // The choice between one frequency and two may differ with another system.
+        configuration.frequencies = Frequencies::Dual;
         let navigator = Navigator::new(configuration.requirements()).unwrap();
         Self { input: Input::new(), navigator, configuration, squares_m2: [0.0; 2], fixes: 0, used: 0 }
     }

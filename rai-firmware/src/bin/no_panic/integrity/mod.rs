@@ -105,7 +105,7 @@ fn detection_and_protection<T: Real>() {
         Slopes::<T>::protect as fn(_, _) -> _,
         levels::largest_hdop_change::<T, N> as fn(_) -> _,
         levels::PositionSigma::<T>::of as fn(_) -> _,
-        shared_errors::shared_shift::<T, N> as fn(_, _) -> _,
+        shared_errors::shared_shift::<T, N> as fn(_, _, _) -> _,
         levels::KFactors::<T>::new as fn(_, _) -> _,
         exclusion_levels::exclusion_levels::<T, N> as fn(_, _, _, _) -> _,
         levels::LevelInputs::<T>::of::<N> as fn(_, _, _) -> _,
