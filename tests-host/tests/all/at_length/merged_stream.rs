@@ -116,7 +116,7 @@ fn hear(recording: &Recording, systems: &str, caster: Option<&Caster>, step_s: u
     let selection = Selection::new(systems, Frequency::Dual).unwrap();
     let sets: &[TimedEphemeris] = if caster.is_some() { &[] } else { &recording.ephemerides };
     let mut encoder = Encoder::new(sets, selection).as_receiver();
-    let mut victim = Victim::new(&["PHASE,LPV200"], step_s as f64).unwrap();
+    let mut victim = Victim::new(&["PHASE,LPV200", "FREQ,DUAL", "NOISE,GEODETIC"], step_s as f64).unwrap();
     let truth = recording.approximate_position.expect("a place");
     let (mut outcome, mut before) = (Outcome::default(), 0);
     for (index, epoch) in recording.epochs.iter().enumerate() {
@@ -150,7 +150,7 @@ const ORDERS: [&str; 6] = ["GEC", "GCE", "EGC", "ECG", "CGE", "CEG"];
 
 #[test]
 fn whatever_the_order_of_systems_those_in_view_have_their_ephemerides_from_the_second_time_on() {
-    let recording = sky(150, 1.0);
+    let recording = sky(250, 1.0);
     let alone = ["G", "E", "C"].map(|system| hear(&recording, system, None, 1));
     let want = hear(&recording, "GEC", None, 1);
     for order in ORDERS {
@@ -161,7 +161,8 @@ fn whatever_the_order_of_systems_those_in_view_have_their_ephemerides_from_the_s
             let from = 2 * period_s;
             let missing: u32 = have.missing[from..].iter().sum();
             assert_eq!((missing, have.displaced), (0, 0), "{case}: {:?}", have.missing);
-            for epoch in from..recording.epochs.len() {
+            // Fewer satellites show another noise, which levels remember for a minute.
+            for epoch in from + 61..recording.epochs.len() {
                 let (hpl_m, vpl_m) = (have.hpl_m(epoch), have.vpl_m(epoch));
                 let as_received = (want.hpl_m(epoch), want.vpl_m(epoch));
                 assert!(
