@@ -13,7 +13,7 @@ use raim_firmware::ephemeris::Ephemeris;
 use raim_firmware::input::{Event, Input};
 use raim_firmware::time::{GpsTime, WEEK_MS};
 
-use super::falsify::{bits, payload, tow_ms};
+use super::falsify::{bits, payload, tow_ms, ubx_satellite};
 use crate::signal::pieces::{Kind, Piece};
 
 /// An epoch that ends with a piece.
@@ -181,17 +181,7 @@ impl Cutter {
 fn satellite_of(piece: &Piece<'_>) -> Option<SatelliteId> {
     let payload = payload(piece);
     match piece.kind {
-        Kind::SFRBX => {
-            let letter = match payload.first()? {
-                0 => 'G',
-                2 => 'E',
-                3 => 'C',
-                5 => 'J',
-                6 => 'R',
-                _ => return None,
-            };
-            SatelliteId::from_name(letter, *payload.get(1)?)
-        }
+        Kind::SFRBX => ubx_satellite(*payload.first()?, *payload.get(1)?),
         Kind::Rtcm(number) => {
             let (letter, width) = match number {
                 1019 => ('G', 6),

@@ -137,7 +137,8 @@ fn rawx(payload: &[u8], change: impl Fn(SatelliteId) -> Option<Change>) -> Optio
     is_altered.then(|| ubx::frame([0x02, 0x15], &altered))
 }
 
-fn ubx_satellite(system: u8, number: u8) -> Option<SatelliteId> {
+/// Returns the satellite behind u-blox's numbers of a system and a satellite.
+pub(super) fn ubx_satellite(system: u8, number: u8) -> Option<SatelliteId> {
     let letter = match system {
         0 => 'G',
         2 => 'E',
