@@ -153,12 +153,11 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Forgets the residuals of the adaptation, the evidence against the sigmas, the systems kept
-    /// out and the past motion. Call it if the ranges are now made in another way or come from
-    /// other satellites.
+    /// Forgets the residuals of the adaptation, the systems kept out and the past motion. Call it if
+    /// the ranges are now made in another way or come from other satellites. The noise of the last
+    /// minute stays: it is that of the receiver, and can only raise levels.
     pub fn forget_residuals(&mut self) {
         self.adaptation.restart();
-        self.evidence.restart();
         self.kept_out.restart();
         self.motion.restart();
     }

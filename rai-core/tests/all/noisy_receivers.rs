@@ -181,3 +181,23 @@ fn several_faults_that_stay_raise_the_levels() {
         }
     }
 }
+
+/// Ranges that are made in another way come from the same receiver.
+#[test]
+fn noise_outlasts_a_change_of_ranges() {
+    let mut monitor = Monitor::<f64, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
+    let mut chance = Noise(3);
+    for second in 0..60 {
+        let mut epoch = Epoch::new(f64::from(second));
+        for (index, direction) in DIRECTIONS.into_iter().enumerate() {
+            let mut seen = observe(satellite(Constellation::Gps, index + 1), direction, 0.0);
+            seen.range_m += 4.0 * SIGMA_M * chance.normal();
+            epoch.push(seen).unwrap();
+        }
+        monitor.process(&epoch);
+    }
+    let before = monitor.noise(59.0);
+    assert!(before > 9.0, "{before}");
+    monitor.forget_residuals();
+    assert_eq!(monitor.noise(59.0).to_bits(), before.to_bits());
+}
