@@ -15,7 +15,7 @@
 //! | `p_i`, `P` | [`EpochView::receivers_parts`], [`EpochResiduals::share`] | – |
 //! | `SSE`, `dof` | weighted squares of the residuals, those of excluded satellites included, and their degrees of freedom | – |
 //! | `r_i` | redundancy of a row | – |
-//! | `χ²_p(ν)/ν` | [`Residuals::ratio_at`] | – |
+//! | `χ²_p(ν)/ν` | [`Residuals::ratio_at`](crate::weighting::residuals::Residuals::ratio_at) | – |
 //!
 //! A protection level assumes that errors are as large as their sigmas state. Small antennas and
 //! reflections make them larger. The receiver's part of each variance is then raised, and test,
@@ -40,17 +40,17 @@
 //!
 //! **One satellite's fault must not pass for noise.** A ramp that raises κ as fast as its own
 //! residual would never be excluded. The residual of one row therefore counts as at most
-//! [`MOST_ONE`] times the mean square of the others, and the shift of a whole constellation
-//! ([`constellation_shift`]) as at most [`MOST_SHIFT`] times. With one degree of freedom no other row
+//! [`MOST_ONE`](epoch::MOST_ONE) times the mean square of the others, and the shift of a whole constellation
+//! ([`constellation_shift`](crate::integrity::raim::hypotheses::constellation_shift)) as at most [`MOST_SHIFT`](epoch::MOST_SHIFT) times. With one degree of freedom no other row
 //! contradicts, nothing can be excluded, and all of it counts. Excluded satellites are treated in
 //! the same spirit:
 //!
 //! - The largest residual of the excluded satellites does not count, because a level allows for one
-//!   faulty satellite. Each of the other squares counts as at most [`MOST_EXCLUDED`].
+//!   faulty satellite. Each of the other squares counts as at most [`MOST_EXCLUDED`](epoch::MOST_EXCLUDED).
 //! - The satellites of a system that was left out as a whole do not count, because they are one
 //!   fault.
-//! - The ratio of an epoch counts as at most [`MOST_RATIO`].
-//! - An epoch with [`Unidentified::Time`] does not count, because a wrong time tag is no error of
+//! - The ratio of an epoch counts as at most [`MOST_RATIO`](epoch::MOST_RATIO).
+//! - An epoch with [`Unidentified::Time`](crate::integrity::raim::isolation::exclusion::Unidentified::Time) does not count, because a wrong time tag is no error of
 //!   the ranges. It also erases the evidence of earlier epochs.
 //!
 //! **The ionosphere instead.** On one frequency a wrong model of the ionosphere leaves residuals as
@@ -79,43 +79,21 @@
 //! **Limits.** If all errors of a minute are small by chance, or the noise grows within one epoch
 //! without contradiction, κ is too small. Errors that satellites share are no noise.
 
+mod epoch;
+
 use super::{EpochOutcome, Monitor};
 use crate::epoch::{EpochView, Observation};
-use crate::integrity::Judgement;
-use crate::integrity::raim::hypotheses::constellation_shift;
-use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified, leaves_enough};
-use crate::least_squares::Snapshot;
+use crate::integrity::raim::isolation::exclusion::leaves_enough;
 use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
-use crate::numeric::sqrt;
 use crate::report::{Alert, Protected, Unavailable, Verdict};
 use crate::weighting::adaptation::LEAST_NOISE;
-use crate::weighting::residuals::{RecentResiduals, Residuals};
+use crate::weighting::residuals::RecentResiduals;
+
+pub(super) use epoch::{EpochResiduals, residuals_of_all};
 
 /// Length of one of the spans that make up the last minute, s.
 const SPAN_S: f32 = 6.0;
-
-/// `Q⁻¹(0.5)`, for the noise that an epoch adds to its span.
-const MEDIAN: f32 = 0.0;
-
-/// `Q⁻¹(1e-2)`, for the bound on the rest after an exclusion: the significance `α` of [Parity].
-///
-/// [Parity]: crate#references
-const REST_QUANTILE: f32 = 2.326_348;
-
-/// Limit for the square of an excluded satellite's residual divided by its sigma.
-const MOST_EXCLUDED: f32 = 25.0;
-
-/// Limit for the square of one residual, in units of the mean of the others: three sigmas.
-const MOST_ONE: f32 = 9.0;
-
-/// Limit for what a shifted constellation explains, in the same units: `χ²` with three degrees of
-/// freedom exceeds it as rarely as a normal number exceeds three sigmas.
-const MOST_SHIFT: f32 = 14.156;
-
-/// Largest SSE/dof with which an epoch counts: ten times the sigmas in use. Two such epochs suffice
-/// for any noise up to [`MOST_NOISE`].
-const MOST_RATIO: f32 = 100.0;
 
 /// Factor on the receiver's part of a variance from which on no position is promised:
 /// `(30 m)² / (0.42 m)²`.
@@ -129,47 +107,6 @@ const WHOLE_DELAY: f32 = 5.0 / 3.0;
 
 /// Receiver's share of the variance of a range of one frequency near the zenith: 0.2 m² of 3 m².
 const ONE_FREQUENCY: f32 = 0.0625;
-
-/// Ratio below which residuals are small: below `χ²_{0.5}(ν)/ν` from two degrees of freedom on.
-const SMALL: f32 = 0.69;
-
-/// Least share of the receiver in the variances, so that rounding cannot make it 0.
-const LEAST_SHARE: f32 = 0.05;
-
-/// Residuals of an epoch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct EpochResiduals {
-    /// SSE/dof of every tracked satellite.
-    ratio: f32,
-    /// Their degrees of freedom.
-    dof: u32,
-    /// Share of the receiver in the variances in use.
-    share: f32,
-    /// Factor in use on the receiver's part.
-    pub(super) noise: f32,
-    /// Residuals of the satellites used.
-    rest: Residuals,
-    /// Number of satellites that were excluded one by one; 0 if the rest does not agree.
-    pub(super) excluded: u8,
-}
-
-impl EpochResiduals {
-    /// The residuals of no epoch.
-    pub(super) const NONE: Self =
-        Self { ratio: 0.0, dof: 0, share: 1.0, noise: 1.0, rest: Residuals::NONE, excluded: 0 };
-
-    /// Returns the factor on the receiver's part that explains the residuals.
-    fn shown(&self) -> f32 {
-        let expected = Residuals { sse: 0.0, dof: self.dof }.ratio_at(MEDIAN);
-        // Without degrees of freedom this is NaN, which becomes 0.
-        (self.noise * (1.0 + (self.ratio / expected - 1.0) / self.share)).max(0.0)
-    }
-
-    /// Returns the noise of the epoch as a sum over its degrees of freedom.
-    fn sum(&self) -> Residuals {
-        Residuals { sse: self.shown() * self.dof as f32, dof: self.dof }
-    }
-}
 
 /// Residuals of the last minute.
 #[derive(Clone, Debug)]
@@ -207,19 +144,6 @@ impl Evidence {
     }
 }
 
-impl EpochResiduals {
-    /// Returns the factor on the levels of this epoch, at least 1, or `None` if its residuals refute
-    /// the sigmas. `past` is the noise of the last minute.
-    fn growth(&self, past: f32) -> Option<f32> {
-        if self.excluded > 0 && self.rest.excess(REST_QUANTILE) > 0.0 {
-            return None;
-        }
-        let noise = past.max(self.shown());
-        let growth = 1.0 + (noise / self.noise - 1.0) * self.share;
-        (noise < MOST_NOISE).then(|| sqrt(growth.max(1.0)))
-    }
-}
-
 impl<T: Real, const N: usize> Monitor<T, N> {
     /// Adds an epoch, promised or not, to the evidence against sigmas and satellites.
     pub(super) fn remember(&mut self, outcome: &EpochOutcome<N>) {
@@ -254,20 +178,20 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     unstable! {
-    /// Returns the factor on the receiver's part of the variances: the least one of the strategy, or
-    /// the larger one that the last minute shows.
-    ///
-    /// For sigmas of an integrity support message, whose tests must find the fault of a whole
-    /// constellation, the last minute raises levels only.
-    #[inline(never)]
-    pub fn noise(&self, time_s: f64) -> f32 {
-        let least = self.strategy.noise.least();
-        if !self.compares_residuals() || self.strategy.method.uses_ism() {
-            return least;
+        /// Returns the factor on the receiver's part of the variances: the least one of the strategy, or
+        /// the larger one that the last minute shows.
+        ///
+        /// For sigmas of an integrity support message, whose tests must find the fault of a whole
+        /// constellation, the last minute raises levels only.
+        #[inline(never)]
+        pub fn noise(&self, time_s: f64) -> f32 {
+            let least = self.strategy.noise.least();
+            if !self.compares_residuals() || self.strategy.method.uses_ism() {
+                return least;
+            }
+            let least = if self.strategy.lowers_noise() { self.adaptation.noise(time_s) } else { least };
+            self.evidence.noise(time_s).max(least)
         }
-        let least = if self.strategy.lowers_noise() { self.adaptation.noise(time_s) } else { least };
-        self.evidence.noise(time_s).max(least)
-    }
     }
 
     /// Works like [`Self::noise`], for an epoch that must be as those before it if quiet minutes
@@ -320,73 +244,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 }
 
-/// Returns the residuals of the satellites used, and with them those of the excluded satellites,
-/// except for the largest one.
-pub(super) fn residuals_of_all<T: Real, const N: usize>(
-    judgement: &Judgement<T>,
-    snapshot: &Snapshot<'_, T, N>,
-    epoch: &EpochView<'_>,
-    noise: f32,
-) -> EpochResiduals {
-    let is_late = judgement.outcome == ExclusionOutcome::NotIsolated(Unidentified::Time);
-    if !cfg!(feature = "past") || is_late {
-        return EpochResiduals::NONE;
-    }
-    let (mut sum, mut largest, mut count) = (0.0_f32, 0.0_f32, 0_u32);
-    for (row, fit) in judgement.single_exclusions(snapshot, epoch.observations().len()) {
-        let normalised = (fit.residual / row.sigma).widen() as f32;
-        let square = (normalised * normalised).min(MOST_EXCLUDED);
-        (sum, largest, count) = (sum + square, largest.max(square), count + 1);
-    }
-    let rest = Residuals { sse: snapshot.sse().widen() as f32, dof: snapshot.dof() as u32 };
-    let dof = rest.dof + count.saturating_sub(1);
-    let ratio = (without_fault(rest, snapshot) + sum - largest) / dof as f32;
-    // An infinite or NaN ratio counts as the largest permitted one.
-    let ratio = if ratio < MOST_RATIO { ratio } else { MOST_RATIO };
-    let agrees = judgement.outcome == ExclusionOutcome::Isolated;
-    // Residuals far below their sigmas show less noise than is in use, whatever the share.
-    let share = if dof > 1 && ratio < SMALL { 1.0 } else { receivers_share(snapshot, epoch, noise) };
-    EpochResiduals { ratio, dof, share, noise, rest, excluded: if agrees { count as u8 } else { 0 } }
-}
-
-/// Returns the SSE in which the most that one fault explains, of a row or of a constellation, is
-/// limited.
-fn without_fault<T: Real, const N: usize>(rest: Residuals, snapshot: &Snapshot<'_, T, N>) -> f32 {
-    let limited = |left: f32, unknowns: u32, most: f32| match rest.dof.checked_sub(unknowns) {
-        Some(dof) if dof > 0 => left.max(0.0) * (1.0 + most / dof as f32),
-        _ => rest.sse,
-    };
-    let one = rest.sse - snapshot.statistics().worst.largest.widen() as f32;
-    let sse = rest.sse.min(limited(one, 1, MOST_ONE));
-    // Residuals that the sigmas explain need no other explanation, and the search for one is long.
-    if !(rest.excess(REST_QUANTILE) > 0.0) {
-        return sse;
-    }
-    let left = constellation_shift::least_sse(snapshot).widen() as f32;
-    sse.min(limited(left, constellation_shift::UNKNOWNS as u32, MOST_SHIFT))
-}
-
 /// Returns the factor on the effect of shared errors, 1 to [`WHOLE_DELAY`]: the growth of the
 /// variance of a range of one frequency. Other ranges share no error.
 pub(super) fn shared_growth(noise: f32) -> f32 {
     (1.0 + (noise - 1.0) * ONE_FREQUENCY).clamp(1.0, WHOLE_DELAY)
-}
-
-/// Returns the share of the receiver's part in the variances in use, weighted by redundancy.
-fn receivers_share<T: Real, const N: usize>(
-    snapshot: &Snapshot<'_, T, N>,
-    epoch: &EpochView<'_>,
-    noise: f32,
-) -> f32 {
-    let (mut fixed, mut all) = (0.0_f32, 0.0_f32);
-    for ((row, fit), part) in snapshot.rows().zip(epoch.receivers_parts()) {
-        if row.weight > T::zero() {
-            let redundancy = fit.redundancy.widen() as f32;
-            fixed += redundancy * (1.0 - part) / (1.0 + (noise - 1.0) * part);
-            all += redundancy;
-        }
-    }
-    (1.0 - fixed / all).max(LEAST_SHARE)
 }
 
 #[cfg(test)]
