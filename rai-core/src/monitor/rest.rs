@@ -101,3 +101,42 @@ fn satellites(list: &mut dyn Iterator<Item = SatelliteId>) -> Satellites {
     }
     sets
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Rest;
+    use crate::frame::Ecef;
+    use crate::report::{ProtectionLevels, TestStatistic};
+    use crate::velocity::{Velocity, VelocityError};
+
+    const PLACE: Ecef = Ecef::new(6_378_000.0, 0.0, 0.0);
+
+    fn eastwards(speed_m_s: f64) -> Velocity {
+        Velocity {
+            east_north_up_m_s: [speed_m_s, 0.0, 0.0],
+            covariance_m2_s2: [0.0; 6],
+            drift_m_s: 0.0,
+            test: TestStatistic { statistic: 0.0, threshold: 1.0, dof: 1 },
+            levels_m_s: ProtectionLevels { hpl_m: 0.1, vpl_m: 0.1 },
+            excluded: heapless::Vec::new(),
+        }
+    }
+
+    /// Returns true if an epoch continues a rest that began a time before.
+    fn continues(after_s: f64, away_m: f64, velocity: Result<&Velocity, VelocityError>) -> bool {
+        let mut rest = Rest::new();
+        assert!(!rest.continues(0.0, PLACE, &[], Err(VelocityError::Redundancy)), "the first epoch");
+        rest.continues(after_s, PLACE + Ecef::new(0.0, away_m, 0.0), &[], velocity)
+    }
+
+    #[test]
+    fn a_rest_ends_with_speed_distance_contradicting_rates_or_a_gap() {
+        let none = Err(VelocityError::Redundancy);
+        assert!(continues(1.0, 9.0, none) && continues(1.0, 9.0, Ok(&eastwards(0.4))));
+        assert!(!continues(1.0, 9.0, Ok(&eastwards(0.6))));
+        assert!(!continues(1.0, 11.0, none));
+        assert!(!continues(1.0, 0.0, Err(VelocityError::Fault)));
+        assert!(continues(60.0, 0.0, none) && !continues(61.0, 0.0, none) && !continues(-1.0, 0.0, none));
+        assert!(!continues(f64::NAN, 0.0, none) && !continues(1.0, f64::NAN, none));
+    }
+}
