@@ -445,16 +445,17 @@ fn agree<const N: usize>(report: &Report<N>) -> bool {
 #[cfg(test)]
 mod tests {
     use raim_core::epoch::Epoch;
-    use raim_core::monitor::Monitor;
     use raim_core::report::TestStatistic;
     use raim_core::requirements::Requirements;
+    use raim_single::CAPACITY;
 
     use super::*;
 
     #[test]
     fn ambiguous_ranges_of_few_satellites_are_no_sign_and_a_leap_always_is() {
         let npa = Requirements::non_precision_approach();
-        let mut report = Monitor::<f32, 4>::new(npa).expect("in the tables").process(&Epoch::new(0.0));
+        let mut monitor = raim_single::Monitor::new(npa).expect("in the tables");
+        let mut report = raim_single::process(&mut monitor, &Epoch::<CAPACITY>::new(0.0));
         for dof in 1..=40 {
             report.test = Some(TestStatistic { statistic: 2.0, threshold: 1.0, dof });
             let signs = [Alert::Ambiguous, Alert::Track, Alert::Fault].map(|alert| {

@@ -2,11 +2,11 @@
 
 use crate::walker::{self, Ionosphere, TOE, range_m, satellite};
 use raim_core::epoch::Epoch;
-use raim_core::monitor::{Monitor, MonitorWorkspace};
 use raim_core::requirements::Requirements;
 use raim_firmware::correction::{CAPACITY, Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
 use raim_firmware::ephemeris::{Ephemeris, Store};
 use raim_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
+use raim_single::{Monitor, MonitorWorkspace};
 
 const NO_MASK_RAD: f64 = 0.1;
 
@@ -38,11 +38,12 @@ fn on(band: Band, range_m: f64, cn0_dbhz: f32) -> RawSignal {
 }
 
 fn cost(sky: &Sky, ranges: Ranges, noise: f32) -> f64 {
-    let monitor = Monitor::<f32, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
+    let monitor = Monitor::new(Requirements::non_precision_approach()).unwrap();
     let mut epoch = Epoch::new(0.0);
     let site = Site::new(receiver(), TOE, NO_MASK_RAD, Klobuchar::new(CALM)).with_ranges(ranges);
     site.correct(sky, &mut Tally::default().ranges, &mut epoch);
-    let levels = monitor.levels(&epoch, receiver(), noise, &mut MonitorWorkspace::new()).unwrap();
+    let levels =
+        raim_single::levels(&monitor, &epoch, receiver(), noise, &mut MonitorWorkspace::new()).unwrap();
     (levels.hpl_m / 40.0).max(levels.vpl_m / 50.0)
 }
 

@@ -51,21 +51,6 @@ pub(crate) fn assert_identical(lumps: &[Lump], command: &str) -> Both {
 }
 
 #[test]
-fn a_real_day_with_faults_is_judged_alike() {
-    if !is_installed() {
-        return;
-    }
-    let Some(recording) = ESBC.load() else { return };
-    let faults = ["G05:+100@150..300", "G07:+90@450..600", "E07:-120@450..600"]
-        .map(|text| Fault::parse_inject(text).unwrap());
-    let window = Window { to_s: 900.0, ..Window::ALL };
-    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
-    let lumps = replay::encode(&recording, &selection, &faults, &window).unwrap();
-    let both = assert_identical(&lumps, AS_IT_STARTS);
-    assert!(both.host.matches("$PRAIX").count() >= 10, "exclusions are part of the comparison");
-}
-
-#[test]
 fn geostationary_satellites_at_one_hertz_are_judged_alike() {
     if !is_installed() {
         return;
@@ -105,4 +90,24 @@ fn gpsd_behind_the_board_has_a_3d_fix_and_its_errors() {
     let errors = gpsd.wait_for(Duration::from_secs(10), |object| object["class"] == "GST");
     let errors = errors.expect("the errors of GST");
     assert!(errors["lat"].as_f64().unwrap() > 0.0 && errors["alt"].as_f64().unwrap() > 0.0, "{errors}");
+}
+
+/// Many seconds each.
+mod at_length {
+    use super::*;
+
+    #[test]
+    fn a_real_day_with_faults_is_judged_alike() {
+        if !is_installed() {
+            return;
+        }
+        let Some(recording) = ESBC.load() else { return };
+        let faults = ["G05:+100@150..300", "G07:+90@450..600", "E07:-120@450..600"]
+            .map(|text| Fault::parse_inject(text).unwrap());
+        let window = Window { to_s: 900.0, ..Window::ALL };
+        let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+        let lumps = replay::encode(&recording, &selection, &faults, &window).unwrap();
+        let both = assert_identical(&lumps, AS_IT_STARTS);
+        assert!(both.host.matches("$PRAIX").count() >= 10, "exclusions are part of the comparison");
+    }
 }

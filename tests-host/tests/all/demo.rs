@@ -33,54 +33,6 @@ fn every_satellite_in_the_sky_stands_high_enough_when_it_is_its_turn() {
     }
 }
 
-#[test]
-fn drifting_satellite_is_left_out_on_the_board_before_the_error_passes_its_bound() {
-    if !is_installed() {
-        return;
-    }
-    let mut shown = Vec::new();
-    let mut live = Live::new(shown_by_default(), View::Lines, &mut shown);
-    let image = image::build().expect("the image builds");
-    let story =
-        shown_by_default().run(&image, |moments| live.show(moments).unwrap()).expect("the board answers");
-    assert_eq!(story.moments.len(), 122);
-    // At the end the line is silent. That alone drops the pin: until then it is high.
-    let (spoken, silent) = story.moments.split_at(120);
-    let last = spoken.last().unwrap();
-    assert_eq!((last.verdict, last.pin_is_high), (Verdict::Protected, Some(true)));
-    for (silence, want_s) in silent.iter().zip([122.0, 125.0]) {
-        assert_eq!((silence.verdict, silence.reason.as_str()), (Verdict::Alert, "STALE"));
-        assert_eq!((silence.pin_is_high, silence.time_s), (Some(false), want_s));
-    }
-    assert!(story.moments.iter().all(|moment| moment.reason != "SETTINGS"), "{story}");
-    assert_eq!(story.misleading(), 0, "{story}");
-    let excluded: Vec<String> = story.excluded().iter().map(|(satellite, _)| satellite.to_string()).collect();
-    assert_eq!(excluded, ["G15"], "{story}");
-    let detected_s = story.detection().expect("a detection").time_s;
-    assert!((41.0..60.0).contains(&detected_s), "noticed at {detected_s} s");
-    // The pin agrees with the verdict, and is low before there is one.
-    assert!(!story.pin_at_boot);
-    let agrees = |moment: &Moment| moment.pin_is_high == Some(moment.verdict == Verdict::Protected);
-    assert!(story.moments.iter().all(agrees), "{story}");
-    // With the whole bias, accepting it multiplies the error by more than ten.
-    let whole = 70.0..90.0;
-    let accepted: Vec<f64> = (story.ordinary.iter())
-        .filter(|said| whole.contains(&said.time_s))
-        .map(|said| said.horizontal_error_m)
-        .collect();
-    let have: Vec<f64> = (story.moments.iter())
-        .filter(|moment| whole.contains(&moment.time_s))
-        .filter_map(|moment| moment.horizontal_error_m)
-        .collect();
-    assert_eq!((accepted.len(), have.len()), (20, 20));
-    let (have_m, accepted_m) = (have.iter().sum::<f64>() / 20.0, accepted.iter().sum::<f64>() / 20.0);
-    assert!(accepted_m > 10.0 * have_m, "{have_m} m on average, {accepted_m} m where all are accepted");
-    let shown = String::from_utf8(shown).unwrap();
-    assert!(shown.lines().count() >= 24 && shown.contains("G15 left out"), "{shown}");
-    assert!(story.page().unwrap().html().contains("G15 drifts off"));
-    agree(&shown, &story);
-}
-
 /// Compares summary, picture and README with the transcript, which prints what the board sent.
 fn agree(transcript: &str, story: &Story) {
     let time_s = |line: &str| -> f64 { line.split_whitespace().next().unwrap().parse().unwrap() };
@@ -148,4 +100,58 @@ fn box_of(svg: &str, colour: RGBColor) -> (f64, f64) {
         rest.split_once('"').unwrap().0.parse().unwrap()
     };
     (number("x"), number("width"))
+}
+
+/// Many seconds each.
+mod at_length {
+    use super::*;
+
+    #[test]
+    fn drifting_satellite_is_left_out_on_the_board_before_the_error_passes_its_bound() {
+        if !is_installed() {
+            return;
+        }
+        let mut shown = Vec::new();
+        let mut live = Live::new(shown_by_default(), View::Lines, &mut shown);
+        let image = image::build().expect("the image builds");
+        let story =
+            shown_by_default().run(&image, |moments| live.show(moments).unwrap()).expect("the board answers");
+        assert_eq!(story.moments.len(), 122);
+        // At the end the line is silent. That alone drops the pin: until then it is high.
+        let (spoken, silent) = story.moments.split_at(120);
+        let last = spoken.last().unwrap();
+        assert_eq!((last.verdict, last.pin_is_high), (Verdict::Protected, Some(true)));
+        for (silence, want_s) in silent.iter().zip([122.0, 125.0]) {
+            assert_eq!((silence.verdict, silence.reason.as_str()), (Verdict::Alert, "STALE"));
+            assert_eq!((silence.pin_is_high, silence.time_s), (Some(false), want_s));
+        }
+        assert!(story.moments.iter().all(|moment| moment.reason != "SETTINGS"), "{story}");
+        assert_eq!(story.misleading(), 0, "{story}");
+        let excluded: Vec<String> =
+            story.excluded().iter().map(|(satellite, _)| satellite.to_string()).collect();
+        assert_eq!(excluded, ["G15"], "{story}");
+        let detected_s = story.detection().expect("a detection").time_s;
+        assert!((41.0..60.0).contains(&detected_s), "noticed at {detected_s} s");
+        // The pin agrees with the verdict, and is low before there is one.
+        assert!(!story.pin_at_boot);
+        let agrees = |moment: &Moment| moment.pin_is_high == Some(moment.verdict == Verdict::Protected);
+        assert!(story.moments.iter().all(agrees), "{story}");
+        // With the whole bias, accepting it multiplies the error by more than ten.
+        let whole = 70.0..90.0;
+        let accepted: Vec<f64> = (story.ordinary.iter())
+            .filter(|said| whole.contains(&said.time_s))
+            .map(|said| said.horizontal_error_m)
+            .collect();
+        let have: Vec<f64> = (story.moments.iter())
+            .filter(|moment| whole.contains(&moment.time_s))
+            .filter_map(|moment| moment.horizontal_error_m)
+            .collect();
+        assert_eq!((accepted.len(), have.len()), (20, 20));
+        let (have_m, accepted_m) = (have.iter().sum::<f64>() / 20.0, accepted.iter().sum::<f64>() / 20.0);
+        assert!(accepted_m > 10.0 * have_m, "{have_m} m on average, {accepted_m} m where all are accepted");
+        let shown = String::from_utf8(shown).unwrap();
+        assert!(shown.lines().count() >= 24 && shown.contains("G15 left out"), "{shown}");
+        assert!(story.page().unwrap().html().contains("G15 drifts off"));
+        agree(&shown, &story);
+    }
 }

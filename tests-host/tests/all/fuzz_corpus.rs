@@ -50,11 +50,6 @@ fn mutations_of_navigation_bits_pass() {
 }
 
 #[test]
-fn mutations_of_the_host_port_pass() {
-    mutate("command");
-}
-
-#[test]
 fn mutations_of_ephemerides_pass() {
     mutate("ephemeris");
 }
@@ -72,4 +67,14 @@ fn mutations_of_calls_from_c_pass() {
 #[test]
 fn mutations_of_linearised_epochs_pass() {
     mutate("separation");
+}
+
+/// Many seconds each.
+mod at_length {
+    use super::*;
+
+    #[test]
+    fn mutations_of_the_host_port_pass() {
+        mutate("command");
+    }
 }

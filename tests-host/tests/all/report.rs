@@ -293,32 +293,37 @@ fn day() -> Journal {
     journal
 }
 
-#[test]
-fn a_browser_draws_a_day_and_no_page_is_wider_than_a_telephone() {
-    let Some(browser) = chromium() else { return rig::skip::say("a browser (chromium)") };
-    let folder = tempfile::tempdir().unwrap();
-    let journal = day();
-    let path =
-        report::write(&journal, &Facts { title: "a day".to_owned(), ..Facts::default() }, folder.path())
-            .unwrap();
-    println!("{} KiB", std::fs::metadata(&path).unwrap().len() / 1024);
-    let dom = opened(browser, &path, folder.path());
-    let ready = dom.split_once("data-ready=\"").and_then(|(_, rest)| rest.split_once('"'));
-    let (ready_ms, _) = ready.expect("the script has run to its end");
-    println!("ready after {ready_ms} ms");
-    assert!(dom.contains("class=\"live\""));
+/// Many seconds each.
+mod at_length {
+    use super::*;
 
-    // A frame of the width of a telephone reports its own width.
-    let frame = folder.path().join("frame.html");
-    let script = "onload=()=>{const d=frames[0].document,w=d.documentElement.scrollWidth-d.documentElement.clientWidth,c=[...d.querySelectorAll('canvas')];\
-                  document.body.dataset.width=w;document.body.dataset.beyond=c.filter((one)=>{const \
-                  b=one.getBoundingClientRect();return b.left<0||b.right>390}).length;document.body.dataset.canvases=c.length}";
-    let html = format!(
-        "<body><iframe src=\"report.html\" style=\"width:390px;height:2000px;border:0\"></iframe><script>{script}</script>"
-    );
-    std::fs::write(&frame, html).unwrap();
-    let dom = opened(browser, &frame, folder.path());
-    for want in ["data-width=\"0\"", "data-beyond=\"0\"", "data-canvases=\"10\""] {
-        assert!(dom.contains(want), "{want}: {}", &dom[..dom.len().min(400)]);
+    #[test]
+    fn a_browser_draws_a_day_and_no_page_is_wider_than_a_telephone() {
+        let Some(browser) = chromium() else { return rig::skip::say("a browser (chromium)") };
+        let folder = tempfile::tempdir().unwrap();
+        let journal = day();
+        let path =
+            report::write(&journal, &Facts { title: "a day".to_owned(), ..Facts::default() }, folder.path())
+                .unwrap();
+        println!("{} KiB", std::fs::metadata(&path).unwrap().len() / 1024);
+        let dom = opened(browser, &path, folder.path());
+        let ready = dom.split_once("data-ready=\"").and_then(|(_, rest)| rest.split_once('"'));
+        let (ready_ms, _) = ready.expect("the script has run to its end");
+        println!("ready after {ready_ms} ms");
+        assert!(dom.contains("class=\"live\""));
+
+        // A frame of the width of a telephone reports its own width.
+        let frame = folder.path().join("frame.html");
+        let script = "onload=()=>{const d=frames[0].document,w=d.documentElement.scrollWidth-d.documentElement.clientWidth,c=[...d.querySelectorAll('canvas')];\
+                      document.body.dataset.width=w;document.body.dataset.beyond=c.filter((one)=>{const \
+                      b=one.getBoundingClientRect();return b.left<0||b.right>390}).length;document.body.dataset.canvases=c.length}";
+        let html = format!(
+            "<body><iframe src=\"report.html\" style=\"width:390px;height:2000px;border:0\"></iframe><script>{script}</script>"
+        );
+        std::fs::write(&frame, html).unwrap();
+        let dom = opened(browser, &frame, folder.path());
+        for want in ["data-width=\"0\"", "data-beyond=\"0\"", "data-canvases=\"10\""] {
+            assert!(dom.contains(want), "{want}: {}", &dom[..dom.len().min(400)]);
+        }
     }
 }

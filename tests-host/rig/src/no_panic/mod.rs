@@ -59,7 +59,11 @@ pub fn prove() -> anyhow::Result<()> {
     refuse(&StaticLibrary::build()?.offences(&[])?)
 }
 
-fn prove_image(named: &Named) -> anyhow::Result<()> {
+/// Proves it for a named image.
+///
+/// # Errors
+/// As [`prove`].
+pub fn prove_image(named: &Named) -> anyhow::Result<()> {
     let places = callers::of_panics(&std::fs::read(named.build()?)?)?;
     let tolerated = |place: &Offence| TOLERATED.contains(&place.file.as_str());
     refuse(&places.into_iter().filter(|place| !tolerated(place)).collect::<Vec<_>>())

@@ -190,35 +190,6 @@ fn replay(arguments: &[String]) -> (String, u64) {
     (String::from_utf8(output.stdout).unwrap(), most_kib)
 }
 
-#[test]
-fn memory_does_not_grow_with_the_recording() {
-    if !Path::new("/proc/self/status").exists() {
-        return rig::skip::say("memory of a child (/proc)");
-    }
-    let many = std::env::var("RAI_EPOCHS").map_or(EPOCHS, |many| many.parse().unwrap());
-    let folder = folder("memory");
-    let mut of_few = Vec::new();
-    for epochs in [many / 8, many] {
-        for (index, (way, mut arguments)) in ways(&folder, epochs).into_iter().enumerate() {
-            let csv = folder.join("rows.csv");
-            let truth = "34.17,108.57,400".to_owned();
-            let report = folder.join("report").display().to_string();
-            arguments.extend(["--csv".to_owned(), csv.display().to_string(), "--truth".to_owned(), truth]);
-            arguments.extend(["--report".to_owned(), report]);
-            let (said, kib) = replay(&arguments);
-            let rows = fs::read_to_string(&csv).unwrap().lines().count();
-            println!("{way}, {epochs} epochs: {kib} KiB; {}", said.lines().next().unwrap_or(""));
-            assert_eq!(rows, epochs as usize + 1, "{way}");
-            assert!(said.contains(&format!("epochs {epochs}, fixes {epochs}: ")), "{way}: {said}");
-            assert!(kib < MEMORY_KIB, "{way}, {epochs} epochs: {kib} KiB");
-            match of_few.get(index) {
-                None => of_few.push(kib),
-                Some(few_kib) => assert!(kib < few_kib + GROWTH_KIB, "{way}: {few_kib} and {kib} KiB"),
-            }
-        }
-    }
-}
-
 fn monitor(path: &Path, more: &[&str]) -> Output {
     program().args(["monitor", "--plain", "--file"]).arg(path).args(more).output().unwrap()
 }
@@ -279,4 +250,43 @@ fn monitor_refuses_what_is_no_stream_as_replay_does() {
     }
     let output = monitor(Path::new("day.obs"), &["--speed", "0"]);
     assert!(String::from_utf8_lossy(&output.stderr).contains("more than 0"), "{output:?}");
+}
+
+/// Many seconds each.
+mod at_length {
+    use super::*;
+
+    #[test]
+    fn memory_does_not_grow_with_the_recording() {
+        if !Path::new("/proc/self/status").exists() {
+            return rig::skip::say("memory of a child (/proc)");
+        }
+        let many = std::env::var("RAI_EPOCHS").map_or(EPOCHS, |many| many.parse().unwrap());
+        let folder = folder("memory");
+        let mut of_few = Vec::new();
+        for epochs in [many / 8, many] {
+            for (index, (way, mut arguments)) in ways(&folder, epochs).into_iter().enumerate() {
+                let csv = folder.join("rows.csv");
+                let truth = "34.17,108.57,400".to_owned();
+                let report = folder.join("report").display().to_string();
+                arguments.extend([
+                    "--csv".to_owned(),
+                    csv.display().to_string(),
+                    "--truth".to_owned(),
+                    truth,
+                ]);
+                arguments.extend(["--report".to_owned(), report]);
+                let (said, kib) = replay(&arguments);
+                let rows = fs::read_to_string(&csv).unwrap().lines().count();
+                println!("{way}, {epochs} epochs: {kib} KiB; {}", said.lines().next().unwrap_or(""));
+                assert_eq!(rows, epochs as usize + 1, "{way}");
+                assert!(said.contains(&format!("epochs {epochs}, fixes {epochs}: ")), "{way}: {said}");
+                assert!(kib < MEMORY_KIB, "{way}, {epochs} epochs: {kib} KiB");
+                match of_few.get(index) {
+                    None => of_few.push(kib),
+                    Some(few_kib) => assert!(kib < few_kib + GROWTH_KIB, "{way}: {few_kib} and {kib} KiB"),
+                }
+            }
+        }
+    }
 }

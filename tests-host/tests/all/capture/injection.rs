@@ -42,49 +42,6 @@ fn fault_of_a_satellite_of_qzss_is_put_into_the_stream_and_found() {
 }
 
 #[test]
-fn a_hundred_metres_on_a_satellite_are_found_and_nothing_where_there_is_no_fault() {
-    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
-    for stream in [&STREAMS[1], &STREAMS[3]] {
-        let Some(ubx) = first(stream, 115) else { return };
-        let window = Window { to_s: 115.0, ..Window::ALL };
-        let recorded = replay::encode(&stream.recording(), &selection, &[], &window).unwrap();
-        let rtcm: Vec<u8> = recorded.into_iter().flat_map(|lump| lump.bytes).collect();
-        for (format, bytes) in [("UBX", ubx), ("RTCM", rtcm)] {
-            let quiet = judged(&bytes, &[]);
-            assert!(quiet.iter().all(|moment| moment.output.as_ref().unwrap().excluded.is_empty()));
-            let satellites = used(&bytes, &quiet);
-            assert!(satellites.len() > 15, "{} {format}: {satellites:?}", stream.name);
-            let mut missed = Vec::new();
-            for satellite in &satellites {
-                let text = format!("{satellite}:+100@{}..{}", INJECTED_S.0, INJECTED_S.1);
-                let fault = Fault::parse_inject(&text).unwrap();
-                let capture = Capture::of(bytes.clone(), None).unwrap();
-                let lumps = capture.lumps(&[fault], &Window::ALL).unwrap().lumps;
-                let track = run(&lumps, Some(&stream.truth()));
-                let summary = Summary::of(&track, &[fault], true);
-                let injected = &summary.injected[0];
-                assert!(injected.epochs >= 10, "{} {format} {text}", stream.name);
-                assert_eq!(injected.wrong_exclusions, 0, "{} {format} {text}", stream.name);
-                assert_eq!(summary.misleading, Some(0), "{} {format} {text}", stream.name);
-                let during = |moment: &&Moment| fault.is_active(moment.elapsed_s);
-                let is_caught = |moment: &Moment| {
-                    let output = moment.output.as_ref().unwrap();
-                    let is_out = output.excluded.iter().any(|excluded| excluded.satellite == *satellite);
-                    is_out || output.state.state == 'A'
-                };
-                if !track.iter().filter(during).all(is_caught) {
-                    missed.push(satellite.to_string());
-                }
-            }
-            println!("{} {format}: {} satellites, not caught {missed:?}", stream.name, satellites.len());
-            // For a satellite on one band a hundred metres may be within the sigma of the
-            // ionosphere; they do not mislead.
-            assert!(10 * missed.len() < 2 * satellites.len(), "{} {format}: {missed:?}", stream.name);
-        }
-    }
-}
-
-#[test]
 fn a_fault_put_into_messages_is_the_fault_put_into_the_recording() {
     let stream = &STREAMS[1];
     if stream.bytes().is_none() {
@@ -112,6 +69,54 @@ fn a_fault_put_into_messages_is_the_fault_put_into_the_recording() {
             let apart_m = have.position.zip(want.position).map(|(a, b)| a.to_ecef().distance_m(b.to_ecef()));
             // A step of MSM7 is 0.6 mm.
             assert!(apart_m.is_none_or(|apart_m| apart_m < 0.01), "{fault:?}: {apart_m:?} m");
+        }
+    }
+}
+
+/// Many seconds each.
+mod at_length {
+    use super::*;
+
+    #[test]
+    fn a_hundred_metres_on_a_satellite_are_found_and_nothing_where_there_is_no_fault() {
+        let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+        for stream in [&STREAMS[1], &STREAMS[3]] {
+            let Some(ubx) = first(stream, 115) else { return };
+            let window = Window { to_s: 115.0, ..Window::ALL };
+            let recorded = replay::encode(&stream.recording(), &selection, &[], &window).unwrap();
+            let rtcm: Vec<u8> = recorded.into_iter().flat_map(|lump| lump.bytes).collect();
+            for (format, bytes) in [("UBX", ubx), ("RTCM", rtcm)] {
+                let quiet = judged(&bytes, &[]);
+                assert!(quiet.iter().all(|moment| moment.output.as_ref().unwrap().excluded.is_empty()));
+                let satellites = used(&bytes, &quiet);
+                assert!(satellites.len() > 15, "{} {format}: {satellites:?}", stream.name);
+                let mut missed = Vec::new();
+                for satellite in &satellites {
+                    let text = format!("{satellite}:+100@{}..{}", INJECTED_S.0, INJECTED_S.1);
+                    let fault = Fault::parse_inject(&text).unwrap();
+                    let capture = Capture::of(bytes.clone(), None).unwrap();
+                    let lumps = capture.lumps(&[fault], &Window::ALL).unwrap().lumps;
+                    let track = run(&lumps, Some(&stream.truth()));
+                    let summary = Summary::of(&track, &[fault], true);
+                    let injected = &summary.injected[0];
+                    assert!(injected.epochs >= 10, "{} {format} {text}", stream.name);
+                    assert_eq!(injected.wrong_exclusions, 0, "{} {format} {text}", stream.name);
+                    assert_eq!(summary.misleading, Some(0), "{} {format} {text}", stream.name);
+                    let during = |moment: &&Moment| fault.is_active(moment.elapsed_s);
+                    let is_caught = |moment: &Moment| {
+                        let output = moment.output.as_ref().unwrap();
+                        let is_out = output.excluded.iter().any(|excluded| excluded.satellite == *satellite);
+                        is_out || output.state.state == 'A'
+                    };
+                    if !track.iter().filter(during).all(is_caught) {
+                        missed.push(satellite.to_string());
+                    }
+                }
+                println!("{} {format}: {} satellites, not caught {missed:?}", stream.name, satellites.len());
+                // For a satellite on one band a hundred metres may be within the sigma of the
+                // ionosphere; they do not mislead.
+                assert!(10 * missed.len() < 2 * satellites.len(), "{} {format}: {missed:?}", stream.name);
+            }
         }
     }
 }

@@ -51,19 +51,24 @@ fn obey(stream: TcpStream, clock: &Clock) {
     }
 }
 
-#[test]
-fn two_minutes_of_cuts_kills_and_dead_clients_lose_nothing() {
-    let words = ["service::endurance::service_of_its_own", "--exact", "--nocapture"].map(OsString::from);
-    let own = std::env::current_exe().unwrap().into_os_string();
-    let program = Program {
-        command: [own].into_iter().chain(words).collect(),
-        variables: vec![("RUST_TEST_THREADS".into(), "1".into())],
-    };
-    let folder = tempfile::tempdir().unwrap();
-    let mut outcome = endurance::run(&program, 120, folder.path(), |_| ()).unwrap();
-    println!("{outcome}");
-    // The load is that of a program that was not compiled for speed; the command measures the
-    // other.
-    outcome.load = 0.0;
-    assert_eq!(outcome.broken(), [""; 0]);
+/// Many seconds each.
+mod at_length {
+    use super::*;
+
+    #[test]
+    fn two_minutes_of_cuts_kills_and_dead_clients_lose_nothing() {
+        let words = ["service::endurance::service_of_its_own", "--exact", "--nocapture"].map(OsString::from);
+        let own = std::env::current_exe().unwrap().into_os_string();
+        let program = Program {
+            command: [own].into_iter().chain(words).collect(),
+            variables: vec![("RUST_TEST_THREADS".into(), "1".into())],
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let mut outcome = endurance::run(&program, 120, folder.path(), |_| ()).unwrap();
+        println!("{outcome}");
+        // The load is that of a program that was not compiled for speed; the command measures the
+        // other.
+        outcome.load = 0.0;
+        assert_eq!(outcome.broken(), [""; 0]);
+    }
 }

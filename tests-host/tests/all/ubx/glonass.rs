@@ -187,37 +187,6 @@ fn cell([horizontal_m, vertical_m]: [f64; 2]) -> String {
     format!("{horizontal_m:.2} / {vertical_m:.2}")
 }
 
-/// This holds for a geodetic receiver. One with delays of metres that differ between channels is
-/// worse with GLONASS, so the module leaves it out by default.
-#[test]
-fn a_day_with_it_is_no_worse_than_without() {
-    let Some(recording) = ESBC.load() else { return };
-    for (without, with) in [("G", "GR"), ("GCE", "GCER")] {
-        for format in ["RTCM", "UBX"] {
-            let play = |systems: &str| {
-                let selection = Selection::new(systems, Frequency::Dual).unwrap();
-                let mut module = Module::new(systems);
-                let said = said(&recording);
-                let mut rtcm = encode::Encoder::new(&recording.ephemerides, selection.clone()).as_receiver();
-                let mut ubx = ubx::Encoder::new(&recording.ephemerides, selection, Some(said)).as_receiver();
-                for epoch in recording.epochs.iter().step_by(4) {
-                    let bytes = if format == "UBX" { ubx.epoch(epoch) } else { rtcm.epoch(epoch) }.unwrap();
-                    module.hear(&bytes, ESBC.truth);
-                }
-                module
-            };
-            let (without, with) = ((without, play(without)), (with, play(with)));
-            compare(&format!("esbc, {} by {format}", with.0), &without.1, &with.1, 2000);
-            let systems = if without.0 == "G" { "GPS" } else { "GPS, Galileo, BeiDou" };
-            let (without, with) = (cell(without.1.errors_m()), cell(with.1.errors_m()));
-            document::must_say(
-                "results/receivers.md",
-                &format!("| {systems}, {format} | {without} | {with} |"),
-            );
-        }
-    }
-}
-
 /// Delays of the ionosphere-free ranges of `static1hz` to GLONASS satellites against their mean
 /// about the surveyed antenna, over its five minutes: satellite, channel, m. Another program, which
 /// integrates in steps of 30 s, computed them from the RINEX files.
@@ -322,4 +291,43 @@ fn an_epoch_with_it_costs_one_step_a_satellite() {
     // Half a step per satellite is more than epochs differ by otherwise.
     let same = |a: u64, b: u64| a.abs_diff(b) < SATELLITES * step / 2;
     assert!(step > 2_000 && same(before, behind) && same(far, behind), "{costs:?}");
+}
+
+/// Many seconds each.
+mod at_length {
+    use super::*;
+
+    /// This holds for a geodetic receiver. One with delays of metres that differ between channels is
+    /// worse with GLONASS, so the module leaves it out by default.
+    #[test]
+    fn a_day_with_it_is_no_worse_than_without() {
+        let Some(recording) = ESBC.load() else { return };
+        for (without, with) in [("G", "GR"), ("GCE", "GCER")] {
+            for format in ["RTCM", "UBX"] {
+                let play = |systems: &str| {
+                    let selection = Selection::new(systems, Frequency::Dual).unwrap();
+                    let mut module = Module::new(systems);
+                    let said = said(&recording);
+                    let mut rtcm =
+                        encode::Encoder::new(&recording.ephemerides, selection.clone()).as_receiver();
+                    let mut ubx =
+                        ubx::Encoder::new(&recording.ephemerides, selection, Some(said)).as_receiver();
+                    for epoch in recording.epochs.iter().step_by(4) {
+                        let bytes =
+                            if format == "UBX" { ubx.epoch(epoch) } else { rtcm.epoch(epoch) }.unwrap();
+                        module.hear(&bytes, ESBC.truth);
+                    }
+                    module
+                };
+                let (without, with) = ((without, play(without)), (with, play(with)));
+                compare(&format!("esbc, {} by {format}", with.0), &without.1, &with.1, 2000);
+                let systems = if without.0 == "G" { "GPS" } else { "GPS, Galileo, BeiDou" };
+                let (without, with) = (cell(without.1.errors_m()), cell(with.1.errors_m()));
+                document::must_say(
+                    "results/receivers.md",
+                    &format!("| {systems}, {format} | {without} | {with} |"),
+                );
+            }
+        }
+    }
 }

@@ -12,8 +12,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use rig::image::CompiledFor;
-use rig::no_panic::EVERY_FUNCTION;
+use rig::image::Named;
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask")]
@@ -46,9 +45,9 @@ enum Command {
 
 #[derive(clap::Args)]
 struct Prove {
-    /// Only in the library, compiled as in the shipped image
-    #[arg(long)]
-    library: bool,
+    /// Only in this named image
+    #[arg(long, value_name = "NAME")]
+    image: Option<String>,
 }
 
 fn main() -> ExitCode {
@@ -62,10 +61,8 @@ fn dispatch(command: Command) -> Result<()> {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Monitor(arguments) => raim::monitor::command::run(&arguments, Some(&rig::demo::watched)),
         Command::Bench(arguments) => bench::run(&arguments),
-        Command::Prove(Prove { library: true }) => {
-            rig::no_panic::prove_library(EVERY_FUNCTION, CompiledFor::Speed)
-        }
-        Command::Prove(Prove { library: false }) => rig::no_panic::prove(),
+        Command::Prove(Prove { image: Some(name) }) => rig::no_panic::prove_image(Named::of(&name)?),
+        Command::Prove(Prove { image: None }) => rig::no_panic::prove(),
         Command::Image(arguments) => image::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Header(arguments) => header::run(&arguments),
