@@ -120,6 +120,14 @@ fn a_range_without_its_arc_is_counted_although_other_values_of_the_line_stay() {
     assert_eq!(have.skipped.lost_lines, 4, "until the next epoch in full");
 }
 
+#[test]
+fn a_file_that_ends_behind_the_name_of_a_satellite_is_cut() {
+    let text = Change::Cut { line: 104, column: 3 }.apply(&version_3(EPOCHS), HEADER_3);
+    assert!(text.ends_with("\nJ02"));
+    let have = read(&text, &navigation(2)).expect("a readable file");
+    assert_eq!((uncounted(&have, &text, HEADER_3, EPOCH_3), have.skipped.cut), (0, 1), "{}", have.skipped);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 

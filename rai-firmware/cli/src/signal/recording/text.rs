@@ -157,14 +157,15 @@ impl Lines {
         &self.current.text
     }
 
-    /// Returns true if the file ends inside a value of the next line. The fields begin at column
-    /// `from`; each is `width` columns wide, of which the value takes the first `of_value`.
+    /// Returns true if the file ends inside a value of the next line, or behind the name that stands
+    /// before its values. The fields begin at column `from`; each is `width` columns wide, of which
+    /// the value takes the first `of_value`.
     pub(super) fn is_cut(&mut self, from: usize, width: usize, of_value: usize) -> bool {
         if self.peek().is_none() || !self.source.is_open() {
             return false;
         }
         let used = self.ahead.text.trim_end().len();
-        used < from || (1..of_value).contains(&((used - from) % width))
+        from > 0 && used <= from || (1..of_value).contains(&((used - from) % width))
     }
 
     /// Returns true if every line was returned.
