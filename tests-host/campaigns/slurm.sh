@@ -1,9 +1,9 @@
 #!/bin/sh
 # A campaign on a Slurm cluster, in 64 shares; a share that was stopped goes on where it was.
 #
-#   cargo build --release --package xtask
+#   cargo build --release --package raim
 #   sbatch --wait tests-host/campaigns/slurm.sh tests-host/campaigns/lpv200.toml
-#   target/release/xtask campaign merge campaign-out/*-of-64.csv --out campaign-out
+#   target/release/rai campaign merge campaign-out/*-of-64.csv --out campaign-out
 #
 #SBATCH --job-name=rai-campaign
 #SBATCH --array=1-64
@@ -13,4 +13,4 @@
 #SBATCH --output=campaign-%A-%a.log
 
 export RAYON_NUM_THREADS="${SLURM_CPUS_PER_TASK}"
-exec target/release/xtask campaign "$1" --shard "${SLURM_ARRAY_TASK_ID}/64" --resume --out campaign-out
+exec target/release/rai campaign "$1" --shard "${SLURM_ARRAY_TASK_ID}/64" --resume --out campaign-out
