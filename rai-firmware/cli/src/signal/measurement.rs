@@ -11,7 +11,7 @@
 //! [`recording`](super::recording) and [`sky`](super::sky) make these values,
 //! [`fault`](super::fault) changes them, [`encode`](super::encode) sends them.
 
-use raim_core::satellite::SatelliteId;
+use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::time::GpsTime;
 use rtcm_rs::msg::{Msg1019T, Msg1020T, Msg1042T, Msg1044T, Msg1045T, Msg1046T};
 
@@ -48,6 +48,24 @@ pub struct MeasuredSignal {
     pub cn0_dbhz: Option<f64>,
     /// Doppler frequency, positive when approaching, Hz.
     pub doppler_hz: Option<f64>,
+}
+
+impl MeasuredSignal {
+    /// Returns the carrier frequency, Hz, of a signal of this system, and of this channel of
+    /// GLONASS; `None` for a band that the system does not have.
+    pub fn frequency_hz(&self, system: Constellation, channel: i8) -> Option<f64> {
+        Some(match (system, self.band) {
+            (Constellation::Gps | Constellation::Galileo | Constellation::Beidou, 1) => 1_575.42e6,
+            (Constellation::Gps, 2) => 1_227.6e6,
+            (Constellation::Gps | Constellation::Galileo | Constellation::Beidou, 5) => 1_176.45e6,
+            (Constellation::Galileo | Constellation::Beidou, 7) => 1_207.14e6,
+            (Constellation::Beidou, 2) => 1_561.098e6,
+            (Constellation::Beidou, 6) => 1_268.52e6,
+            (Constellation::Glonass, 1) => 1602.0e6 + f64::from(channel) * 562.5e3,
+            (Constellation::Glonass, 2) => 1246.0e6 + f64::from(channel) * 437.5e3,
+            _ => return None,
+        })
+    }
 }
 
 /// A broadcast ephemeris in the units of its message.

@@ -41,6 +41,7 @@
 //! | [`doubled_satellite`] | one satellite under two numbers |
 //! | [`second_frequency`] | the second frequency of some satellites wrong |
 //! | [`settings`] | a time to alert that hides a silence; restarts that lose settings; a setting that rules out faults |
+//! | [`after_quiet`] | a ramp of one satellite, and a street, after quiet minutes; a suspicion that was true once |
 //! | [`learned_sigmas`] | sigmas learned in quiet minutes, used for ranges these do not describe |
 //! | [`wrong_tags`] | time tags wrong by milliseconds, every method and policy, and sigmas that learn from them |
 //! | [`suspicions`] | a receiver that detects counterfeit signals, and messages that could cancel its warning |
@@ -59,6 +60,7 @@ pub mod small;
 pub mod tally;
 pub mod victim;
 
+mod after_quiet;
 mod alike_strengths;
 mod broken_system;
 mod clock_ramp;
@@ -218,6 +220,9 @@ pub const ATTACKS: &[&Attack] = &[
     &settings::RESTARTS,
     &settings::NEVER,
     &learned_sigmas::ATTACK,
+    &after_quiet::RAMP,
+    &after_quiet::STREET,
+    &after_quiet::SUSPICION,
     &wrong_tags::BRIEFLY,
     &wrong_tags::LEARNED,
     &suspicions::ATTACK,

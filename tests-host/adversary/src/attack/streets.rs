@@ -57,7 +57,7 @@ const BLOCK_EPOCHS: usize = 8;
 const BLOCKED: f64 = 0.5;
 
 /// Largest share of the promised epochs that may exceed a level.
-const BEYOND: f64 = 2e-4;
+pub(super) const BEYOND: f64 = 2e-4;
 
 /// Least share of the epochs that must be promised: four fifths of the 14,446 of 16,206 that were
 /// promised before any evidence of the last minute counted.
@@ -104,7 +104,7 @@ impl Block {
 }
 
 /// Directions of the satellites of each epoch.
-type Directions = Vec<Vec<(SatelliteId, Enu)>>;
+pub(super) type Directions = Vec<Vec<(SatelliteId, Enu)>>;
 
 fn run(effort: Effort) -> Result<Vec<Figure>> {
     if shared::path("data").is_none() {
@@ -126,8 +126,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
 
 /// Epochs of the streets, in all and by the number of excluded satellites.
 #[derive(Clone, Debug, Default)]
-struct Streets {
-    all: Tally,
+pub(super) struct Streets {
+    pub(super) all: Tally,
     by_excluded: [Tally; 4],
 }
 
@@ -173,13 +173,13 @@ fn of_station(station: &Station, systems: &str, seeds: u64, most: usize) -> Resu
     let selection = Selection::new(systems, Frequency::Dual)?;
     let directions = directions(&recording, &selection, station.truth, most)?;
     let runs: Vec<Streets> = (0..seeds)
-        .together(|seed| drive(&recording, &selection, &directions, station.truth, seed))
+        .together(|seed| drive(&recording, &selection, &directions, station.truth, (0, seed)))
         .collect::<Result<_>>()?;
     Ok(runs.iter().fold(Streets::default(), Streets::with))
 }
 
 /// Returns the directions of the satellites, as the module locates them.
-fn directions(
+pub(super) fn directions(
     recording: &Recording,
     selection: &Selection,
     antenna: Ecef,
@@ -195,13 +195,14 @@ fn directions(
     recording.epochs.iter().take(most).map(|epoch| heaven.directions(epoch)).collect()
 }
 
-/// Drives one street with the antenna of a recording.
-fn drive(
+/// Drives one street with the antenna of a recording. The epochs before the first one of the street
+/// are received in the open, and not counted.
+pub(super) fn drive(
     recording: &Recording,
     selection: &Selection,
     directions: &Directions,
     truth: Ecef,
-    seed: u64,
+    (begins, seed): (usize, u64),
 ) -> Result<Streets> {
     let step_s = match recording.epochs.as_slice() {
         [first, second, ..] => second.time.since_ms(first.time) as f64 * 1e-3,
@@ -214,7 +215,11 @@ fn drive(
     let mut encoder = Encoder::new(&recording.ephemerides, selection.clone());
     let mut streets = Streets::default();
     for (index, (epoch, seen)) in recording.epochs.iter().zip(directions).enumerate() {
-        if index > 0 && index % epochs_per_block == 0 {
+        if index < begins {
+            victim.hear(&encoder.epoch(epoch)?, truth)?;
+            continue;
+        }
+        if index > begins && (index - begins) % epochs_per_block == 0 {
             block = Block::draw(&mut chance);
         }
         let mut epoch = epoch.clone();

@@ -36,7 +36,7 @@ const AFTER: f64 = 10.0;
 
 /// Returns SEC-SIG, version 2: jamming detection on, without jamming; spoofing detection on, in the
 /// given state.
-fn of_both(spoofing: u8) -> Vec<u8> {
+pub(super) fn of_both(spoofing: u8) -> Vec<u8> {
     ubx::frame([0x27, 0x09], &[2, 0b0000_1011 | spoofing << 4, 0, 0])
 }
 

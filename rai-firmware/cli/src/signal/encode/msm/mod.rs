@@ -245,18 +245,7 @@ fn signal_number(letter: char, signal: &MeasuredSignal) -> Option<u8> {
 
 /// Returns the phase range rate of a signal, m/s.
 fn rate_m_s(system: Constellation, slot: i8, signal: &MeasuredSignal) -> Option<f64> {
-    let frequency_hz = match (system, signal.band) {
-        (Constellation::Gps | Constellation::Galileo | Constellation::Beidou, 1) => 1_575.42e6,
-        (Constellation::Gps, 2) => 1_227.6e6,
-        (Constellation::Gps | Constellation::Galileo | Constellation::Beidou, 5) => 1_176.45e6,
-        (Constellation::Galileo | Constellation::Beidou, 7) => 1_207.14e6,
-        (Constellation::Beidou, 2) => 1_561.098e6,
-        (Constellation::Beidou, 6) => 1_268.52e6,
-        (Constellation::Glonass, 1) => 1602.0e6 + f64::from(slot) * 562.5e3,
-        (Constellation::Glonass, 2) => 1246.0e6 + f64::from(slot) * 437.5e3,
-        _ => return None,
-    };
-    Some(-signal.doppler_hz? * SPEED_OF_LIGHT_M_S / frequency_hz)
+    Some(-signal.doppler_hz? * SPEED_OF_LIGHT_M_S / signal.frequency_hz(system, slot)?)
 }
 
 /// Returns the difference of a signal's rate from its satellite's rough one, if it fits the field.
