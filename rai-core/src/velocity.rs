@@ -101,7 +101,6 @@ impl Velocity {
 /// Reason why there is no velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum VelocityError {
     /// Fewer than five usable rates, so that no test is possible.
     Redundancy,

@@ -73,6 +73,24 @@
 //! enables the feature `alloc` (or `std`) of `embedded-io`. The receiver writes complete sentences,
 //! and calls `write` until all bytes are taken.
 //!
+//! # Stability
+//!
+//! Reasons, settings, events, errors and refusals are `#[non_exhaustive]`, as in [`raim_core`]: a
+//! minor version may add one, and a `match` on them needs an arm `_`. This holds however many
+//! crates of a program use both libraries:
+//!
+//! ```compile_fail,E0004
+//! use raim_core::report::Alert;
+//!
+//! fn is_of_the_receiver(alert: Alert) -> bool {
+//!     match alert { // no arm `_`
+//!         Alert::Spoofed => true,
+//!         Alert::Fault | Alert::Ambiguous | Alert::Time | Alert::Stale | Alert::Jump => false,
+//!         Alert::Clock | Alert::Track | Alert::Source => false,
+//!     }
+//! }
+//! ```
+//!
 //! # What this crate does not do
 //!
 //! It does not track signals, smooth with carrier phase, use SBAS or corrections of a network, or

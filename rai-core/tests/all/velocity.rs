@@ -2,13 +2,13 @@
 #![allow(clippy::expect_used, clippy::indexing_slicing)]
 
 use nalgebra::Vector3;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::levels::KFactors;
-use raim_core::least_squares::Workspace;
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::levels::KFactors;
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
+use raim_core::internals::velocity::{RangeRate, Velocity, VelocityError, estimate};
 use raim_core::satellite::{Constellation, SatelliteId};
-use raim_core::velocity::{RangeRate, Velocity, VelocityError, estimate};
 
 use crate::sky::CAPACITY;
 

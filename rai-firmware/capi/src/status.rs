@@ -136,6 +136,7 @@ pub(crate) fn of_refused_range(error: EpochError) -> rai_status_t {
         EpochError::Sigma { .. } => RAI_STATUS_SIGMA,
         EpochError::Duplicate => RAI_STATUS_DUPLICATE,
         EpochError::Full => RAI_STATUS_FULL,
+        _ => RAI_STATUS_SETTING,
     }
 }
 

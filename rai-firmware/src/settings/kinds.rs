@@ -7,7 +7,7 @@ use super::number::plain;
 use super::read::{Values, next, next_number, next_whole};
 use super::value::{Ranges, Spelled, Take, Value, range};
 
-pub use raim_core::integrity::raim::levels::Levels;
+pub use raim_core::internals::integrity::raim::levels::Levels;
 pub use raim_core::monitor::Noise;
 
 /// Choice of ranges of a satellite that offers two frequencies.

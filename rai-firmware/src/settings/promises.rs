@@ -11,8 +11,8 @@
 //! | `P_sat` | [`IsmParameters::satellite_fault`] | 0, or 1e-12 to 0.1 | – |
 //! | `P_const` | [`IsmParameters::constellation_fault`] | the same | – |
 
+use raim_core::internals::weighting::{Ism, IsmParameters};
 use raim_core::satellite::Constellation;
-use raim_core::weighting::{Ism, IsmParameters};
 
 use super::Refusal;
 use super::number::{plain, signed_scientific};

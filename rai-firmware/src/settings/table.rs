@@ -20,9 +20,9 @@
 //!
 //! [IS-GPS-200]: crate#references
 
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::numeric::probability::Probability;
 use raim_core::monitor::Method;
-use raim_core::numeric::probability::Probability;
 use raim_core::requirements::Requirements;
 
 use super::ionosphere;

@@ -2,7 +2,7 @@
 
 use crate::walker::{self, Ionosphere, TOE, range_m, satellite};
 use raim_core::epoch::Epoch;
-use raim_core::monitor::{Monitor, MonitorWorkspace};
+use raim_core::monitor::{Monitor, MonitorMemory};
 use raim_core::requirements::Requirements;
 use raim_firmware::correction::{CAPACITY, Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
 use raim_firmware::ephemeris::{Ephemeris, Store};
@@ -42,7 +42,7 @@ fn cost(sky: &Sky, ranges: Ranges, noise: f32) -> f64 {
     let mut epoch = Epoch::new(0.0);
     let site = Site::new(receiver(), TOE, NO_MASK_RAD, Klobuchar::new(CALM)).with_ranges(ranges);
     site.correct(sky, &mut Tally::default().ranges, &mut epoch);
-    let levels = monitor.levels(&epoch, receiver(), noise, &mut MonitorWorkspace::new()).unwrap();
+    let levels = monitor.levels(&epoch, receiver(), noise, &mut MonitorMemory::new()).unwrap();
     (levels.hpl_m / 40.0).max(levels.vpl_m / 50.0)
 }
 

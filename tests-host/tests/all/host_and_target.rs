@@ -7,10 +7,10 @@
 
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::{Ecef, Enu, LocalFrame};
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
-use raim_core::integrity::raim::isolation::parity;
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::integrity::raim::isolation::parity;
+use raim_core::internals::numeric::real::Real;
 use raim_core::monitor::{Method, Monitor, Strategy};
-use raim_core::numeric::real::Real;
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::correction::CAPACITY;
@@ -73,12 +73,12 @@ impl Life {
         let mut monitor =
             Monitor::<T, CAPACITY>::new(Requirements::non_precision_approach()).expect("in the tables");
         monitor
-            .set_strategy(Strategy {
-                method: METHODS[method],
-                policy: POLICIES[policy],
-                clock_aid,
-                ..Strategy::CLASSIC
-            })
+            .set_strategy(
+                Strategy::CLASSIC
+                    .with_method(METHODS[method])
+                    .with_policy(POLICIES[policy])
+                    .with_clock_aid(clock_aid),
+            )
             .expect("every method is built in");
         monitor.start_from(self.start);
         self.epochs.iter().map(|epoch| format!("{:?}", monitor.process(epoch))).collect()

@@ -3,19 +3,19 @@
 use core::hint::black_box;
 
 use heapless::Vec;
-use raim_core::clock::{CoastingClock, WINDOW};
 use raim_core::frame::Ecef;
-use raim_core::integrity::araim::{Allocation, AraimScratch, Prior, Priors};
-use raim_core::integrity::raim::detection::detect;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
-use raim_core::integrity::raim::isolation::{parity, ransac};
-use raim_core::integrity::raim::levels::{LevelInputs, largest_slopes};
-use raim_core::least_squares::{Snapshot, Workspace};
+use raim_core::internals::clock::{CoastingClock, WINDOW};
+use raim_core::internals::integrity::araim::{Allocation, AraimScratch, Prior, Priors};
+use raim_core::internals::integrity::raim::detection::detect;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
+use raim_core::internals::integrity::raim::isolation::{parity, ransac};
+use raim_core::internals::integrity::raim::levels::{LevelInputs, largest_slopes};
+use raim_core::internals::least_squares::{Snapshot, Workspace};
+use raim_core::internals::numeric::real::Real;
+use raim_core::internals::weighting::Ism;
 use raim_core::monitor::{Method, Monitor, Strategy};
-use raim_core::numeric::real::Real;
 use raim_core::requirements::Requirements;
-use raim_core::weighting::Ism;
 use raim_single::{CAPACITY, stages};
 
 use crate::answer::Answers;
@@ -240,12 +240,10 @@ fn policy(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
 /// Each gives an answer.
 #[inline(never)]
 fn judge<T: Precision>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
-    let strategy = Strategy {
-        method: method_of(input.byte()?)?,
-        policy: policy_of(input.byte()?)?,
-        clock_aid: input.byte()? == 1,
-        ..Strategy::CLASSIC
-    };
+    let strategy = Strategy::CLASSIC
+        .with_method(method_of(input.byte()?)?)
+        .with_policy(policy_of(input.byte()?)?)
+        .with_clock_aid(input.byte()? == 1);
     let mut monitor = Monitor::<T, CAPACITY>::new(requirements()).ok()?;
     monitor.set_strategy(strategy).ok()?;
     monitor.start_from(start(point(&mut input)?));

@@ -5,7 +5,7 @@
 
 use raim::signal::sky::Site;
 use raim_core::epoch::Epoch;
-use raim_core::least_squares::Workspace;
+use raim_core::internals::least_squares::Workspace;
 use raim_firmware::correction::{self, CAPACITY, Sky, Tally, locate};
 use raim_firmware::ephemeris::Store;
 use raim_firmware::input::{Event, Input};
