@@ -7,7 +7,7 @@ use core::ffi::CStr;
 use crate::report::Verdict;
 
 macro_rules! reasons {
-    ($($(#[$about:meta])* $state:ident {
+    ($($(#[$about:meta])* $state:ident $letter:literal {
         $($(#[$when:meta])* $reason:ident = $code:literal $word:literal,)+
     })+) => {
         $(
@@ -28,8 +28,14 @@ macro_rules! reasons {
 
             /// Returns the word of the reason: `OK`, `FAULT`, `NOFIX`.
             pub const fn word(self) -> &'static str {
+                self.words().1
+            }
+
+            /// Returns the letter of the state, `P`, `A` or `U`, and the word of the reason.
+            #[doc(hidden)]
+            pub const fn words(self) -> (&'static str, &'static str) {
                 match self {
-                    $($(Self::$state($state::$reason) => $word,)+)+
+                    $($(Self::$state($state::$reason) => ($letter, $word),)+)+
                 }
             }
 
@@ -62,7 +68,7 @@ const fn terminated(word: &'static str) -> &'static CStr {
 
 reasons! {
     /// Reason why a position is protected.
-    Protected {
+    Protected "P" {
         /// All satellites agree.
         Ok = 1 "OK",
         /// The satellites agree after the faulty ones were left out.
@@ -70,7 +76,7 @@ reasons! {
     }
 
     /// Reason why a position must not be used.
-    Alert {
+    Alert "A" {
         /// A fault was detected and could not be isolated.
         Fault = 32 "FAULT",
         /// Several exclusions explain the data equally well, or a contradiction points to no satellite:
@@ -98,7 +104,7 @@ reasons! {
     }
 
     /// Reason why a position has no integrity.
-    Unavailable {
+    Unavailable "U" {
         /// Too few satellites for a position, or the fix did not converge.
         NoFix = 64 "NOFIX",
         /// There is no redundancy to test the position with.

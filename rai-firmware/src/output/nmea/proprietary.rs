@@ -55,16 +55,6 @@ const FULL: Precision = Precision { ratio_decimals: 3, ratio_width: 9, metre_dec
 /// Precision for extreme values, which always fits.
 const COARSE: Precision = Precision { ratio_decimals: 1, ratio_width: 5, metre_decimals: 0, metre_width: 6 };
 
-/// Returns state and reason of `PRAIS`.
-const fn words(verdict: Verdict) -> (&'static str, &'static str) {
-    let state = match verdict {
-        Verdict::Protected(_) => "P",
-        Verdict::Alert(_) => "A",
-        Verdict::Unavailable(_) => "U",
-    };
-    (state, verdict.word())
-}
-
 /// Writes `PRAIS`: the verdict and its numbers.
 pub(super) fn write_state<W: Write, const N: usize>(
     statement: &Statement<'_, N>,
@@ -236,7 +226,7 @@ pub fn write_losses<W: Write>(losses: &Losses, out: &mut W) -> Result<(), W::Err
 
 /// Returns a `PRAIS` with time, state and reason.
 fn heading(time: Option<TimeOfDay>, verdict: Verdict) -> Sentence {
-    let (state, reason) = words(verdict);
+    let (state, reason) = verdict.words();
     let mut sentence = Sentence::new("PRAIS");
     sentence.time(time).ready(state.as_bytes()).ready(reason.as_bytes());
     sentence
