@@ -227,3 +227,8 @@ pub use monitor::Monitor;
 pub use report::{Report, Verdict};
 pub use requirements::Requirements;
 pub use satellite::{Constellation, SatelliteId};
+
+/// The example of the readme.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

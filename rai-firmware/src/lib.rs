@@ -166,3 +166,8 @@ pub mod selftest;
 pub mod settings;
 pub mod time;
 pub mod timed_ring;
+
+/// The example of the readme.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

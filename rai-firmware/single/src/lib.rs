@@ -112,3 +112,8 @@ pub fn velocity(
 ) -> Result<velocity::Velocity, VelocityError> {
     velocity::estimate(workspace, rates, thresholds, factors)
 }
+
+/// The example of the readme.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
