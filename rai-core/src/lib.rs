@@ -89,12 +89,13 @@
 //! variant does not break a program: a `match` on them needs an arm `_`. Only [`Verdict`] has three
 //! states for good. Hidden items may change in any version.
 //!
-//! ```compile_fail,E0004
-//! fn text(reason: raim_core::report::Protected) -> &'static str {
-//!     use raim_core::report::Protected;
-//!     match reason { // no arm `_`
+//! ```
+//! # use raim_core::report::Protected;
+//! fn text(reason: Protected) -> &'static str {
+//!     match reason {
 //!         Protected::Ok => "all satellites agree",
 //!         Protected::Excluded => "those left agree",
+//!         _ => "protected", // without this arm it does not compile
 //!     }
 //! }
 //! ```

@@ -14,6 +14,7 @@ use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 
 pub use crate::reasons::{Alert, Protected, Unavailable};
+pub use crate::velocity::Velocity;
 
 /// Largest number of single satellites that may be left out of one epoch, because the sources treat
 /// at most 3 faults ([Tian2024]). Whole systems may be left out besides.

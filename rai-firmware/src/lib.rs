@@ -76,17 +76,18 @@
 //! # Stability
 //!
 //! Reasons, settings, events, errors and refusals are `#[non_exhaustive]`, as in [`raim_core`]: a
-//! minor version may add one, and a `match` on them needs an arm `_`. This holds however many
-//! crates of a program use both libraries:
+//! minor version may add one, and a `match` on them needs an arm `_`. This holds for a program that
+//! uses both libraries, too:
 //!
-//! ```compile_fail,E0004
-//! use raim_core::report::Alert;
-//!
-//! fn is_of_the_receiver(alert: Alert) -> bool {
-//!     match alert { // no arm `_`
-//!         Alert::Spoofed => true,
+//! ```
+//! # use raim_core::report::Alert;
+//! # use raim_firmware::settings::Phase;
+//! fn is_of_the_receiver(alert: Alert, phase: Phase) -> bool {
+//!     match alert {
+//!         Alert::Spoofed => phase != Phase::EnRoute,
 //!         Alert::Fault | Alert::Ambiguous | Alert::Time | Alert::Stale | Alert::Jump => false,
 //!         Alert::Clock | Alert::Track | Alert::Source => false,
+//!         _ => false, // without this arm it does not compile
 //!     }
 //! }
 //! ```
@@ -145,25 +146,35 @@ extern crate std;
 
 pub mod bit_rate;
 pub mod board;
+#[doc(hidden)]
 pub mod correction;
 pub mod counters;
+#[doc(hidden)]
 pub mod division;
+#[doc(hidden)]
 pub mod ephemeris;
 pub mod epoch_loop;
 pub mod input;
 mod known_place;
 mod median;
+#[doc(hidden)]
 pub mod navigator;
 pub mod outlet;
+#[doc(hidden)]
 pub mod output;
 pub mod pin;
+#[doc(hidden)]
 pub mod publisher;
+#[doc(hidden)]
 pub mod rates;
+#[doc(hidden)]
 pub mod raw;
 pub mod receiver;
 pub mod ring;
+#[doc(hidden)]
 pub mod selftest;
 pub mod settings;
+#[doc(hidden)]
 pub mod time;
 pub mod timed_ring;
 
@@ -171,3 +182,19 @@ pub mod timed_ring;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// The example under *Stability* without its last arm, which is all that can fail to compile.
+///
+/// ```compile_fail,E0004
+/// # use raim_core::report::Alert;
+/// # use raim_firmware::settings::Phase;
+/// fn is_of_the_receiver(alert: Alert, phase: Phase) -> bool {
+///     match alert {
+///         Alert::Spoofed => phase != Phase::EnRoute,
+///         Alert::Fault | Alert::Ambiguous | Alert::Time | Alert::Stale | Alert::Jump => false,
+///         Alert::Clock | Alert::Track | Alert::Source => false,
+///     }
+/// }
+/// ```
+#[cfg(doctest)]
+struct MatchWithoutLastArm;

@@ -28,7 +28,8 @@ type Stored = Object<Receiver<MemoryPin>, 2>;
 /// Makes a receiver in place, behind an exclusive reference, so that it is not on the stack first.
 #[inline(never)]
 fn make(place: &mut MaybeUninit<Receiver<MemoryPin>>) -> Result<(), rai_status_t> {
-    let boot = Boot { clock_error_ppm: Boot::WITHOUT_CRYSTAL_PPM, ..Boot::on_host("library") };
+    let mut boot = Boot::on_host("library");
+    boot.clock_error_ppm = Boot::WITHOUT_CRYSTAL_PPM;
     Receiver::place(place, MemoryPin::default(), boot).map(|_| ()).map_err(refusal_of)
 }
 

@@ -43,6 +43,7 @@ const LEAST_WATCHED: f64 = 2e-8;
 
 /// Preset of the integrity parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Preset {
     /// [`Ism::ICAO`].
     Icao,

@@ -9,6 +9,7 @@ use crate::output::nmea::write_refusal;
 
 /// Reason for which a command changed nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Refusal {
     /// The checksum is missing or does not match.
     Checksum,

@@ -191,6 +191,7 @@ fn an_autopilot_gets_no_position_that_is_not_protected() {
     for (verdict, has_position, [fix_type, raim_state, system_status]) in cases {
         let mut report = report(verdict);
         if !has_position {
+            report.solution = None;
             report.used.clear();
         }
         let Some(have) =

@@ -50,11 +50,7 @@ fn hear() -> Heard {
                 store.insert(ephemeris, None);
             }
             Event::Epoch(raw, _) => epochs.push(raw.clone()),
-            Event::Redated(_)
-            | Event::Position(_)
-            | Event::Ionosphere(..)
-            | Event::SelfReport(_)
-            | Event::Rivalry(_) => {}
+            _ => {}
         });
     }
     assert!(epochs.len() >= 3, "{} epochs", epochs.len());

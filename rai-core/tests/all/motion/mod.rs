@@ -4,7 +4,6 @@
 
 mod steering;
 
-use heapless::Vec;
 use raim_core::frame::{Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
 use raim_core::internals::continuity::Motion;
 use raim_core::internals::velocity::{Velocity, VelocityError};
@@ -54,14 +53,11 @@ fn velocity(epoch: Epoch) -> Velocity {
     let begin = Geodetic { latitude_rad: 0.8, longitude_rad: 0.1, height_m: 100.0 }.to_ecef();
     let along = LocalFrame::at(begin).unrotate(Enu { east: epoch.speed_m_s, north: 0.0, up: 0.0 });
     let Enu { east, north, up } = LocalFrame::at(solution(epoch).position).rotate(along);
-    Velocity {
-        east_north_up_m_s: [east, north, up],
-        covariance_m2_s2: [0.01; 6],
-        drift_m_s: epoch.drift_m_s,
-        test: TestStatistic::new(1.0, 2.0, 5),
-        levels_m_s: ProtectionLevels::new(0.5, 1.0),
-        excluded: Vec::new(),
-    }
+    let mut velocity = Velocity::zero(TestStatistic::new(1.0, 2.0, 5), ProtectionLevels::new(0.5, 1.0));
+    velocity.east_north_up_m_s = [east, north, up];
+    velocity.covariance_m2_s2 = [0.01; 6];
+    velocity.drift_m_s = epoch.drift_m_s;
+    velocity
 }
 
 /// Returns the contradictions of a series with their times, s.

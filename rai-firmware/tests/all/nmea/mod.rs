@@ -190,7 +190,9 @@ fn each_verdict_has_its_navigational_status_state_and_reason() {
     for (verdict, has_position, status, state, reason) in cases {
         let mut report = report();
         report.verdict = verdict;
-        if !has_position {}
+        if !has_position {
+            report.solution = None;
+        }
         let lines = sentences(&report, &npa());
         assert_eq!(fields(&lines, "GNGNS").last(), Some(&status), "{verdict:?}");
         assert_eq!(fields(&lines, "PRAIS")[1..3], [state, reason], "{verdict:?}");
@@ -216,6 +218,10 @@ fn an_alert_is_no_fix_to_a_reader_of_gsa() {
 fn without_a_position_every_number_is_missing() {
     let mut report = report();
     report.verdict = Verdict::Unavailable(Unavailable::NoFix);
+    report.solution = None;
+    report.test = None;
+    report.protection = None;
+    report.suspect = None;
     report.used.clear();
     report.tracked = 3;
     let have = sentences(&report, &npa());

@@ -46,7 +46,7 @@ impl Accepter {
             }
             Event::Epoch(raw, _) => said = judge(raw, store, *mask_rad, time_s, site),
             Event::Redated(present) => store.redate(present),
-            Event::Position(_) | Event::Ionosphere(..) | Event::SelfReport(_) | Event::Rivalry(_) => {}
+            _ => {}
         });
         said
     }

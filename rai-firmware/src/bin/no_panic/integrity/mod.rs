@@ -360,6 +360,7 @@ fn continuity() {
         ContinuitySettings::validate as fn(_) -> _,
         Recovery::is_met as fn(_, _, _, _) -> _,
         Velocity::is_within as fn(_, _) -> _,
+        Velocity::zero as fn(_, _) -> _,
         Velocity::speed_m_s as fn(_) -> _,
         Motion::new as fn() -> _,
         <Motion as Default>::default as fn() -> _,
