@@ -19,6 +19,7 @@ use core::fmt;
 /// Risks that an operation permits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Allocation {
     /// Probability of hazardously misleading information that is allotted to the vertical level.
     pub integrity_vertical: f64,
@@ -83,11 +84,10 @@ impl Allocation {
         }
     }
 
-    unstable! {
-        /// Returns `PHMI`, that of both levels together.
-        pub const fn integrity(&self) -> f64 {
-            self.integrity_vertical + self.integrity_horizontal
-        }
+    /// Returns `PHMI`, that of both levels together.
+    #[doc(hidden)]
+    pub const fn integrity(&self) -> f64 {
+        self.integrity_vertical + self.integrity_horizontal
     }
 
     /// Checks every field once: probabilities in (0, 0.5), consolidation in [0, 1].

@@ -64,7 +64,7 @@ pub struct Observation {
 /// Outside knowledge that adds a row to those of the satellites.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub enum Aiding {
     /// A predicted receiver clock of one constellation ([Chen2009]).
     ///
@@ -89,7 +89,7 @@ pub enum Aiding {
 /// Reason why an observation or an aiding row was refused. The epoch is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub enum EpochError {
     /// The range is not finite or beyond ±1e9 m.
     Range(f64),
@@ -224,27 +224,25 @@ impl<const N: usize> Epoch<N> {
         self.shared.push(shared).map_err(|_| EpochError::Full)
     }
 
-    unstable! {
-        /// Sets the receiver's part of the variance of the satellite that was added last, m². The
-        /// monitor raises this part if residuals show that it is too small. Before, it is the whole
-        /// variance.
-        pub fn set_receiver_m2(&mut self, receiver_m2: f32) {
-            if let (Some(part), Some(last)) = (self.receiver.last_mut(), self.observations.last()) {
-                let sigma_m = last.sigma_m as f32;
-                // Rounded up, so that a small part is not 0. The cast saturates.
-                *part = (255.0 * receiver_m2 / (sigma_m * sigma_m) + 1.0) as u8;
-            }
+    /// Sets the receiver's part of the variance of the satellite that was added last, m². The
+    /// monitor raises this part if residuals show that it is too small. Before, it is the whole
+    /// variance.
+    #[doc(hidden)]
+    pub fn set_receiver_m2(&mut self, receiver_m2: f32) {
+        if let (Some(part), Some(last)) = (self.receiver.last_mut(), self.observations.last()) {
+            let sigma_m = last.sigma_m as f32;
+            // Rounded up, so that a small part is not 0. The cast saturates.
+            *part = (255.0 * receiver_m2 / (sigma_m * sigma_m) + 1.0) as u8;
         }
     }
 
-    unstable! {
-        /// Multiplies the receiver's part of each variance by the factor with which the epoch was
-        /// judged ([`EpochOutcome::noise`](crate::monitor::EpochOutcome::noise)).
-        pub fn change_noise(&mut self, noise: f32) {
-            if changes(noise) {
-                for (seen, part) in self.observations.iter_mut().zip(&self.receiver) {
-                    seen.sigma_m *= growth(noise, share(*part));
-                }
+    /// Multiplies the receiver's part of each variance by the factor with which the epoch was
+    /// judged ([`EpochOutcome::noise`](crate::monitor::EpochOutcome::noise)).
+    #[doc(hidden)]
+    pub fn change_noise(&mut self, noise: f32) {
+        if changes(noise) {
+            for (seen, part) in self.observations.iter_mut().zip(&self.receiver) {
+                seen.sigma_m *= growth(noise, share(*part));
             }
         }
     }
@@ -276,12 +274,11 @@ impl<const N: usize> Epoch<N> {
         if self.aiding.iter().any(same_kind) { Err(EpochError::Duplicate) } else { Ok(()) }
     }
 
-    unstable! {
-        /// Returns a view without the capacity.
-        pub fn view(&self) -> EpochView<'_> {
-            let Self { time_s, observations, shared, receiver, aiding } = self;
-            EpochView { time_s: *time_s, observations, shared, receiver, aiding }
-        }
+    /// Returns a view without the capacity.
+    #[doc(hidden)]
+    pub fn view(&self) -> EpochView<'_> {
+        let Self { time_s, observations, shared, receiver, aiding } = self;
+        EpochView { time_s: *time_s, observations, shared, receiver, aiding }
     }
 
     /// Returns the seconds of the caller's continuous time scale.
@@ -305,17 +302,16 @@ impl<const N: usize> Epoch<N> {
     }
 }
 
-unstable! {
-    /// The ranges of one instant as [`crate::integrity`] reads them, without the capacity of their
-    /// storage.
-    #[derive(Clone, Copy, Debug, PartialEq)]
-    pub struct EpochView<'e> {
-        time_s: f64,
-        observations: &'e [Observation],
-        shared: &'e [SharedError],
-        receiver: &'e [u8],
-        aiding: &'e [Aiding],
-    }
+/// The ranges of one instant as [`crate::integrity`] reads them, without the capacity of their
+/// storage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[doc(hidden)]
+pub struct EpochView<'e> {
+    time_s: f64,
+    observations: &'e [Observation],
+    shared: &'e [SharedError],
+    receiver: &'e [u8],
+    aiding: &'e [Aiding],
 }
 
 /// Returns a part that is stored in 255ths.

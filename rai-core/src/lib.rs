@@ -18,8 +18,8 @@
 //! | 7 | [`monitor`] → [`report`] | May the position be used? |
 //!
 //! The ten types at the root and the six modules [`epoch`], [`frame`], [`monitor`], [`report`],
-//! [`requirements`] and [`satellite`] are the interface of the crate. All other modules are behind
-//! the feature `unstable`.
+//! [`requirements`] and [`satellite`] are the interface of the crate. Everything else is hidden from
+//! this documentation, and may change in any version.
 //!
 //! Further modules: [`least_squares::downdate`] (the solution without any set of satellites),
 //! [`weighting`] (the error model), [`clock`] (a forecast of the receiver clock as one more row),
@@ -68,8 +68,7 @@
 //!
 //! # Features
 //!
-//! A feature only adds. If another crate of the program enables a feature, no type changes. Only
-//! `unstable` is an exception.
+//! A feature only adds. If another crate of the program enables a feature, no type changes.
 //!
 //! | feature | default | effect |
 //! |---|---|---|
@@ -81,16 +80,25 @@
 //! | `hypotheses` | yes | tests explanations beyond single satellites: a wrong time tag, or a system that is shifted or broken as a whole |
 //! | `aiding` | yes | rows that are no satellites (forecast of the receiver clock, known height), and sigmas scaled by residuals; without it an epoch has no room for such rows |
 //! | `double-tables` | yes | thresholds in double precision; without it in single precision |
-//! | `unstable` | no | the modules behind the interface, which may change in any version: pin the exact version |
 //! | `defmt` | no | `defmt::Format` on public types |
 //!
 //! # Stability
 //!
 //! A breaking change of the interface is a new minor version, and the changelog marks it. Reports,
-//! reasons, errors and strategies are `#[non_exhaustive]`, so that a new field or variant does not
-//! break a program; [`Verdict`] is exhaustive. Items behind the feature `unstable` may change in
-//! any version. That feature also makes those types exhaustive, so that a program that pins this
-//! version can match them.
+//! reasons, errors, constellations and settings are `#[non_exhaustive]`, so that a new field or
+//! variant does not break a program: a `match` on them needs an arm `_`. Only [`Verdict`] has three
+//! states for good. Hidden items may change in any version.
+//!
+//! ```
+//! # use raim_core::report::Protected;
+//! fn text(reason: Protected) -> &'static str {
+//!     match reason {
+//!         Protected::Ok => "all satellites agree",
+//!         Protected::Excluded => "those left agree",
+//!         _ => "protected", // without this arm it does not compile
+//!     }
+//! }
+//! ```
 //!
 //! # Minimum supported Rust version
 //!
@@ -165,67 +173,53 @@
 #![forbid(unsafe_code)]
 #![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![warn(clippy::missing_panics_doc)]
-// Items that `unstable` exposes are unused without it.
-#![cfg_attr(not(feature = "unstable"), allow(dead_code, unreachable_pub, unused_imports))]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 #[cfg(any(test, doctest))]
 extern crate std;
 
-/// Makes an item public with the feature `unstable`, and visible within the crate without it.
-macro_rules! unstable {
-    ($(#[$attribute:meta])* pub $($item:tt)*) => {
-        $(#[$attribute])*
-        #[cfg(feature = "unstable")]
-        pub $($item)*
-        $(#[$attribute])*
-        #[cfg(not(feature = "unstable"))]
-        pub(crate) $($item)*
+/// Declares a setter for each named field of a type whose fields may grow.
+macro_rules! setters {
+    ($($setter:ident($field:ident: $type:ty))+) => {
+        $(
+            #[doc = concat!("Returns the same with another `", stringify!($field), "`.")]
+            #[must_use]
+            pub const fn $setter(self, $field: $type) -> Self {
+                Self { $field, ..self }
+            }
+        )+
     };
 }
 
+mod allocation;
 mod bit_set;
 mod bounded;
+mod clock;
+mod continuity;
 pub mod epoch;
 pub mod frame;
+mod integrity;
+mod least_squares;
 pub mod monitor;
+mod numeric;
+mod reasons;
 pub mod report;
 pub mod requirements;
 pub mod satellite;
-
-// Not part of the stable interface; users of the six modules above do not need these.
-#[cfg(feature = "unstable")]
-pub mod allocation;
-#[cfg(not(feature = "unstable"))]
-mod allocation;
-#[cfg(feature = "unstable")]
-pub mod clock;
-#[cfg(not(feature = "unstable"))]
-mod clock;
-#[cfg(feature = "unstable")]
-pub mod continuity;
-#[cfg(not(feature = "unstable"))]
-mod continuity;
-#[cfg(feature = "unstable")]
-pub mod integrity;
-#[cfg(not(feature = "unstable"))]
-mod integrity;
-#[cfg(feature = "unstable")]
-pub mod least_squares;
-#[cfg(not(feature = "unstable"))]
-mod least_squares;
-#[cfg(feature = "unstable")]
-pub mod numeric;
-#[cfg(not(feature = "unstable"))]
-mod numeric;
-#[cfg(feature = "unstable")]
-pub mod velocity;
-#[cfg(not(feature = "unstable"))]
 mod velocity;
-#[cfg(feature = "unstable")]
-pub mod weighting;
-#[cfg(not(feature = "unstable"))]
 mod weighting;
+
+/// What the firmware, the tests and the tools use beside the interface. Anything in it may change in
+/// any version.
+#[doc(hidden)]
+pub mod internals {
+    macro_rules! open {
+        ($($module:ident)+) => {
+            $(pub mod $module { pub use crate::$module::*; })+
+        };
+    }
+    open! { allocation clock continuity integrity least_squares numeric velocity weighting }
+}
 
 pub use epoch::{Epoch, Observation};
 pub use frame::Ecef;
@@ -234,3 +228,8 @@ pub use monitor::Monitor;
 pub use report::{Report, Verdict};
 pub use requirements::Requirements;
 pub use satellite::{Constellation, SatelliteId};
+
+/// The example of the readme.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

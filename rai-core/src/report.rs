@@ -13,6 +13,9 @@ use crate::numeric::real::Real;
 use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 
+pub use crate::reasons::{Alert, Protected, Unavailable};
+pub use crate::velocity::Velocity;
+
 /// Largest number of single satellites that may be left out of one epoch, because the sources treat
 /// at most 3 faults ([Tian2024]). Whole systems may be left out besides.
 ///
@@ -42,97 +45,10 @@ pub enum Verdict {
     Unavailable(Unavailable),
 }
 
-/// Reason why a position is protected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
-pub enum Protected {
-    /// All satellites agree.
-    Ok,
-    /// The satellites agree after the faulty ones were left out.
-    Excluded,
-}
-
-/// Reason why a position must not be used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
-pub enum Alert {
-    /// A fault was detected and could not be isolated.
-    Fault,
-    /// Several exclusions explain the data equally well, or a contradiction points to no satellite:
-    /// two systems contradict each other, a height contradicts the satellites, or two receivers
-    /// send.
-    Ambiguous,
-    /// A wrong time tag of all ranges explains the data, and no exclusion does better.
-    Time,
-    /// No epoch was judged within the time to alert. The firmware sets this reason, because it has
-    /// a clock.
-    Stale,
-    /// Since the position was last protected, it moved farther than the receiver can. The
-    /// satellites agree by chance, or they are counterfeit.
-    Jump,
-    /// The receiver clock contradicts its measured drift or, if there are no range rates, its own
-    /// past. The cause is a second receiver, a repeater or counterfeit signals.
-    Clock,
-    /// The motion of the position contradicts its measured velocity.
-    Track,
-    /// No epoch of the receiver in use was judged within the time to alert, while epochs of another
-    /// station or in another format arrive. The firmware sets this reason.
-    Source,
-    /// The GNSS receiver reports counterfeit signals. The firmware sets this reason.
-    Spoofed,
-}
-
-/// Reason why a position has no integrity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
-pub enum Unavailable {
-    /// Too few satellites for a position, or the fix did not converge.
-    NoFix,
-    /// There is no redundancy to test the position with.
-    Redundancy,
-    /// The satellites' geometry is singular, or a satellite that moves the position cannot be
-    /// tested.
-    Geometry,
-    /// No threshold meets the probabilities of both false alarm and missed detection (`τ1 ≥ τ2`).
-    Risk,
-    /// The horizontal protection level exceeds the alert limit. Under `Policy::T1`, except for
-    /// ARAIM, it exceeds `guard_fraction` times the limit.
-    Hpl,
-    /// The vertical protection level exceeds the alert limit. Under `Policy::T1`, except for ARAIM,
-    /// it exceeds `guard_fraction` times the limit.
-    Vpl,
-    /// The effective monitor threshold of ARAIM exceeds its limit.
-    Emt,
-    /// The vertical accuracy of ARAIM exceeds its limit.
-    Accuracy,
-    /// The search ended without a result, because it exceeded its work budget.
-    Budget,
-    /// There is no position, and at least one range was refused as implausible. The firmware sets
-    /// this reason.
-    Input,
-    /// The satellites agree again after an alert, but not yet for long enough.
-    Recovering,
-    /// No receiver can be at this height or place, or the position contradicts the known place.
-    Place,
-    /// The residuals of the last minute contradict the sigmas. Or the satellites that remain after
-    /// an exclusion hardly agree.
-    Sigmas,
-    /// The self-test computed a wrong result. The firmware sets this reason and the next two.
-    SelfTest,
-    /// Ranges came without orbits.
-    Ephemeris,
-    /// After an unexpected restart the settings are those at start, and the user has not confirmed
-    /// them. Or a command has changed a setting that a promise depends on.
-    Settings,
-}
-
 /// A position with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub struct Solution {
     /// Earth-fixed position.
     pub position: Ecef,
@@ -142,6 +58,7 @@ pub struct Solution {
     pub covariance_m2: [f64; 6],
     /// Receiver clock times the speed of light for each constellation id, m; `None` for a
     /// constellation without a satellite.
+    #[doc(hidden)]
     pub clocks_m: [Option<f64>; Constellation::COUNT],
     /// Horizontal dilution of precision, dimensionless.
     pub hdop: f64,
@@ -150,15 +67,28 @@ pub struct Solution {
 }
 
 impl Solution {
+    /// Returns a position without uncertainty and clocks.
+    #[doc(hidden)]
+    pub const fn at(position: Ecef, geodetic: Geodetic) -> Self {
+        let clocks_m = [None; Constellation::COUNT];
+        Self { position, geodetic, covariance_m2: [0.0; 6], clocks_m, hdop: 0.0, vdop: 0.0 }
+    }
+
+    /// Returns the receiver clock times the speed of light, m, by the time scale of a constellation;
+    /// `None` without a satellite of it.
+    pub fn clock_m(&self, constellation: Constellation) -> Option<f64> {
+        *self.clocks_m.get(constellation as usize)?
+    }
+
     /// Returns the residual of a range at this position, m: the range minus the distance and the
     /// receiver clock. `None` if the satellite's constellation has no clock.
     ///
     /// The residual of a range that is too long is positive. That of an excluded satellite is its
     /// estimated bias. `T` is the scalar for directions, as in [`Monitor`](crate::Monitor).
-    #[cfg(feature = "unstable")]
+    #[doc(hidden)]
     pub fn residual_m<T: Real>(&self, observation: &Observation) -> Option<f64> {
         let constellation = observation.satellite.constellation();
-        let clock_m = (*self.clocks_m.get(constellation as usize)?)?;
+        let clock_m = self.clock_m(constellation)?;
         let sight = LinearisationPoint::<T>::at(self.position).sight(observation.position);
         let longer = T::Absolute::of(observation.range_m).less(sight.distance.whole);
         let rest = longer.less(T::Absolute::of(clock_m)).narrow();
@@ -175,7 +105,7 @@ impl Solution {
 /// The global test behind the verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub struct TestStatistic {
     /// `√(SSE/dof)`, dimensionless.
     pub statistic: f64,
@@ -185,6 +115,14 @@ pub struct TestStatistic {
     pub dof: u8,
 }
 
+impl TestStatistic {
+    /// Returns a test that was made.
+    #[doc(hidden)]
+    pub const fn new(statistic: f64, threshold: f64, dof: u8) -> Self {
+        Self { statistic, threshold, dof }
+    }
+}
+
 /// Protection levels, m. Those of classic RAIM bound the effect of one faulty satellite, those of
 /// ARAIM also the effect of several.
 ///
@@ -192,7 +130,7 @@ pub struct TestStatistic {
 /// ([`crate::integrity::raim::levels`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub struct ProtectionLevels {
     /// Horizontal protection level, m.
     pub hpl_m: f64,
@@ -201,39 +139,42 @@ pub struct ProtectionLevels {
 }
 
 impl ProtectionLevels {
-    unstable! {
-        /// Returns the sums of both horizontal and both vertical levels.
-        #[must_use]
-        pub fn plus(&self, other: &Self) -> Self {
-            Self { hpl_m: self.hpl_m + other.hpl_m, vpl_m: self.vpl_m + other.vpl_m }
-        }
+    /// Returns a horizontal and a vertical level, m.
+    #[doc(hidden)]
+    pub const fn new(hpl_m: f64, vpl_m: f64) -> Self {
+        Self { hpl_m, vpl_m }
     }
 
-    unstable! {
-        /// Returns both levels, multiplied by a factor.
-        #[must_use]
-        pub fn times(&self, factor: f64) -> Self {
-            Self { hpl_m: factor * self.hpl_m, vpl_m: factor * self.vpl_m }
-        }
+    /// Returns the sums of both horizontal and both vertical levels.
+    #[must_use]
+    #[doc(hidden)]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self { hpl_m: self.hpl_m + other.hpl_m, vpl_m: self.vpl_m + other.vpl_m }
     }
 
-    unstable! {
-        /// Returns the larger horizontal and the larger vertical level of two; NaN counts as the
-        /// largest.
-        #[must_use]
-        // Not inlined, so that its many callers share one copy.
-        #[inline(never)]
-        pub fn or_larger(&self, other: &Self) -> Self {
-            let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
-            Self { hpl_m: larger(self.hpl_m, other.hpl_m), vpl_m: larger(self.vpl_m, other.vpl_m) }
-        }
+    /// Returns both levels, multiplied by a factor.
+    #[must_use]
+    #[doc(hidden)]
+    pub fn times(&self, factor: f64) -> Self {
+        Self { hpl_m: factor * self.hpl_m, vpl_m: factor * self.vpl_m }
+    }
+
+    /// Returns the larger horizontal and the larger vertical level of two; NaN counts as the
+    /// largest.
+    #[must_use]
+    // Not inlined, so that its many callers share one copy.
+    #[inline(never)]
+    #[doc(hidden)]
+    pub fn or_larger(&self, other: &Self) -> Self {
+        let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+        Self { hpl_m: larger(self.hpl_m, other.hpl_m), vpl_m: larger(self.vpl_m, other.vpl_m) }
     }
 }
 
 /// Results of ARAIM, except for its levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub struct AraimReport {
     /// Number of monitored modes.
     pub modes: u16,
@@ -263,7 +204,7 @@ pub struct AraimReport {
 /// A fault mode by its satellites; empty if the noise of all satellites dominates the level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub struct DominantMode {
     /// Whole constellations, a bit for each id.
     pub constellations: u8,
@@ -274,7 +215,7 @@ pub struct DominantMode {
 /// A satellite with the bias that its w-test suggests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub struct Suspect {
     /// The satellite.
     pub satellite: SatelliteId,
@@ -286,9 +227,18 @@ pub struct Suspect {
     pub bias_sigma_m: f64,
 }
 
+impl Suspect {
+    /// Returns a satellite with its w-test, its bias and the sigma of that, m.
+    #[doc(hidden)]
+    pub const fn new(satellite: SatelliteId, w_test: f64, bias_m: f64, bias_sigma_m: f64) -> Self {
+        Self { satellite, w_test, bias_m, bias_sigma_m }
+    }
+}
+
 /// Comparison of a known height with the satellites of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct HeightReport {
     /// False if the known height contradicts the satellites and was left out.
     pub is_used: bool,
@@ -311,7 +261,7 @@ pub struct HeightReport {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub struct Report<const N: usize> {
     /// The verdict with its reason.
     pub verdict: Verdict,
@@ -347,7 +297,8 @@ impl<const N: usize> Report<N> {
     /// Returns a report without an epoch.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
-    pub(crate) fn nothing() -> Self {
+    #[doc(hidden)]
+    pub fn nothing() -> Self {
         Self {
             verdict: Verdict::Unavailable(Unavailable::NoFix),
             solution: None,

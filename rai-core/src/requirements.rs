@@ -19,13 +19,14 @@ pub use crate::numeric::probability::Probability;
 /// use raim_core::Requirements;
 /// use raim_core::requirements::RequirementsError;
 ///
-/// let mut requirements = Requirements::lpv200();
+/// let requirements = Requirements::lpv200().with_time_to_alert_s(2.0);
 /// assert_eq!((requirements.hal_m, requirements.val_m), (40.0, Some(35.0)));
-/// requirements.hal_m = -1.0;
-/// assert_eq!(requirements.validate(), Err(RequirementsError::HorizontalAlertLimit(-1.0)));
+/// let refused = requirements.with_hal_m(-1.0).validate();
+/// assert_eq!(refused, Err(RequirementsError::HorizontalAlertLimit(-1.0)));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Requirements {
     /// Horizontal alert limit, m.
     pub hal_m: f64,
@@ -110,6 +111,17 @@ impl Requirements {
         requirements.val_m = Some(35.0);
         requirements.allocation = Allocation::vertical_guidance();
         requirements
+    }
+
+    setters! {
+        with_hal_m(hal_m: f64)
+        with_val_m(val_m: Option<f64>)
+        with_false_alarm(false_alarm: Probability)
+        with_missed_detection(missed_detection: Probability)
+        with_fault_free_risk(fault_free_risk: Probability)
+        with_time_to_alert_s(time_to_alert_s: f64)
+        with_guard_fraction(guard_fraction: f64)
+        with_allocation(allocation: Allocation)
     }
 
     /// Checks every field once.

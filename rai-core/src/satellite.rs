@@ -20,7 +20,7 @@ use core::str::FromStr;
 ///
 /// let satellite: SatelliteId = "C07".parse()?;
 /// assert_eq!(satellite.constellation(), Constellation::Beidou);
-/// assert_eq!(Constellation::ALL.map(Constellation::letter), ['G', 'C', 'E', 'R']);
+/// assert!(Constellation::all().map(Constellation::letter).eq(['G', 'C', 'E', 'R']));
 /// # Ok::<(), raim_core::satellite::ParseSatelliteError>(())
 /// ```
 ///
@@ -29,6 +29,7 @@ use core::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
+#[non_exhaustive]
 pub enum Constellation {
     /// Global Positioning System.
     Gps = 0,
@@ -42,10 +43,17 @@ pub enum Constellation {
 
 impl Constellation {
     /// Number of constellations.
+    #[doc(hidden)]
     pub const COUNT: usize = 4;
 
     /// All constellations in ascending id.
+    #[doc(hidden)]
     pub const ALL: [Self; Self::COUNT] = [Self::Gps, Self::Beidou, Self::Galileo, Self::Glonass];
+
+    /// Returns all constellations of this version, in the order of the clocks in every result.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter()
+    }
 
     /// Returns the RINEX letter: `G`, `C`, `E`, `R`.
     pub const fn letter(self) -> char {
@@ -57,11 +65,10 @@ impl Constellation {
         }
     }
 
-    unstable! {
-        /// Returns the constellation of a RINEX letter.
-        pub fn from_letter(letter: char) -> Option<Self> {
-            Self::ALL.into_iter().find(|constellation| constellation.letter() == letter)
-        }
+    /// Returns the constellation of a RINEX letter.
+    #[doc(hidden)]
+    pub fn from_letter(letter: char) -> Option<Self> {
+        Self::ALL.into_iter().find(|constellation| constellation.letter() == letter)
     }
 }
 
@@ -101,15 +108,14 @@ impl SatelliteId {
         if number <= 10 { Self::new(Constellation::Gps, QZSS + number) } else { None }
     }
 
-    unstable! {
-        /// Returns a satellite by the letter and the number of its name.
-        pub fn from_name(letter: char, number: u8) -> Option<Self> {
-            match letter {
-                'J' => Self::qzss(number),
-                _ => Constellation::from_letter(letter)
-                    .filter(|_| number <= 99)
-                    .and_then(|constellation| Self::new(constellation, number)),
-            }
+    /// Returns a satellite by the letter and the number of its name.
+    #[doc(hidden)]
+    pub fn from_name(letter: char, number: u8) -> Option<Self> {
+        match letter {
+            'J' => Self::qzss(number),
+            _ => Constellation::from_letter(letter)
+                .filter(|_| number <= 99)
+                .and_then(|constellation| Self::new(constellation, number)),
         }
     }
 

@@ -64,6 +64,7 @@ pub struct RangeRate<T = f64> {
 
 /// A velocity that passed its test.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Velocity {
     /// East, north, up, m/s.
     pub east_north_up_m_s: [f64; 3],
@@ -80,6 +81,13 @@ pub struct Velocity {
 }
 
 impl Velocity {
+    /// Returns a velocity of zero that passed a test.
+    #[doc(hidden)]
+    pub const fn zero(test: TestStatistic, levels_m_s: ProtectionLevels) -> Self {
+        let (east_north_up_m_s, covariance_m2_s2) = ([0.0; 3], [0.0; 6]);
+        Self { east_north_up_m_s, covariance_m2_s2, drift_m_s: 0.0, test, levels_m_s, excluded: Vec::new() }
+    }
+
     /// Returns the speed, m/s.
     pub fn speed_m_s(&self) -> f64 {
         let [east, north, up] = self.east_north_up_m_s.map(|component_m_s| component_m_s as f32);
@@ -101,7 +109,6 @@ impl Velocity {
 /// Reason why there is no velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
 pub enum VelocityError {
     /// Fewer than five usable rates, so that no test is possible.
     Redundancy,

@@ -6,6 +6,7 @@ macro_rules! counters {
         $(#[$of_struct])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(all(target_os = "none", feature = "cortex-m-board"), derive(defmt::Format))]
+        #[non_exhaustive]
         pub struct $name {
             $($(#[$of_field])* pub $field: u32,)*
         }

@@ -16,7 +16,7 @@
 //! | `d` | horizontal distance of the position from the place | m |
 //! | `k` | [`SIGMAS`] | – |
 //!
-//! A height gives one more row of the equations ([`raim_core::integrity`]), which can itself be the
+//! A height gives one more row of the equations ([`raim_core::internals::integrity`]), which can itself be the
 //! faulty one. Its sigma has a lower bound, so that no height outweighs the satellites: a code
 //! range at the zenith determines the height to about [`LEAST_SIGMA_M`].
 //!
@@ -150,7 +150,8 @@ mod tests {
 
     fn sigma_m(height: HostHeight, now_ms: u64, climb_m_s: f32) -> Option<f64> {
         height.aiding(now_ms, climb_m_s).map(|aiding| match aiding {
-            Aiding::Height { sigma_m, .. } | Aiding::Clock { sigma_m, .. } => sigma_m,
+            Aiding::Height { sigma_m, .. } => sigma_m,
+            other => panic!("{other:?} is no height"),
         })
     }
 

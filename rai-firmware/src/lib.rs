@@ -73,6 +73,25 @@
 //! enables the feature `alloc` (or `std`) of `embedded-io`. The receiver writes complete sentences,
 //! and calls `write` until all bytes are taken.
 //!
+//! # Stability
+//!
+//! Reasons, settings, events, errors and refusals are `#[non_exhaustive]`, as in [`raim_core`]: a
+//! minor version may add one, and a `match` on them needs an arm `_`. This holds for a program that
+//! uses both libraries, too:
+//!
+//! ```
+//! # use raim_core::report::Alert;
+//! # use raim_firmware::settings::Phase;
+//! fn is_of_the_receiver(alert: Alert, phase: Phase) -> bool {
+//!     match alert {
+//!         Alert::Spoofed => phase != Phase::EnRoute,
+//!         Alert::Fault | Alert::Ambiguous | Alert::Time | Alert::Stale | Alert::Jump => false,
+//!         Alert::Clock | Alert::Track | Alert::Source => false,
+//!         _ => false, // without this arm it does not compile
+//!     }
+//! }
+//! ```
+//!
 //! # What this crate does not do
 //!
 //! It does not track signals, smooth with carrier phase, use SBAS or corrections of a network, or
@@ -127,24 +146,55 @@ extern crate std;
 
 pub mod bit_rate;
 pub mod board;
+#[doc(hidden)]
 pub mod correction;
 pub mod counters;
+#[doc(hidden)]
 pub mod division;
+#[doc(hidden)]
 pub mod ephemeris;
 pub mod epoch_loop;
 pub mod input;
 mod known_place;
 mod median;
+#[doc(hidden)]
 pub mod navigator;
 pub mod outlet;
+#[doc(hidden)]
 pub mod output;
 pub mod pin;
+#[doc(hidden)]
 pub mod publisher;
+#[doc(hidden)]
 pub mod rates;
+#[doc(hidden)]
 pub mod raw;
 pub mod receiver;
 pub mod ring;
+#[doc(hidden)]
 pub mod selftest;
 pub mod settings;
+#[doc(hidden)]
 pub mod time;
 pub mod timed_ring;
+
+/// The example of the readme.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
+/// The example under *Stability* without its last arm, which is all that can fail to compile.
+///
+/// ```compile_fail,E0004
+/// # use raim_core::report::Alert;
+/// # use raim_firmware::settings::Phase;
+/// fn is_of_the_receiver(alert: Alert, phase: Phase) -> bool {
+///     match alert {
+///         Alert::Spoofed => phase != Phase::EnRoute,
+///         Alert::Fault | Alert::Ambiguous | Alert::Time | Alert::Stale | Alert::Jump => false,
+///         Alert::Clock | Alert::Track | Alert::Source => false,
+///     }
+/// }
+/// ```
+#[cfg(doctest)]
+struct MatchWithoutLastArm;

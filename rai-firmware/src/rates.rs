@@ -20,11 +20,11 @@
 //! a satellite has changed between the epochs, its velocity is not computed, because ephemerides
 //! differ by metres.
 //!
-//! The velocity has its own test ([`raim_core::velocity`]) with the probabilities of the position.
+//! The velocity has its own test ([`raim_core::internals::velocity`]) with the probabilities of the position.
 //! A velocity that fails the test, or exceeds the largest speed of a receiver, is not reported.
 //! Some of many false rates agree by chance. After contradictory rates, a velocity is therefore
 //! reported again only if rates have agreed for the recovery time of positions
-//! ([`raim_core::continuity`]). If the negatives of all rates pass the test, the receiver sends
+//! ([`raim_core::internals::continuity`]). If the negatives of all rates pass the test, the receiver sends
 //! them with the wrong sign, as early firmware of a common receiver does. Such epochs have a
 //! counter of their own, and their rates are not used.
 //!
@@ -33,12 +33,12 @@
 
 use heapless::Vec;
 use nalgebra::Vector3;
-use raim_core::continuity::{ContinuitySettings, Standing};
 use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, LocalAxes, SPEED_OF_LIGHT_M_S};
-use raim_core::numeric::absolute::{Absolute as _, Grid};
-use raim_core::numeric::real::Real;
+use raim_core::internals::continuity::{ContinuitySettings, Standing};
+use raim_core::internals::numeric::absolute::{Absolute as _, Grid};
+use raim_core::internals::numeric::real::Real;
+use raim_core::internals::velocity::{RangeRate, Velocity, VelocityError};
 use raim_core::satellite::SatelliteId;
-use raim_core::velocity::{RangeRate, Velocity, VelocityError};
 use raim_single::{Monitor, Workspace};
 
 use crate::correction::horizon::Horizon;

@@ -21,9 +21,9 @@
 
 use nalgebra::Vector3;
 use raim_core::frame::{Ecef, LocalFrame};
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 use raim_single::{CAPACITY, Workspace};
 

@@ -17,9 +17,9 @@ use criterion::{
     measurement::WallTime,
 };
 use raim::replay::{Lump, Pace, on_host};
-use raim_core::integrity::raim::isolation::parity;
+use raim_core::internals::integrity::raim::isolation::parity;
+use raim_core::internals::numeric::real::Real;
 use raim_core::monitor::{Method, Monitor, Strategy};
-use raim_core::numeric::real::Real;
 use raim_core::requirements::Requirements;
 use raim_firmware::correction::CAPACITY;
 use raim_firmware::time::GpsTime;
@@ -40,7 +40,7 @@ fn judge<T: Real>(
     let epoch = epoch(count, 2, faults).expect("a sky of so many");
     let mut monitor =
         Monitor::<T, CAPACITY>::new(Requirements::non_precision_approach()).expect("requirements");
-    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC }).expect("every method is built in");
+    monitor.set_strategy(Strategy::CLASSIC.with_method(method)).expect("every method is built in");
     monitor.start_from(site().position);
     group.bench_function(id, |bencher| bencher.iter(|| monitor.process(black_box(&epoch))));
 }

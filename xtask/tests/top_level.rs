@@ -24,9 +24,10 @@ const FOR_TOOLS: [&str; 8] = [
 ];
 
 /// Documents that a reader looks for at the top level.
-const FOR_READERS: [&str; 11] = [
+const FOR_READERS: [&str; 12] = [
     "ARCHITECTURE.md",
     "CHANGELOG.md",
+    "CITATION.cff",
     "CONTRIBUTING.md",
     "DESIGN.md",
     "INTERFACES.md",

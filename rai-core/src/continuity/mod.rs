@@ -83,19 +83,19 @@ impl Recovery {
         Self { epochs: self.epochs.max(other.epochs), seconds: self.seconds.max(other.seconds) }
     }
 
-    unstable! {
-        /// Returns true if an agreement of this length suffices; [`WEAK`] applies if one of its
-        /// epochs had one degree of freedom.
-        pub fn is_met(self, epochs: u16, seconds: f64, is_weak: bool) -> bool {
-            let wanted = if is_weak { self.at_least(WEAK) } else { self };
-            epochs >= wanted.epochs && seconds >= wanted.seconds
-        }
+    /// Returns true if an agreement of this length suffices; [`WEAK`] applies if one of its
+    /// epochs had one degree of freedom.
+    #[doc(hidden)]
+    pub fn is_met(self, epochs: u16, seconds: f64, is_weak: bool) -> bool {
+        let wanted = if is_weak { self.at_least(WEAK) } else { self };
+        epochs >= wanted.epochs && seconds >= wanted.seconds
     }
 }
 
 /// Limits of the receiver's motion, and the required agreement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct ContinuitySettings {
     /// Highest speed, m/s.
     pub max_speed_m_s: f64,
@@ -117,6 +117,13 @@ impl ContinuitySettings {
             max_height_m: 20_000.0,
             recovery: Recovery { epochs: 3, seconds: 3.0 },
         }
+    }
+
+    setters! {
+        with_max_speed_m_s(max_speed_m_s: f64)
+        with_min_height_m(min_height_m: f64)
+        with_max_height_m(max_height_m: f64)
+        with_recovery(recovery: Recovery)
     }
 
     /// Checks every field once.
@@ -146,7 +153,7 @@ impl ContinuitySettings {
 /// The setting that is out of its range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub enum ContinuityError {
     /// `max_speed_m_s` is outside [0, 1e5].
     Speed(f64),

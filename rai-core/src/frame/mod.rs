@@ -14,10 +14,10 @@
 //! [WGS84]: crate#references
 //! [Bowring1985]: crate#references
 
-#[cfg(feature = "unstable")]
+#[doc(hidden)]
 mod axes;
 
-#[cfg(feature = "unstable")]
+#[doc(hidden)]
 pub use axes::LocalAxes;
 
 use nalgebra::{Matrix3, Vector3};
@@ -37,19 +37,17 @@ pub const SPEED_OF_LIGHT_M_S: f64 = 299_792_458.0;
 /// [IS-GPS-200]: crate#references
 pub const EARTH_ROTATION_RAD_S: f64 = 7.292_115_146_7e-5;
 
-unstable! {
-    /// Semi-major axis of the ellipsoid, m ([WGS84]).
-    ///
-    /// [WGS84]: crate#references
-    pub const SEMI_MAJOR_AXIS_M: f64 = 6_378_137.0;
-}
+/// Semi-major axis of the ellipsoid, m ([WGS84]).
+///
+/// [WGS84]: crate#references
+#[doc(hidden)]
+pub const SEMI_MAJOR_AXIS_M: f64 = 6_378_137.0;
 
-unstable! {
-    /// Flattening of the ellipsoid, dimensionless ([WGS84]).
-    ///
-    /// [WGS84]: crate#references
-    pub const FLATTENING: f64 = 1.0 / 298.257_223_563;
-}
+/// Flattening of the ellipsoid, dimensionless ([WGS84]).
+///
+/// [WGS84]: crate#references
+#[doc(hidden)]
+pub const FLATTENING: f64 = 1.0 / 298.257_223_563;
 
 /// First eccentricity squared, derived.
 const ECCENTRICITY_SQUARED: f64 = FLATTENING * (2.0 - FLATTENING);
@@ -265,7 +263,7 @@ impl LocalFrame {
     }
 
     /// Returns the sine of the origin's geodetic latitude.
-    #[cfg(feature = "unstable")]
+    #[doc(hidden)]
     pub fn sin_latitude(&self) -> f64 {
         self.directions.sin_latitude
     }
@@ -409,7 +407,7 @@ fn coordinates<T: Real>(point: Ecef) -> [T::Absolute; 3] {
 
 impl LocalFrame {
     /// Returns the sine of the elevation of a point seen from the origin.
-    #[cfg(feature = "unstable")]
+    #[doc(hidden)]
     pub fn sin_elevation(&self, origin: Ecef, point: Ecef) -> f64 {
         let difference = point - origin;
         let distance_m = difference.radius_m();

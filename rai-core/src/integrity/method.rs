@@ -18,7 +18,7 @@ use super::raim::isolation::parity;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub enum Method {
     /// Compares every set of one row, then of two, then of three. If these are more than
     /// [`super::AUTOMATIC_SETS`], it works like [`Self::Baarda`].

@@ -77,9 +77,13 @@ pub use crate::weighting::{Ism, IsmParameters, UserModel};
 pub use strategy::{Noise, Strategy};
 pub use validated::MonitorError;
 
-unstable! { pub use crate::integrity::Search; }
-unstable! { pub use validated::ValidatedRequirements; }
-unstable! { pub use workspace::{EpochOutcome, MonitorWorkspace}; }
+#[doc(hidden)]
+pub use crate::integrity::Search;
+#[doc(hidden)]
+pub use validated::ValidatedRequirements;
+#[doc(hidden)]
+pub use workspace::EpochOutcome;
+pub use workspace::MonitorMemory;
 
 /// Number of epochs over which SSE/dof is averaged. With 10 degrees of freedom and independent
 /// epochs the mean is accurate to 6 %. Multipath, which repeats from epoch to epoch, makes it less
@@ -127,29 +131,28 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         Ok(Self::of(ValidatedRequirements::new(requirements)?))
     }
 
-    unstable! {
-        /// Works like [`Self::new`], from validated requirements.
-        #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
-        #[inline(always)]
-        pub fn of(validated: ValidatedRequirements<T, N>) -> Self {
-            Self {
-                validated,
-                strategy: Strategy::DEFAULT,
-                ism: Ism::ICAO,
-                clocks: Clocks::new(),
-                adaptation: Adaptation::new(),
-                rest: Rest::new(),
-                subsets: Subsets::new(),
-                start: Ecef::CENTRE,
-                ratios: Deque::new(),
-                evidence: Evidence::new(),
-                named: Named::new(),
-                height: HeightMemory::new(),
-                kept_out: KeptOutSystems::new(),
-                motion: Motion::new(),
-                continuity: Continuity::new(),
-                continuity_settings: Some(ContinuitySettings::anywhere()),
-            }
+    /// Works like [`Self::new`], from validated requirements.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    #[doc(hidden)]
+    pub fn of(validated: ValidatedRequirements<T, N>) -> Self {
+        Self {
+            validated,
+            strategy: Strategy::DEFAULT,
+            ism: Ism::ICAO,
+            clocks: Clocks::new(),
+            adaptation: Adaptation::new(),
+            rest: Rest::new(),
+            subsets: Subsets::new(),
+            start: Ecef::CENTRE,
+            ratios: Deque::new(),
+            evidence: Evidence::new(),
+            named: Named::new(),
+            height: HeightMemory::new(),
+            kept_out: KeptOutSystems::new(),
+            motion: Motion::new(),
+            continuity: Continuity::new(),
+            continuity_settings: Some(ContinuitySettings::anywhere()),
         }
     }
 
@@ -178,15 +181,24 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// Judges one epoch, linearised at [`Self::start`], and learns from it.
+    ///
+    /// The memory for it is on the stack: [`Self::process_in`] needs less.
     pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
+        let mut memory = MonitorMemory::new();
+        self.process_in(&mut memory, epoch);
+        memory.outcome.report
+    }
+
+    /// Works like [`Self::process`], in memory of the caller's, such as a static. Any memory will
+    /// do for any epoch, because it carries nothing from one to the next.
+    pub fn process_in<'m>(&mut self, memory: &'m mut MonitorMemory<T, N>, epoch: &Epoch<N>) -> &'m Report<N> {
         // `judge_about` borrows `self`, so that the subsets move into `memory` for the call and
         // back afterwards.
-        let mut memory = MonitorWorkspace::new();
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
-        self.judge_about(epoch, self.start, Search::Anew, None, &mut memory);
+        self.judge_about(epoch, self.start, Search::Anew, None, memory);
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
         self.learn_from(&mut memory.outcome, None, None, VelocityError::Redundancy);
-        memory.outcome.report
+        &memory.outcome.report
     }
 
     /// Judges one epoch whose position is near `start`. With clock aiding, the forecast of a
@@ -197,14 +209,14 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// an epoch at several points in turn. It then learns once, from the last outcome. A caller
     /// that knows orbits passes `rates`: without them a wrong time tag counts as faulty satellites
     /// ([`crate::integrity::raim::hypotheses::time_tag`]).
-    #[cfg(feature = "unstable")]
+    #[doc(hidden)]
     pub fn judge<'m>(
         &self,
         epoch: &Epoch<N>,
         start: Ecef,
         search: Search<'_>,
         rates: Option<&RangeRates<'_>>,
-        memory: &'m mut MonitorWorkspace<T, N>,
+        memory: &'m mut MonitorMemory<T, N>,
     ) -> &'m mut EpochOutcome<N> {
         self.judge_about(epoch, start, search, rates, memory)
     }
@@ -213,13 +225,13 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// or a test. They depend on geometry and sigmas, and not on residuals.
     ///
     /// `noise` is the factor on the receiver's part of the variances ([`Self::noise`]).
-    #[cfg(feature = "unstable")]
+    #[doc(hidden)]
     pub fn levels(
         &self,
         epoch: &Epoch<N>,
         start: Ecef,
         noise: f32,
-        memory: &mut MonitorWorkspace<T, N>,
+        memory: &mut MonitorMemory<T, N>,
     ) -> Option<ProtectionLevels> {
         let aided = Aided::alone(epoch).noisier(noise);
         let fix = Fix::about(&mut memory.workspace, aided, start).ok()?;
@@ -233,7 +245,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// `own_clock_s` is the arrival time of the epoch by a clock that no signal can set, if the
     /// caller has one. `velocity` is the velocity in the epoch, or the reason why its range rates
     /// determine none.
-    #[cfg(feature = "unstable")]
+    #[doc(hidden)]
     pub fn learn(
         &mut self,
         outcome: &mut EpochOutcome<N>,
@@ -252,11 +264,11 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         start: Ecef,
         search: Search<'_>,
         rates: Option<&RangeRates<'_>>,
-        memory: &'m mut MonitorWorkspace<T, N>,
+        memory: &'m mut MonitorMemory<T, N>,
     ) -> &'m mut EpochOutcome<N> {
         let is_aided = self.strategy.aids_with_clock() && self.strategy.method.allows_aiding();
         let forecast = if is_aided { self.clocks.aiding(&epoch.view()) } else { None };
-        let MonitorWorkspace { workspace, scratch, outcome } = memory;
+        let MonitorMemory { workspace, scratch, outcome } = memory;
         let aided = Aided::by(epoch, forecast);
         let mut noise = self.noise_of(&epoch.view());
         let mut is_refuting = false;

@@ -58,7 +58,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// recovery.
     ///
     /// Experiments need it if they draw each epoch independently.
-    #[cfg(feature = "unstable")]
+    #[doc(hidden)]
     pub fn disable_continuity(&mut self) {
         self.continuity_settings = None;
     }
@@ -85,7 +85,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// Returns the validated requirements, with their thresholds and factors.
-    #[cfg(feature = "unstable")]
+    #[doc(hidden)]
     pub fn validated(&self) -> &ValidatedRequirements<T, N> {
         &self.validated
     }

@@ -5,7 +5,7 @@ use super::{Levels, Method, Policy};
 /// Configuration of the monitoring: threshold, method, levels and aiding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub struct Strategy {
     /// Threshold policy of the global test.
     pub policy: Policy,
@@ -26,7 +26,7 @@ pub struct Strategy {
 /// The numbers are those of one frequency at the zenith, for a strong signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub enum Noise {
     /// 0.4 m, and down to a third of it once the receiver has been quiet at rest
     /// ([`crate::weighting::adaptation`]). Without the feature `aiding` it is
@@ -66,6 +66,14 @@ impl Strategy {
         clock_aid: false,
         noise: Noise::Geodetic,
     };
+
+    setters! {
+        with_policy(policy: Policy)
+        with_method(method: Method)
+        with_levels(levels: Levels)
+        with_clock_aid(clock_aid: bool)
+        with_noise(noise: Noise)
+    }
 
     /// Returns true if a predicted clock is one more row, which needs the feature `aiding`.
     pub(super) const fn aids_with_clock(self) -> bool {

@@ -10,7 +10,7 @@ use crate::requirements::{Requirements, RequirementsError};
 /// Reason why a monitor cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub enum MonitorError {
     /// A requirement is out of its range.
     Requirements(RequirementsError),

@@ -15,19 +15,19 @@ use crate::weighting::residuals::Residuals;
 /// Its only state from epoch to epoch are the subsets of satellites of
 /// [`Method::Ransac`](super::Method::Ransac).
 #[derive(Clone, Debug)]
-pub struct MonitorWorkspace<T: Real, const N: usize> {
+pub struct MonitorMemory<T: Real, const N: usize> {
     pub(super) workspace: Workspace<T, N>,
     pub(super) scratch: MethodScratch<T, N>,
     pub(super) outcome: EpochOutcome<N>,
 }
 
-impl<T: Real, const N: usize> Default for MonitorWorkspace<T, N> {
+impl<T: Real, const N: usize> Default for MonitorMemory<T, N> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<T: Real, const N: usize> MonitorWorkspace<T, N> {
+impl<T: Real, const N: usize> MonitorMemory<T, N> {
     /// Returns empty memory.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
@@ -36,17 +36,20 @@ impl<T: Real, const N: usize> MonitorWorkspace<T, N> {
     }
 
     /// Returns the outcome of the epoch that was judged last.
+    #[doc(hidden)]
     pub fn outcome(&self) -> &EpochOutcome<N> {
         &self.outcome
     }
 
     /// Returns the outcome, for [`Monitor::learn`](super::Monitor::learn) or for a caller that
     /// revises it.
+    #[doc(hidden)]
     pub fn outcome_mut(&mut self) -> &mut EpochOutcome<N> {
         &mut self.outcome
     }
 
     /// Returns the workspace of the equations, which is free between judgements.
+    #[doc(hidden)]
     pub fn workspace(&mut self) -> &mut Workspace<T, N> {
         &mut self.workspace
     }

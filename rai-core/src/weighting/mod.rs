@@ -195,7 +195,7 @@ impl IsmParameters {
 /// Model of the receiver's noise and multipath.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub enum UserModel {
     /// An antenna on the ground, and ranges that are not smoothed: the numbers of this module.
     Ground,
@@ -207,8 +207,10 @@ pub enum UserModel {
 /// Integrity support message: parameters of each constellation, and the model of the receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Ism {
     /// Parameters of each constellation, in ascending id.
+    #[doc(hidden)]
     pub constellations: [IsmParameters; Constellation::COUNT],
     /// Model of the receiver.
     pub user: UserModel,
@@ -245,12 +247,19 @@ impl Ism {
     /// [`Self::RESEARCH`] aboard an aircraft.
     pub const RESEARCH_AIRBORNE: Self = Self { user: UserModel::Airborne, ..Self::RESEARCH };
 
-    unstable! {
-        /// Returns the parameters of one constellation.
-        pub fn of(&self, constellation: Constellation) -> IsmParameters {
-            let [first, ..] = self.constellations;
-            self.constellations.get(constellation as usize).copied().unwrap_or(first)
+    /// Returns the message with other parameters of one constellation.
+    #[must_use]
+    pub fn with(mut self, constellation: Constellation, parameters: IsmParameters) -> Self {
+        if let Some(own) = self.constellations.get_mut(constellation as usize) {
+            *own = parameters;
         }
+        self
+    }
+
+    /// Returns the parameters of one constellation.
+    pub fn of(&self, constellation: Constellation) -> IsmParameters {
+        let [first, ..] = self.constellations;
+        self.constellations.get(constellation as usize).copied().unwrap_or(first)
     }
 
     /// Returns true if every number is in its range.

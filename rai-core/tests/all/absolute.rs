@@ -4,7 +4,7 @@
 #![allow(clippy::float_cmp, reason = "steps of the grid are exact")]
 
 use proptest::prelude::*;
-use raim_core::numeric::absolute::{Absolute, Grid};
+use raim_core::internals::numeric::absolute::{Absolute, Grid};
 
 /// Step of the grid, m.
 const STEP_M: f64 = 1.0 / 16_384.0;

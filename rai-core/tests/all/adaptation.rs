@@ -4,12 +4,12 @@
 use crate::noise::Noise;
 use crate::sky::{CAPACITY, DIRECTIONS, SIGMA_M, observe, receiver, satellite};
 use raim_core::epoch::Epoch;
+use raim_core::internals::weighting::adaptation::{Adaptation, LEAST_DOF, LEAST_NOISE, Residuals};
 use raim_core::monitor as strategy;
 use raim_core::monitor::{Monitor, Strategy};
 use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
-use raim_core::weighting::adaptation::{Adaptation, LEAST_DOF, LEAST_NOISE, Residuals};
 
 /// Returns epochs with ten degrees of freedom and this SSE/dof, `step_s` apart.
 fn after(epochs: u32, step_s: f64, factor: f32) -> Adaptation {
@@ -114,7 +114,7 @@ fn noise_that_returns_after_a_quiet_quarter_of_an_hour_costs_few_epochs() {
 fn last_hpl_m(noise: strategy::Noise, change: impl Fn(&mut Epoch<CAPACITY>)) -> f64 {
     const LAST: u32 = 900;
     let mut monitor = Monitor::<f64, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
-    monitor.set_strategy(Strategy { noise, ..Strategy::DEFAULT }).unwrap();
+    monitor.set_strategy(Strategy::DEFAULT.with_noise(noise)).unwrap();
     let (mut chance, mut hpl_m) = (Noise(5), f64::NAN);
     for second in 0..=LAST {
         let mut epoch = Epoch::new(f64::from(second));
@@ -166,7 +166,7 @@ fn what_quiet_minutes_lowered_is_taken_back_in_the_epoch_that_changes() {
 #[test]
 fn noise_beyond_the_sigmas_raises_the_levels() {
     let median_hpl_m = |noise: f64| {
-        let fixed = Strategy { noise: strategy::Noise::Geodetic, ..Strategy::DEFAULT };
+        let fixed = Strategy::DEFAULT.with_noise(strategy::Noise::Geodetic);
         let reports = quiet_then(fixed, noise, 120, 7);
         let promised = |report: &&Report<CAPACITY>| matches!(report.verdict, Verdict::Protected(_));
         let mut levels: Vec<_> = reports.iter().skip(60).filter(promised).collect();

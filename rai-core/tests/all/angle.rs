@@ -3,8 +3,8 @@
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use proptest::prelude::*;
-use raim_core::numeric::angle::{of_unit_vector, sine};
-use raim_core::numeric::real::Real as _;
+use raim_core::internals::numeric::angle::{of_unit_vector, sine};
+use raim_core::internals::numeric::real::Real as _;
 
 /// Less than 10 µm on the ground.
 const WITHIN_RAD: f64 = 1.6e-12;

@@ -29,7 +29,7 @@ fn sky(seed: u64, systems: &[(Constellation, usize)], broken: &[Constellation]) 
 
 fn monitor(method: Method) -> Monitor<f32, CAPACITY> {
     let mut monitor = Monitor::new(Requirements::non_precision_approach()).unwrap();
-    monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT }).unwrap();
+    monitor.set_strategy(Strategy::DEFAULT.with_method(method)).unwrap();
     monitor
 }
 

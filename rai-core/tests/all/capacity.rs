@@ -4,12 +4,12 @@
 #![allow(clippy::unwrap_used)]
 
 use raim_core::epoch::Observation;
+use raim_core::internals::weighting::Ism;
 use raim_core::monitor::{Isolation, Method, Monitor, Strategy};
 use raim_core::report::{Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation::{self, Beidou, Galileo, Glonass, Gps};
 use raim_core::satellite::SatelliteId;
-use raim_core::weighting::Ism;
 
 use crate::sky::{METHODS, epoch_of, observe, satellite};
 
@@ -35,7 +35,7 @@ fn judge<const N: usize>(method: Method, observations: &[Observation]) -> Report
 
 fn judge_by<const N: usize>(ism: Ism, method: Method, observations: &[Observation]) -> Report<N> {
     let mut monitor = Monitor::<f32, N>::new(Requirements::en_route()).unwrap();
-    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC }).unwrap();
+    monitor.set_strategy(Strategy::CLASSIC.with_method(method)).unwrap();
     monitor.set_ism(ism);
     monitor.process(&epoch_of(0.0, observations))
 }

@@ -5,9 +5,9 @@
 //! ₀F₁.
 #![allow(clippy::unwrap_used, clippy::excessive_precision)]
 
-use raim_core::numeric::chi_square::ChiSquare;
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::numeric::chi_square::ChiSquare;
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
 
 /// The relative errors that the functions declare, in double and in single precision.
 const DECLARED: (f64, f64) = (3e-11, 3e-5);

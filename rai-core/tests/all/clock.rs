@@ -4,10 +4,10 @@
 
 use crate::noise::Noise;
 use proptest::prelude::*;
-use raim_core::clock::{
+use raim_core::internals::clock::{
     Autoregression, CoastingClock, Forecast, HOLD_OVER_STEPS, INFLATION, MIN_VALUES, Observed, WINDOW,
 };
-use raim_core::numeric::real::Real;
+use raim_core::internals::numeric::real::Real;
 
 /// Returns the levels of a clock each second, with a drift of 300 m/s and a noise of 1 m in each
 /// second, measured exactly.

@@ -4,18 +4,18 @@
 
 use crate::noise::Noise;
 use nalgebra::Vector3;
-use raim_core::clock::{Clocks, Forecast, HOLD_OVER_STEPS, SolvedClocks, satellites_alone};
 use raim_core::epoch::{Aiding, Epoch, Observation};
 use raim_core::frame::Ecef;
-use raim_core::integrity::raim::detection::detect;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::hypotheses::separability::separable;
-use raim_core::integrity::raim::isolation::baarda::{exclude_sequentially, identify};
-use raim_core::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
-use raim_core::least_squares::Snapshot;
-use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::clock::{Clocks, Forecast, HOLD_OVER_STEPS, SolvedClocks, satellites_alone};
+use raim_core::internals::integrity::raim::detection::detect;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::hypotheses::separability::separable;
+use raim_core::internals::integrity::raim::isolation::baarda::{exclude_sequentially, identify};
+use raim_core::internals::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
+use raim_core::internals::least_squares::Snapshot;
+use raim_core::internals::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::solved::solved;

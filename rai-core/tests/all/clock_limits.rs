@@ -2,7 +2,7 @@
 //! bound, and just beyond.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use raim_core::clock::{CoastingClock, Observed};
+use raim_core::internals::clock::{CoastingClock, Observed};
 
 /// Returns a clock that has seen `values` of a steady drift of 300 m a second, with standard
 /// deviation `sigma_m`.

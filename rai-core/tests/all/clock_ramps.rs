@@ -69,7 +69,7 @@ fn beyond_m(report: &Report<CAPACITY>) -> Option<f64> {
 fn attack(seed: u64, count: usize, systems: usize, ramp_m_s: f64) -> (usize, usize) {
     let (mut scene, mut monitor) =
         (Scene::new(seed), Monitor::<f32, CAPACITY>::new(Requirements::non_precision_approach()).unwrap());
-    monitor.set_strategy(Strategy { clock_aid: true, ..Strategy::DEFAULT }).unwrap();
+    monitor.set_strategy(Strategy::DEFAULT.with_clock_aid(true)).unwrap();
     monitor.start_from(receiver());
     for second in 0..LEARNING_S {
         monitor.process(&scene.epoch(second, MANY, systems, 0.0));
@@ -102,7 +102,7 @@ fn no_ramp_takes_a_forecast_clock_along() {
 fn hold_over_ends_by_itself() {
     let (mut scene, mut monitor) =
         (Scene::new(3), Monitor::<f32, CAPACITY>::new(Requirements::non_precision_approach()).unwrap());
-    monitor.set_strategy(Strategy { clock_aid: true, ..Strategy::DEFAULT }).unwrap();
+    monitor.set_strategy(Strategy::DEFAULT.with_clock_aid(true)).unwrap();
     monitor.start_from(receiver());
     for second in 0..LEARNING_S {
         monitor.process(&scene.epoch(second, MANY, 1, 0.0));

@@ -4,11 +4,11 @@
 use crate::sky::CAPACITY as N;
 use raim_core::epoch::{Epoch, EpochError, Observation};
 use raim_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
+use raim_core::internals::weighting::shared::SharedError;
 use raim_core::monitor::Monitor;
 use raim_core::report::Report;
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
-use raim_core::weighting::shared::SharedError;
 
 /// Azimuth and elevation in degrees: more satellites in the south than in the north.
 const SKY: [(f64, f64); 10] = [

@@ -2,9 +2,8 @@
 //! from the rules.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use heapless::Vec;
-use raim_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
 use raim_core::frame::Geodetic;
+use raim_core::internals::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
 use raim_core::report::{
     Alert, Protected, ProtectionLevels, Report, Solution, TestStatistic, Unavailable, Verdict,
 };
@@ -42,32 +41,26 @@ fn verdict(verdict: Verdict) -> Said {
 fn report(said: Said) -> Report<4> {
     let latitude_rad = (45.0 + said.north_m / DEGREE_M).to_radians();
     let geodetic = Geodetic { latitude_rad, longitude_rad: 0.1, height_m: said.height_m };
-    Report {
-        verdict: said.verdict,
-        solution: Some(Solution {
-            position: geodetic.to_ecef(),
-            geodetic,
-            covariance_m2: [1.0; 6],
-            clocks_m: [None; 4],
-            hdop: 1.0,
-            vdop: 1.0,
-        }),
-        test: Some(TestStatistic { statistic: 1.0, threshold: 2.0, dof: said.dof }),
-        protection: Some(ProtectionLevels { hpl_m: said.hpl_m, vpl_m: 30.0 }),
-        excluded: Vec::new(),
-        excluded_constellations: 0,
-        suspect: None,
-        used: Vec::new(),
-        residual_rms_m: 1.0,
-        tracked: 4,
-        araim: None,
-        height: None,
-        sigma_check: None,
+    {
+        let mut report = Report::nothing();
+        report.verdict = said.verdict;
+        report.solution = Some({
+            let mut solution = Solution::at(geodetic.to_ecef(), geodetic);
+            solution.covariance_m2 = [1.0; 6];
+            solution.hdop = 1.0;
+            solution.vdop = 1.0;
+            solution
+        });
+        report.test = Some(TestStatistic::new(1.0, 2.0, said.dof));
+        report.protection = Some(ProtectionLevels::new(said.hpl_m, 30.0));
+        report.residual_rms_m = 1.0;
+        report.tracked = 4;
+        report
     }
 }
 
 /// Returns the final verdicts of epochs at these times.
-fn series(epochs: &[(f64, Said)]) -> std::vec::Vec<Verdict> {
+fn series(epochs: &[(f64, Said)]) -> Vec<Verdict> {
     let mut continuity = Continuity::new();
     let settings = ContinuitySettings::anywhere();
     epochs
@@ -90,7 +83,7 @@ fn promise_returns_after_three_epochs_and_three_seconds() {
 
 #[test]
 fn single_agreements_among_alerts_promise_nothing() {
-    let epochs: std::vec::Vec<(f64, Said)> = (0..300)
+    let epochs: Vec<(f64, Said)> = (0..300)
         .map(|second| (f64::from(second), if second % 3 == 0 { verdict(FAULT) } else { HERE }))
         .collect();
     assert!(series(&epochs).iter().all(|verdict| *verdict == FAULT || *verdict == RECOVERING));
@@ -98,7 +91,7 @@ fn single_agreements_among_alerts_promise_nothing() {
 
 #[test]
 fn agreement_at_places_that_are_out_of_reach_of_each_other_is_none() {
-    let scattered: std::vec::Vec<(f64, Said)> = (0..20)
+    let scattered: Vec<(f64, Said)> = (0..20)
         .map(|second| {
             (
                 f64::from(second),
@@ -206,7 +199,7 @@ fn what_one_epoch_led_to_gives_way_to_what_ten_agree_on() {
 
 #[test]
 fn what_ten_epochs_have_led_to_gives_way_to_time_alone() {
-    let mut epochs: std::vec::Vec<(f64, Said)> = (0..=10).map(|second| (f64::from(second), HERE)).collect();
+    let mut epochs: Vec<(f64, Said)> = (0..=10).map(|second| (f64::from(second), HERE)).collect();
     // A gap and an alert take nothing from it.
     epochs.extend([(400.0, HERE), (401.0, verdict(FAULT)), (402.0, HERE), (403.0, HERE), (405.0, HERE)]);
     epochs.extend((406..1000).map(|second| (f64::from(second), north(400e3))));
@@ -223,7 +216,7 @@ fn longer_recovery_takes_nothing_from_what_was_firm() {
     for second in 0..=11 {
         assert_eq!(continuity.conclude(&start, f64::from(second), None, &report(HERE), None), OK);
     }
-    let longer = ContinuitySettings { recovery: Recovery { epochs: 20, seconds: 30.0 }, ..start };
+    let longer = start.with_recovery(Recovery { epochs: 20, seconds: 30.0 });
     for second in 12..120 {
         let said = continuity.conclude(&longer, f64::from(second), None, &report(north(400e3)), None);
         assert_eq!(said, JUMP, "{second} s");
@@ -276,7 +269,7 @@ fn epochs_that_come_at_once_are_no_seconds_of_agreement() {
             let second = f64::from(second);
             continuity.conclude(&settings, second, Some(second * own_step_s), &report(HERE), None)
         };
-        (1..=5).map(conclude).collect::<std::vec::Vec<_>>()
+        (1..=5).map(conclude).collect::<Vec<_>>()
     };
     assert_eq!(judge(0.1), [RECOVERING; 5]);
     assert_eq!(judge(1.0), [RECOVERING, RECOVERING, RECOVERING, OK, OK]);
@@ -284,7 +277,7 @@ fn epochs_that_come_at_once_are_no_seconds_of_agreement() {
 
 #[test]
 fn place_is_forgotten_after_a_day_and_agreement_after_a_gap() {
-    let settings = ContinuitySettings { max_speed_m_s: 0.0, ..ContinuitySettings::anywhere() };
+    let settings = ContinuitySettings::anywhere().with_max_speed_m_s(0.0);
     let judge = |time_s: f64| {
         let mut continuity = Continuity::new();
         let _ = continuity.conclude(&settings, 0.0, None, &report(HERE), None);
@@ -309,7 +302,7 @@ fn receiver_that_is_slower_than_the_time_to_alert_recovers() {
             let time_s = f64::from(epoch) * step_s;
             continuity.conclude(&settings, time_s, Some(time_s), &report(HERE), None)
         };
-        let said: std::vec::Vec<Verdict> = (1..=4).map(conclude).collect();
+        let said: Vec<Verdict> = (1..=4).map(conclude).collect();
         assert_eq!(said, [RECOVERING, RECOVERING, OK, OK], "{step_s} s");
     }
 }
@@ -327,27 +320,22 @@ fn settings_are_checked_by_name() {
     let start = ContinuitySettings::anywhere();
     assert_eq!(start.validate(), Ok(start));
     for max_speed_m_s in [-1.0, 1e6, f64::NAN] {
-        let have = ContinuitySettings { max_speed_m_s, ..start }.validate();
+        let have = start.with_max_speed_m_s(max_speed_m_s).validate();
         assert!(matches!(have, Err(ContinuityError::Speed(_))), "{max_speed_m_s}");
     }
     for (min_height_m, max_height_m) in [(5.0, 5.0), (f64::NAN, 1.0), (0.0, f64::INFINITY), (9.0, 1.0)] {
-        let have = ContinuitySettings { min_height_m, max_height_m, ..start }.validate();
+        let have = start.with_min_height_m(min_height_m).with_max_height_m(max_height_m).validate();
         assert!(matches!(have, Err(ContinuityError::Height { .. })), "{min_height_m} {max_height_m}");
     }
     for recovery in [Recovery { epochs: 0, seconds: 1.0 }, Recovery { epochs: 1, seconds: f64::NAN }] {
-        let have = ContinuitySettings { recovery, ..start }.validate();
+        let have = start.with_recovery(recovery).validate();
         assert!(matches!(have, Err(ContinuityError::Recovery(_))), "{recovery:?}");
     }
 }
 
 /// Returns the verdicts of epochs each second after a silence from 0 s on, at a distance to the
 /// north of the last position; the receiver's speed before was `speed_m_s`.
-fn after_silence(
-    silence_s: f64,
-    north_m: f64,
-    speed_m_s: Option<f64>,
-    seconds: u32,
-) -> std::vec::Vec<Verdict> {
+fn after_silence(silence_s: f64, north_m: f64, speed_m_s: Option<f64>, seconds: u32) -> Vec<Verdict> {
     let mut continuity = Continuity::new();
     let settings = ContinuitySettings::anywhere();
     let _ = continuity.conclude(&settings, 0.0, None, &report(HERE), speed_m_s);
@@ -383,7 +371,11 @@ fn an_alert_after_a_silence_makes_no_place_good_either() {
     let settings = ContinuitySettings::anywhere();
     assert_eq!(continuity.conclude(&settings, 0.0, None, &report(HERE), Some(0.0)), OK);
     continuity.interrupt();
-    let leaping = Report { verdict: Verdict::Alert(Alert::Clock), ..report(north(300e3)) };
+    let leaping = {
+        let mut report = report(north(300e3));
+        report.verdict = Verdict::Alert(Alert::Clock);
+        report
+    };
     let _ = continuity.conclude(&settings, 600.0, None, &leaping, Some(0.0));
     for second in 1..=580 {
         let time_s = 600.0 + f64::from(second);
@@ -401,7 +393,6 @@ fn true_place_after_a_counterfeit_one_waits_for_nothing() {
     let mut conclude =
         |time_s: f64, said: Said| continuity.conclude(&settings, time_s, None, &report(said), Some(0.0));
     assert_eq!(conclude(600.0, north(300e3)), RECOVERING);
-    let back: std::vec::Vec<Verdict> =
-        (1..6).map(|second| conclude(600.0 + f64::from(second), HERE)).collect();
+    let back: Vec<Verdict> = (1..6).map(|second| conclude(600.0 + f64::from(second), HERE)).collect();
     assert_eq!(back, [RECOVERING, RECOVERING, RECOVERING, OK, OK]);
 }

@@ -3,8 +3,8 @@
 
 use raim_core::epoch::{Aiding, Epoch, EpochError, Observation};
 use raim_core::frame::Ecef;
+use raim_core::internals::weighting::shared::SharedError;
 use raim_core::satellite::{Constellation, SatelliteId};
-use raim_core::weighting::shared::SharedError;
 
 fn observation(number: u8) -> Observation {
     Observation {

@@ -6,12 +6,12 @@ use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, Vector3};
 use proptest::prelude::*;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::exclusion_levels::exclusion_levels;
-use raim_core::integrity::raim::levels::{KFactors, LevelInputs, Levels};
-use raim_core::least_squares::Workspace;
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::exclusion_levels::exclusion_levels;
+use raim_core::internals::integrity::raim::levels::{KFactors, LevelInputs, Levels};
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::numeric::real::Real;
 use raim_core::report::ProtectionLevels;
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use raim_core::epoch::{Aiding, Epoch};
-use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection, Subsets};
-use raim_core::least_squares::Workspace;
+use raim_core::internals::integrity::raim::isolation::ransac::{MAX_WORK, Selection, Subsets};
+use raim_core::internals::least_squares::Workspace;
 use raim_core::satellite::Constellation;
 
 use crate::sky::{CAPACITY, observe, receiver, satellite};

@@ -8,8 +8,8 @@ use crate::solved::solved;
 use nalgebra::{DMatrix, Vector3};
 use raim_core::epoch::{Aiding, Epoch};
 use raim_core::frame::{Ecef, LocalFrame};
-use raim_core::integrity::raim::levels::slopes;
-use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::internals::integrity::raim::levels::slopes;
+use raim_core::internals::least_squares::equations::{LinearEpoch, MAX_ROWS};
 use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::report::{Alert, Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
@@ -51,7 +51,7 @@ fn epoch(
 
 fn monitor(method: Method) -> Monitor<f32, CAPACITY> {
     let mut monitor = Monitor::new(Requirements::non_precision_approach()).unwrap();
-    monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT }).unwrap();
+    monitor.set_strategy(Strategy::DEFAULT.with_method(method)).unwrap();
     // A height says nothing at the centre of the earth, where a first fix would begin.
     monitor.start_from(receiver() + Ecef::new(2e3, -3e3, 1e3));
     monitor

@@ -205,11 +205,11 @@ fn sigma_check_is_small_for_exact_ranges_and_large_for_noisy_ones() {
 fn requirements_out_of_range_make_no_monitor() {
     let good = Requirements::non_precision_approach();
     for bad in [
-        Requirements { hal_m: 0.0, ..good },
-        Requirements { hal_m: f64::NAN, ..good },
-        Requirements { val_m: Some(-1.0), ..good },
-        Requirements { time_to_alert_s: f64::INFINITY, ..good },
-        Requirements { guard_fraction: 1.5, ..good },
+        good.with_hal_m(0.0),
+        good.with_hal_m(f64::NAN),
+        good.with_val_m(Some(-1.0)),
+        good.with_time_to_alert_s(f64::INFINITY),
+        good.with_guard_fraction(1.5),
     ] {
         assert!(Monitor::<f32, CAPACITY>::new(bad).is_err(), "{bad:?}");
     }

@@ -37,7 +37,7 @@ const OK: Verdict = Verdict::Protected(Protected::Ok);
 #[test]
 fn requirements_are_replaced_or_refused_whole() {
     let mut monitor = monitor(npa());
-    let bad = Requirements { hal_m: -1.0, ..npa() };
+    let bad = npa().with_hal_m(-1.0);
     assert!(monitor.set_requirements(bad).is_err());
     assert_eq!(*monitor.requirements(), npa());
     monitor.set_requirements(Requirements::lpv200()).unwrap();
@@ -76,7 +76,7 @@ fn clock_m(second: u32) -> f64 {
 /// satellites.
 fn coasting<const N: usize>(count: usize) -> Monitor<f64, N> {
     let mut monitor = Monitor::new(npa()).unwrap();
-    monitor.set_strategy(Strategy { clock_aid: true, ..Strategy::CLASSIC }).unwrap();
+    monitor.set_strategy(Strategy::CLASSIC.with_clock_aid(true)).unwrap();
     for second in 0..90 {
         let observations = seen(&DIRECTIONS[..count], clock_m(second));
         assert_eq!(monitor.process(&epoch(f64::from(second), &observations)).verdict, OK, "{second} s");
@@ -88,8 +88,8 @@ fn coasting<const N: usize>(count: usize) -> Monitor<f64, N> {
 fn clocks_are_forgotten_where_aiding_changes_and_only_there() {
     let mut monitor = coasting::<CAPACITY>(8);
     let four = epoch(90.0, &seen(&DIRECTIONS[..4], clock_m(90)));
-    let aided = Strategy { clock_aid: true, ..Strategy::CLASSIC };
-    monitor.set_strategy(Strategy { method: Method::Ransac, ..aided }).unwrap();
+    let aided = Strategy::CLASSIC.with_clock_aid(true);
+    monitor.set_strategy(aided.with_method(Method::Ransac)).unwrap();
     assert!(monitor.clone().process(&four).test.is_some(), "with the forecast there is something to test");
     monitor.set_strategy(Strategy::CLASSIC).unwrap();
     assert!(monitor.clone().process(&four).test.is_none());
@@ -124,10 +124,10 @@ fn a_known_height_is_where_the_position_is() {
 fn a_level_is_held_to_its_share_of_the_limit() {
     let observations = seen(&DIRECTIONS, 0.0);
     let levels = judge(npa(), &observations).protection.unwrap();
-    let horizontal = |share: f64| Requirements { hal_m: levels.hpl_m / share, ..npa() };
+    let horizontal = |share: f64| npa().with_hal_m(levels.hpl_m / share);
     assert_eq!(judge(horizontal(0.94), &observations).verdict, OK);
     assert_eq!(judge(horizontal(0.96), &observations).verdict, Verdict::Unavailable(Unavailable::Hpl));
-    let vertical = |share: f64| Requirements { val_m: Some(levels.vpl_m / share), ..npa() };
+    let vertical = |share: f64| npa().with_val_m(Some(levels.vpl_m / share));
     assert_eq!(judge(vertical(0.94), &observations).verdict, OK);
     assert_eq!(judge(vertical(0.96), &observations).verdict, Verdict::Unavailable(Unavailable::Vpl));
 }
@@ -142,7 +142,7 @@ fn a_fault_that_never_shows_is_a_geometry_problem() {
     // horizontally irrelevant.
     let mut cone: Vec<(f64, f64)> = (0..6).map(|step| (60.0 * f64::from(step), 35.0)).collect();
     cone.push((0.0, 90.0));
-    let mut start = monitor(Requirements { val_m: Some(500.0), ..npa() });
+    let mut start = monitor(npa().with_val_m(Some(500.0)));
     start.start_from(receiver());
     let report = start.process(&epoch(0.0, &seen(&cone, 0.0)));
     assert_eq!(report.verdict, Verdict::Unavailable(Unavailable::Geometry), "{:?}", report.protection);
@@ -213,7 +213,7 @@ fn with_fault(directions: &[(f64, f64)], height: bool) -> Epoch<CAPACITY> {
 fn consensus_of_another_sky_is_not_that_of_this_one() {
     let fresh = || {
         let mut monitor = monitor(npa());
-        monitor.set_strategy(Strategy { method: Method::Ransac, ..Strategy::CLASSIC }).unwrap();
+        monitor.set_strategy(Strategy::CLASSIC.with_method(Method::Ransac)).unwrap();
         monitor.start_from(receiver());
         monitor
     };

@@ -9,7 +9,7 @@
 use crate::noise::Noise;
 use crate::sky::{self, CAPACITY, SIGMA_M, receiver, satellite};
 use raim_core::epoch::Epoch;
-use raim_core::integrity::raim::isolation::parity::Isolation;
+use raim_core::internals::integrity::raim::isolation::parity::Isolation;
 use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
@@ -44,7 +44,7 @@ fn sky(count: usize, systems: usize, seed: u64) -> Epoch<CAPACITY> {
 
 fn judged(method: Method, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY> {
     let mut monitor = Monitor::<f32, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
-    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC }).unwrap();
+    monitor.set_strategy(Strategy::CLASSIC.with_method(method)).unwrap();
     monitor.start_from(receiver());
     monitor.process(epoch)
 }

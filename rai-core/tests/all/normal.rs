@@ -2,8 +2,8 @@
 
 #![allow(clippy::expect_used, reason = "a test may panic")]
 
-use raim_core::numeric::normal::{quantile, tail};
-use raim_core::numeric::real::Real;
+use raim_core::internals::numeric::normal::{quantile, tail};
+use raim_core::internals::numeric::real::Real;
 
 /// The file describes the computation of its values.
 const GOLD: &str = include_str!("../../../tests-host/vectors/normal.csv");

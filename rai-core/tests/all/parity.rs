@@ -3,16 +3,18 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::isolation::exclusion::{Exclusion, ExclusionOutcome, Unidentified};
-use raim_core::integrity::raim::isolation::parity::{
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::isolation::exclusion::{
+    Exclusion, ExclusionOutcome, Unidentified,
+};
+use raim_core::internals::integrity::raim::isolation::parity::{
     Isolation, MAX_SETS, ParityFinding, SearchLimits, correlation_threshold, exclude, grouping, hybrid,
     hybrid_without_grouping, sequential, simultaneous,
 };
-use raim_core::least_squares::Snapshot;
-use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::least_squares::Snapshot;
+use raim_core::internals::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
 use crate::sky::DIRECTIONS;

@@ -5,15 +5,15 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::detection::threshold::policy::{
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::detection::threshold::policy::{
     Decision, NoThreshold, Policy, Status, ThresholdProblem, Weights, range_threshold_m,
 };
-use raim_core::integrity::raim::levels::noncentrality_at;
-use raim_core::integrity::raim::levels::{LevelInputs, Slopes};
-use raim_core::numeric::chi_square::{ChiSquare, LARGEST};
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::levels::noncentrality_at;
+use raim_core::internals::integrity::raim::levels::{LevelInputs, Slopes};
+use raim_core::internals::numeric::chi_square::{ChiSquare, LARGEST};
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
 use raim_core::requirements::Requirements;
 
 /// The relative errors that the functions declare, in double and in single precision.
@@ -314,7 +314,7 @@ fn vertical_limit_counts_where_it_is_set() {
     let noncentrality = |requirements: &Requirements| {
         ThresholdProblem::new(4, &LevelInputs::to_faults(largest), requirements, rows).noncentrality
     };
-    let horizontal_only = Requirements { val_m: None, ..Requirements::lpv200() };
+    let horizontal_only = Requirements::lpv200().with_val_m(None);
     assert_eq!(noncentrality(&horizontal_only), (0.95_f64 * 40.0).powi(2));
     assert_eq!(noncentrality(&Requirements::lpv200()), (0.95_f64 * 35.0 / 4.0).powi(2));
 }

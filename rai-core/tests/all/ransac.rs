@@ -3,14 +3,14 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::isolation::exclusion::ExclusionOutcome;
-use raim_core::integrity::raim::isolation::ransac::{
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::isolation::exclusion::ExclusionOutcome;
+use raim_core::internals::integrity::raim::isolation::ransac::{
     ConsensusLimits, MAX_SUBSETS, MAX_WORK, NoConsensus, Selection, consensus, exclude, refine,
 };
-use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
 use crate::solved::solved;

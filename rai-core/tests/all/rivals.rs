@@ -6,12 +6,12 @@
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::hypotheses::separability::separable;
-use raim_core::integrity::raim::isolation::exclusion::leave_out;
-use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::hypotheses::separability::separable;
+use raim_core::internals::integrity::raim::isolation::exclusion::leave_out;
+use raim_core::internals::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
 use crate::noise::Noise;

@@ -6,11 +6,11 @@
 use crate::sky::{epoch_of, observe, receiver, satellite};
 use proptest::prelude::*;
 use raim_core::epoch::{Epoch, Observation};
+use raim_core::internals::weighting::Ism;
 use raim_core::monitor::{Method, Monitor, Strategy as Pursuit};
 use raim_core::report::{Alert, Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation::{self, Beidou, Galileo, Gps};
-use raim_core::weighting::Ism;
 
 /// Room for whatever the property below draws, as for the largest epoch of all.
 const CAPACITY: usize = 64;
@@ -35,7 +35,7 @@ fn visible(constellations: &[Constellation], count: usize) -> Vec<Observation> {
 
 fn monitor(requirements: Requirements) -> Monitor<f32, CAPACITY> {
     let mut monitor = Monitor::new(requirements).unwrap();
-    monitor.set_strategy(Pursuit { method: Method::Araim, ..Pursuit::CLASSIC }).unwrap();
+    monitor.set_strategy(Pursuit::CLASSIC.with_method(Method::Araim)).unwrap();
     monitor.set_ism(Ism::RESEARCH);
     monitor
 }
@@ -67,7 +67,7 @@ fn each_limit_that_fails_is_the_reason() {
     let report = judge(lpv(), &sky);
     let (araim, levels) = (report.araim.unwrap(), report.protection.unwrap());
     let with = |val_m: f64, emt_m: f64, accuracy_m: f64| {
-        let mut requirements = Requirements { val_m: Some(val_m), ..lpv() };
+        let mut requirements = lpv().with_val_m(Some(val_m));
         requirements.allocation.emt_limit_m = Some(emt_m);
         requirements.allocation.accuracy_limit_m = Some(accuracy_m);
         judge(requirements, &sky).verdict

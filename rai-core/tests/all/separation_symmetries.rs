@@ -10,12 +10,12 @@
 use crate::noise::Noise;
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use raim_core::integrity::araim::{
+use raim_core::internals::integrity::araim::{
     Allocation, AraimJudgement, AraimOutcome, Finding, Prior, Priors, ROWS, judge,
 };
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::least_squares::{Snapshot, Workspace};
-use raim_core::numeric::real::Real;
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::least_squares::{Snapshot, Workspace};
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
 /// Probability that a constellation fails.
@@ -53,7 +53,9 @@ fn direction(one: &Sighted, turned: f64) -> Vector3<f64> {
 }
 
 fn allocation() -> Allocation {
-    Allocation { consolidation: 0.0, ..Allocation::vertical_guidance() }
+    let mut allocation = Allocation::vertical_guidance();
+    allocation.consolidation = 0.0;
+    allocation
 }
 
 fn epoch<T: Real>(sky: &[Sighted], turned: f64) -> LinearEpoch<T, ROWS> {

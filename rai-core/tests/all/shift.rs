@@ -41,7 +41,7 @@ fn sky_of(constellations: &[Constellation], shift_m: f64) -> Vec<Observation> {
 fn judge(method: Method, observations: &[Observation]) -> Report<CAPACITY> {
     let epoch = epoch_of(0.0, observations);
     let mut monitor = Monitor::<f32, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
-    monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT }).unwrap();
+    monitor.set_strategy(Strategy::DEFAULT.with_method(method)).unwrap();
     monitor.process(&epoch)
 }
 

@@ -5,7 +5,7 @@
 
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
-use raim_core::integrity::raim::isolation::parity::Isolation;
+use raim_core::internals::integrity::raim::isolation::parity::Isolation;
 use raim_core::monitor::Method;
 use raim_core::satellite::{Constellation, SatelliteId};
 

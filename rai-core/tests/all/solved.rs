@@ -1,8 +1,8 @@
 //! A solved snapshot without a workspace beside it, for tests, which leak its memory.
 
-use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
-use raim_core::least_squares::{Snapshot, SnapshotError, Workspace};
-use raim_core::numeric::real::Real;
+use raim_core::internals::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::internals::least_squares::{Snapshot, SnapshotError, Workspace};
+use raim_core::internals::numeric::real::Real;
 
 /// Works like [`Workspace::solve`].
 pub(crate) fn solved<T: Real>(

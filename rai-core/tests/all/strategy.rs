@@ -6,8 +6,8 @@
 use crate::sky::{CAPACITY, epoch_of, observe, receiver, satellite};
 use raim_core::epoch::{Aiding, Epoch, Observation};
 use raim_core::frame::LocalFrame;
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
-use raim_core::integrity::raim::isolation::parity;
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::integrity::raim::isolation::parity;
 use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::report::{Alert, Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
@@ -42,7 +42,7 @@ fn clock_m(second: u32) -> f64 {
 /// Returns a monitor with clock aiding that has seen a minute and a half of seven satellites.
 fn coasting() -> (Monitor<f32, CAPACITY>, u32) {
     let mut monitor = Monitor::new(Requirements::non_precision_approach()).unwrap();
-    monitor.set_strategy(Strategy { clock_aid: true, ..Strategy::CLASSIC }).unwrap();
+    monitor.set_strategy(Strategy::CLASSIC.with_clock_aid(true)).unwrap();
     for second in 0..90 {
         let report = judge(&mut monitor, f64::from(second), &visible(7, clock_m(second)));
         assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "second {second}");
@@ -81,7 +81,7 @@ fn a_jump_of_the_clock_is_no_satellites_fault_by_any_method() {
         for jump_m in [300.0, -238_668.0] {
             let (mut monitor, now) = coasting();
             monitor.disable_continuity();
-            monitor.set_strategy(Strategy { method, clock_aid: true, ..Strategy::CLASSIC }).unwrap();
+            monitor.set_strategy(Strategy::CLASSIC.with_method(method).with_clock_aid(true)).unwrap();
             for second in now..now + 20 {
                 let sky = visible(7, clock_m(second) + jump_m);
                 let report = judge(&mut monitor, f64::from(second), &sky);
@@ -121,7 +121,7 @@ fn a_jump_of_the_clock_is_the_clocks_beside_a_known_height_too() {
     let (mut monitor, now) = coasting();
     monitor.disable_continuity();
     let method = Method::Parity(parity::Isolation::Hybrid);
-    monitor.set_strategy(Strategy { method, clock_aid: true, ..Strategy::CLASSIC }).unwrap();
+    monitor.set_strategy(Strategy::CLASSIC.with_method(method).with_clock_aid(true)).unwrap();
     let mut epoch = Epoch::new(f64::from(now));
     for observation in visible(7, clock_m(now) - 238_668.0) {
         epoch.push(observation).unwrap();
@@ -142,14 +142,14 @@ fn without_aiding_four_satellites_stay_untested() {
 
 /// Requirements whose alert limit leaves room between the two risks.
 fn generous() -> Requirements {
-    Requirements { hal_m: 150.0, ..Requirements::non_precision_approach() }
+    Requirements::non_precision_approach().with_hal_m(150.0)
 }
 
 #[test]
 fn a_higher_threshold_passes_a_fault_that_the_limit_can_bear() {
     let thresholds = [Policy::T1, Policy::TOp, Policy::T2].map(|policy| {
         let mut monitor = Monitor::new(generous()).unwrap();
-        monitor.set_strategy(Strategy { policy, ..Strategy::CLASSIC }).unwrap();
+        monitor.set_strategy(Strategy::CLASSIC.with_policy(policy)).unwrap();
         let report = judge(&mut monitor, 0.0, &visible(7, 0.0));
         assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "{policy:?}");
         (report.test.unwrap().threshold, report.protection.unwrap().hpl_m)
@@ -166,12 +166,12 @@ fn a_higher_threshold_passes_a_fault_that_the_limit_can_bear() {
 
 #[test]
 fn no_threshold_between_the_risks_is_an_unavailability() {
-    let tight = Requirements { hal_m: 12.0, ..generous() };
+    let tight = generous().with_hal_m(12.0);
     for (policy, want) in
         [(Policy::T1, Unavailable::Hpl), (Policy::TOp, Unavailable::Risk), (Policy::T2, Unavailable::Risk)]
     {
         let mut monitor = Monitor::new(tight).unwrap();
-        monitor.set_strategy(Strategy { policy, ..Strategy::CLASSIC }).unwrap();
+        monitor.set_strategy(Strategy::CLASSIC.with_policy(policy)).unwrap();
         let report = judge(&mut monitor, 0.0, &visible(7, 0.0));
         assert_eq!(report.verdict, Verdict::Unavailable(want), "{policy:?}");
     }

@@ -3,10 +3,10 @@
 
 use raim_core::epoch::Observation;
 use raim_core::frame::LocalFrame;
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
-use raim_core::integrity::raim::hypotheses::time_tag::RangeRates;
-use raim_core::integrity::raim::isolation::parity::Isolation;
-use raim_core::monitor::{Method, Monitor, MonitorWorkspace, Search, Strategy};
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::integrity::raim::hypotheses::time_tag::RangeRates;
+use raim_core::internals::integrity::raim::isolation::parity::Isolation;
+use raim_core::monitor::{Method, Monitor, MonitorMemory, Search, Strategy};
 use raim_core::report::{Alert, Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
@@ -65,12 +65,12 @@ fn judge(
     monitor.set_strategy(strategy).unwrap();
     // A wrong time alone makes these residuals, which must not pass for noise of the receiver.
     monitor.disable_continuity();
-    let mut memory = MonitorWorkspace::new();
+    let mut memory = MonitorMemory::new();
     monitor.judge(&epoch, receiver(), Search::Anew, rates, &mut memory).report.clone()
 }
 
 fn judge_by(method: Method, observations: &[Observation]) -> Report<CAPACITY> {
-    let strategy = Strategy { method, ..Strategy::DEFAULT };
+    let strategy = Strategy::DEFAULT.with_method(method);
     judge(observations, strategy, Requirements::non_precision_approach(), Some(&rate_m_s))
 }
 
@@ -121,9 +121,9 @@ fn wrong_time_and_a_wrong_satellite_are_not_explained_by_satellites() {
 
 #[test]
 fn policy_that_tolerates_satellites_does_not_tolerate_the_time() {
-    let requirements = Requirements { hal_m: 120.0, ..Requirements::non_precision_approach() };
+    let requirements = Requirements::non_precision_approach().with_hal_m(120.0);
     for policy in [Policy::T1, Policy::T2, Policy::TOp] {
-        let strategy = Strategy { policy, ..Strategy::DEFAULT };
+        let strategy = Strategy::DEFAULT.with_policy(policy);
         let report = judge(&tagged(0.05), strategy, requirements, Some(&rate_m_s));
         assert_eq!(report.verdict, Verdict::Alert(Alert::Time), "{policy:?}");
         let report = judge(&tagged(0.0), strategy, requirements, Some(&rate_m_s));

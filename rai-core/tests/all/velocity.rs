@@ -2,13 +2,13 @@
 #![allow(clippy::expect_used, clippy::indexing_slicing)]
 
 use nalgebra::Vector3;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::levels::KFactors;
-use raim_core::least_squares::Workspace;
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::levels::KFactors;
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
+use raim_core::internals::velocity::{RangeRate, Velocity, VelocityError, estimate};
 use raim_core::satellite::{Constellation, SatelliteId};
-use raim_core::velocity::{RangeRate, Velocity, VelocityError, estimate};
 
 use crate::sky::CAPACITY;
 
@@ -148,7 +148,11 @@ fn velocity_beyond_the_highest_speed_and_its_level_is_no_receiver_s() {
     let ground_m_s = VELOCITY[0].hypot(VELOCITY[1]);
     assert!(have.is_within(ground_m_s));
     assert!(!have.is_within(ground_m_s - have.levels_m_s.hpl_m - 0.1));
-    let climbs = |up_m_s: f64| Velocity { east_north_up_m_s: [0.0, 0.0, up_m_s], ..have.clone() };
+    let climbs = |up_m_s: f64| {
+        let mut climbing = have.clone();
+        climbing.east_north_up_m_s = [0.0, 0.0, up_m_s];
+        climbing
+    };
     assert!(climbs(-515.0).is_within(515.0) && !climbs(-520.0).is_within(515.0));
     assert!(!climbs(f64::NAN).is_within(515.0));
 }

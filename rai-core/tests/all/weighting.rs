@@ -1,12 +1,12 @@
 //! The error model, each term computed by hand.
 #![allow(clippy::unwrap_used)]
 
-use raim_core::satellite::{Constellation, SatelliteId};
-use raim_core::weighting::ionosphere::{IonosphereError, obliquity};
-use raim_core::weighting::{
+use raim_core::internals::weighting::ionosphere::{IonosphereError, obliquity};
+use raim_core::internals::weighting::{
     ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, noise_factor_from_cn0,
     reflection_sigma_m, sigma_m,
 };
+use raim_core::satellite::{Constellation, SatelliteId};
 
 const NOTHING: ErrorBudget = ErrorBudget {
     sin_elevation: 1.0,

@@ -5,17 +5,17 @@
 use std::collections::BTreeSet;
 use std::error::Error;
 
-use raim_core::continuity::{ContinuityError, Recovery};
 use raim_core::epoch::EpochError;
 use raim_core::frame::Ecef;
-use raim_core::integrity::raim::detection::threshold::ThresholdError;
-use raim_core::integrity::raim::detection::threshold::policy::NoThreshold;
-use raim_core::integrity::raim::isolation::ransac::NoConsensus;
-use raim_core::least_squares::SnapshotError;
-use raim_core::least_squares::equations::RowError;
-use raim_core::least_squares::fix::FixError;
+use raim_core::internals::continuity::{ContinuityError, Recovery};
+use raim_core::internals::integrity::raim::detection::threshold::ThresholdError;
+use raim_core::internals::integrity::raim::detection::threshold::policy::NoThreshold;
+use raim_core::internals::integrity::raim::isolation::ransac::NoConsensus;
+use raim_core::internals::least_squares::SnapshotError;
+use raim_core::internals::least_squares::equations::RowError;
+use raim_core::internals::least_squares::fix::FixError;
+use raim_core::internals::numeric::probability::Probability;
 use raim_core::monitor::MonitorError;
-use raim_core::numeric::probability::Probability;
 use raim_core::requirements::RequirementsError;
 
 /// Checks for lower-case words, with no two reasons alike.

@@ -2,11 +2,11 @@
 
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::Ecef;
+use raim_core::internals::velocity::VelocityError;
 use raim_core::monitor::{MonitorError, Search};
 use raim_core::report::Report;
 use raim_core::satellite::SatelliteId;
-use raim_core::velocity::VelocityError;
-use raim_single::{CAPACITY, Monitor, MonitorWorkspace};
+use raim_single::{CAPACITY, Monitor, MonitorMemory};
 
 use crate::pointer::{Object, can_give, give, slice, status_of, take};
 use crate::settings::{rai_settings_t, refusal_of};
@@ -32,7 +32,7 @@ type Stored = Object<Watch, 1>;
 struct Watch {
     /// Result of the construction, because taking the monitor out of it would put it on the stack.
     made: Result<Monitor, MonitorError>,
-    memory: MonitorWorkspace,
+    memory: MonitorMemory,
     epoch: Epoch<CAPACITY>,
 }
 
@@ -118,7 +118,7 @@ pub unsafe extern "C" fn rai_monitor_init(
             room.fill(
                 |watch: *mut Watch| {
                     (&raw mut (*watch).made).write(Monitor::new(requirements));
-                    (&raw mut (*watch).memory).write(MonitorWorkspace::new());
+                    (&raw mut (*watch).memory).write(MonitorMemory::new());
                     (&raw mut (*watch).epoch).write(Epoch::new(0.0));
                     Ok(())
                 },

@@ -3,6 +3,7 @@
 use core::ffi::c_char;
 use core::mem::MaybeUninit;
 
+use raim_core::Verdict;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 
@@ -12,7 +13,7 @@ use crate::settings::refusal_of;
 use crate::status::*;
 use crate::storage::{RAI_RECEIVER_SIZE, RAI_RECEIVER_WORDS};
 use crate::text::{Lines, rai_text_t, words};
-use crate::verdict::{RAI_REASON_NONE, RAI_STATE_NONE, rai_verdict_t, reason_of, state_of};
+use crate::verdict::{RAI_REASON_NONE, RAI_STATE_NONE, rai_verdict_t, state_of};
 
 /// Memory of a receiver. Its contents are private to the library; only its size and alignment
 /// matter.
@@ -27,7 +28,8 @@ type Stored = Object<Receiver<MemoryPin>, 2>;
 /// Makes a receiver in place, behind an exclusive reference, so that it is not on the stack first.
 #[inline(never)]
 fn make(place: &mut MaybeUninit<Receiver<MemoryPin>>) -> Result<(), rai_status_t> {
-    let boot = Boot { clock_error_ppm: Boot::WITHOUT_CRYSTAL_PPM, ..Boot::on_host("library") };
+    let mut boot = Boot::on_host("library");
+    boot.clock_error_ppm = Boot::WITHOUT_CRYSTAL_PPM;
     Receiver::place(place, MemoryPin::default(), boot).map(|_| ()).map_err(refusal_of)
 }
 
@@ -227,7 +229,7 @@ pub unsafe extern "C" fn rai_receiver_state(receiver: *const rai_receiver_t, rea
     let verdict = unsafe { at(receiver) }.ok().and_then(|receiver| receiver.last_verdict());
     // SAFETY: guaranteed by the caller.
     if let Some(reason) = unsafe { reason.as_mut() } {
-        *reason = verdict.map_or(RAI_REASON_NONE, reason_of);
+        *reason = verdict.map_or(RAI_REASON_NONE, Verdict::code);
     }
     verdict.map_or(RAI_STATE_NONE, state_of)
 }

@@ -1,15 +1,15 @@
 //! Requirements on a position, and the strategy that monitors it.
 
-use raim_core::allocation::Allocation;
-use raim_core::continuity::{ContinuityError, ContinuitySettings, Recovery};
-use raim_core::integrity::Method;
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
-use raim_core::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
+use raim_core::internals::allocation::Allocation;
+use raim_core::internals::continuity::{ContinuityError, ContinuitySettings, Recovery};
+use raim_core::internals::integrity::Method;
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
 #[cfg(feature = "searches")]
-use raim_core::integrity::raim::isolation::parity::Isolation;
-use raim_core::integrity::raim::levels::Levels;
+use raim_core::internals::integrity::raim::isolation::parity::Isolation;
+use raim_core::internals::integrity::raim::levels::Levels;
+use raim_core::internals::numeric::probability::Probability;
 use raim_core::monitor::{MonitorError, Noise, Strategy};
-use raim_core::numeric::probability::Probability;
 use raim_core::requirements::{Requirements, RequirementsError};
 use raim_single::CAPACITY;
 
@@ -159,14 +159,14 @@ impl rai_settings_t {
     pub(crate) fn requirements(&self) -> Result<Requirements, rai_status_t> {
         let base = Requirements::non_precision_approach();
         let val_m = (self.val_m != 0.0).then_some(self.val_m);
-        Ok(Requirements {
-            hal_m: self.hal_m,
-            val_m,
-            allocation: val_m.map_or(base.allocation, |_| Allocation::vertical_guidance()),
-            false_alarm: Probability::new(self.false_alarm).ok_or(RAI_STATUS_FALSE_ALARM)?,
-            missed_detection: Probability::new(self.missed_detection).ok_or(RAI_STATUS_MISSED_DETECTION)?,
-            ..base
-        })
+        Ok(base
+            .with_hal_m(self.hal_m)
+            .with_val_m(val_m)
+            .with_allocation(val_m.map_or(base.allocation, |_| Allocation::vertical_guidance()))
+            .with_false_alarm(Probability::new(self.false_alarm).ok_or(RAI_STATUS_FALSE_ALARM)?)
+            .with_missed_detection(
+                Probability::new(self.missed_detection).ok_or(RAI_STATUS_MISSED_DETECTION)?,
+            ))
     }
 
     /// Returns the requirements for the core, if it accepts these settings as a whole.
@@ -185,29 +185,29 @@ impl rai_settings_t {
     /// Returns the limits of the receiver's motion.
     pub(crate) fn continuity(&self) -> Result<ContinuitySettings, rai_status_t> {
         let recovery = Recovery { epochs: self.recovery_epochs, seconds: self.recovery_s };
-        let settings = ContinuitySettings {
-            max_speed_m_s: self.max_speed_m_s,
-            min_height_m: self.min_height_m,
-            max_height_m: self.max_height_m,
-            recovery,
-        };
+        let settings = ContinuitySettings::anywhere()
+            .with_max_speed_m_s(self.max_speed_m_s)
+            .with_min_height_m(self.min_height_m)
+            .with_max_height_m(self.max_height_m)
+            .with_recovery(recovery);
         settings.validate().map_err(|error| match error {
             ContinuityError::Speed { .. } => RAI_STATUS_SPEED,
             ContinuityError::Height { .. } => RAI_STATUS_HEIGHT,
             ContinuityError::Recovery { .. } => RAI_STATUS_RECOVERY,
+            _ => RAI_STATUS_SETTING,
         })
     }
 
     /// Returns the strategy of the core.
     pub(crate) fn strategy(&self) -> Result<Strategy, rai_status_t> {
-        Ok(Strategy {
-            policy: match self.policy {
+        Ok(Strategy::DEFAULT
+            .with_policy(match self.policy {
                 RAI_POLICY_T1 => Policy::T1,
                 RAI_POLICY_T2 => Policy::T2,
                 RAI_POLICY_TOP => Policy::TOp,
                 _ => return Err(RAI_STATUS_POLICY),
-            },
-            method: match self.method {
+            })
+            .with_method(match self.method {
                 RAI_METHOD_AUTO => Method::Auto,
                 RAI_METHOD_BAARDA => Method::Baarda,
                 #[cfg(feature = "searches")]
@@ -223,16 +223,14 @@ impl rai_settings_t {
                 #[cfg(feature = "araim")]
                 RAI_METHOD_SEPARATION => Method::Araim,
                 _ => return Err(RAI_STATUS_METHOD),
-            },
-            levels: match self.levels {
+            })
+            .with_levels(match self.levels {
                 RAI_LEVELS_BOUND => Levels::Bound,
                 RAI_LEVELS_SLOPE => Levels::Slope,
                 _ => return Err(RAI_STATUS_LEVELS),
-            },
-            clock_aid: self.clock_aid != 0,
-            // The settings of C have no field for it yet.
-            noise: Noise::Auto,
-        })
+            })
+            .with_clock_aid(self.clock_aid != 0)
+            .with_noise(Noise::Auto))
     }
 }
 
@@ -241,8 +239,8 @@ pub(crate) fn refusal_of(error: MonitorError) -> rai_status_t {
     match error {
         MonitorError::Requirements(RequirementsError::HorizontalAlertLimit(_)) => RAI_STATUS_HAL,
         MonitorError::Requirements(RequirementsError::VerticalAlertLimit(_)) => RAI_STATUS_VAL,
-        MonitorError::Requirements(_) => RAI_STATUS_SETTING,
         MonitorError::Threshold(ThresholdError::FalseAlarm { .. }) => RAI_STATUS_FALSE_ALARM,
         MonitorError::Threshold(ThresholdError::MissedDetection { .. }) => RAI_STATUS_MISSED_DETECTION,
+        _ => RAI_STATUS_SETTING,
     }
 }

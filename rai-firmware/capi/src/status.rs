@@ -136,6 +136,7 @@ pub(crate) fn of_refused_range(error: EpochError) -> rai_status_t {
         EpochError::Sigma { .. } => RAI_STATUS_SIGMA,
         EpochError::Duplicate => RAI_STATUS_DUPLICATE,
         EpochError::Full => RAI_STATUS_FULL,
+        _ => RAI_STATUS_SETTING,
     }
 }
 
@@ -151,9 +152,10 @@ pub(crate) fn of_refused_command(refusal: Refusal) -> rai_status_t {
         Refusal::UnknownValue => RAI_STATUS_WORD,
         Refusal::NotInBuild => RAI_STATUS_NOT_IN_BUILD,
         Refusal::NotANumber => RAI_STATUS_NUMBER,
-        Refusal::OutOfRange => RAI_STATUS_SETTING,
         Refusal::AllZero => RAI_STATUS_ALL_ZERO,
         Refusal::NotInTables { .. } => RAI_STATUS_PROBABILITY,
+        // Out of range, or for a reason that has no number here yet.
+        _ => RAI_STATUS_SETTING,
     }
 }
 

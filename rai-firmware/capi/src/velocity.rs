@@ -1,6 +1,6 @@
 //! Velocity of the receiver's antenna, from range rates.
 
-use raim_core::velocity::Velocity;
+use raim_core::internals::velocity::Velocity;
 
 use crate::pointer::{Versioned, give, status_of};
 use crate::receiver::{at, rai_receiver_t};

@@ -2,7 +2,7 @@
 
 use core::ffi::{CStr, c_char};
 
-use raim_core::report::{Alert, MAX_EXCLUDED, Protected, Report, Suspect, Unavailable, Verdict};
+use raim_core::report::{MAX_EXCLUDED, Report, Suspect, Verdict};
 
 use crate::pointer::Versioned;
 
@@ -75,69 +75,7 @@ pub const RAI_REASON_ACCURACY: u8 = 78;
 pub const RAI_REASON_SIGMAS: u8 = 79;
 
 fn text(reason: u8) -> &'static CStr {
-    match reason {
-        RAI_REASON_OK => c"OK",
-        RAI_REASON_EXCLUDED => c"EXCLUDED",
-        RAI_REASON_FAULT => c"FAULT",
-        RAI_REASON_AMBIGUOUS => c"AMBIGUOUS",
-        RAI_REASON_STALE => c"STALE",
-        RAI_REASON_JUMP => c"JUMP",
-        RAI_REASON_CLOCK => c"CLOCK",
-        RAI_REASON_TRACK => c"TRACK",
-        RAI_REASON_SPOOFED => c"SPOOFED",
-        RAI_REASON_TIME => c"TIME",
-        RAI_REASON_SOURCE => c"SOURCE",
-        RAI_REASON_NOFIX => c"NOFIX",
-        RAI_REASON_REDUNDANCY => c"REDUNDANCY",
-        RAI_REASON_GEOMETRY => c"GEOMETRY",
-        RAI_REASON_RISK => c"RISK",
-        RAI_REASON_HPL => c"HPL",
-        RAI_REASON_VPL => c"VPL",
-        RAI_REASON_BUDGET => c"BUDGET",
-        RAI_REASON_INPUT => c"INPUT",
-        RAI_REASON_RECOVERING => c"RECOVERING",
-        RAI_REASON_PLACE => c"PLACE",
-        RAI_REASON_SELFTEST => c"SELFTEST",
-        RAI_REASON_EPHEMERIS => c"EPHEMERIS",
-        RAI_REASON_SETTINGS => c"SETTINGS",
-        RAI_REASON_EMT => c"EMT",
-        RAI_REASON_ACCURACY => c"ACCURACY",
-        RAI_REASON_SIGMAS => c"SIGMAS",
-        _ => c"?",
-    }
-}
-
-/// Returns the number of a verdict's reason.
-pub(crate) fn reason_of(verdict: Verdict) -> u8 {
-    match verdict {
-        Verdict::Protected(Protected::Ok) => RAI_REASON_OK,
-        Verdict::Protected(Protected::Excluded) => RAI_REASON_EXCLUDED,
-        Verdict::Alert(Alert::Fault) => RAI_REASON_FAULT,
-        Verdict::Alert(Alert::Ambiguous) => RAI_REASON_AMBIGUOUS,
-        Verdict::Alert(Alert::Stale) => RAI_REASON_STALE,
-        Verdict::Alert(Alert::Jump) => RAI_REASON_JUMP,
-        Verdict::Alert(Alert::Clock) => RAI_REASON_CLOCK,
-        Verdict::Alert(Alert::Track) => RAI_REASON_TRACK,
-        Verdict::Alert(Alert::Spoofed) => RAI_REASON_SPOOFED,
-        Verdict::Alert(Alert::Time) => RAI_REASON_TIME,
-        Verdict::Alert(Alert::Source) => RAI_REASON_SOURCE,
-        Verdict::Unavailable(Unavailable::NoFix) => RAI_REASON_NOFIX,
-        Verdict::Unavailable(Unavailable::Redundancy) => RAI_REASON_REDUNDANCY,
-        Verdict::Unavailable(Unavailable::Geometry) => RAI_REASON_GEOMETRY,
-        Verdict::Unavailable(Unavailable::Risk) => RAI_REASON_RISK,
-        Verdict::Unavailable(Unavailable::Hpl) => RAI_REASON_HPL,
-        Verdict::Unavailable(Unavailable::Vpl) => RAI_REASON_VPL,
-        Verdict::Unavailable(Unavailable::Budget) => RAI_REASON_BUDGET,
-        Verdict::Unavailable(Unavailable::Input) => RAI_REASON_INPUT,
-        Verdict::Unavailable(Unavailable::Recovering) => RAI_REASON_RECOVERING,
-        Verdict::Unavailable(Unavailable::Place) => RAI_REASON_PLACE,
-        Verdict::Unavailable(Unavailable::SelfTest) => RAI_REASON_SELFTEST,
-        Verdict::Unavailable(Unavailable::Ephemeris) => RAI_REASON_EPHEMERIS,
-        Verdict::Unavailable(Unavailable::Settings) => RAI_REASON_SETTINGS,
-        Verdict::Unavailable(Unavailable::Emt) => RAI_REASON_EMT,
-        Verdict::Unavailable(Unavailable::Accuracy) => RAI_REASON_ACCURACY,
-        Verdict::Unavailable(Unavailable::Sigmas) => RAI_REASON_SIGMAS,
-    }
+    Verdict::word_of(reason).unwrap_or(c"?")
 }
 
 /// Returns the word of a reason in the sentences, a string that lives as long as the program; `?`
@@ -292,7 +230,7 @@ impl rai_verdict_t {
 
     /// Returns a verdict without a position.
     pub(crate) fn without_position(verdict: Verdict) -> Self {
-        Self { state: state_of(verdict), reason: reason_of(verdict), ..Self::none() }
+        Self { state: state_of(verdict), reason: verdict.code(), ..Self::none() }
     }
 
     /// Returns the verdict of a report.
@@ -322,16 +260,24 @@ impl rai_verdict_t {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeSet;
+    use std::collections::BTreeMap;
 
     use super::*;
 
     #[test]
-    fn every_reason_has_a_word_of_its_own() {
-        let words: BTreeSet<_> = (1..=u8::MAX).map(text).collect();
-        let want = include_str!("verdict.rs").matches("\npub const RAI_REASON_").count() - 1;
-        // One more for an unknown reason, whose word is also that of `RAI_REASON_NONE`.
-        assert_eq!(words.len(), want + 1);
-        assert_eq!(text(RAI_REASON_NONE), c"?");
+    fn every_reason_of_the_core_has_its_code_here() {
+        let constants = include_str!("verdict.rs").lines().filter_map(|line| {
+            let (name, code) = line.strip_prefix("pub const RAI_REASON_")?.split_once(": u8 = ")?;
+            Some((name.to_owned(), code.trim_end_matches(';').parse().expect("a code")))
+        });
+        let have: BTreeMap<_, u8> = constants.collect();
+        let none = [("NONE".to_owned(), RAI_REASON_NONE)];
+        let reasons = Verdict::all().map(|verdict| (verdict.word().to_owned(), verdict.code()));
+        assert_eq!(have, reasons.chain(none).collect());
+    }
+
+    #[test]
+    fn code_without_a_reason_has_a_question_mark() {
+        assert_eq!((text(RAI_REASON_NONE), text(255), text(RAI_REASON_FAULT)), (c"?", c"?", c"FAULT"));
     }
 }

@@ -88,3 +88,8 @@ pub mod second_opinion;
 mod serial;
 #[cfg(feature = "commands")]
 mod standard_input;
+
+/// The example of the readme.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

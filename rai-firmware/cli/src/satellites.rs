@@ -253,7 +253,7 @@ fn note(event: &Event<'_>, orbits: &mut Store, last: &mut Option<Box<RawEpoch>>)
             orbits.observe(raw.satellites.iter().map(|satellite| satellite.satellite));
             *last = Some(Box::new((*raw).clone()));
         }
-        Event::Position(_) | Event::Ionosphere(..) | Event::SelfReport(_) | Event::Rivalry(_) => {}
+        _ => {}
     }
 }
 

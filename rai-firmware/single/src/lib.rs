@@ -17,13 +17,13 @@ pub mod stages;
 
 use raim_core::epoch::Epoch;
 use raim_core::frame::Ecef;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::hypotheses::time_tag::RangeRates;
-use raim_core::integrity::raim::levels::KFactors;
-use raim_core::least_squares::SnapshotError;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::hypotheses::time_tag::RangeRates;
+use raim_core::internals::integrity::raim::levels::KFactors;
+use raim_core::internals::least_squares::SnapshotError;
+use raim_core::internals::velocity::{self, RangeRate, VelocityError};
 use raim_core::monitor::Search;
 use raim_core::report::{ProtectionLevels, Report};
-use raim_core::velocity::{self, RangeRate, VelocityError};
 
 /// Most satellites in one epoch: 48, more than three systems show at once anywhere on earth, or
 /// fewer without the feature `satellites-48`.
@@ -44,14 +44,14 @@ pub type ValidatedRequirements = raim_core::monitor::ValidatedRequirements<f32, 
 /// [`raim_core::monitor::EpochOutcome`] of this instance.
 pub type EpochOutcome = raim_core::monitor::EpochOutcome<CAPACITY>;
 
-/// [`raim_core::monitor::MonitorWorkspace`] of this instance.
-pub type MonitorWorkspace = raim_core::monitor::MonitorWorkspace<f32, CAPACITY>;
+/// [`raim_core::monitor::MonitorMemory`] of this instance.
+pub type MonitorMemory = raim_core::monitor::MonitorMemory<f32, CAPACITY>;
 
-/// [`raim_core::least_squares::Snapshot`] of this instance.
-pub type Snapshot<'w> = raim_core::least_squares::Snapshot<'w, f32, CAPACITY>;
+/// [`raim_core::internals::least_squares::Snapshot`] of this instance.
+pub type Snapshot<'w> = raim_core::internals::least_squares::Snapshot<'w, f32, CAPACITY>;
 
-/// [`raim_core::least_squares::Workspace`] of this instance.
-pub type Workspace = raim_core::least_squares::Workspace<f32, CAPACITY>;
+/// [`raim_core::internals::least_squares::Workspace`] of this instance.
+pub type Workspace = raim_core::internals::least_squares::Workspace<f32, CAPACITY>;
 
 /// Calls [`Monitor::process`].
 #[inline(never)]
@@ -67,7 +67,7 @@ pub fn judge<'m>(
     start: Ecef,
     search: Search<'_>,
     rates: Option<&RangeRates<'_>>,
-    memory: &'m mut MonitorWorkspace,
+    memory: &'m mut MonitorMemory,
 ) -> &'m mut EpochOutcome {
     monitor.judge(epoch, start, search, rates, memory)
 }
@@ -79,7 +79,7 @@ pub fn levels(
     epoch: &Epoch<CAPACITY>,
     start: Ecef,
     noise: f32,
-    memory: &mut MonitorWorkspace,
+    memory: &mut MonitorMemory,
 ) -> Option<ProtectionLevels> {
     monitor.levels(epoch, start, noise, memory)
 }
@@ -99,10 +99,10 @@ pub fn position(workspace: &mut Workspace, epoch: &Epoch<CAPACITY>, start: Ecef)
     Some(workspace.fix(epoch, start).ok()?.position())
 }
 
-/// Calls [`raim_core::velocity::estimate`].
+/// Calls [`raim_core::internals::velocity::estimate`].
 ///
 /// # Errors
-/// As [`raim_core::velocity::estimate`].
+/// As [`raim_core::internals::velocity::estimate`].
 #[inline(never)]
 pub fn velocity(
     workspace: &mut Workspace,
@@ -112,3 +112,8 @@ pub fn velocity(
 ) -> Result<velocity::Velocity, VelocityError> {
     velocity::estimate(workspace, rates, thresholds, factors)
 }
+
+/// The example of the readme.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -3,19 +3,21 @@
 //!
 //! Each function calls the generic one of its name.
 
-use raim_core::clock::{CoastingClock, Forecast, Observed};
-use raim_core::integrity::araim::{self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors};
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::detection::threshold::policy::{
+use raim_core::internals::clock::{CoastingClock, Forecast, Observed};
+use raim_core::internals::integrity::araim::{
+    self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors,
+};
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::detection::threshold::policy::{
     NoThreshold, Policy, PolicyThreshold, ThresholdProblem,
 };
-use raim_core::integrity::raim::isolation::baarda;
-use raim_core::integrity::raim::isolation::exclusion::Exclusion;
-use raim_core::integrity::raim::isolation::parity::{self, ParityFinding};
-use raim_core::integrity::raim::isolation::ransac::{self, Selection};
-use raim_core::integrity::raim::levels::{self, Slopes};
-use raim_core::least_squares::SnapshotError;
-use raim_core::least_squares::equations::Row;
+use raim_core::internals::integrity::raim::isolation::baarda;
+use raim_core::internals::integrity::raim::isolation::exclusion::Exclusion;
+use raim_core::internals::integrity::raim::isolation::parity::{self, ParityFinding};
+use raim_core::internals::integrity::raim::isolation::ransac::{self, Selection};
+use raim_core::internals::integrity::raim::levels::{self, Slopes};
+use raim_core::internals::least_squares::SnapshotError;
+use raim_core::internals::least_squares::equations::Row;
 
 use crate::{CAPACITY, Snapshot};
 

@@ -106,6 +106,7 @@ pub trait Board {
 
 /// An event for the log.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Note {
     /// An epoch was judged: its verdict, and ticks from its last byte to the pin.
     Judged(Option<Verdict>, u64),

@@ -23,6 +23,7 @@ pub const WORD_BYTES: usize = 16;
 
 /// Cause of the last reset, written in at most [`WORD_BYTES`] characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ResetCause {
     /// The supply came up.
     PowerOn,
@@ -44,6 +45,7 @@ pub enum ResetCause {
 
 /// Failure of the previous program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Fault {
     /// A panic in a source file, at a line.
     Panic {

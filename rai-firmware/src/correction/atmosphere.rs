@@ -47,7 +47,7 @@
 use core::f32::consts::PI;
 
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
-use raim_core::numeric::sqrt;
+use raim_core::internals::numeric::sqrt;
 
 use crate::raw::Band;
 use crate::time::{BEIDOU_OFFSET_MS, GpsTime};

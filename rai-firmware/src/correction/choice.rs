@@ -25,8 +25,8 @@
 //! [BDS-SIS-B3I]: crate#references
 
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
-use raim_core::numeric::sqrt;
-use raim_core::weighting::noise_factor_from_cn0;
+use raim_core::internals::numeric::sqrt;
+use raim_core::internals::weighting::noise_factor_from_cn0;
 
 use super::{difference_m, root_of_squares, sum_m};
 use crate::ephemeris::Ephemeris;

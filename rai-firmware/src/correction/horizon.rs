@@ -4,7 +4,7 @@
 //! 1e-7. Ranges need more and do not come from here.
 
 use raim_core::frame::{Ecef, LocalAxes};
-use raim_core::numeric::sqrt;
+use raim_core::internals::numeric::sqrt;
 
 /// Place of the receiver, with its axes east, north, up.
 #[derive(Clone, Debug)]

@@ -25,11 +25,11 @@
 use heapless::Vec;
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::{Ecef, LocalAxes};
-use raim_core::numeric::absolute::{Absolute as _, Grid};
-use raim_core::numeric::angle::sine;
-use raim_core::numeric::sqrt;
+use raim_core::internals::numeric::absolute::{Absolute as _, Grid};
+use raim_core::internals::numeric::angle::sine;
+use raim_core::internals::numeric::sqrt;
+use raim_core::internals::weighting::COARSE_M;
 use raim_core::satellite::SatelliteId;
-use raim_core::weighting::COARSE_M;
 
 use crate::counters::{count, counters};
 use crate::ephemeris::{self, EphemerisError, Store, coordinates_m, nearest, scaled};

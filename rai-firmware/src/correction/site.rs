@@ -5,14 +5,14 @@
 
 use raim_core::epoch::{Epoch, EpochError, Observation};
 use raim_core::frame::{Ecef, LocalAxes};
-use raim_core::numeric::angle::sine;
-use raim_core::satellite::Constellation;
-use raim_core::weighting::ionosphere::IonosphereError;
-use raim_core::weighting::shared::SharedError;
-use raim_core::weighting::{
+use raim_core::internals::numeric::angle::sine;
+use raim_core::internals::weighting::ionosphere::IonosphereError;
+use raim_core::internals::weighting::shared::SharedError;
+use raim_core::internals::weighting::{
     ErrorBudget, Ism, MIXED_CARRIERS_M, UserModel, ephemeris_sigma_m, integrity_sigma_with_m,
     reflection_sigma_m, sigma_with_m,
 };
+use raim_core::satellite::Constellation;
 
 use super::atmosphere::{Klobuchar, Place, Troposphere};
 use super::frequency::Ranges;
@@ -51,7 +51,7 @@ enum Ionosphere {
     /// The whole error counts as noise of each range.
     Whole,
     /// The error is divided into a part of each range and a part that all ranges share
-    /// ([`raim_core::weighting::ionosphere`]).
+    /// ([`raim_core::internals::weighting::ionosphere`]).
     Divided,
 }
 
@@ -112,11 +112,10 @@ impl Site {
             }
             if let Err(error) = pushed {
                 count(match error {
-                    EpochError::Range { .. } | EpochError::Position { .. } | EpochError::Sigma { .. } => {
-                        &mut refusals.range_implausible
-                    }
                     EpochError::Duplicate => &mut refusals.satellite_twice,
                     EpochError::Full => &mut refusals.epoch_full,
+                    // A number of the range, its position or its sigma.
+                    _ => &mut refusals.range_implausible,
                 });
             }
         }

@@ -35,7 +35,7 @@
 //! [OS-SIS-ICD]: crate#references
 //! [BDS-SIS-B1I]: crate#references
 
-use raim_core::weighting::UNCALIBRATED_DELAY_M;
+use raim_core::internals::weighting::UNCALIBRATED_DELAY_M;
 
 use super::elapsed::Elapsed;
 use super::fixed::{mul_high, nearest_i32};

@@ -27,7 +27,7 @@
 //! [GLO-ICD]: crate#references
 
 use nalgebra::Vector3;
-use raim_core::numeric::sqrt;
+use raim_core::internals::numeric::sqrt;
 
 /// Gravity of the earth, m³/s².
 const MU_M3_S2: f64 = 3.986004418e14;

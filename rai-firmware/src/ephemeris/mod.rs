@@ -52,8 +52,8 @@ mod store;
 use core::fmt;
 
 use raim_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
-use raim_core::numeric::absolute::{Absolute as _, Grid};
-use raim_core::numeric::bounds::is_within;
+use raim_core::internals::numeric::absolute::{Absolute as _, Grid};
+use raim_core::internals::numeric::bounds::is_within;
 use raim_core::satellite::SatelliteId;
 
 use crate::counters::{count, counters};

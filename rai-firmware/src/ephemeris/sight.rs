@@ -10,8 +10,8 @@
 
 use nalgebra::Vector3;
 use raim_core::frame::Ecef;
-use raim_core::numeric::angle::sine;
-use raim_core::numeric::sqrt;
+use raim_core::internals::numeric::angle::sine;
+use raim_core::internals::numeric::sqrt;
 use raim_core::satellite::SatelliteId;
 
 use super::{Ephemeris, coordinates_m};

@@ -1,7 +1,7 @@
 //! Ranges of one epoch: selects which are stored, and compares later ranges with them.
 
 use heapless::Vec;
-use raim_core::numeric::bounds::is_within;
+use raim_core::internals::numeric::bounds::is_within;
 use raim_core::satellite::SatelliteId;
 
 use super::Counters;

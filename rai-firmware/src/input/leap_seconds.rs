@@ -41,6 +41,7 @@ const TAG_MS: u32 = 10;
 
 /// Source of the number of leap seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LeapSource {
     /// The receiver.
     Receiver,
@@ -52,6 +53,7 @@ pub enum LeapSource {
 
 /// GPS time minus UTC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct LeapSecond {
     /// GPS time minus UTC, s.
     pub seconds: u8,

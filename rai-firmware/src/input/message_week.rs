@@ -39,13 +39,13 @@ impl MessageWeek {
         Some(own.later_by_ms(behind_gps_ms(self.constellation)))
     }
 
-    /// Returns the week without roll-over; `None` for GLONASS, which counts days.
+    /// Returns the week without roll-over; `None` for a system that counts no weeks, as GLONASS.
     fn full_week(self, known: Option<GpsTime>) -> Option<u16> {
         match self.constellation {
             Constellation::Beidou => Some(self.week.saturating_add(BEIDOU_WEEK_OFFSET)),
             Constellation::Galileo => Some(self.week.saturating_add(GALILEO_WEEK_OFFSET)),
             Constellation::Gps => Some(gps_week(self.week % 1024, known)),
-            Constellation::Glonass => None,
+            _ => None,
         }
     }
 }

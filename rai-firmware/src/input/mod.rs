@@ -97,6 +97,7 @@ pub use suspicion::{Jamming, LoggedEvents, ReceiverLevels, Reporter, SelfReport,
 
 /// Event in the stream of bytes.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum Event<'a> {
     /// All observations of one instant, and the arrival of their first byte, ms.
     Epoch(&'a RawEpoch, u64),
@@ -118,6 +119,7 @@ pub enum Event<'a> {
 
 /// Evidence against the ranges of the last epoch or of the next one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Rivalry {
     /// Two receivers share the line: after an epoch, its ranges came again with other values.
     Receivers,

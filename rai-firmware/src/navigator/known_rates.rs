@@ -8,8 +8,8 @@ use core::cell::Cell;
 
 use nalgebra::Vector3;
 use raim_core::frame::Ecef;
-use raim_core::numeric::absolute::{Absolute as _, Grid};
-use raim_core::numeric::real::Real;
+use raim_core::internals::numeric::absolute::{Absolute as _, Grid};
+use raim_core::internals::numeric::real::Real;
 
 use crate::correction::{CAPACITY, Located};
 use crate::ephemeris::{Store, difference_m};

@@ -14,12 +14,12 @@ mod passes;
 use nalgebra::Vector3;
 use raim_core::epoch::{Aiding, Epoch};
 use raim_core::frame::Ecef;
+use raim_core::internals::velocity::{Velocity, VelocityError};
 use raim_core::monitor::MonitorError;
 use raim_core::report::{Alert, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
-use raim_core::velocity::{Velocity, VelocityError};
-use raim_single::{Monitor, MonitorWorkspace, Workspace};
+use raim_single::{Monitor, MonitorMemory, Workspace};
 
 use crate::correction::horizon::coordinates_m;
 use crate::correction::{CAPACITY, Located, Preference, Ranges, Sky, Tally, View, locate_within};
@@ -61,7 +61,7 @@ pub struct Navigator {
 struct Room {
     sky: Sky,
     epoch: Epoch<CAPACITY>,
-    memory: MonitorWorkspace,
+    memory: MonitorMemory,
 }
 
 impl Navigator {
@@ -80,7 +80,7 @@ impl Navigator {
         Self {
             store: Store::new(),
             monitor: Monitor::of(requirements),
-            room: Room { sky: Sky::new(), epoch: Epoch::new(0.0), memory: MonitorWorkspace::new() },
+            room: Room { sky: Sky::new(), epoch: Epoch::new(0.0), memory: MonitorMemory::new() },
             tally: Tally::default(),
             preference: Preference::new(),
             learned: None,

@@ -4,12 +4,12 @@ use core::cell::Cell;
 
 use heapless::Vec;
 use raim_core::frame::Ecef;
+use raim_core::internals::weighting::Ism;
 #[cfg(feature = "araim")]
 use raim_core::monitor::Method;
 use raim_core::monitor::Search;
 use raim_core::report::{MAX_EXCLUDED, Report, Verdict};
 use raim_core::satellite::SatelliteId;
-use raim_core::weighting::Ism;
 
 use super::known_rates::{KnownRates, range_rate};
 use super::{Navigator, Room, found, is_shorter, is_unknown};

@@ -17,10 +17,10 @@
 //! `Statement::usable_motion` and the levels from `Statement::levels_m`. Only the GNSS receiver's
 //! levels are still forwarded in an alert (`PRAIE`).
 
-use raim_core::numeric::sqrt;
+use raim_core::internals::numeric::sqrt;
+use raim_core::internals::velocity::Velocity;
 use raim_core::report::{Report, Solution, Verdict};
 use raim_core::requirements::Requirements;
-use raim_core::velocity::Velocity;
 
 use crate::input::{ReceiverLevels, Suspicions};
 use crate::time::GpsTime;

@@ -2,6 +2,7 @@
 
 /// Facts that the board knows at start.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Boot {
     /// Commit that the image was built from.
     pub git: &'static str,
@@ -21,7 +22,7 @@ impl Boot {
     pub const WITHOUT_CRYSTAL_PPM: u32 = 40_000;
 
     /// Returns the facts for a program on a computer: no reset cause, and the clock error of a
-    /// crystal.
+    /// crystal. A board sets the fields that differ.
     pub const fn on_host(git: &'static str) -> Self {
         Self { git, reset_cause: heapless::String::new(), clock_error_ppm: Self::CRYSTAL_PPM }
     }

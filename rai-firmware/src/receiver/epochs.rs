@@ -457,7 +457,7 @@ mod tests {
         let mut monitor = raim_single::Monitor::new(npa).expect("in the tables");
         let mut report = raim_single::process(&mut monitor, &Epoch::<CAPACITY>::new(0.0));
         for dof in 1..=40 {
-            report.test = Some(TestStatistic { statistic: 2.0, threshold: 1.0, dof });
+            report.test = Some(TestStatistic::new(2.0, 1.0, dof));
             let signs = [Alert::Ambiguous, Alert::Track, Alert::Fault].map(|alert| {
                 report.verdict = Verdict::Alert(alert);
                 is_sign(&report)

@@ -49,9 +49,9 @@ use core::mem::MaybeUninit;
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
 use raim_core::epoch::Epoch;
+use raim_core::internals::velocity::Velocity;
 use raim_core::monitor::MonitorError;
 use raim_core::report::{Report, Verdict};
-use raim_core::velocity::Velocity;
 use raim_single::ValidatedRequirements;
 
 pub use self::boot::Boot;

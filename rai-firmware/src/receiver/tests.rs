@@ -39,7 +39,7 @@ fn promising() -> Receiver<MemoryPin> {
 fn a_change_whose_answer_is_lost_is_judged_by_nevertheless() {
     let mut receiver = promising();
     receiver.command(b"$PRAIC,HAL,40*08\r\n", &mut Deaf);
-    let want = Requirements { hal_m: 40.0, ..Requirements::non_precision_approach() };
+    let want = Requirements::non_precision_approach().with_hal_m(40.0);
     assert_eq!(receiver.configuration().requirements(), want);
     assert_eq!(*receiver.epochs.navigator.requirements(), want);
 }

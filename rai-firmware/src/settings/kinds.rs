@@ -7,11 +7,12 @@ use super::number::plain;
 use super::read::{Values, next, next_number, next_whole};
 use super::value::{Ranges, Spelled, Take, Value, range};
 
-pub use raim_core::integrity::raim::levels::Levels;
+pub use raim_core::internals::integrity::raim::levels::Levels;
 pub use raim_core::monitor::Noise;
 
 /// Choice of ranges of a satellite that offers two frequencies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Frequencies {
     /// The set of ranges with the smaller protection levels.
     Auto,
@@ -23,6 +24,7 @@ pub enum Frequencies {
 
 /// Use of the receiver's own reports of spoofing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SpoofFlag {
     /// They are reported, and change no verdict.
     Say,
@@ -81,6 +83,7 @@ pub struct Heights {
 
 /// Bit rate of the GNSS port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Baud {
     /// Rate that the module detects itself.
     Auto,

@@ -16,10 +16,10 @@
 //! limit only missed detections. At a limit of 556 m or more, no error that occurs then raises an
 //! alarm.
 
-use raim_core::allocation::Allocation;
-use raim_core::continuity::{self, ContinuitySettings};
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::allocation::Allocation;
+use raim_core::internals::continuity::{self, ContinuitySettings};
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
 use raim_core::monitor::Strategy;
 use raim_core::requirements::Requirements;
 use raim_single::CAPACITY;
@@ -141,9 +141,9 @@ impl Configuration {
     /// Returns a warning if the threshold hardly ever raises an alarm.
     pub fn warning(&self) -> Option<&'static str> {
         let warning = match self.policy {
-            Policy::T1 => return None,
             Policy::T2 => "T2 hardly ever alarms at this HAL",
             Policy::TOp => "TOP hardly ever alarms at this HAL",
+            _ => return None,
         };
         (self.hal_m >= WIDE_LIMIT_M).then_some(warning)
     }
@@ -155,27 +155,25 @@ impl Configuration {
 
     /// Returns the strategy of the core's monitor.
     pub const fn strategy(&self) -> Strategy {
-        Strategy {
-            policy: self.policy,
-            method: self.method,
-            levels: self.levels,
-            clock_aid: self.clock_aid,
-            noise: self.noise,
-        }
+        Strategy::DEFAULT
+            .with_policy(self.policy)
+            .with_method(self.method)
+            .with_levels(self.levels)
+            .with_clock_aid(self.clock_aid)
+            .with_noise(self.noise)
     }
 
     /// Returns the limits of the antenna's motion, and the time for which satellites must agree
     /// after an alert.
     pub const fn continuity(&self) -> ContinuitySettings {
-        ContinuitySettings {
-            max_speed_m_s: self.greatest_speed_m_s,
-            min_height_m: self.heights.least_m,
-            max_height_m: self.heights.greatest_m,
-            recovery: continuity::Recovery {
+        ContinuitySettings::anywhere()
+            .with_max_speed_m_s(self.greatest_speed_m_s)
+            .with_min_height_m(self.heights.least_m)
+            .with_max_height_m(self.heights.greatest_m)
+            .with_recovery(continuity::Recovery {
                 epochs: self.recovery.epochs as u16,
                 seconds: self.recovery.seconds,
-            },
-        }
+            })
     }
 }
 

@@ -17,6 +17,7 @@ use raim_core::requirements::Requirements;
 
 /// Phase of flight, which names a set of requirements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Phase {
     /// En route.
     EnRoute,

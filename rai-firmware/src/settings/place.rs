@@ -17,6 +17,7 @@ const OFF: &str = "OFF";
 
 /// Place of a fixed antenna.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Place {
     /// Latitude, degrees, north positive.
     pub latitude_deg: f64,

@@ -10,6 +10,7 @@ use crate::output::nmea::write_answer;
 
 /// Work that a command leaves to the receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Action {
     /// The settings have changed, and the change has been answered.
     Reconfigured,

@@ -11,8 +11,8 @@
 //! | `P_sat` | [`IsmParameters::satellite_fault`] | 0, or 1e-12 to 0.1 | – |
 //! | `P_const` | [`IsmParameters::constellation_fault`] | the same | – |
 
+use raim_core::internals::weighting::{Ism, IsmParameters};
 use raim_core::satellite::Constellation;
-use raim_core::weighting::{Ism, IsmParameters};
 
 use super::Refusal;
 use super::number::{plain, signed_scientific};
@@ -43,6 +43,7 @@ const LEAST_WATCHED: f64 = 2e-8;
 
 /// Preset of the integrity parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Preset {
     /// [`Ism::ICAO`].
     Icao,

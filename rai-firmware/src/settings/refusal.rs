@@ -1,14 +1,15 @@
 //! Reasons for which a command changes nothing, in words that fit an answer.
 
 use embedded_io::Write;
-use raim_core::integrity::raim::detection::threshold::{self, ThresholdError};
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::integrity::raim::detection::threshold::{self, ThresholdError};
+use raim_core::internals::numeric::probability::Probability;
 
 use super::scientific;
 use crate::output::nmea::write_refusal;
 
 /// Reason for which a command changed nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Refusal {
     /// The checksum is missing or does not match.
     Checksum,
@@ -44,6 +45,7 @@ impl From<ThresholdError> for Refusal {
         let (tables, nearest) = match error {
             ThresholdError::FalseAlarm { nearest, .. } => (threshold::false_alarms(), nearest),
             ThresholdError::MissedDetection { nearest, .. } => (threshold::missed_detections(), nearest),
+            _ => return Self::OutOfRange,
         };
         // The error names one of the tables.
         let found = tables.iter().find(|known| known.get().to_bits() == nearest.get().to_bits());

@@ -21,6 +21,7 @@ macro_rules! settings {
         /// Key of a setting.
         #[allow(clippy::doc_markdown, reason = "the text is that of a document")]
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[non_exhaustive]
         pub enum Setting {
             $($(#[cfg($condition)])? #[doc = $text] $setting,)*
         }
@@ -28,6 +29,7 @@ macro_rules! settings {
         /// Everything that a command can change.
         #[allow(clippy::doc_markdown, reason = "the text is that of a document")]
         #[derive(Clone, Copy, Debug, PartialEq)]
+        #[non_exhaustive]
         pub struct Configuration {
             $($(#[cfg($condition)])? #[doc = $text] pub $field: $value,)*
         }

@@ -32,6 +32,7 @@ const LINE: usize = 144;
 /// Contents of the sealed memory.
 #[allow(clippy::large_enum_variant)] // There is no heap to put it on, and one lives for a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Unsealed {
     /// Settings that the previous run sealed.
     Settings(Configuration),

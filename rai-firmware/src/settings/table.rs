@@ -20,9 +20,9 @@
 //!
 //! [IS-GPS-200]: crate#references
 
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::numeric::probability::Probability;
 use raim_core::monitor::Method;
-use raim_core::numeric::probability::Probability;
 use raim_core::requirements::Requirements;
 
 use super::ionosphere;
@@ -35,6 +35,7 @@ use super::{Phase, Refusal};
 use crate::output::schedule::Schedule;
 
 /// Row of a setting, as far as the image needs it.
+#[non_exhaustive]
 pub struct Row {
     /// Key on the wire.
     pub key: &'static str,
@@ -49,6 +50,7 @@ pub struct Row {
 }
 
 /// Text of a setting for its readers.
+#[non_exhaustive]
 pub struct Documentation {
     /// One line of INTERFACES.md.
     pub text: &'static str,
@@ -64,6 +66,7 @@ pub struct Documentation {
 
 /// Effect of a setting on the phase, and of the phase on a setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PhaseEffect {
     /// No effect.
     Apart,

@@ -1,6 +1,6 @@
 //! Values: how the value of a setting is read, reported and sealed.
 
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::numeric::probability::Probability;
 
 use super::Refusal;
 use super::number::{plain, scientific};

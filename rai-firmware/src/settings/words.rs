@@ -1,11 +1,12 @@
 //! Words of the values, and the meaning of each word.
 //!
 //! Every meaning has a word, because the macro matches all variants: a variant without a word does
-//! not compile. A known word that this build lacks has no meaning, so that the answer distinguishes
+//! not compile. Of the types of the core, which may grow, those without a word cannot be set. A
+//! known word that this build lacks has no meaning, so that the answer distinguishes
 //! a wrong word from a missing feature.
 
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
-use raim_core::integrity::raim::isolation::parity::Isolation;
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::integrity::raim::isolation::parity::Isolation;
 use raim_core::monitor::Method;
 
 use super::Phase;
@@ -33,7 +34,7 @@ macro_rules! words {
     ($type:ty {
         $($word:literal = [$($meaning:tt)+] $(if $feature:literal)?,)+
         $(alias $alias:literal = [$($aliased:tt)+] $(if $alias_feature:literal)?,)*
-        $(no word = [$($wordless:tt)+],)?
+        $(other $other:pat,)?
     }) => {
         impl Word for $type {
             const WORDS: &'static [&'static str] = &[$($word,)+ $($alias,)*];
@@ -45,8 +46,8 @@ macro_rules! words {
             fn word(self) -> &'static str {
                 match self {
                     $($($meaning)+ => $word,)+
-                    // No command sets this variant.
-                    $($($wordless)+ => "",)?
+                    // No command sets these variants.
+                    $($other => "",)?
                 }
             }
         }
@@ -65,6 +66,7 @@ words! { Policy {
     "T1" = [Policy::T1],
     "T2" = [Policy::T2] if "policies",
     "TOP" = [Policy::TOp] if "policies",
+    other _,
 } }
 
 words! { Method {
@@ -77,13 +79,14 @@ words! { Method {
     "RANSAC" = [Method::Ransac] if "searches",
     "SEPARATION" = [Method::Araim] if "araim",
     alias "ARAIM" = [Method::Araim] if "araim",
-    // Step of the hybrid method, which a paper compares with the whole method.
-    no word = [Method::Parity(Isolation::HybridWithoutGrouping)],
+    // Steps of the hybrid method, which a paper compares with the whole method.
+    other _,
 } }
 
 words! { Levels {
     "BOUND" = [Levels::Bound],
     "SLOPE" = [Levels::Slope],
+    other _,
 } }
 
 words! { Frequencies {
@@ -100,6 +103,7 @@ words! { Noise {
     // Of the setting `SIGMA`, which this one replaces.
     alias "ADAPT" = [Noise::Auto],
     alias "FIXED" = [Noise::Geodetic],
+    other _,
 } }
 
 words! { SpoofFlag {

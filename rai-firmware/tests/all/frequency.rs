@@ -6,7 +6,7 @@ use raim_core::requirements::Requirements;
 use raim_firmware::correction::{CAPACITY, Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
 use raim_firmware::ephemeris::{Ephemeris, Store};
 use raim_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
-use raim_single::{Monitor, MonitorWorkspace};
+use raim_single::{Monitor, MonitorMemory};
 
 const NO_MASK_RAD: f64 = 0.1;
 
@@ -42,8 +42,7 @@ fn cost(sky: &Sky, ranges: Ranges, noise: f32) -> f64 {
     let mut epoch = Epoch::new(0.0);
     let site = Site::new(receiver(), TOE, NO_MASK_RAD, Klobuchar::new(CALM)).with_ranges(ranges);
     site.correct(sky, &mut Tally::default().ranges, &mut epoch);
-    let levels =
-        raim_single::levels(&monitor, &epoch, receiver(), noise, &mut MonitorWorkspace::new()).unwrap();
+    let levels = raim_single::levels(&monitor, &epoch, receiver(), noise, &mut MonitorMemory::new()).unwrap();
     (levels.hpl_m / 40.0).max(levels.vpl_m / 50.0)
 }
 

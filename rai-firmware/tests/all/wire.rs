@@ -287,7 +287,7 @@ impl From<Event<'_>> for Seen {
             Event::Position(position) => Self::Position(position),
             Event::Redated(present) => Self::Redated(present),
             Event::Rivalry(rivalry) => Self::Rivalry(rivalry),
-            Event::Ionosphere(..) | Event::SelfReport(_) => unreachable!("RTCM says nothing of them"),
+            other => unreachable!("RTCM does not say {other:?}"),
         }
     }
 }

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail, ensure};
 use raim::second_opinion::chi_square;
 use raim::second_opinion::thresholds::{lambda_row, tau1_row, w_test_row};
-use raim_core::integrity::raim::detection::threshold::{MAX_DOF, MAX_TESTS};
+use raim_core::internals::integrity::raim::detection::threshold::{MAX_DOF, MAX_TESTS};
 
 /// False-alarm probabilities: gold table, parity-space papers (0.005), once in 15,000 samples
 /// ([DO-229]).

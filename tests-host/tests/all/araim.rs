@@ -12,9 +12,9 @@ use flate2::read::GzDecoder;
 use nalgebra::Vector3;
 use oracle::vectors;
 use raim::evaluate::{self, Part, Scalar};
-use raim_core::integrity::araim::{Allocation, AraimOutcome, Prior, Priors, ROWS, judge};
-use raim_core::least_squares::Workspace;
-use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::internals::integrity::araim::{Allocation, AraimOutcome, Prior, Priors, ROWS, judge};
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::least_squares::equations::LinearEpoch;
 use raim_core::satellite::Constellation;
 use serde_json::Value;
 
@@ -156,18 +156,15 @@ fn a_published_run_agrees_within_its_bisection() {
         serde_json::from_reader(File::open(vectors::path("araim_maast.json")).expect("a readable file"))
             .expect("JSON");
     let constant = |name: &str| number(&run["constants"][name]);
-    let allocation = Allocation {
-        integrity_vertical: constant("phmi_v"),
-        integrity_horizontal: constant("phmi_h"),
-        alarm_vertical: constant("p_fa_v"),
-        alarm_horizontal: constant("p_fa_h"),
-        unmonitored_probability: constant("p_thres"),
-        consolidation: constant("fc_thres"),
-        emt_prior: constant("p_emt"),
-        emt_limit_m: None,
-        accuracy_limit_m: None,
-        exclusion: false,
-    };
+    let mut allocation = Allocation::vertical();
+    allocation.integrity_vertical = constant("phmi_v");
+    allocation.integrity_horizontal = constant("phmi_h");
+    allocation.alarm_vertical = constant("p_fa_v");
+    allocation.alarm_horizontal = constant("p_fa_h");
+    allocation.unmonitored_probability = constant("p_thres");
+    allocation.consolidation = constant("fc_thres");
+    allocation.emt_prior = constant("p_emt");
+    allocation.exclusion = false;
     let mut epoch = LinearEpoch::<f64, ROWS>::new();
     let sights = run["los_enu"].as_array().expect("directions");
     for (sight, id) in sights.iter().zip(run["con"].as_array().expect("constellations")) {

@@ -70,7 +70,7 @@ fn install(out: &Path, definitions: &[String]) -> PathBuf {
     prefix
 }
 
-/// Output of the first example of the README: G05 is left out, and nothing else.
+/// Output of the example in the README of `raim-core`: G05 is left out, and nothing else.
 fn assert_is_the_example(program: &mut Command) {
     let said = String::from_utf8(run(program).expect("protected")).expect("text");
     assert!(said.starts_with("EXCLUDED: 6 of 7 satellites, HPL "), "{said}");

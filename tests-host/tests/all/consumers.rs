@@ -39,27 +39,23 @@ fn report(verdict: Verdict) -> Report<64> {
         longitude_rad: (-8.456_789_f64).to_radians(),
         height_m: 59.875,
     };
-    Report {
-        verdict,
-        solution: Some(Solution {
-            position: geodetic.to_ecef(),
-            geodetic,
-            covariance_m2: [0.25, 0.0, 0.0, 0.5, 0.0, 4.0],
-            clocks_m: [None; 4],
-            hdop: 0.75,
-            vdop: 1.25,
-        }),
-        test: Some(TestStatistic { statistic: 0.912, threshold: 1.873, dof: 12 }),
-        protection: Some(ProtectionLevels { hpl_m: 12.301, vpl_m: 18.2 }),
-        excluded: heapless::Vec::new(),
-        excluded_constellations: 0,
-        suspect: None,
-        used: (1..10).filter_map(|number| SatelliteId::new(Constellation::Gps, number)).collect(),
-        residual_rms_m: 0.934,
-        tracked: 10,
-        height: None,
-        sigma_check: None,
-        araim: None,
+    {
+        let mut report = Report::nothing();
+        report.verdict = verdict;
+        report.solution = Some({
+            let mut solution = Solution::at(geodetic.to_ecef(), geodetic);
+            solution.covariance_m2 = [0.25, 0.0, 0.0, 0.5, 0.0, 4.0];
+            solution.hdop = 0.75;
+            solution.vdop = 1.25;
+            solution
+        });
+        report.test = Some(TestStatistic::new(0.912, 1.873, 12));
+        report.protection = Some(ProtectionLevels::new(12.301, 18.2));
+        report.excluded = heapless::Vec::new();
+        report.used = (1..10).filter_map(|number| SatelliteId::new(Constellation::Gps, number)).collect();
+        report.residual_rms_m = 0.934;
+        report.tracked = 10;
+        report
     }
 }
 

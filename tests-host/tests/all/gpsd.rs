@@ -47,32 +47,26 @@ fn report(verdict: Verdict) -> Report<64> {
     let systems = [Constellation::Gps, Constellation::Galileo, Constellation::Beidou];
     let used = systems.into_iter().flat_map(|system| (11..17).map(move |number| (system, number)));
     let [east, north, up] = SIGMA_M;
-    Report {
-        verdict,
-        solution: Some(Solution {
-            position: geodetic.to_ecef(),
-            geodetic,
-            covariance_m2: [east * east, 0.1, 0.0, north * north, 0.0, up * up],
-            clocks_m: [Some(0.0), Some(0.0), Some(0.0), None],
-            hdop: 0.8,
-            vdop: 1.2,
-        }),
-        test: Some(TestStatistic { statistic: 0.912, threshold: 1.873, dof: 12 }),
-        protection: Some(ProtectionLevels { hpl_m: 12.3, vpl_m: 18.2 }),
-        excluded: heapless::Vec::new(),
-        excluded_constellations: 0,
-        suspect: SatelliteId::new(Constellation::Beidou, 12).map(|satellite| Suspect {
-            satellite,
-            w_test: 1.5,
-            bias_m: -2.345,
-            bias_sigma_m: 1.5,
-        }),
-        used: used.filter_map(|(system, number)| SatelliteId::new(system, number)).collect(),
-        residual_rms_m: 0.934,
-        tracked: 19,
-        araim: None,
-        height: None,
-        sigma_check: None,
+    {
+        let mut report = Report::nothing();
+        report.verdict = verdict;
+        report.solution = Some({
+            let mut solution = Solution::at(geodetic.to_ecef(), geodetic);
+            solution.covariance_m2 = [east * east, 0.1, 0.0, north * north, 0.0, up * up];
+            solution.clocks_m = [Some(0.0), Some(0.0), Some(0.0), None];
+            solution.hdop = 0.8;
+            solution.vdop = 1.2;
+            solution
+        });
+        report.test = Some(TestStatistic::new(0.912, 1.873, 12));
+        report.protection = Some(ProtectionLevels::new(12.3, 18.2));
+        report.excluded = heapless::Vec::new();
+        report.suspect = SatelliteId::new(Constellation::Beidou, 12)
+            .map(|satellite| Suspect::new(satellite, 1.5, -2.345, 1.5));
+        report.used = used.filter_map(|(system, number)| SatelliteId::new(system, number)).collect();
+        report.residual_rms_m = 0.934;
+        report.tracked = 19;
+        report
     }
 }
 

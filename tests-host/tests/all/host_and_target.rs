@@ -7,10 +7,10 @@
 
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::{Ecef, Enu, LocalFrame};
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
-use raim_core::integrity::raim::isolation::parity;
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::integrity::raim::isolation::parity;
+use raim_core::internals::numeric::real::Real;
 use raim_core::monitor::{Method, Monitor, Strategy};
-use raim_core::numeric::real::Real;
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::correction::CAPACITY;
@@ -67,21 +67,26 @@ impl Life {
         bytes
     }
 
-    /// Returns the reports of this machine.
-    fn reports<T: Real>(&self) -> Vec<String> {
+    /// Returns the reports of this machine on the first `N` satellites.
+    fn reports<T: Real, const N: usize>(&self) -> Vec<String> {
         let (method, policy, clock_aid) = self.strategy;
         let mut monitor =
-            Monitor::<T, CAPACITY>::new(Requirements::non_precision_approach()).expect("in the tables");
+            Monitor::<T, N>::new(Requirements::non_precision_approach()).expect("in the tables");
         monitor
-            .set_strategy(Strategy {
-                method: METHODS[method],
-                policy: POLICIES[policy],
-                clock_aid,
-                ..Strategy::CLASSIC
-            })
+            .set_strategy(
+                Strategy::CLASSIC
+                    .with_method(METHODS[method])
+                    .with_policy(POLICIES[policy])
+                    .with_clock_aid(clock_aid),
+            )
             .expect("every method is built in");
         monitor.start_from(self.start);
-        self.epochs.iter().map(|epoch| format!("{:?}", monitor.process(epoch))).collect()
+        let first = |epoch: &Epoch<CAPACITY>| {
+            let mut first = Epoch::<N>::new(epoch.time_s());
+            epoch.observations().iter().take(N).for_each(|seen| first.push(*seen).expect("room"));
+            first
+        };
+        self.epochs.iter().map(|epoch| format!("{:?}", monitor.process(&first(epoch)))).collect()
     }
 }
 
@@ -136,7 +141,7 @@ fn compare<T: Real>(scalar: Scalar, lives: std::ops::Range<usize>) {
         bench.request(Stage::Judge, scalar, &life.bytes());
     }
     let have = bench.run().expect("the image comes to its end");
-    let want: Vec<String> = lives.iter().flat_map(Life::reports::<T>).collect();
+    let want: Vec<String> = lives.iter().flat_map(Life::reports::<T, CAPACITY>).collect();
     assert_eq!(have.len(), want.len());
     for (number, (have, want)) in have.iter().zip(&want).enumerate() {
         assert_eq!(have.result, *want, "epoch {} of life {}", number % EPOCHS, number / EPOCHS);
@@ -159,6 +164,48 @@ fn compare<T: Real>(scalar: Scalar, lives: std::ops::Range<usize>) {
         protected.min(refused) * 10 > want.len() && alert > 1,
         "too few of a kind to mean anything: {protected} protected, {alert} alerts"
     );
+}
+
+/// Returns the bytes of the deepest stack for each method, of the monitor and of its memory.
+fn bytes_of_judging<const N: usize>(stage: Stage) -> ([usize; METHODS.len()], [usize; 2]) {
+    let lives: Vec<Life> = (0..4 * METHODS.len() * POLICIES.len()).map(Life::random).collect();
+    let mut bench = Bench::default();
+    for life in &lives {
+        bench.request(stage, Scalar::Single, &life.bytes());
+    }
+    let answers = bench.run().expect("the image comes to its end");
+    let (mut deepest, mut sizes) = ([0; METHODS.len()], [0; 2]);
+    for (life, answers) in lives.iter().zip(answers.chunks(EPOCHS + 1)) {
+        let (bytes, reports) = answers.split_last().expect("an answer");
+        let reports: Vec<&str> = reports.iter().map(|answer| answer.result.as_str()).collect();
+        assert_eq!(reports, life.reports::<f32, N>());
+        let numbers = bytes.result.trim_matches(['[', ']']).split(", ");
+        let numbers: Vec<usize> = numbers.map(|number| number.parse().expect("bytes")).collect();
+        let deepest = &mut deepest[life.strategy.0];
+        *deepest = numbers[0].max(*deepest);
+        sizes = [numbers[1], numbers[2]];
+    }
+    println!("{N} satellites: stack {deepest:?} by method, monitor and memory {sizes:?}");
+    (deepest, sizes)
+}
+
+/// Every method and policy on the emulated processor, on a stack of its own.
+#[test]
+fn judging_in_given_memory_needs_the_bytes_that_the_library_states() {
+    if !is_installed() {
+        return;
+    }
+    let row = |satellites: usize, (deepest, [monitor, memory]): ([usize; METHODS.len()], [usize; 2])| {
+        let [.., usual] = deepest;
+        let all = deepest.into_iter().max().unwrap_or(0);
+        (usual, format!("| {satellites} | {monitor} | {memory} | {usual} | {all} |\n"))
+    };
+    let (usual, small) = row(16, bytes_of_judging::<16>(Stage::JudgeSixteenInAThread));
+    let (_, large) = row(CAPACITY, bytes_of_judging::<CAPACITY>(Stage::JudgeInAThread));
+    let head = "| `N` | `Monitor<f32, N>` | `MonitorMemory<f32, N>` | stack, default method | stack, any method |\n\
+                |---|---|---|---|---|\n";
+    rig::document::must_have("rai-core/README.md", "judging", &[head, &small, &large].concat());
+    assert!(usual <= 4096, "{usual} bytes of stack must be at most 4096");
 }
 
 #[test]

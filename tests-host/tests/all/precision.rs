@@ -74,11 +74,7 @@ impl Pair {
                 let site = Site::new(*truth, raw.time, MASK_RAD, *klobuchar).with_ranges(*ranges);
                 epochs.push(corrected(raw, store, &site));
             }
-            Event::Redated(_)
-            | Event::Position(_)
-            | Event::Ionosphere(..)
-            | Event::SelfReport(_)
-            | Event::Rivalry(_) => {}
+            _ => {}
         });
         for epoch in &epochs {
             let (one, other) = (raim_single::process(&mut self.singly, epoch), self.doubly.process(epoch));

@@ -2,8 +2,8 @@
 
 use oracle::tables;
 use oracle::vectors;
-use raim_core::integrity::raim::detection::threshold::{self, Thresholds};
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::integrity::raim::detection::threshold::{self, Thresholds};
+use raim_core::internals::numeric::probability::Probability;
 
 #[test]
 fn committed_table_is_what_its_generator_writes() {

@@ -7,9 +7,9 @@ use raim::signal::recording::Recording;
 use raim::signal::sky::raw::Simulation;
 use raim::signal::sky::sights;
 use raim_core::frame::{Enu, SPEED_OF_LIGHT_M_S};
+use raim_core::internals::velocity::Velocity;
 use raim_core::requirements::Requirements;
 use raim_core::satellite::SatelliteId;
-use raim_core::velocity::Velocity;
 use raim_firmware::correction::{Sky, Tally, locate};
 use raim_firmware::ephemeris::{Ephemeris, Store};
 use raim_firmware::input::{Event, Input};
@@ -50,11 +50,7 @@ fn hear() -> Heard {
                 store.insert(ephemeris, None);
             }
             Event::Epoch(raw, _) => epochs.push(raw.clone()),
-            Event::Redated(_)
-            | Event::Position(_)
-            | Event::Ionosphere(..)
-            | Event::SelfReport(_)
-            | Event::Rivalry(_) => {}
+            _ => {}
         });
     }
     assert!(epochs.len() >= 3, "{} epochs", epochs.len());

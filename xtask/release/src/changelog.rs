@@ -1,5 +1,5 @@
-//! Changelog of the Debian package (Debian policy 4.4), from `CHANGELOG.md`: the newest version,
-//! whose earlier ones are in `CHANGELOG.md` beside it.
+//! Changelog of the Debian package (Debian policy 4.4), from `CHANGELOG.md`: the newest version that
+//! has a number, whose earlier ones are in `CHANGELOG.md` beside it.
 
 use anyhow::{Context as _, Result, ensure};
 use raim::signal::recording::readable_unix;
@@ -18,9 +18,9 @@ const MONTHS: [&str; 12] =
 /// # Errors
 /// If the newest version in `CHANGELOG.md` is another one.
 pub(super) fn debian(changes: &str, version: &str, maintainer: &str, time_s: u64) -> Result<String> {
-    let (_, newest) = changes.split_once("\n## [").context("CHANGELOG.md lists no version")?;
+    let mut versions = changes.split("\n## [").skip(1).filter(|of| !of.starts_with("Unreleased]"));
+    let newest = versions.next().context("CHANGELOG.md lists no version")?;
     ensure!(newest.starts_with(&format!("{version}]")), "CHANGELOG.md does not begin with {version}");
-    let newest = newest.split("\n## [").next().unwrap_or_default();
     let text: String = blocks(newest)
         .iter()
         .map(|block| match block.strip_prefix("- ") {
@@ -90,7 +90,7 @@ mod tests {
 
     use super::*;
 
-    const CHANGES: &str = "# Changelog\n\n## [0.2.0] - unreleased\n\nA remark.\n\n### Added\n\n- One change with \
+    const CHANGES: &str = "# Changelog\n\n## [Unreleased]\n\n- Later.\n\n## [0.2.0] - unreleased\n\nA remark.\n\n### Added\n\n- One change with \
         **Breaking:** and\n  a second line that is so long that the two of them do not fit.\n\nIntegrity:\n\n- P<sub>fa</sub>.\n\n\
         ## [0.1.0] - 2026-11-21\n\n- Old.\n";
 

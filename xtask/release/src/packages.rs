@@ -36,8 +36,6 @@ pub(crate) fn verify() -> Result<()> {
     let folder = root().join("target").display().to_string();
     let place = ["--manifest-path", manifest.as_str(), "--target-dir", folder.as_str()];
     let [_, core, _, firmware, command_line] = PACKAGES;
-    // The core by itself first: beside the firmware it has the feature `unstable`, without which
-    // its examples must do.
     spawn(command(&["test", "--quiet", "--doc", "-p", core]).args(place))?;
     spawn(command(&["check", "--quiet", "--examples", "-p", core]).args(place))?;
     spawn(command(&["test", "--quiet", "--doc", "-p", firmware]).args(place))?;

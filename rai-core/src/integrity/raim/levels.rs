@@ -190,7 +190,7 @@ impl<T: Real> Slopes<T> {
 /// Quantity that a protection level bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub enum Levels {
     /// The error of a position that is reported as protected: fault and noise together.
     Bound,

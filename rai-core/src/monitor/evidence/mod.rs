@@ -177,21 +177,20 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         latest.growth(past)
     }
 
-    unstable! {
-        /// Returns the factor on the receiver's part of the variances: the least one of the strategy, or
-        /// the larger one that the last minute shows.
-        ///
-        /// For sigmas of an integrity support message, whose tests must find the fault of a whole
-        /// constellation, the last minute raises levels only.
-        #[inline(never)]
-        pub fn noise(&self, time_s: f64) -> f32 {
-            let least = self.strategy.noise.least();
-            if !self.compares_residuals() || self.strategy.method.uses_ism() {
-                return least;
-            }
-            let least = if self.strategy.lowers_noise() { self.adaptation.noise(time_s) } else { least };
-            self.evidence.noise(time_s).max(least)
+    /// Returns the factor on the receiver's part of the variances: the least one of the strategy, or
+    /// the larger one that the last minute shows.
+    ///
+    /// For sigmas of an integrity support message, whose tests must find the fault of a whole
+    /// constellation, the last minute raises levels only.
+    #[inline(never)]
+    #[doc(hidden)]
+    pub fn noise(&self, time_s: f64) -> f32 {
+        let least = self.strategy.noise.least();
+        if !self.compares_residuals() || self.strategy.method.uses_ism() {
+            return least;
         }
+        let least = if self.strategy.lowers_noise() { self.adaptation.noise(time_s) } else { least };
+        self.evidence.noise(time_s).max(least)
     }
 
     /// Works like [`Self::noise`], for an epoch that must be as those before it if quiet minutes

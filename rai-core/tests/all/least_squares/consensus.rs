@@ -3,10 +3,10 @@
 
 use nalgebra::{DVector, Matrix4, Vector3, Vector4};
 use proptest::prelude::*;
-use raim_core::integrity::raim::isolation::ransac::{
+use raim_core::internals::integrity::raim::isolation::ransac::{
     ConsensusLimits, MAX_WORK, NoConsensus, Selection, consensus, refine,
 };
-use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::internals::least_squares::equations::{LinearEpoch, MAX_ROWS};
 use raim_core::satellite::Constellation;
 
 use crate::solved::solved;

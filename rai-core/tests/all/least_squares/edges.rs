@@ -2,8 +2,8 @@
 #![allow(clippy::float_cmp)] // Exactly nothing and exactly all are meant.
 
 use nalgebra::Vector3;
-use raim_core::least_squares::equations::{LinearEpoch, RowError};
-use raim_core::least_squares::{Snapshot, SnapshotError};
+use raim_core::internals::least_squares::equations::{LinearEpoch, RowError};
+use raim_core::internals::least_squares::{Snapshot, SnapshotError};
 use raim_core::satellite::Constellation;
 
 use crate::solved::solved;
@@ -16,7 +16,9 @@ fn range(azimuth_deg: f64, up: f64, constellation: Constellation, sigma_m: f64) 
     Range { line_of_sight, constellation, residual_m: 7.0 * azimuth.sin(), sigma_m }
 }
 
-fn solve<T: raim_core::numeric::real::Real>(ranges: &[Range]) -> Result<Snapshot<'static, T>, SnapshotError> {
+fn solve<T: raim_core::internals::numeric::real::Real>(
+    ranges: &[Range],
+) -> Result<Snapshot<'static, T>, SnapshotError> {
     let mut epoch = LinearEpoch::new();
     for range in ranges {
         let line_of_sight = Vector3::from(range.line_of_sight);

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use raim_core::integrity::raim::levels::{hdop_change_limit, largest_hdop_change, largest_slopes};
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::least_squares::{Snapshot, SnapshotError};
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::levels::{hdop_change_limit, largest_hdop_change, largest_slopes};
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::least_squares::{Snapshot, SnapshotError};
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
 use crate::solved::solved;

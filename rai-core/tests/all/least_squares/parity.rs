@@ -3,15 +3,15 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::isolation::exclusion::Unidentified;
-use raim_core::integrity::raim::isolation::parity::{
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::isolation::exclusion::Unidentified;
+use raim_core::internals::integrity::raim::isolation::parity::{
     MAX_SETS, ParityFinding, SearchLimits, correlation_threshold, grouping, hybrid, hybrid_without_grouping,
     sequential, simultaneous,
 };
-use raim_core::least_squares::Snapshot;
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::least_squares::Snapshot;
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::numeric::probability::Probability;
 use raim_core::satellite::Constellation;
 
 use crate::solved::solved;
@@ -152,7 +152,7 @@ fn all_of_size(count: usize, size: usize) -> Vec<Vec<usize>> {
 }
 
 fn answer(finding: &ParityFinding<f64>) -> Answer {
-    let indices = |removal: &raim_core::least_squares::downdate::ExclusionSet<f64>| {
+    let indices = |removal: &raim_core::internals::least_squares::downdate::ExclusionSet<f64>| {
         sorted(removal.rows().iter().map(|row| row.index).collect())
     };
     (finding.set.as_ref().map(indices).map_err(|why| *why), finding.sets)

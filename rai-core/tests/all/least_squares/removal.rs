@@ -3,11 +3,11 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
-use raim_core::integrity::raim::isolation::parity::correlation;
-use raim_core::least_squares::Snapshot;
-use raim_core::least_squares::downdate::{ExclusionSet, NormalisedRows, testable_rows};
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::isolation::parity::correlation;
+use raim_core::internals::least_squares::Snapshot;
+use raim_core::internals::least_squares::downdate::{ExclusionSet, NormalisedRows, testable_rows};
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
 use crate::solved::solved;

@@ -3,14 +3,14 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::isolation::baarda::{identify, worst_two};
-use raim_core::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
-use raim_core::integrity::raim::isolation::ransac::{self, MAX_WORK, Selection};
-use raim_core::integrity::raim::levels::Slopes;
-use raim_core::least_squares::Snapshot;
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::isolation::baarda::{identify, worst_two};
+use raim_core::internals::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
+use raim_core::internals::integrity::raim::isolation::ransac::{self, MAX_WORK, Selection};
+use raim_core::internals::integrity::raim::levels::Slopes;
+use raim_core::internals::least_squares::Snapshot;
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::numeric::probability::Probability;
 use raim_core::satellite::Constellation;
 
 use crate::solved::solved;

@@ -4,12 +4,11 @@
 
 mod steering;
 
-use heapless::Vec;
-use raim_core::continuity::Motion;
 use raim_core::frame::{Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::internals::continuity::Motion;
+use raim_core::internals::velocity::{Velocity, VelocityError};
 use raim_core::report::{Alert, Protected, ProtectionLevels, Report, Solution, TestStatistic, Verdict};
 use raim_core::satellite::{Constellation, SatelliteId};
-use raim_core::velocity::{Velocity, VelocityError};
 
 /// `HPL + VPL`, m.
 const LEVEL_M: f64 = 25.0;
@@ -28,32 +27,25 @@ fn solution(epoch: Epoch) -> Solution {
     let geodetic = Geodetic { latitude_rad: 0.8, longitude_rad: 0.1, height_m: 100.0 };
     let origin = geodetic.to_ecef();
     let away = LocalFrame::at(origin).unrotate(Enu { east: epoch.east_m, north: 0.0, up: 0.0 });
-    Solution {
-        position: origin + away,
-        geodetic,
-        covariance_m2: [1.0; 6],
-        clocks_m: [Some(epoch.clock_m), None, None, None],
-        hdop: 1.0,
-        vdop: 1.0,
+    {
+        let mut solution = Solution::at(origin + away, geodetic);
+        solution.covariance_m2 = [1.0; 6];
+        solution.clocks_m = [Some(epoch.clock_m), None, None, None];
+        solution.hdop = 1.0;
+        solution.vdop = 1.0;
+        solution
     }
 }
 
 fn report(epoch: Epoch) -> Report<4> {
-    Report {
-        verdict: Verdict::Protected(Protected::Ok),
-        solution: Some(solution(epoch)),
-        test: Some(TestStatistic { statistic: 1.0, threshold: 2.0, dof: 5 }),
-        protection: Some(ProtectionLevels { hpl_m: 10.0, vpl_m: LEVEL_M - 10.0 }),
-        excluded: Vec::new(),
-        excluded_constellations: 0,
-        suspect: None,
-        used: Vec::new(),
-        residual_rms_m: 1.0,
-        tracked: 4,
-        araim: None,
-        height: None,
-        sigma_check: None,
-    }
+    let mut report = Report::nothing();
+    report.verdict = Verdict::Protected(Protected::Ok);
+    report.solution = Some(solution(epoch));
+    report.test = Some(TestStatistic::new(1.0, 2.0, 5));
+    report.protection = Some(ProtectionLevels::new(10.0, LEVEL_M - 10.0));
+    report.residual_rms_m = 1.0;
+    report.tracked = 4;
+    report
 }
 
 fn velocity(epoch: Epoch) -> Velocity {
@@ -61,14 +53,11 @@ fn velocity(epoch: Epoch) -> Velocity {
     let begin = Geodetic { latitude_rad: 0.8, longitude_rad: 0.1, height_m: 100.0 }.to_ecef();
     let along = LocalFrame::at(begin).unrotate(Enu { east: epoch.speed_m_s, north: 0.0, up: 0.0 });
     let Enu { east, north, up } = LocalFrame::at(solution(epoch).position).rotate(along);
-    Velocity {
-        east_north_up_m_s: [east, north, up],
-        covariance_m2_s2: [0.01; 6],
-        drift_m_s: epoch.drift_m_s,
-        test: TestStatistic { statistic: 1.0, threshold: 2.0, dof: 5 },
-        levels_m_s: ProtectionLevels { hpl_m: 0.5, vpl_m: 1.0 },
-        excluded: Vec::new(),
-    }
+    let mut velocity = Velocity::zero(TestStatistic::new(1.0, 2.0, 5), ProtectionLevels::new(0.5, 1.0));
+    velocity.east_north_up_m_s = [east, north, up];
+    velocity.covariance_m2_s2 = [0.01; 6];
+    velocity.drift_m_s = epoch.drift_m_s;
+    velocity
 }
 
 /// Returns the contradictions of a series with their times, s.
@@ -153,8 +142,12 @@ fn a_slow_walk_deep_within_its_level_is_no_alert_and_a_faster_one_is_before_it_e
         let mut motion = Motion::new();
         drive(700).map(|epoch| Epoch { east_m: epoch.east_m + speed_m_s * since(epoch), ..epoch }).find_map(
             |epoch| {
-                let levels = ProtectionLevels { hpl_m: 150.0, vpl_m: 250.0 };
-                let report = Report { protection: Some(levels), ..report(epoch) };
+                let levels = ProtectionLevels::new(150.0, 250.0);
+                let report = {
+                    let mut report = report(epoch);
+                    report.protection = Some(levels);
+                    report
+                };
                 motion.judge(epoch.time_s, &report, Ok(&velocity(epoch))).map(|alert| (since(epoch), alert))
             },
         )

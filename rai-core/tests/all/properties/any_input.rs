@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use raim_core::epoch::{Aiding, Epoch};
+use raim_core::internals::numeric::real::Real;
 use raim_core::monitor::{Monitor, Strategy as Monitoring};
-use raim_core::numeric::real::Real;
 use raim_core::report::{Alert, Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};

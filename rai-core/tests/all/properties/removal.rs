@@ -7,10 +7,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
-use raim_core::integrity::raim::levels::{largest_slopes, slopes};
-use raim_core::least_squares::Snapshot;
-use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::levels::{largest_slopes, slopes};
+use raim_core::internals::least_squares::Snapshot;
+use raim_core::internals::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
 use crate::solved::{copied, solved};

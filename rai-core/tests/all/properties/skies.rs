@@ -5,12 +5,12 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
-use raim_core::integrity::raim::isolation::parity;
-use raim_core::integrity::raim::levels::Levels;
-use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::integrity::raim::isolation::parity;
+use raim_core::internals::integrity::raim::levels::Levels;
+use raim_core::internals::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::internals::numeric::real::Real;
 use raim_core::monitor::{Method, Strategy as Monitoring};
-use raim_core::numeric::real::Real;
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 
@@ -98,12 +98,9 @@ pub(crate) fn any_monitoring() -> impl Strategy<Value = Monitoring> {
         select(&[Levels::Bound, Levels::Slope][..]),
         any::<bool>(),
     )
-        .prop_map(|(policy, method, levels, clock_aid)| Monitoring {
-            policy,
-            method,
-            levels,
-            clock_aid,
-            noise: raim_core::monitor::Noise::Geodetic,
+        .prop_map(|(policy, method, levels, clock_aid)| {
+            let aided = Monitoring::CLASSIC.with_clock_aid(clock_aid);
+            aided.with_policy(policy).with_method(method).with_levels(levels)
         })
 }
 

@@ -4,9 +4,9 @@
 use proptest::prelude::*;
 use raim_core::epoch::Observation;
 use raim_core::frame::Ecef;
-use raim_core::integrity::raim::levels::largest_slopes;
+use raim_core::internals::integrity::raim::levels::largest_slopes;
+use raim_core::internals::numeric::real::Real;
 use raim_core::monitor::Monitor;
-use raim_core::numeric::real::Real;
 use raim_core::report::{Alert, Protected, ProtectionLevels, Report, Solution, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};

@@ -40,7 +40,7 @@ fn monitor() -> Monitor {
     memory
 }
 
-/// Returns the seven satellites of the README, of which G05 is wrong by 80 m.
+/// Returns the seven satellites of the README of `raim-core`, of which G05 is wrong by 80 m.
 fn ranges() -> [rai_range_t; 7] {
     const POSITIONS: [[f64; 3]; 7] = [
         [15909567.8, 2365446.2, 23362131.7],

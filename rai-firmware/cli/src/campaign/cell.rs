@@ -7,7 +7,7 @@ use raim_core::report::Report;
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
 use raim_firmware::settings::Configuration;
-use raim_single::{CAPACITY, Monitor, MonitorWorkspace};
+use raim_single::{CAPACITY, Monitor, MonitorMemory};
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
@@ -51,7 +51,7 @@ struct Seat {
     monitor: Monitor,
     said: Said,
     required: Requirements,
-    memory: Box<MonitorWorkspace>,
+    memory: Box<MonitorMemory>,
 }
 
 impl Seat {
@@ -59,7 +59,7 @@ impl Seat {
         let Judge { configuration, monitor, .. } = judge;
         let mut monitor = monitor.clone();
         monitor.set_ism(model.promises(configuration.promises.ism()));
-        let memory = Box::new(MonitorWorkspace::new());
+        let memory = Box::new(MonitorMemory::new());
         Self { monitor, said: model.said_to(configuration), required: configuration.requirements(), memory }
     }
 

@@ -11,14 +11,16 @@
 //! | `b` | [`CLOCK_M`], the same for all systems; each estimates its own |
 //!
 //! The sigma that accompanies a range is the model's as well, except for `SEPARATION`, which
-//! weights by the parameters of the integrity support message ([`raim_core::weighting`]). Ranges
+//! weights by the parameters of the integrity support message ([`raim_core::internals::weighting`]). Ranges
 //! are ionosphere-free pairs.
 
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, SPEED_OF_LIGHT_M_S};
+use raim_core::internals::weighting::{
+    ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, sigma_m,
+};
 use raim_core::monitor::Method;
 use raim_core::satellite::SatelliteId;
-use raim_core::weighting::{ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, sigma_m};
 use raim_firmware::settings::Configuration;
 use raim_single::CAPACITY;
 
@@ -74,7 +76,11 @@ impl ErrorModel {
     /// Returns the matching integrity support parameters, for [`Method::Araim`].
     pub fn promises(self, ism: Ism) -> Ism {
         match self {
-            Self::User(user) => Ism { user, ..ism },
+            Self::User(user) => {
+                let mut ism = ism;
+                ism.user = user;
+                ism
+            }
             Self::Constant(_) | Self::Cosecant(_) => ism,
         }
     }

@@ -1,12 +1,12 @@
 //! ARAIM for linearised epochs with integrity parameters of each satellite, under the two published
 //! allocations.
 
-use raim_core::integrity::araim::{
+use raim_core::internals::integrity::araim::{
     self, Allocation, AraimJudgement, AraimOutcome, Finding, Hypothesis, Prior, Priors, ROWS,
 };
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::least_squares::{Snapshot, SnapshotError, Workspace};
-use raim_core::numeric::real::Real;
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::least_squares::{Snapshot, SnapshotError, Workspace};
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 use serde::Serialize;
 use serde_json::{Map, Value};

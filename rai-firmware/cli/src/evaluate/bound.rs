@@ -1,12 +1,12 @@
 //! Protection levels `BOUND`, beside those of the papers in the least-squares part, and exclusion
 //! levels.
 
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::exclusion_levels::exclusion_levels;
-use raim_core::integrity::raim::levels::{KFactors, LevelInputs, Levels};
-use raim_core::least_squares::Snapshot;
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::exclusion_levels::exclusion_levels;
+use raim_core::internals::integrity::raim::levels::{KFactors, LevelInputs, Levels};
+use raim_core::internals::least_squares::Snapshot;
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
 use serde::Serialize;
 
 use super::line::{self, Line};

@@ -1,8 +1,8 @@
 //! Windows of receiver clocks: the core's process and its forecasts, and other estimators for
 //! comparison.
 
-use raim_core::clock::{Autoregression, CoastingClock, MIN_VALUES, Observed};
-use raim_core::numeric::real::Real;
+use raim_core::internals::clock::{Autoregression, CoastingClock, MIN_VALUES, Observed};
+use raim_core::internals::numeric::real::Real;
 use serde::Serialize;
 use serde_json::{Map, Value};
 

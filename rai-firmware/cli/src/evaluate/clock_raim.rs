@@ -1,11 +1,11 @@
 //! Epochs of one constellation, with a forecast receiver clock as the row after the satellites.
 
-use raim_core::integrity::raim::detection::detect;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::isolation::baarda::identify;
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::least_squares::{Snapshot, Workspace};
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::detect;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::isolation::baarda::identify;
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::least_squares::{Snapshot, Workspace};
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 use serde::Serialize;
 use serde_json::{Map, Value};

@@ -1,12 +1,12 @@
 //! Parity-space part of an answer: correlations, and the result of each isolation method.
 
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::isolation::parity::{
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::isolation::parity::{
     ParityFinding, SearchLimits, correlation, correlation_threshold, grouping, hybrid,
     hybrid_without_grouping, sequential, simultaneous,
 };
-use raim_core::least_squares::Snapshot;
-use raim_core::numeric::real::Real;
+use raim_core::internals::least_squares::Snapshot;
+use raim_core::internals::numeric::real::Real;
 use serde::Serialize;
 
 use super::MAX_ROWS;

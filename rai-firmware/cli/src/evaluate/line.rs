@@ -4,7 +4,7 @@
 //! is left to the core and to [`Line::probabilities`], and becomes a status.
 
 use nalgebra::Vector3;
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::numeric::probability::Probability;
 use raim_core::report::MAX_EXCLUDED;
 use raim_core::satellite::Constellation;
 use serde_json::{Map, Value};

@@ -2,15 +2,15 @@
 //!
 //! The core computes everything that it can. Fields have the names of the published vectors.
 
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::detection::{Detection, detect};
-use raim_core::integrity::raim::isolation::baarda::{exclude_sequentially, identify};
-use raim_core::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
-use raim_core::integrity::raim::levels::noncentrality_at;
-use raim_core::integrity::raim::levels::{largest_slopes, slopes};
-use raim_core::least_squares::equations::{LinearEpoch, Row, RowError};
-use raim_core::least_squares::{RowFit, Snapshot, SnapshotError, Workspace};
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::detection::{Detection, detect};
+use raim_core::internals::integrity::raim::isolation::baarda::{exclude_sequentially, identify};
+use raim_core::internals::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
+use raim_core::internals::integrity::raim::levels::noncentrality_at;
+use raim_core::internals::integrity::raim::levels::{largest_slopes, slopes};
+use raim_core::internals::least_squares::equations::{LinearEpoch, Row, RowError};
+use raim_core::internals::least_squares::{RowFit, Snapshot, SnapshotError, Workspace};
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 use serde::Serialize;
 

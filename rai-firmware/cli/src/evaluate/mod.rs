@@ -31,10 +31,10 @@ use std::io::{self, BufRead, Read as _, Write};
 
 use anyhow::{Context as _, ensure};
 use flate2::bufread::MultiGzDecoder;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::isolation::ransac::ConsensusLimits;
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::isolation::ransac::ConsensusLimits;
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -110,7 +110,7 @@ Output: out.lpv and out.haraim, for the allocations of approaches with vertical 
 
 /// Largest number of rows in a line: the end of the tables of w-tests and, with four unknowns, of
 /// those of `tau1`.
-const MAX_ROWS: usize = raim_core::integrity::raim::detection::threshold::MAX_TESTS;
+const MAX_ROWS: usize = raim_core::internals::integrity::raim::detection::threshold::MAX_TESTS;
 
 /// Scalar type of the core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

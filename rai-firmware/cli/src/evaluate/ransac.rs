@@ -1,12 +1,12 @@
 //! Range-consensus part of an answer: the improved method by the core, the traditional one as its
 //! baseline.
 
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::isolation::ransac::{
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::isolation::ransac::{
     ConsensusLimits, MAX_WORK, NoConsensus, Refinement, Selection, consensus, refine,
 };
-use raim_core::least_squares::Snapshot;
-use raim_core::numeric::real::Real;
+use raim_core::internals::least_squares::Snapshot;
+use raim_core::internals::numeric::real::Real;
 use serde::Serialize;
 
 use super::line::Line;

@@ -1,9 +1,11 @@
 //! Thresholds of the policies: of one line `{nu, pfa, pmd, delta}`, and of an epoch's geometry.
 
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::detection::threshold::policy::{Decision, Status, ThresholdProblem, Weights};
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::detection::threshold::policy::{
+    Decision, Status, ThresholdProblem, Weights,
+};
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
 use serde::Serialize;
 use serde_json::{Map, Value};
 

@@ -39,7 +39,7 @@ pub(super) const fn colour(constellation: Constellation) -> RGBColor {
         Constellation::Gps => BLUE,
         Constellation::Beidou => ORANGE,
         Constellation::Galileo => GREEN,
-        Constellation::Glonass => VIOLET,
+        _ => VIOLET,
     }
 }
 
@@ -47,7 +47,7 @@ pub(super) const fn colour(constellation: Constellation) -> RGBColor {
 pub(super) const fn mark_of(constellation: Constellation) -> Mark {
     match constellation {
         Constellation::Gps | Constellation::Galileo => Mark::Line,
-        Constellation::Beidou | Constellation::Glonass => Mark::Dashed,
+        _ => Mark::Dashed,
     }
 }
 
@@ -58,6 +58,7 @@ pub(super) const fn name(constellation: Constellation) -> &'static str {
         Constellation::Beidou => "BeiDou",
         Constellation::Galileo => "Galileo",
         Constellation::Glonass => "GLONASS",
+        _ => "another system",
     }
 }
 

@@ -171,11 +171,10 @@ impl Board for Computer<'_> {
     }
 
     fn losses(&self) -> PortLosses {
-        PortLosses {
-            gnss_bytes_lost: self.inbox.dropped(),
-            sentences_lost: self.outbox.lost(),
-            ..PortLosses::NONE
-        }
+        let mut losses = PortLosses::NONE;
+        losses.gnss_bytes_lost = self.inbox.dropped();
+        losses.sentences_lost = self.outbox.lost();
+        losses
     }
 
     fn feed_watchdog(&mut self) {

@@ -6,12 +6,12 @@
 //! | `lambda` | non-centrality that is missed with `Pmd` | `G(tau1; ν, lambda) = Pmd` |
 //! | `w_test` | two-sided threshold of one of `n` w-tests | `Q(w²; 1) = Pfa / n` |
 
-use raim_core::integrity::raim::detection::threshold::{MAX_DOF, MAX_TESTS};
+use raim_core::internals::integrity::raim::detection::threshold::{MAX_DOF, MAX_TESTS};
 
 use super::chi_square;
 
 /// Rows of one pair of probabilities, in the form of
-/// [`raim_core::integrity::raim::detection::threshold::Thresholds`].
+/// [`raim_core::internals::integrity::raim::detection::threshold::Thresholds`].
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// Thresholds of the global test for 1, 2, … degrees of freedom.

@@ -6,7 +6,7 @@
 //! polynomial    Z(t) = p(t) of degree 1 or 2 by least squares; σ²(h) = s² (1 + q(h)ᵀ (QᵀQ)⁻¹ q(h))
 //! ```
 //!
-//! `x` are centred differences, as in [`raim_core::clock`]; the variance of a forecast is that of
+//! `x` are centred differences, as in [`raim_core::internals::clock`]; the variance of a forecast is that of
 //! the core's process with these coefficients. References: [Chen2009] §2 and table 1.
 //!
 //! [Chen2009]: crate#references

@@ -49,7 +49,6 @@ impl Corrector {
         input.feed(bytes, 0, |event| match event {
             Event::Ephemeris(ephemeris) => drop(store.insert(ephemeris, None)),
             Event::Redated(present) => store.redate(present),
-            Event::Position(_) | Event::Ionosphere(..) | Event::SelfReport(_) | Event::Rivalry(_) => {}
             Event::Epoch(raw, _) => {
                 locate(raw, store, SIGNAL_MASK_DBHZ, Systems::AT_START, tally, sky);
                 let site = Site::new(*antenna, raw.time, *mask_rad, klobuchar.and_then(Klobuchar::new));
@@ -57,6 +56,7 @@ impl Corrector {
                 site.correct(sky, &mut tally.ranges, &mut epoch);
                 epochs.push(epoch);
             }
+            _ => {}
         });
         epochs
     }

@@ -4,13 +4,12 @@
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::Ecef;
 use raim_core::satellite::{Constellation, SatelliteId};
-use raim_firmware::correction::CAPACITY;
 
 use crate::request::Input;
 
 /// Reads an epoch, or `None` if the bytes end. Observations that the core refuses are left out, as
 /// in the module.
-pub fn epoch(input: &mut Input<'_>) -> Option<Epoch<CAPACITY>> {
+pub fn epoch<const N: usize>(input: &mut Input<'_>) -> Option<Epoch<N>> {
     let mut epoch = Epoch::new(input.double()?);
     for _ in 0..input.byte()? {
         let _ = epoch.push(observation(input)?);

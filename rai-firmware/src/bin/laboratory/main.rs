@@ -36,6 +36,8 @@ mod stages;
 #[cfg(target_os = "none")]
 mod stopwatch;
 #[cfg(target_os = "none")]
+mod thread;
+#[cfg(target_os = "none")]
 mod wire;
 
 /// Prints where the image runs, because it needs the emulator.

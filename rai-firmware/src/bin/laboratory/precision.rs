@@ -2,12 +2,14 @@
 //! compiled here.
 
 use raim_core::epoch::Epoch;
-use raim_core::integrity::araim::{self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors};
-use raim_core::integrity::raim::isolation::baarda;
-use raim_core::integrity::raim::levels::{self, Slopes};
-use raim_core::least_squares::{Snapshot, SnapshotError};
+use raim_core::internals::integrity::araim::{
+    self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors,
+};
+use raim_core::internals::integrity::raim::isolation::baarda;
+use raim_core::internals::integrity::raim::levels::{self, Slopes};
+use raim_core::internals::least_squares::{Snapshot, SnapshotError};
+use raim_core::internals::numeric::real::Real;
 use raim_core::monitor::Monitor;
-use raim_core::numeric::real::Real;
 use raim_core::report::Report;
 use raim_single::{CAPACITY, stages};
 

@@ -8,7 +8,7 @@
 
 use core::hint::black_box;
 
-use raim_core::numeric::sqrt;
+use raim_core::internals::numeric::sqrt;
 
 /// Distance of the patterns: a prime, so that all digits vary.
 const STEP: usize = 16_381;

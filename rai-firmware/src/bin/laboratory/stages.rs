@@ -3,19 +3,19 @@
 use core::hint::black_box;
 
 use heapless::Vec;
-use raim_core::clock::{CoastingClock, WINDOW};
 use raim_core::frame::Ecef;
-use raim_core::integrity::araim::{Allocation, AraimScratch, Prior, Priors};
-use raim_core::integrity::raim::detection::detect;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
-use raim_core::integrity::raim::isolation::{parity, ransac};
-use raim_core::integrity::raim::levels::{LevelInputs, largest_slopes};
-use raim_core::least_squares::{Snapshot, Workspace};
-use raim_core::monitor::{Method, Monitor, Strategy};
-use raim_core::numeric::real::Real;
+use raim_core::internals::clock::{CoastingClock, WINDOW};
+use raim_core::internals::integrity::araim::{Allocation, AraimScratch, Prior, Priors};
+use raim_core::internals::integrity::raim::detection::detect;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
+use raim_core::internals::integrity::raim::isolation::{parity, ransac};
+use raim_core::internals::integrity::raim::levels::{LevelInputs, largest_slopes};
+use raim_core::internals::least_squares::{Snapshot, Workspace};
+use raim_core::internals::numeric::real::Real;
+use raim_core::internals::weighting::Ism;
+use raim_core::monitor::{Method, Monitor, MonitorMemory, Strategy};
 use raim_core::requirements::Requirements;
-use raim_core::weighting::Ism;
 use raim_single::{CAPACITY, stages};
 
 use crate::answer::Answers;
@@ -25,6 +25,7 @@ use crate::precision::Precision;
 use crate::request::{Input, Request};
 use crate::roots;
 use crate::stopwatch::Stopwatch;
+use crate::thread;
 use crate::wire;
 
 /// Runs the requested stage; `None` for a request without meaning.
@@ -60,6 +61,8 @@ fn run_in<T: Precision>(
         // The loops take more ticks than the timer has.
         14 => answers.write(0, &copies::compare()),
         15 => answers.write(0, &roots::compare()),
+        16 => judge_in_a_thread::<16>(input, answers),
+        17 => judge_in_a_thread::<CAPACITY>(input, answers),
         _ => None,
     }
 }
@@ -236,19 +239,40 @@ fn policy(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
     answers.write(ticks, &found)
 }
 
+/// Judges as [`judge`], on the stack of a thread that has nothing else on it. The last answer has
+/// the bytes of the deepest stack, of the monitor and of its memory.
+fn judge_in_a_thread<const N: usize>(mut input: Input<'_>, answers: &mut Answers) -> Option<()> {
+    let mut monitor = monitor::<f32, N>(&mut input)?;
+    let mut memory = MonitorMemory::<f32, N>::new();
+    let mut deepest = 0;
+    for _ in 0..input.byte()? {
+        let epoch = epoch::<N>(&mut input)?;
+        let used = thread::depth_of(|| {
+            monitor.process_in(&mut memory, black_box(&epoch));
+        });
+        deepest = deepest.max(used);
+        answers.write(0, &memory.outcome().report)?;
+    }
+    answers.write(0, &[deepest, size_of_val(&monitor), size_of_val(&memory)])
+}
+
+/// Reads method, policy, clock aiding and start of a monitor.
+fn monitor<T: Real, const N: usize>(input: &mut Input<'_>) -> Option<Monitor<T, N>> {
+    let strategy = Strategy::CLASSIC
+        .with_method(method_of(input.byte()?)?)
+        .with_policy(policy_of(input.byte()?)?)
+        .with_clock_aid(input.byte()? == 1);
+    let mut monitor = Monitor::<T, N>::new(requirements()).ok()?;
+    monitor.set_strategy(strategy).ok()?;
+    monitor.start_from(start(point(input)?));
+    Some(monitor)
+}
+
 /// Times one monitor over several epochs: method, policy, clock aiding, start, number of epochs.
 /// Each gives an answer.
 #[inline(never)]
 fn judge<T: Precision>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
-    let strategy = Strategy {
-        method: method_of(input.byte()?)?,
-        policy: policy_of(input.byte()?)?,
-        clock_aid: input.byte()? == 1,
-        ..Strategy::CLASSIC
-    };
-    let mut monitor = Monitor::<T, CAPACITY>::new(requirements()).ok()?;
-    monitor.set_strategy(strategy).ok()?;
-    monitor.start_from(start(point(&mut input)?));
+    let mut monitor = monitor::<T, CAPACITY>(&mut input)?;
     for _ in 0..input.byte()? {
         let epoch = epoch(&mut input)?;
         let (report, ticks) = stopwatch.time(|| T::process(&mut monitor, black_box(&epoch)));

@@ -80,6 +80,7 @@ pub fn note(note: Note) {
         }
         Note::GnssRate(baud) => log!(info, "GNSS port at {=u32} baud", baud),
         Note::Lost(losses) => log!(warn, "bytes lost since start: {}", losses),
+        _ => {}
     }
 }
 

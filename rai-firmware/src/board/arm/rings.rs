@@ -48,13 +48,13 @@ pub fn note_host_overrun() {
 
 /// Returns the losses since start; the writer to the host has its own counters.
 pub fn losses(host: &HostPort) -> PortLosses {
-    PortLosses {
-        gnss_bytes_lost: GNSS_IN.lost(),
-        gnss_bytes_dropped: GNSS_IN.given_up(),
-        command_bytes_lost: HOST_IN.dropped().saturating_add(HOST_OVERRUNS.load(Ordering::Relaxed)),
-        sentences_lost: host.lost(),
-        log_bytes_lost: LOG_OUT.dropped(),
-    }
+    let mut losses = PortLosses::NONE;
+    losses.gnss_bytes_lost = GNSS_IN.lost();
+    losses.gnss_bytes_dropped = GNSS_IN.given_up();
+    losses.command_bytes_lost = HOST_IN.dropped().saturating_add(HOST_OVERRUNS.load(Ordering::Relaxed));
+    losses.sentences_lost = host.lost();
+    losses.log_bytes_lost = LOG_OUT.dropped();
+    losses
 }
 
 /// Largest number of bytes that have waited in each ring since start.

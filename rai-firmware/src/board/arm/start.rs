@@ -57,5 +57,7 @@ fn settle<P: embedded_hal::digital::OutputPin>(
 
 fn boot<B: Board>(board: &B, cause: ResetCause) -> Boot {
     let clock_error_ppm = board.clock_error_ppm();
-    Boot { git: env!("RAI_GIT"), reset_cause: cause.word(), clock_error_ppm }
+    let mut boot = Boot::on_host(env!("RAI_GIT"));
+    (boot.reset_cause, boot.clock_error_ppm) = (cause.word(), clock_error_ppm);
+    boot
 }

@@ -28,6 +28,7 @@
 
 /// Certainty of the receiver about an interference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Suspicion {
     /// The receiver reports no state.
     #[default]
@@ -43,6 +44,7 @@ pub enum Suspicion {
 /// Part of the receiver that reports interference. Each has its own state and age, so that no part
 /// cancels the report of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Reporter {
     /// Detector of jamming and spoofing.
     Detector,
@@ -85,6 +87,7 @@ pub struct ReceiverLevels {
 
 /// One report of the receiver, as one message brings it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SelfReport {
     /// Interference at present.
     Interference(Jamming),

@@ -24,7 +24,7 @@
 //! [NMEA-0183]: crate#references
 
 use embedded_io::Write;
-use raim_core::numeric::sqrt;
+use raim_core::internals::numeric::sqrt;
 
 use super::{Sentence, write_sentence};
 use crate::output::in_view::{Horizon, InView};

@@ -26,9 +26,7 @@
 
 use embedded_io::Write;
 use heapless::String;
-use raim_core::report::{
-    Alert, AraimReport, DominantMode, HeightReport, Protected, Report, Unavailable, Verdict,
-};
+use raim_core::report::{AraimReport, DominantMode, HeightReport, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
 
@@ -56,39 +54,6 @@ const FULL: Precision = Precision { ratio_decimals: 3, ratio_width: 9, metre_dec
 
 /// Precision for extreme values, which always fits.
 const COARSE: Precision = Precision { ratio_decimals: 1, ratio_width: 5, metre_decimals: 0, metre_width: 6 };
-
-/// Returns state and reason of `PRAIS`.
-const fn words(verdict: Verdict) -> (&'static str, &'static str) {
-    match verdict {
-        Verdict::Protected(Protected::Ok) => ("P", "OK"),
-        Verdict::Protected(Protected::Excluded) => ("P", "EXCLUDED"),
-        Verdict::Alert(Alert::Fault) => ("A", "FAULT"),
-        Verdict::Alert(Alert::Ambiguous) => ("A", "AMBIGUOUS"),
-        Verdict::Alert(Alert::Time) => ("A", "TIME"),
-        Verdict::Alert(Alert::Stale) => ("A", "STALE"),
-        Verdict::Alert(Alert::Source) => ("A", "SOURCE"),
-        Verdict::Alert(Alert::Jump) => ("A", "JUMP"),
-        Verdict::Alert(Alert::Clock) => ("A", "CLOCK"),
-        Verdict::Alert(Alert::Track) => ("A", "TRACK"),
-        Verdict::Alert(Alert::Spoofed) => ("A", "SPOOFED"),
-        Verdict::Unavailable(Unavailable::NoFix) => ("U", "NOFIX"),
-        Verdict::Unavailable(Unavailable::Redundancy) => ("U", "REDUNDANCY"),
-        Verdict::Unavailable(Unavailable::Geometry) => ("U", "GEOMETRY"),
-        Verdict::Unavailable(Unavailable::Risk) => ("U", "RISK"),
-        Verdict::Unavailable(Unavailable::Hpl) => ("U", "HPL"),
-        Verdict::Unavailable(Unavailable::Vpl) => ("U", "VPL"),
-        Verdict::Unavailable(Unavailable::Emt) => ("U", "EMT"),
-        Verdict::Unavailable(Unavailable::Accuracy) => ("U", "ACCURACY"),
-        Verdict::Unavailable(Unavailable::Budget) => ("U", "BUDGET"),
-        Verdict::Unavailable(Unavailable::Input) => ("U", "INPUT"),
-        Verdict::Unavailable(Unavailable::Recovering) => ("U", "RECOVERING"),
-        Verdict::Unavailable(Unavailable::Place) => ("U", "PLACE"),
-        Verdict::Unavailable(Unavailable::Sigmas) => ("U", "SIGMAS"),
-        Verdict::Unavailable(Unavailable::SelfTest) => ("U", "SELFTEST"),
-        Verdict::Unavailable(Unavailable::Ephemeris) => ("U", "EPHEMERIS"),
-        Verdict::Unavailable(Unavailable::Settings) => ("U", "SETTINGS"),
-    }
-}
 
 /// Writes `PRAIS`: the verdict and its numbers.
 pub(super) fn write_state<W: Write, const N: usize>(
@@ -261,7 +226,7 @@ pub fn write_losses<W: Write>(losses: &Losses, out: &mut W) -> Result<(), W::Err
 
 /// Returns a `PRAIS` with time, state and reason.
 fn heading(time: Option<TimeOfDay>, verdict: Verdict) -> Sentence {
-    let (state, reason) = words(verdict);
+    let (state, reason) = verdict.words();
     let mut sentence = Sentence::new("PRAIS");
     sentence.time(time).ready(state.as_bytes()).ready(reason.as_bytes());
     sentence

@@ -10,7 +10,7 @@
 //! `GST` is that of the residuals.
 
 use embedded_io::Write;
-use raim_core::numeric::sqrt;
+use raim_core::internals::numeric::sqrt;
 use raim_core::report::{Report, Solution, Suspect};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::SatelliteId;

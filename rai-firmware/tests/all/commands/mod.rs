@@ -5,12 +5,12 @@ mod lines;
 mod said;
 mod table;
 
-use raim_core::allocation::Allocation;
-use raim_core::integrity::raim::detection::threshold::{false_alarms, missed_detections};
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::allocation::Allocation;
+use raim_core::internals::integrity::raim::detection::threshold::{false_alarms, missed_detections};
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::weighting::{Ism, IsmParameters};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
-use raim_core::weighting::{Ism, IsmParameters};
 use raim_firmware::settings::{Action, CommandPort, Configuration, Order, Phase, scientific};
 
 /// Returns a command with its checksum and line end.
@@ -110,16 +110,13 @@ fn what_is_set_is_what_the_configuration_holds() {
     module.ask("PRAIC,IONO,1.0245E-08,1.4901E-08,-5.9605E-08,-1.1921E-07,8.8064E+04,3.2768E+04,-1.9661E+05,-3.2768E+05");
     let have = module.configuration;
     let probability = |tail| Probability::new(tail).expect("a tail");
-    let want = Requirements {
-        hal_m: 40.5,
-        val_m: Some(35.0),
-        false_alarm: probability(1e-5),
-        missed_detection: probability(1e-4),
-        time_to_alert_s: 2.5,
-        fault_free_risk: Probability::new(1e-7).unwrap(),
-        guard_fraction: 0.95,
-        allocation: Allocation::vertical(),
-    };
+    let want = Requirements::non_precision_approach()
+        .with_hal_m(40.5)
+        .with_val_m(Some(35.0))
+        .with_false_alarm(probability(1e-5))
+        .with_missed_detection(probability(1e-4))
+        .with_time_to_alert_s(2.5)
+        .with_allocation(Allocation::vertical());
     assert_eq!((have.requirements(), have.phase), (want, Phase::Custom));
     assert!((have.mask_rad() - std::f64::consts::FRAC_PI_6).abs() < 1e-15);
     let want = [1.0245e-8, 1.4901e-8, -5.9605e-8, -1.1921e-7, 8.8064e4, 3.2768e4, -1.9661e5, -3.2768e5];
@@ -150,7 +147,7 @@ fn a_custom_phase_keeps_the_present_numbers() {
     module.ask("PRAIC,PHASE,CUSTOM");
     // The EMT and accuracy limits of LPV-200 are not settings, so that `CUSTOM` has its allocation
     // without them.
-    let want = Requirements { allocation: Allocation::vertical(), ..Requirements::lpv200() };
+    let want = Requirements::lpv200().with_allocation(Allocation::vertical());
     assert_eq!((module.configuration.phase, module.configuration.requirements()), (Phase::Custom, want));
 }
 

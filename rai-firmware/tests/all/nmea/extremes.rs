@@ -2,7 +2,6 @@
 
 use nmea::parse_str;
 use raim_core::report::{Alert, ProtectionLevels, TestStatistic, Unavailable, Verdict};
-use raim_core::requirements::Requirements;
 use raim_firmware::output::nmea::{
     GPS_MINUS_UTC_S, Losses, write_counters, write_losses, write_version, write_without_epoch,
 };
@@ -41,9 +40,9 @@ fn extreme_numbers_shorten_the_sentence_and_never_break_it() {
     report.verdict = Verdict::Unavailable(Unavailable::Redundancy);
     report.solution = Some(solution(-89.999_999_999_9, -179.999_999_999_9, -99_999.9));
     report.tracked = 255;
-    report.test = Some(TestStatistic { statistic: 1e9, threshold: 31.623, dof: 61 });
-    report.protection = Some(ProtectionLevels { hpl_m: 123_456.7, vpl_m: 654_321.9 });
-    let requirements = Requirements { hal_m: 99_999.9, val_m: Some(99_999.9), ..npa() };
+    report.test = Some(TestStatistic::new(1e9, 31.623, 61));
+    report.protection = Some(ProtectionLevels::new(123_456.7, 654_321.9));
+    let requirements = npa().with_hal_m(99_999.9).with_val_m(Some(99_999.9));
     let lines = sentences(&report, &requirements);
     let want =
         ["12", "U", "REDUNDANCY", "99", "16", "61", "99999", "31.6", "123457", "654322", "100000", "100000"];
@@ -57,7 +56,7 @@ fn extreme_numbers_shorten_the_sentence_and_never_break_it() {
 #[test]
 fn a_protection_level_without_bound_is_an_empty_field() {
     let mut report = report();
-    report.protection = Some(ProtectionLevels { hpl_m: f64::INFINITY, vpl_m: 18.26 });
+    report.protection = Some(ProtectionLevels::new(f64::INFINITY, 18.26));
     assert_eq!(fields(&sentences(&report, &npa()), "PRAIS")[8..10], ["", "18.3"]);
 }
 

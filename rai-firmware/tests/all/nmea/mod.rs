@@ -84,13 +84,12 @@ fn solution(latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Solution {
         longitude_rad: longitude_deg.to_radians(),
         height_m,
     };
-    Solution {
-        position: geodetic.to_ecef(),
-        geodetic,
-        covariance_m2: [0.36, 0.09, 0.0, 0.49, 0.0, 1.96],
-        clocks_m: [None; 4],
-        hdop: 0.8,
-        vdop: 1.2,
+    {
+        let mut solution = Solution::at(geodetic.to_ecef(), geodetic);
+        solution.covariance_m2 = [0.36, 0.09, 0.0, 0.49, 0.0, 1.96];
+        solution.hdop = 0.8;
+        solution.vdop = 1.2;
+        solution
     }
 }
 
@@ -100,25 +99,18 @@ fn report() -> Report<CAPACITY> {
         used.push(satellite(Constellation::Gps, number)).expect("room");
         used.push(satellite(Constellation::Beidou, 20 + number)).expect("room");
     }
-    Report {
-        verdict: Verdict::Protected(Protected::Ok),
-        solution: Some(solution(55.25, -10.5, 55.123)),
-        test: Some(TestStatistic { statistic: 0.912, threshold: 1.873, dof: 11 }),
-        protection: Some(ProtectionLevels { hpl_m: 12.34, vpl_m: 18.26 }),
-        excluded: Fixed::new(),
-        excluded_constellations: 0,
-        suspect: Some(Suspect {
-            satellite: satellite(Constellation::Beidou, 23),
-            w_test: 1.5,
-            bias_m: -2.345,
-            bias_sigma_m: 1.5,
-        }),
-        used,
-        residual_rms_m: 0.9,
-        tracked: 17,
-        araim: None,
-        height: None,
-        sigma_check: None,
+    {
+        let mut report = Report::nothing();
+        report.verdict = Verdict::Protected(Protected::Ok);
+        report.solution = Some(solution(55.25, -10.5, 55.123));
+        report.test = Some(TestStatistic::new(0.912, 1.873, 11));
+        report.protection = Some(ProtectionLevels::new(12.34, 18.26));
+        report.excluded = Fixed::new();
+        report.suspect = Some(Suspect::new(satellite(Constellation::Beidou, 23), 1.5, -2.345, 1.5));
+        report.used = used;
+        report.residual_rms_m = 0.9;
+        report.tracked = 17;
+        report
     }
 }
 
@@ -153,7 +145,7 @@ fn exclusions_follow_the_verdict() {
     report.verdict = Verdict::Protected(Protected::Excluded);
     for (number, bias_m) in [(5, 80.04), (31, -1234.56)] {
         let satellite = satellite(Constellation::Galileo, number);
-        let suspect = Suspect { satellite, w_test: bias_m / 2.0, bias_m, bias_sigma_m: 2.0 };
+        let suspect = Suspect::new(satellite, bias_m / 2.0, bias_m, 2.0);
         report.excluded.push(suspect).expect("room");
     }
     let lines = sentences(&report, &npa());
@@ -376,7 +368,14 @@ fn whoever_wants_few_epochs_hears_at_once_of_a_worse_state() {
     .into_iter()
     .enumerate()
     {
-        let (report, mut bytes) = (Report { verdict, ..report() }, Vec::new());
+        let (report, mut bytes) = (
+            {
+                let mut report = report();
+                report.verdict = verdict;
+                report
+            },
+            Vec::new(),
+        );
         let statement = statement(&report, &requirements);
         publisher.tell(&statement, &schedule, &mut Growing(&mut bytes)).expect("a vector takes all");
         let has_sentence = bytes.windows(3).any(|word| word == b"RMC");

@@ -37,18 +37,19 @@ fn any_verdict() -> impl Strategy<Value = Verdict> {
 fn any_solution() -> impl Strategy<Value = Solution> {
     let variances = (0.0..1e4, -1.0..1.0f64, 0.0..1e4, 0.0..1e4);
     (-90.0..=90.0, -180.0..=180.0, -99_999.9..1e5, variances, magnitude(), magnitude()).prop_map(
-        |(latitude, longitude, height, (east, correlation, north, up), hdop, vdop)| Solution {
-            covariance_m2: [east, correlation * f64::sqrt(east * north), 0.0, north, 0.0, up],
-            hdop,
-            vdop,
-            ..solution(latitude, longitude, height)
+        |(latitude, longitude, height, (east, correlation, north, up), hdop, vdop)| {
+            let mut solution = solution(latitude, longitude, height);
+            solution.covariance_m2 = [east, correlation * f64::sqrt(east * north), 0.0, north, 0.0, up];
+            solution.hdop = hdop;
+            solution.vdop = vdop;
+            solution
         },
     )
 }
 
 fn any_suspect() -> impl Strategy<Value = Suspect> {
     (any_satellite(), signed(), signed(), magnitude()).prop_map(
-        |(satellite, w_test, bias_m, bias_sigma_m)| Suspect { satellite, w_test, bias_m, bias_sigma_m },
+        |(satellite, w_test, bias_m, bias_sigma_m)| Suspect::new(satellite, w_test, bias_m, bias_sigma_m),
     )
 }
 
@@ -64,21 +65,7 @@ prop_compose! {
         residual_rms_m in magnitude(),
         tracked in any::<u8>(),
     ) -> Report<CAPACITY> {
-        Report {
-            verdict,
-            solution,
-            test: test.map(|(statistic, threshold, dof)| TestStatistic { statistic, threshold, dof }),
-            protection: protection.map(|(hpl_m, vpl_m)| ProtectionLevels { hpl_m, vpl_m }),
-            excluded: excluded.into_iter().collect(),
-            excluded_constellations: 0,
-            suspect,
-            used: used.into_iter().collect(),
-            residual_rms_m,
-            tracked,
-            araim: None,
-            height: None,
-            sigma_check: None,
-        }
+        { let mut report = Report::nothing(); report.verdict = verdict; report.solution = solution; report.test = test.map(|(statistic, threshold, dof)| TestStatistic::new(statistic, threshold, dof)); report.protection = protection.map(|(hpl_m, vpl_m)| ProtectionLevels::new(hpl_m, vpl_m)); report.excluded = excluded.into_iter().collect(); report.excluded_constellations = 0; report.suspect = suspect; report.used = used.into_iter().collect(); report.residual_rms_m = residual_rms_m; report.tracked = tracked; report.araim = None; report.height = None; report.sigma_check = None; report }
     }
 }
 
@@ -119,6 +106,7 @@ proptest! {
                 Constellation::Glonass => (GnssSystemId::Glonass, used.number() + 64),
                 Constellation::Galileo => (GnssSystemId::Galileo, used.number()),
                 Constellation::Beidou => (GnssSystemId::Beidou, used.number()),
+                other => panic!("no number for {other:?}"),
             };
             prop_assert!(named.contains(&(Some(want.0), u32::from(want.1))), "{} in {:?}", used, named);
         }

@@ -1,7 +1,7 @@
 //! Several grossly wrong satellites at once, or one beside a small fault.
 //!
 //! A gross fault bends the linearised ranges, so that every test that compares sums of squares
-//! about one point may be wrong (rule of curvature of `raim_core::least_squares`). Levels of a
+//! about one point may be wrong (rule of curvature of `raim_core::internals::least_squares`). Levels of a
 //! method hold for its promises here as elsewhere, because gross faults contradict each other.
 
 use anyhow::Result;

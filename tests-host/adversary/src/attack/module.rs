@@ -10,7 +10,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::OnceLock;
 
 use anyhow::{Context as _, Result};
-use raim_core::velocity::Velocity;
+use raim_core::internals::velocity::Velocity;
 use raim_firmware::input::Suspicion;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};

@@ -6,7 +6,7 @@ use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use anyhow::{Result, ensure};
 use raim::sentence::{self, EpochOutput};
 use raim_core::frame::{Ecef, Enu, LocalFrame};
-use raim_core::velocity::Velocity;
+use raim_core::internals::velocity::Velocity;
 use raim_firmware::input::Suspicion;
 use raim_firmware::settings::SEALED_BYTES;
 

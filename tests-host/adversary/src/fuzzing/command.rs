@@ -7,7 +7,7 @@
 
 use std::sync::LazyLock;
 
-use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
 use raim_firmware::settings::Configuration;
 
 use super::module::Module;

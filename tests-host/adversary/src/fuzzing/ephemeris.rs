@@ -83,7 +83,7 @@ fn source(constellation: Constellation, tape: &mut Tape<'_>) -> Source {
     let own = match constellation {
         Constellation::Beidou => Source::BeidouD1D2,
         Constellation::Galileo => Source::GalileoInav,
-        Constellation::Gps | Constellation::Glonass => Source::GpsLnav,
+        _ => Source::GpsLnav,
     };
     tape.one_of(&[own, own, own, own, own, own, Source::GalileoFnav, Source::GpsLnav])
 }

@@ -9,12 +9,12 @@ use std::collections::BTreeSet;
 
 use raim_core::epoch::{Aiding, Epoch, Observation};
 use raim_core::frame::{Ecef, Enu, LocalFrame};
-use raim_core::integrity::araim::Allocation;
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
-use raim_core::integrity::raim::isolation::parity;
+use raim_core::internals::integrity::araim::Allocation;
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::integrity::raim::isolation::parity;
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
 use raim_core::monitor::{Method, Monitor, Strategy};
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
 use raim_core::report::{Protected, Report, Unavailable, Verdict};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
@@ -65,16 +65,15 @@ fn requirements(tape: &mut Tape<'_>) -> Requirements {
     let probability = |tape: &mut Tape<'_>, tails: &[f64]| {
         Probability::new(tape.one_of(tails)).expect("above 0 and below 1")
     };
-    Requirements {
-        hal_m: tape.number(1.0, 4e3),
-        val_m: (tape.byte() < 64).then(|| tape.number(1.0, 4e3)),
-        false_alarm: probability(tape, &[3.33e-7, 5e-3, 1e-3, 1e-5, 1e-8]),
-        missed_detection: probability(tape, &[1e-3, 1e-4, 1e-6]),
-        fault_free_risk: probability(tape, &[1e-7, 1e-3, 1e-12]),
-        time_to_alert_s: tape.number(0.1, 3600.0),
-        guard_fraction: tape.number(0.01, 1.0),
-        allocation: tape.one_of(&[Allocation::horizontal(), Allocation::vertical_guidance()]),
-    }
+    Requirements::en_route()
+        .with_hal_m(tape.number(1.0, 4e3))
+        .with_val_m((tape.byte() < 64).then(|| tape.number(1.0, 4e3)))
+        .with_false_alarm(probability(tape, &[3.33e-7, 5e-3, 1e-3, 1e-5, 1e-8]))
+        .with_missed_detection(probability(tape, &[1e-3, 1e-4, 1e-6]))
+        .with_fault_free_risk(probability(tape, &[1e-7, 1e-3, 1e-12]))
+        .with_time_to_alert_s(tape.number(0.1, 3600.0))
+        .with_guard_fraction(tape.number(0.01, 1.0))
+        .with_allocation(tape.one_of(&[Allocation::horizontal(), Allocation::vertical_guidance()]))
 }
 
 fn strategy(tape: &mut Tape<'_>) -> Strategy {
@@ -82,12 +81,10 @@ fn strategy(tape: &mut Tape<'_>) -> Strategy {
     let parity = [Simultaneous, Sequential, HybridWithoutGrouping, Hybrid, Grouping].map(Method::Parity);
     let methods =
         [Method::Baarda, Method::Ransac, Method::Araim].into_iter().chain(parity).collect::<Vec<_>>();
-    Strategy {
-        policy: tape.one_of(&[Policy::T1, Policy::T2, Policy::TOp]),
-        method: tape.one_of(&methods),
-        clock_aid: tape.byte() & 1 == 1,
-        ..Strategy::CLASSIC
-    }
+    Strategy::CLASSIC
+        .with_policy(tape.one_of(&[Policy::T1, Policy::T2, Policy::TOp]))
+        .with_method(tape.one_of(&methods))
+        .with_clock_aid(tape.byte() & 1 == 1)
 }
 
 fn point(tape: &mut Tape<'_>) -> Ecef {

@@ -7,12 +7,12 @@
 //! the tests; exactly the stated satellites are left out.
 
 use nalgebra::Vector3;
-use raim_core::integrity::araim::{
+use raim_core::internals::integrity::araim::{
     Allocation, AraimError, AraimJudgement, AraimOutcome, Finding, MAX_MODES, Prior, Priors, ROWS, judge,
 };
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::least_squares::{Snapshot, Workspace};
-use raim_core::numeric::real::Real;
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::least_squares::{Snapshot, Workspace};
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
 use super::tape::Tape;
@@ -42,11 +42,12 @@ fn epochs<T: Real>(tape: &mut Tape<'_>) {
 /// Returns one of the two allocations in use, with some of its numbers changed.
 fn allocation(tape: &mut Tape<'_>) -> Allocation {
     let base = tape.one_of(&[Allocation::horizontal(), Allocation::vertical_guidance()]);
-    Allocation {
-        unmonitored_probability: tape.one_of(&[base.unmonitored_probability, 1e-12, 1e-4]),
-        consolidation: tape.one_of(&[base.consolidation, 0.0, 1.0]),
-        exclusion: tape.byte() < 200,
-        ..base
+    {
+        let mut allocation = base;
+        allocation.unmonitored_probability = tape.one_of(&[base.unmonitored_probability, 1e-12, 1e-4]);
+        allocation.consolidation = tape.one_of(&[base.consolidation, 0.0, 1.0]);
+        allocation.exclusion = tape.byte() < 200;
+        allocation
     }
 }
 

@@ -11,9 +11,9 @@
 use anyhow::Result;
 use nalgebra::DVector;
 use raim::in_order::Together as _;
-use raim_core::integrity::araim::{Allocation, Priors, judge};
-use raim_core::least_squares::Workspace;
-use raim_core::weighting::Ism;
+use raim_core::internals::integrity::araim::{Allocation, Priors, judge};
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::weighting::Ism;
 use rand::Rng as _;
 
 use super::risk::{hypotheses, normal, site};

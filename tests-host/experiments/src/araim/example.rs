@@ -7,8 +7,8 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::{DVector, Vector3};
-use raim_core::integrity::araim::{Allocation, Priors, judge};
-use raim_core::least_squares::{Snapshot, Workspace};
+use raim_core::internals::integrity::araim::{Allocation, Priors, judge};
+use raim_core::internals::least_squares::{Snapshot, Workspace};
 use raim_core::satellite::Constellation;
 
 use super::scene::{Scene, Sighted, spread};
@@ -91,8 +91,8 @@ pub(super) fn section() -> Result<Section> {
     })
 }
 
-fn widened(scene: &Scene) -> Result<raim_core::least_squares::equations::LinearEpoch<f64, 64>> {
-    let mut epoch = raim_core::least_squares::equations::LinearEpoch::new();
+fn widened(scene: &Scene) -> Result<raim_core::internals::least_squares::equations::LinearEpoch<f64, 64>> {
+    let mut epoch = raim_core::internals::least_squares::equations::LinearEpoch::new();
     for one in &scene.satellites {
         epoch.satellite(one.constellation, one.direction, 0.0, one.sigma_m)?;
     }
@@ -177,11 +177,12 @@ fn modes(scene: &Scene, snapshot: &mut Snapshot<'_, f64>) -> Result<Vec<Row>> {
 
 /// Returns the core's results for the whole.
 fn levels(scene: &Scene) -> Result<Vec<Row>> {
-    let allocation = Allocation {
-        unmonitored_probability: 8e-8,
-        consolidation: 0.0,
-        exclusion: false,
-        ..Allocation::vertical_guidance()
+    let allocation = {
+        let mut allocation = Allocation::vertical_guidance();
+        allocation.unmonitored_probability = 8e-8;
+        allocation.consolidation = 0.0;
+        allocation.exclusion = false;
+        allocation
     };
     let priors = Priors { satellites: &scene.priors::<f64>(), constellations: scene.constellations };
     let mut workspace = Workspace::of(scene.epoch::<f64>(&DVector::zeros(10))?);

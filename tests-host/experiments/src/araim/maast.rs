@@ -7,8 +7,8 @@ use std::fs::File;
 
 use anyhow::{Context as _, Result};
 use nalgebra::{DVector, Vector3};
-use raim_core::integrity::araim::{Allocation, Priors, judge};
-use raim_core::least_squares::Workspace;
+use raim_core::internals::integrity::araim::{Allocation, Priors, judge};
+use raim_core::internals::least_squares::Workspace;
 use raim_core::satellite::Constellation;
 use serde_json::Value;
 
@@ -24,18 +24,15 @@ pub(super) fn section() -> Result<Section> {
     let run: Value = serde_json::from_reader(File::open(&path).with_context(|| path.display().to_string())?)?;
     let number = |value: &Value| value.as_f64().context("a number of the run");
     let constant = |name: &str| number(&run["constants"][name]);
-    let allocation = Allocation {
-        integrity_vertical: constant("phmi_v")?,
-        integrity_horizontal: constant("phmi_h")?,
-        alarm_vertical: constant("p_fa_v")?,
-        alarm_horizontal: constant("p_fa_h")?,
-        unmonitored_probability: constant("p_thres")?,
-        consolidation: constant("fc_thres")?,
-        emt_prior: constant("p_emt")?,
-        emt_limit_m: None,
-        accuracy_limit_m: None,
-        exclusion: false,
-    };
+    let mut allocation = Allocation::vertical();
+    allocation.integrity_vertical = constant("phmi_v")?;
+    allocation.integrity_horizontal = constant("phmi_h")?;
+    allocation.alarm_vertical = constant("p_fa_v")?;
+    allocation.alarm_horizontal = constant("p_fa_h")?;
+    allocation.unmonitored_probability = constant("p_thres")?;
+    allocation.consolidation = constant("fc_thres")?;
+    allocation.emt_prior = constant("p_emt")?;
+    allocation.exclusion = false;
     let scene = scene(&run)?;
     let mut workspace = Workspace::of(scene.epoch::<f64>(&DVector::zeros(scene.satellites.len()))?);
     let mut snapshot = workspace.solve()?;

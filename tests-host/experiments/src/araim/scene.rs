@@ -7,11 +7,11 @@
 use anyhow::{Context as _, Result};
 use nalgebra::{DMatrix, DVector, Vector3};
 use raim::signal::sky::{Fleet, Satellite, Site, sights};
-use raim_core::integrity::araim::{Prior, ROWS};
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::araim::{Prior, ROWS};
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::numeric::real::Real;
+use raim_core::internals::weighting::{ErrorBudget, Ism, UserModel, integrity_sigma_m};
 use raim_core::satellite::Constellation;
-use raim_core::weighting::{ErrorBudget, Ism, UserModel, integrity_sigma_m};
 
 /// Elevation mask, degrees.
 const MASK_DEG: f64 = 5.0;
@@ -123,7 +123,7 @@ pub(super) fn spread(gains: impl Iterator<Item = f64>, sigmas_m: impl Iterator<I
 }
 
 /// Returns the sigma of a pair of frequencies aboard an aircraft, for integrity, m.
-fn sigma_m(support: &raim_core::weighting::IsmParameters, sin_elevation: f64) -> f64 {
+fn sigma_m(support: &raim_core::internals::weighting::IsmParameters, sin_elevation: f64) -> f64 {
     let budget = ErrorBudget {
         sin_elevation: sin_elevation as f32,
         ephemeris_m: 0.0,

@@ -26,10 +26,10 @@ use raim::page::canvas::{BLUE, GREY, Mark, ORANGE, VIOLET};
 use raim::page::chart::{Axis, LineChart, Series};
 use raim::second_opinion::chi_square::noncentral_lower_tail;
 use raim::signal::sky::{Fleet, Sight, Site, sights};
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::least_squares::Workspace;
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::numeric::probability::Probability;
 use raim_core::satellite::Constellation::Gps;
 
 use super::super::{Finding, Judgement, Picture, Row, Section};

@@ -18,7 +18,7 @@
 use indicatif::ProgressBar;
 use raim::in_order::Together as _;
 use raim::signal::clock_models::{burg, yule_walker};
-use raim_core::clock::Autoregression;
+use raim_core::internals::clock::Autoregression;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::super::draw::generator;

@@ -24,7 +24,7 @@ use raim::in_order::Together as _;
 use raim::page::canvas::{BLUE, INK, Mark, ORANGE, VIOLET};
 use raim::page::chart::{Axis, LineChart, Series};
 use raim::signal::clock_models::{Process, burg, centred_differences, polynomial, yule_walker};
-use raim_core::clock::CoastingClock;
+use raim_core::internals::clock::CoastingClock;
 
 use super::super::{Finding, Interval, Judgement, Picture, Row, Section};
 use super::series::solved_clock_m;

@@ -10,7 +10,7 @@
 //!
 //! Run `r` of a table draws from stream `r`, so its numbers do not depend on the number of threads.
 //!
-//! References: [Chen2009]; [`raim_core::clock`] lists the module's departures from it.
+//! References: [Chen2009]; [`raim_core::internals::clock`] lists the module's departures from it.
 //!
 //! [Chen2009]: raim#references
 
@@ -64,7 +64,7 @@ fn run(effort: Effort, bar: &ProgressBar) -> Result<Outcome> {
 const RUNS: usize = 200;
 
 /// Number of values before a forecast; the paper gives none.
-const WINDOW: usize = raim_core::clock::WINDOW;
+const WINDOW: usize = raim_core::internals::clock::WINDOW;
 
 /// Number of epochs forecast ([Chen2009] §3.1).
 ///

@@ -10,19 +10,19 @@
 //! |---|---|---|
 //! | `P` | orthonormal basis of the complement of the design | dense matrices |
 //! | `p = P y / σ` | parity vector; `p_i` its columns | dense matrices |
-//! | `SSE`, `S`, `ρ`, `A` | see [`raim_core::least_squares`], [`raim_core::integrity::raim::isolation::parity`] | the core |
+//! | `SSE`, `S`, `ρ`, `A` | see [`raim_core::internals::least_squares`], [`raim_core::internals::integrity::raim::isolation::parity`] | the core |
 //! | `HDOP_i` | dilution without satellite `i` | the core, solved again without it |
-//! | `τ1`, `τ2` | see [`raim_core::integrity::raim::detection::threshold::policy`] | the core |
+//! | `τ1`, `τ2` | see [`raim_core::internals::integrity::raim::detection::threshold::policy`] | the core |
 
 use anyhow::Context as _;
 use nalgebra::{DMatrix, DVector};
 use raim::signal::sky::linear;
-use raim_core::integrity::raim::detection::threshold::policy::{ThresholdProblem, Weights};
-use raim_core::integrity::raim::isolation::parity::correlation;
-use raim_core::integrity::raim::levels::largest_slopes;
-use raim_core::integrity::raim::levels::noncentrality_at;
-use raim_core::least_squares::{Snapshot, Workspace};
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::integrity::raim::detection::threshold::policy::{ThresholdProblem, Weights};
+use raim_core::internals::integrity::raim::isolation::parity::correlation;
+use raim_core::internals::integrity::raim::levels::largest_slopes;
+use raim_core::internals::integrity::raim::levels::noncentrality_at;
+use raim_core::internals::least_squares::{Snapshot, Workspace};
+use raim_core::internals::numeric::probability::Probability;
 
 use super::{Day, EPOCHS, Finding, HAL_M, Judgement, MISSED_DETECTION, ROWS, Row, SIGMA_M, Section};
 

@@ -21,12 +21,12 @@ use raim::page::canvas::{BLUE, Mark, ORANGE};
 use raim::page::chart::{Axis, LineChart, Series};
 use raim::signal::sky::linear::{self, Sigma, equations};
 use raim::signal::sky::{Fleet, Noise, Sight, Site, sights};
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::detection::threshold::policy::range_threshold_m;
-use raim_core::integrity::raim::levels::{hdop_change_limit, largest_hdop_change, largest_slopes};
-use raim_core::least_squares::Workspace;
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::detection::threshold::policy::range_threshold_m;
+use raim_core::internals::integrity::raim::levels::{hdop_change_limit, largest_hdop_change, largest_slopes};
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Picture, Row, Section};

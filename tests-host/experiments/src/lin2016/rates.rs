@@ -20,8 +20,8 @@
 
 use anyhow::Context as _;
 use raim::in_order::Together as _;
-use raim_core::integrity::raim::detection::detect;
-use raim_core::integrity::raim::isolation::baarda::identify;
+use raim_core::internals::integrity::raim::detection::detect;
+use raim_core::internals::integrity::raim::isolation::baarda::identify;
 use rand::Rng as _;
 
 use super::{Day, EPOCHS, Finding, Judgement, Picture, Row, SEED, SIGMA_M, Section, faulty, pose};

@@ -1,9 +1,9 @@
 //! Figure 3: a day without faults except 80 m on one satellite in one epoch.
 
-use raim_core::integrity::raim::detection::{Detection, detect};
-use raim_core::integrity::raim::isolation::baarda::exclude_sequentially;
-use raim_core::integrity::raim::isolation::exclusion::ExclusionOutcome;
-use raim_core::least_squares::Snapshot;
+use raim_core::internals::integrity::raim::detection::{Detection, detect};
+use raim_core::internals::integrity::raim::isolation::baarda::exclude_sequentially;
+use raim_core::internals::integrity::raim::isolation::exclusion::ExclusionOutcome;
+use raim_core::internals::least_squares::Snapshot;
 use rand::Rng as _;
 
 use anyhow::Context as _;

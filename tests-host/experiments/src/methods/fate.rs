@@ -22,7 +22,7 @@ use raim::second_opinion::ransac_traditional::{
 use raim::signal::sky::Sight;
 use raim_core::epoch::Observation;
 use raim_core::frame::{Ecef, Enu, LocalFrame};
-use raim_core::integrity::raim::isolation::ransac::ConsensusLimits;
+use raim_core::internals::integrity::raim::isolation::ransac::ConsensusLimits;
 use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::report::{Alert, Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
@@ -124,7 +124,7 @@ pub(super) fn of_scene(scene: &Scene) -> Vec<Option<Judged>> {
 
 fn monitor(scene: &Scene, method: Method) -> Monitor<f32, CAPACITY> {
     let mut monitor = Monitor::new(Requirements::non_precision_approach()).expect("a preset");
-    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC }).expect("every method is built in");
+    monitor.set_strategy(Strategy::CLASSIC.with_method(method)).expect("every method is built in");
     monitor.disable_continuity();
     monitor.start_from(scene.site);
     monitor
@@ -136,7 +136,7 @@ fn judge(report: &Report<CAPACITY>, scene: &Scene) -> Judged {
     let left_out = report.excluded.iter().filter_map(|suspect| index_of(suspect.satellite)).collect();
     let fate = match report.verdict {
         Verdict::Protected(Protected::Ok) => Fate::Missed,
-        Verdict::Protected(Protected::Excluded) => of_exclusion(left_out, &scene.faulty),
+        Verdict::Protected(_) => of_exclusion(left_out, &scene.faulty),
         Verdict::Alert(Alert::Ambiguous) => Fate::Ambiguous,
         Verdict::Alert(_) => Fate::NotIsolated,
         Verdict::Unavailable(_) => Fate::Unavailable,

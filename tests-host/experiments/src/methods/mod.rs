@@ -25,7 +25,7 @@ mod skies;
 use anyhow::Result;
 use indicatif::ProgressBar;
 use raim::in_order::Together as _;
-use raim_core::integrity::raim::isolation::parity;
+use raim_core::internals::integrity::raim::isolation::parity;
 use raim_core::monitor::Method;
 use rig::bench::{budget, stages};
 

@@ -7,7 +7,7 @@
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `σ_i` | [`Observation::sigma_m`], by [`raim_core::weighting`] for the ionosphere-free pair | m |
+//! | `σ_i` | [`Observation::sigma_m`], by [`raim_core::internals::weighting`] for the ionosphere-free pair | m |
 //! | `b_c` | [`CLOCKS_M`] | m |
 //!
 //! Orbit and clock error is that of GPS for all, because the slots of a fleet are not codes that
@@ -16,7 +16,7 @@
 use raim::signal::sky::{Fleet, Satellite, Sight, Site, sights};
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::Ecef;
-use raim_core::weighting::{ErrorBudget, UserModel, sigma_m};
+use raim_core::internals::weighting::{ErrorBudget, UserModel, sigma_m};
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};

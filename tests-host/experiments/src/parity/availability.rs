@@ -9,9 +9,9 @@ use raim::in_order::Together as _;
 use raim::page::canvas::{Mark, SERIES};
 use raim::page::chart::{Axis, LineChart, Series};
 use raim::signal::sky::{Satellite, Sight, Site, linear, sights};
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::levels::largest_slopes;
-use raim_core::least_squares::Workspace;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::levels::largest_slopes;
+use raim_core::internals::least_squares::Workspace;
 
 use super::super::{Effort, Finding, Judgement, Picture, Row, Section};
 use super::{AVAILABILITY, MASK_RAD, MOST_ROWS, Sky};

@@ -11,8 +11,8 @@ use raim::page::canvas::{Mark, SERIES};
 use raim::page::chart::{Axis, LineChart, Series};
 use raim::second_opinion::chi_square::noncentral_lower_tail;
 use raim::signal::sky::{Satellite, Sight, Site, linear, sights};
-use raim_core::integrity::raim::isolation::parity::hybrid;
-use raim_core::least_squares::Workspace;
+use raim_core::internals::integrity::raim::isolation::parity::hybrid;
+use raim_core::internals::least_squares::Workspace;
 use raim_core::satellite::Constellation;
 use rand_distr::{Distribution as _, StandardNormal};
 

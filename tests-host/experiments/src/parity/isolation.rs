@@ -12,11 +12,11 @@ use indicatif::ProgressBar;
 use nalgebra::Vector3;
 use raim::in_order::Together as _;
 use raim::page::bars::BarChart;
-use raim_core::integrity::raim::isolation::parity::{
+use raim_core::internals::integrity::raim::isolation::parity::{
     ParityFinding as Found, grouping, hybrid, hybrid_without_grouping, simultaneous,
 };
-use raim_core::least_squares::Workspace;
-use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::least_squares::equations::LinearEpoch;
 use raim_core::satellite::Constellation;
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;

@@ -16,9 +16,9 @@ mod isolation;
 use anyhow::Result;
 use indicatif::ProgressBar;
 use raim::signal::sky::{Fleet, Satellite, Sight};
-use raim_core::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
-use raim_core::integrity::raim::isolation::parity::SearchLimits;
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
+use raim_core::internals::integrity::raim::isolation::parity::SearchLimits;
+use raim_core::internals::numeric::probability::Probability;
 use raim_core::satellite::Constellation;
 
 use super::{Effort, Experiment, Outcome};

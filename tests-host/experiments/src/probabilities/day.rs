@@ -26,8 +26,8 @@ use raim::page::{self, Moment};
 use raim::signal::sky::{Satellite, Sight, Site, sights};
 use raim_core::epoch::Epoch;
 use raim_core::frame::Enu;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::levels::Levels;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::levels::Levels;
 use raim_core::monitor::{Monitor, Strategy};
 use raim_core::report::{Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
@@ -108,7 +108,7 @@ impl Day<'_> {
         let chunk = |&start: &usize| {
             let mut monitor = Monitor::<f32, CAPACITY>::new(self.requirements)?;
             // The level of the papers, whose misleading epochs theory predicts.
-            monitor.set_strategy(Strategy { levels: Levels::Slope, ..Strategy::CLASSIC })?;
+            monitor.set_strategy(Strategy::CLASSIC.with_levels(Levels::Slope))?;
             monitor.disable_continuity();
             let mut tally = DayOutcomes::default();
             for number in start..(start + CHUNK).min(self.epochs) {
@@ -171,7 +171,7 @@ impl Day<'_> {
         let promised = Outcome::Promised { is_misleading, is_hazardous: error_m > self.requirements.hal_m };
         match report.verdict {
             Verdict::Protected(Protected::Ok) => tally.whole.add(promised),
-            Verdict::Protected(Protected::Excluded) => tally.reduced.add(promised),
+            Verdict::Protected(_) => tally.reduced.add(promised),
             Verdict::Alert(_) => tally.whole.add(Outcome::Alert),
             Verdict::Unavailable(_) => tally.whole.add(Outcome::Unavailable),
         }

@@ -37,9 +37,9 @@ use nalgebra::DVector;
 use raim::in_order::Together as _;
 use raim::signal::sky::Site;
 use raim_core::epoch::Epoch;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::levels::Levels;
-use raim_core::monitor::{Monitor, MonitorWorkspace, Search, Strategy};
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::levels::Levels;
+use raim_core::monitor::{Monitor, MonitorMemory, Search, Strategy};
 use raim_core::report::{Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
 use rand::Rng as _;
@@ -148,7 +148,7 @@ impl Edge {
         let count = counts[chance.random_range(0..counts.len())];
         let Some(scene) = scene(&site, constellations, count, number) else { return Ok(None) };
         let Some(worst) = scene.geometry.worst() else { return Ok(None) };
-        let approach = Requirements { guard_fraction: 1.0, ..Requirements::non_precision_approach() };
+        let approach = Requirements::non_precision_approach().with_guard_fraction(1.0);
         let level_m = level_m(&approach, &site, &scene)?;
         let Some(hal_m) = level_m.map(|level_m| level_m * ABOVE).filter(|&hal_m| hal_m < approach.hal_m)
         else {
@@ -156,7 +156,7 @@ impl Edge {
         };
         let exclusion = HardestExclusion::of(&scene.geometry, &approach)?
             .filter(|exclusion| exclusion.level_m * ABOVE < approach.hal_m);
-        let requirements = Requirements { hal_m, ..approach };
+        let requirements = approach.with_hal_m(hal_m);
         Ok(Some(Self { site, scene, worst, requirements, exclusion }))
     }
 
@@ -194,12 +194,12 @@ impl Edge {
 struct Judge<'e> {
     edge: &'e Edge,
     monitor: Monitor<f32, CAPACITY>,
-    memory: Box<MonitorWorkspace<f32, CAPACITY>>,
+    memory: Box<MonitorMemory<f32, CAPACITY>>,
 }
 
 impl<'e> Judge<'e> {
     fn new(edge: &'e Edge) -> Result<Self> {
-        Ok(Self { edge, monitor: monitor(edge.requirements)?, memory: Box::new(MonitorWorkspace::new()) })
+        Ok(Self { edge, monitor: monitor(edge.requirements)?, memory: Box::new(MonitorMemory::new()) })
     }
 
     /// Judges ranges with this noise and bias; returns the report and the horizontal error.
@@ -267,7 +267,7 @@ impl<'e> Judge<'e> {
     ) -> Result<Failures> {
         let Edge { scene, requirements, .. } = self.edge;
         let hal_m = requirements.hal_m.max(exclusion.level_m * ABOVE);
-        self.monitor = monitor(Requirements { hal_m, ..*requirements })?;
+        self.monitor = monitor(requirements.with_hal_m(hal_m))?;
         exclusion.failures(hal_m, |bias_m| {
             let noise = normal(scene.sights.len(), chance);
             let verdict = self.report(&noise, Some((exclusion.index, bias_m)))?.0.verdict;
@@ -278,7 +278,7 @@ impl<'e> Judge<'e> {
 
 fn monitor(requirements: Requirements) -> Result<Monitor<f32, CAPACITY>> {
     let mut monitor = Monitor::new(requirements)?;
-    monitor.set_strategy(Strategy { levels: Levels::Bound, ..Strategy::DEFAULT })?;
+    monitor.set_strategy(Strategy::DEFAULT.with_levels(Levels::Bound))?;
     monitor.disable_continuity();
     Ok(monitor)
 }
@@ -286,7 +286,7 @@ fn monitor(requirements: Requirements) -> Result<Monitor<f32, CAPACITY>> {
 /// Returns the horizontal level of the satellites in view without noise, m.
 fn level_m(requirements: &Requirements, site: &Site, scene: &Scene) -> Result<Option<f64>> {
     let epoch: Epoch<CAPACITY> = epoch(0.0, &scene.sights, &scene.geometry.rows)?;
-    let mut memory = Box::new(MonitorWorkspace::new());
+    let mut memory = Box::new(MonitorMemory::new());
     let monitor = monitor(*requirements)?;
     let report = &monitor.judge(&epoch, site.position, Search::Anew, None, &mut memory).report;
     Ok(report.protection.map(|levels| levels.hpl_m))

@@ -30,12 +30,12 @@ use nalgebra::DVector;
 use raim::in_order::Together as _;
 use raim::signal::sky::Site;
 use raim_core::epoch::Epoch;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::isolation::parity::Isolation;
-use raim_core::monitor::{Method, Monitor, MonitorWorkspace, Search, Strategy};
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::isolation::parity::Isolation;
+use raim_core::internals::weighting::Ism;
+use raim_core::monitor::{Method, Monitor, MonitorMemory, Search, Strategy};
 use raim_core::report::{Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
-use raim_core::weighting::Ism;
 
 use super::CAPACITY;
 use super::geometry::epoch;
@@ -172,7 +172,7 @@ fn watched(site: &Site, constellations: usize, counts: &[usize], skies: u64) -> 
 /// Returns a monitor that judges each epoch independently, about a start.
 fn monitor(requirements: Requirements, method: Method) -> Result<Monitor<f32, CAPACITY>> {
     let mut monitor = Monitor::new(requirements)?;
-    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC })?;
+    monitor.set_strategy(Strategy::CLASSIC.with_method(method))?;
     Ok(monitor)
 }
 
@@ -182,12 +182,12 @@ impl Watched {
         let monitors = METHODS.iter().map(|&(_, method)| {
             let approach = Requirements::non_precision_approach();
             let usual = monitor(approach, method)?;
-            let mut memory = MonitorWorkspace::new();
+            let mut memory = MonitorMemory::new();
             let report = &usual.judge(&noiseless, site.position, Search::Anew, None, &mut memory).report;
             let levels = report.protection.context("a sky with levels")?;
             let limit = |level_m: f64| (level_m * ABOVE / approach.guard_fraction).min(approach.hal_m);
             let (hal_m, val_m) = (limit(levels.hpl_m), Some(limit(levels.vpl_m)));
-            Ok([usual, monitor(Requirements { hal_m, val_m, ..approach }, method)?])
+            Ok([usual, monitor(approach.with_hal_m(hal_m).with_val_m(val_m), method)?])
         });
         let monitors = monitors.collect::<Result<_>>()?;
         Ok(Self { faulty: steepest(&scene.geometry, 1), site, scene, monitors })
@@ -203,7 +203,7 @@ impl Watched {
         method: usize,
         limit: usize,
         epoch: &Epoch<CAPACITY>,
-        memory: &mut MonitorWorkspace<f32, CAPACITY>,
+        memory: &mut MonitorMemory<f32, CAPACITY>,
     ) -> Fate {
         let monitor = &self.monitors[method][limit];
         self.fate(&monitor.judge(epoch, self.site.position, Search::Anew, None, memory).report)
@@ -233,7 +233,7 @@ impl Watched {
     ) -> Result<Counts> {
         let Scene { geometry, .. } = &self.scene;
         let root = thresholds.lambda::<f64>(geometry.dof()).context("beyond the tables")?.sqrt();
-        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| MonitorWorkspace::new());
+        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| MonitorMemory::new());
         let mut counts = Counts::default();
         for (draw, &index) in draws.zip(self.faulty.iter().cycle()) {
             let bias_m = SIZES[size] * root / geometry.visibility(index);
@@ -284,7 +284,7 @@ struct FaultFree {
 fn judged_without_fault(watched: &[Watched], draws: usize) -> Result<FaultFree> {
     let thresholds = thresholds()?;
     let of_sky = |sky: usize| -> Result<Vec<([f64; METHODS.len()], f64)>> {
-        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| MonitorWorkspace::new());
+        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| MonitorMemory::new());
         let of_draw = |draw: usize| {
             let mut chance = generator(SEED + SIZES.len() as u64, draw as u64);
             let drawn = alarming(&watched[sky].scene.geometry, &thresholds, &mut chance)?;

@@ -15,11 +15,11 @@
 use anyhow::{Context as _, Result};
 use nalgebra::{Vector2, Vector3};
 use raim_core::frame::Enu;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::exclusion_levels::exclusion_levels;
-use raim_core::integrity::raim::levels::{KFactors, Levels};
-use raim_core::least_squares::Workspace;
-use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::exclusion_levels::exclusion_levels;
+use raim_core::internals::integrity::raim::levels::{KFactors, Levels};
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::least_squares::equations::LinearEpoch;
 use raim_core::requirements::Requirements;
 
 use super::CAPACITY;

@@ -30,8 +30,10 @@ use indicatif::ProgressBar;
 use raim::page::stanford;
 use raim::signal::sky::Site;
 use raim::signal::sky::linear::Sigma;
-use raim_core::integrity::raim::detection::threshold::{Thresholds, false_alarms, missed_detections};
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::integrity::raim::detection::threshold::{
+    Thresholds, false_alarms, missed_detections,
+};
+use raim_core::internals::numeric::probability::Probability;
 use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
 use raim_firmware::correction::CAPACITY;
@@ -172,7 +174,7 @@ fn in_print(asked: Probability) -> String {
 
 fn days(effort: Effort, site: Site, bar: &ProgressBar) -> Result<(Vec<Section>, Picture)> {
     let approach = Requirements::non_precision_approach();
-    let tight = Requirements { hal_m: TIGHT_M, ..approach };
+    let tight = approach.with_hal_m(TIGHT_M);
     let (step_s, epochs) = effort.pick((60.0, 1_440), (1.0, 86_400));
     let thresholds = Thresholds::from_tables(approach.false_alarm, approach.missed_detection)?;
     let (mut sections, mut tallies) = (Vec::new(), Vec::new());

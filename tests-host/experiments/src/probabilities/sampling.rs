@@ -23,11 +23,11 @@ use anyhow::{Context as _, Result};
 use nalgebra::DVector;
 use raim::in_order::Together as _;
 use raim::signal::sky::linear::{Row, equations};
-use raim_core::integrity::raim::detection::detect;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::levels::largest_slopes;
-use raim_core::least_squares::Workspace;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::detect;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::levels::largest_slopes;
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::numeric::real::Real;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 

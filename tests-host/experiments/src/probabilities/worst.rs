@@ -27,10 +27,10 @@ use raim::in_order::Together as _;
 use raim::second_opinion::chi_square::noncentral_lower_tail;
 use raim::signal::sky::Site;
 use raim::signal::sky::linear::equations;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::levels::{KFactors, LevelInputs, Levels};
-use raim_core::least_squares::Workspace;
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::levels::{KFactors, LevelInputs, Levels};
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::numeric::probability::Probability;
 use raim_core::report::ProtectionLevels;
 use raim_core::requirements::Requirements;
 
@@ -119,7 +119,7 @@ fn row(what: &str, levels: Levels, worst: Passing) -> Row {
     match levels {
         // The sum over the strips of a disc is accurate to a hundredth of P_ff.
         Levels::Bound => row.holding("at most 1", largest <= 1.0 && fault_free <= 1.01),
-        Levels::Slope => row,
+        _ => row,
     }
 }
 

@@ -8,10 +8,10 @@ use raim::page::canvas::{Mark, SERIES};
 use raim::page::chart::{Axis, LineChart, Series};
 use raim::signal::sky::linear::{Sigma, equations, rows};
 use raim::signal::sky::{Noise, Satellite, Sight, Site, sights};
-use raim_core::integrity::raim::isolation::parity;
-use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
-use raim_core::least_squares::Workspace;
-use raim_core::least_squares::equations::Row as Equation;
+use raim_core::internals::integrity::raim::isolation::parity;
+use raim_core::internals::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::least_squares::equations::Row as Equation;
 
 use super::super::draw::{distinct, generator};
 use super::super::{Effort, Finding, Judgement, Picture, Row, Section};

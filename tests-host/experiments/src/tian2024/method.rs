@@ -14,13 +14,13 @@ use raim::second_opinion::dense::Range;
 use raim::second_opinion::ransac_traditional::{
     Criterion, RATIO, combination_count, combinations, unknowns, vote,
 };
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::isolation::baarda::exclude_sequentially;
-use raim_core::integrity::raim::isolation::exclusion::{Exclusion, ExclusionOutcome};
-use raim_core::integrity::raim::isolation::{parity, ransac};
-use raim_core::least_squares::Excludable;
-use raim_core::least_squares::equations::Row;
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::isolation::baarda::exclude_sequentially;
+use raim_core::internals::integrity::raim::isolation::exclusion::{Exclusion, ExclusionOutcome};
+use raim_core::internals::integrity::raim::isolation::{parity, ransac};
+use raim_core::internals::least_squares::Excludable;
+use raim_core::internals::least_squares::equations::Row;
+use raim_core::internals::numeric::probability::Probability;
 use raim_firmware::correction::CAPACITY;
 use rand_chacha::ChaCha8Rng;
 

@@ -15,12 +15,12 @@ use raim::signal::encode::{self, Frequency};
 use raim::signal::recording::Recording;
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::Ecef;
-use raim_core::integrity::raim::hypotheses::separability::separable;
-use raim_core::integrity::raim::isolation::exclusion::ExclusionOutcome;
-use raim_core::integrity::raim::isolation::parity;
-use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
-use raim_core::least_squares::Workspace;
-use raim_core::least_squares::fix::Fix;
+use raim_core::internals::integrity::raim::hypotheses::separability::separable;
+use raim_core::internals::integrity::raim::isolation::exclusion::ExclusionOutcome;
+use raim_core::internals::integrity::raim::isolation::parity;
+use raim_core::internals::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::least_squares::fix::Fix;
 use rand_chacha::ChaCha8Rng;
 use rig::shared;
 

@@ -1,11 +1,11 @@
 //! Requirements of table 1, and its counts.
 
 use anyhow::Context as _;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
-use raim_core::integrity::raim::levels::{LevelInputs, largest_slopes};
-use raim_core::least_squares::Snapshot;
-use raim_core::numeric::real::Real;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
+use raim_core::internals::integrity::raim::levels::{LevelInputs, largest_slopes};
+use raim_core::internals::least_squares::Snapshot;
+use raim_core::internals::numeric::real::Real;
 use raim_core::requirements::Requirements;
 
 use super::grid::LATITUDES;
@@ -41,7 +41,7 @@ impl Case {
         Ok(Self {
             name: format!("P_fa {false_alarm:e}, f HAL {limit_m:.1} m"),
             thresholds: thresholds(false_alarm)?,
-            requirements: Requirements { hal_m: limit_m / printed.guard_fraction, ..printed },
+            requirements: printed.with_hal_m(limit_m / printed.guard_fraction),
         })
     }
 

@@ -17,7 +17,7 @@ use std::ops::Range;
 
 use raim::in_order::Together as _;
 use raim::second_opinion::chi_square::{noncentral_lower_tail, upper_tail};
-use raim_core::least_squares::Snapshot;
+use raim_core::internals::least_squares::Snapshot;
 
 use super::case::{CASES, Case, Errors, ErrorsByCase, FAULT_M, FAULT_S, POLICIES};
 use super::grid::{CELLS, Cell, Sky, pose};

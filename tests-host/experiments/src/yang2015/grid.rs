@@ -6,9 +6,9 @@
 use nalgebra::Vector3;
 use raim::signal::sky::{Fleet, Satellite, Site};
 use raim_core::frame::{Ecef, Enu};
-use raim_core::least_squares::Workspace;
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::numeric::real::Real;
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
 use super::{MASK_DEG, ROWS, SIGMA_M};

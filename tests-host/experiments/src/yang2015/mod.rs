@@ -22,9 +22,9 @@ use anyhow::Context as _;
 use indicatif::ProgressBar;
 use oracle::tables::{self, GoldComparison, Lookup};
 use oracle::vectors;
-use raim_core::integrity::raim::detection::threshold::Thresholds;
-use raim_core::integrity::raim::detection::threshold::policy::range_threshold_m;
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
+use raim_core::internals::integrity::raim::detection::threshold::policy::range_threshold_m;
+use raim_core::internals::numeric::probability::Probability;
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Row, Section};
 

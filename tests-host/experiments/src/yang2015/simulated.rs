@@ -6,10 +6,10 @@
 
 use indicatif::ProgressBar;
 use raim::in_order::Together as _;
-use raim_core::integrity::raim::detection::Detection;
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
-use raim_core::least_squares::Snapshot;
-use raim_core::numeric::real::Real as _;
+use raim_core::internals::integrity::raim::detection::Detection;
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::least_squares::Snapshot;
+use raim_core::internals::numeric::real::Real as _;
 use rand::Rng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 

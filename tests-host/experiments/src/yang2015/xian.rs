@@ -11,12 +11,12 @@ use raim::page::canvas::{BLUE, INK, Mark, ORANGE, RED, VIOLET};
 use raim::page::chart::{Axis, LineChart, Series, Span};
 use raim::signal::sky::{Fleet, Satellite, Site, sights};
 use raim_core::frame::Enu;
-use raim_core::integrity::raim::detection::threshold::policy::{
+use raim_core::internals::integrity::raim::detection::threshold::policy::{
     Decision, ThresholdProblem, Weights, range_threshold_m,
 };
-use raim_core::integrity::raim::levels::largest_slopes;
-use raim_core::integrity::raim::levels::noncentrality_at;
-use raim_core::numeric::probability::Probability;
+use raim_core::internals::integrity::raim::levels::largest_slopes;
+use raim_core::internals::integrity::raim::levels::noncentrality_at;
+use raim_core::internals::numeric::probability::Probability;
 
 use super::grid::pose;
 use super::{FALSE_ALARM, LIMIT_M, MASK_DEG, MISSED_DETECTION, SIGMA_M, thresholds};

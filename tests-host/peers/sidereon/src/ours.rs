@@ -1,11 +1,11 @@
 //! ARAIM by the core of this project.
 
 use anyhow::{Result, anyhow};
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::integrity::araim::{self, Allocation, Prior, Priors, ROWS};
-use raim_core::numeric::real::Real;
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::integrity::araim::{self, Allocation, Prior, Priors, ROWS};
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
-use raim_core::least_squares::{Snapshot, Workspace};
+use raim_core::internals::least_squares::{Snapshot, Workspace};
 
 use super::{Answer, Line};
 

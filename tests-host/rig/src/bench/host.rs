@@ -27,10 +27,10 @@ use std::fmt;
 use std::process::Command;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use raim_core::monitor::{Method, Monitor, MonitorWorkspace, Search, Strategy};
-use raim_core::numeric::real::Real;
+use raim_core::internals::numeric::real::Real;
+use raim_core::internals::velocity::VelocityError;
+use raim_core::monitor::{Method, Monitor, MonitorMemory, Search, Strategy};
 use raim_core::requirements::Requirements;
-use raim_core::velocity::VelocityError;
 use raim_firmware::correction::CAPACITY;
 
 use super::workload;
@@ -114,9 +114,9 @@ pub fn judge(words: &str) -> Result<()> {
 fn judge_in<T: Real>(satellites: usize, faults: usize, epochs: usize) -> Result<()> {
     let epoch = workload::epoch(satellites, 2, faults)?;
     let mut monitor = Monitor::<T, CAPACITY>::new(Requirements::non_precision_approach())?;
-    monitor.set_strategy(Strategy { method: Method::Baarda, ..Strategy::CLASSIC })?;
+    monitor.set_strategy(Strategy::CLASSIC.with_method(Method::Baarda))?;
     monitor.start_from(workload::site().position);
-    let mut memory = MonitorWorkspace::new();
+    let mut memory = MonitorMemory::new();
     for _ in 0..epochs {
         let (epoch, start) = (std::hint::black_box(&epoch), monitor.start());
         let outcome = monitor.judge(epoch, start, Search::Anew, None, &mut memory);

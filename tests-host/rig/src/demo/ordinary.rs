@@ -5,7 +5,7 @@
 
 use raim::signal::sky::Site;
 use raim_core::epoch::Epoch;
-use raim_core::least_squares::Workspace;
+use raim_core::internals::least_squares::Workspace;
 use raim_firmware::correction::{self, CAPACITY, Sky, Tally, locate};
 use raim_firmware::ephemeris::Store;
 use raim_firmware::input::{Event, Input};
@@ -46,7 +46,7 @@ impl Accepter {
             }
             Event::Epoch(raw, _) => said = judge(raw, store, *mask_rad, time_s, site),
             Event::Redated(present) => store.redate(present),
-            Event::Position(_) | Event::Ionosphere(..) | Event::SelfReport(_) | Event::Rivalry(_) => {}
+            _ => {}
         });
         said
     }

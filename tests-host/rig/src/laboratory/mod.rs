@@ -62,6 +62,11 @@ pub enum Stage {
     Memory = 14,
     /// Roots by the processor's instruction, beside those of libm.
     Roots = 15,
+    /// Fix and complete integrity of 16 satellites on the stack of a thread; the last answer has
+    /// the bytes.
+    JudgeSixteenInAThread = 16,
+    /// The same for as many satellites as the image holds.
+    JudgeInAThread = 17,
 }
 
 /// Scalar type of the core.

@@ -12,8 +12,7 @@
 //!
 //! Generic arguments do not count. A name that several types share must occur as often. Functions
 //! of a trait cannot be called from outside if the trait or the type is nowhere public, and need
-//! not be listed. Functions that a derive or a macro makes are not seen, except those in
-//! `unstable!`. Implementations that only a host has are on no chip.
+//! not be listed. Functions that a derive or a macro makes are not seen. Implementations that only a host has are on no chip.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -98,7 +97,7 @@ fn not_in(list: &str, functions: &[Names]) -> Vec<String> {
 /// Collects the public functions of a module and of those below it.
 fn follow(file: &Path, below: &Path, module: &str, found: &mut Found) -> anyhow::Result<()> {
     let text = fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))?;
-    found.read(&unwrapped(&text), module);
+    found.read(&text, module);
     // A module may be declared twice, once for each setting of a feature.
     let modules: BTreeSet<&str> = text.lines().filter_map(module_declared).collect();
     for name in modules {
@@ -107,23 +106,6 @@ fn follow(file: &Path, below: &Path, module: &str, found: &mut Found) -> anyhow:
         follow(&file, &below.join(name), &format!("{module}::{name}"), found)?;
     }
     Ok(())
-}
-
-/// Returns the text with the items that `unstable! { … }` wraps in their own columns.
-fn unwrapped(text: &str) -> String {
-    let mut lines = Vec::new();
-    let mut end = None;
-    for line in text.lines() {
-        match &end {
-            Some(closing) if line == closing => end = None,
-            Some(_) => lines.push(line.strip_prefix("    ").unwrap_or(line)),
-            None => match line.strip_suffix("unstable! {") {
-                Some(indent) if indent.trim().is_empty() => end = Some(format!("{indent}}}")),
-                _ => lines.push(line),
-            },
-        }
-    }
-    lines.join("\n")
 }
 
 fn module_declared(line: &str) -> Option<&str> {

@@ -315,13 +315,13 @@ impl<'l> Board for Model<'l> {
     }
 
     fn losses(&self) -> PortLosses {
-        PortLosses {
-            gnss_bytes_lost: self.gnss.lost(),
-            gnss_bytes_dropped: self.gnss.given_up(),
-            command_bytes_lost: self.commands.dropped(),
-            sentences_lost: self.host.outlet.lost(),
-            log_bytes_lost: 0,
-        }
+        let mut losses = PortLosses::NONE;
+        losses.gnss_bytes_lost = self.gnss.lost();
+        losses.gnss_bytes_dropped = self.gnss.given_up();
+        losses.command_bytes_lost = self.commands.dropped();
+        losses.sentences_lost = self.host.outlet.lost();
+        losses.log_bytes_lost = 0;
+        losses
     }
 
     fn feed_watchdog(&mut self) {}

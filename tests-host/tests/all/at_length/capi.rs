@@ -67,7 +67,7 @@ fn monitor_from_c_names_the_satellite_that_is_wrong() {
     for (compiler, flags) in modes {
         let program = compile(compiler, &example("monitor.c"), &library, flags, out.path());
         let said = String::from_utf8(run(&mut Command::new(&program)).expect("protected")).expect("text");
-        // The first example of the README, with its numbers: G05 is left out, and nothing else.
+        // The example in the README of `raim-core`, with its numbers: G05 is left out, and nothing else.
         assert!(said.starts_with("EXCLUDED: 6 of 7 satellites, HPL "), "{said}");
         assert!(said.contains("left out: G05, off by 80.0 m"), "{said}");
     }

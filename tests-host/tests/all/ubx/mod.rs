@@ -45,7 +45,7 @@ impl Said {
             Event::Epoch(epoch, _) => self.epochs.push((*epoch).clone()),
             Event::Ephemeris(ephemeris) => self.ephemerides.push(*ephemeris),
             Event::Ionosphere(of, coefficients) => self.ionosphere.push((*of, *coefficients)),
-            Event::Redated(_) | Event::Position(_) | Event::SelfReport(_) | Event::Rivalry(_) => {}
+            _ => {}
         }
     }
 }

@@ -48,11 +48,7 @@ impl Module {
                 found = Some((report.verdict, position, raw.satellites.len()));
             }
             Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, None)),
-            Event::Redated(_)
-            | Event::Position(_)
-            | Event::Ionosphere(..)
-            | Event::SelfReport(_)
-            | Event::Rivalry(_) => {}
+            _ => {}
         });
         found
     }

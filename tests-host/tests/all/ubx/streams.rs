@@ -221,11 +221,7 @@ fn a_receiver_of_beidou_alone_has_a_model_of_the_ionosphere() {
                 let levels = navigator.judge(raw, came_ms, &configuration).protection;
                 hpl_m = levels.map(|levels| levels.hpl_m).or(hpl_m);
             }
-            Event::Redated(_)
-            | Event::Ionosphere(..)
-            | Event::Position(_)
-            | Event::SelfReport(_)
-            | Event::Rivalry(_) => {}
+            _ => {}
         });
         hpl_m.unwrap()
     };

@@ -66,16 +66,16 @@ fn is_unrivalled<T: Real, const N: usize>(
 ) -> bool {
     let mut rows = NormalisedRows::<T, N>::new();
     testable_rows(snapshot, &mut rows);
-    let (Some(threshold), Some(found)) =
-        (thresholds.w_test::<T>(snapshot.used()), ExclusionSet::among(&rows, set))
+    let (Some(threshold), Some((explained, left))) =
+        (thresholds.w_test::<T>(snapshot.used()), explained_and_left(&rows, set))
     else {
         return false;
     };
     let margin = threshold * threshold;
-    let rival_test = RivalTest { snapshot, thresholds, rows: &rows, set, left: found.sse(&rows), margin };
+    let rival_test = RivalTest { snapshot, thresholds, rows: &rows, set, left, margin };
     // Gross faults cost these sums digits, so that the bar has a margin. A set whose sum stays
     // below the bar needs no exact test.
-    let least = found.explained() - margin - snapshot.sse() * T::UNTESTABLE;
+    let least = explained - margin - snapshot.sse() * T::UNTESTABLE;
     let mut work = SetBudget::for_all();
     for size in 1..=set.len() {
         let mut has_rival = false;
@@ -89,6 +89,14 @@ fn is_unrivalled<T: Real, const N: usize>(
         }
     }
     !work.cut
+}
+
+/// Returns the part of the SSE that a set explains, and the SSE without the set. Not inlined, so
+/// that the set is not on the stack while its rivals are searched for.
+#[inline(never)]
+fn explained_and_left<T: Real>(rows: &[NormalisedRow<T>], set: &[usize]) -> Option<(T, T)> {
+    let found = ExclusionSet::among(rows, set)?;
+    Some((found.explained(), found.sse(rows)))
 }
 
 /// The excluded set, and the limits that a rival must reach.

@@ -137,11 +137,6 @@ impl Cutter {
                 ephemerides.push(ephemeris);
             }
             Event::Ionosphere(Constellation::Gps, coefficients) => *ionosphere = Some(coefficients),
-            Event::Ionosphere(..)
-            | Event::Position(_)
-            | Event::SelfReport(_)
-            | Event::Redated(_)
-            | Event::Rivalry(_) => {}
             Event::Epoch(epoch, _) => {
                 let now = epoch.satellites.iter().map(|satellite| satellite.satellite);
                 // Few epochs bring another satellite.
@@ -152,6 +147,7 @@ impl Cutter {
                 }
                 ended = Some(epoch.time);
             }
+            _ => {}
         });
         ended
     }

@@ -122,7 +122,7 @@ impl Record {
             Constellation::Galileo if is_fnav => Ephemeris::GalileoFnav(self.galileo_fnav(toe)),
             Constellation::Galileo => Ephemeris::GalileoInav(self.galileo_inav(toe)),
             _ if self.satellite.is_qzss() => Ephemeris::Qzss(self.qzss(toe)),
-            Constellation::Gps | Constellation::Glonass => Ephemeris::Gps(self.gps(toe)),
+            _ => Ephemeris::Gps(self.gps(toe)),
         }
     }
 }

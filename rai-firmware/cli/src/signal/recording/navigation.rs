@@ -194,7 +194,7 @@ impl Rows {
         let (system, sizes) = match satellite.constellation() {
             Constellation::Beidou => (TimeSystem::Beidou, FULL..=FULL),
             Constellation::Glonass => (TimeSystem::Utc { stated_s: header.leap_s }, 4..=5),
-            Constellation::Gps | Constellation::Galileo => (TimeSystem::Gps, FULL..=FULL),
+            _ => (TimeSystem::Gps, FULL..=FULL),
         };
         let size = self.lines.len();
         ensure!(sizes.contains(&size), "{satellite}: {size} lines, an ephemeris has {sizes:?}");

@@ -120,7 +120,7 @@ pub fn ephemeris(satellite: &Satellite, origin: GpsTime, t_s: f64, number: u8) -
             let reference = GpsTime::from_ms(reference_ms);
             (reference_ms, Ephemeris::GalileoInav(galileo(satellite, reference, t_s, number)))
         }
-        Constellation::Glonass => return None,
+        _ => return None,
     };
     Some(TimedEphemeris {
         satellite: satellite.id,

@@ -14,8 +14,8 @@
 
 use nalgebra::Vector3;
 use raim_core::frame::Enu;
-use raim_core::least_squares::equations::{LinearEpoch, RowError};
-use raim_core::numeric::real::Real;
+use raim_core::internals::least_squares::equations::{LinearEpoch, RowError};
+use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::noise::Noise;

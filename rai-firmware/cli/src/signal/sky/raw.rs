@@ -224,7 +224,7 @@ fn signals_of(constellation: Constellation) -> Option<&'static [Signal]> {
         Constellation::Gps => Some(&GPS),
         Constellation::Beidou => Some(&BEIDOU),
         Constellation::Galileo => Some(&GALILEO),
-        Constellation::Glonass => None,
+        _ => None,
     }
 }
 

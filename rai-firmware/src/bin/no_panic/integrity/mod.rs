@@ -5,29 +5,29 @@ mod values;
 use core::fmt::Display;
 use core::ops::{Add, Mul, Sub};
 
-use raim_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
-use raim_core::continuity::{Continuity, ContinuitySettings, Motion, Recovery};
-use raim_core::integrity::araim::{self, AraimScratch, Finding};
-use raim_core::integrity::raim::detection::threshold::policy::ThresholdProblem;
-use raim_core::integrity::raim::detection::{self, Detection};
-use raim_core::integrity::raim::exclusion_levels;
-use raim_core::integrity::raim::hypotheses::separability;
-use raim_core::integrity::raim::isolation::ransac::{self, Selection};
-use raim_core::integrity::raim::isolation::{baarda, exclusion, parity};
-use raim_core::integrity::raim::levels::{self, Slopes};
-use raim_core::integrity::raim::shared_errors;
-use raim_core::integrity::{self, MethodScratch};
-use raim_core::least_squares::downdate::{self, ExclusionSet, NormalisedRow};
-use raim_core::least_squares::equations::LinearEpoch;
-use raim_core::least_squares::fix::Fix;
-use raim_core::least_squares::{Excludable, RowFit, Snapshot, Workspace};
-use raim_core::monitor::{EpochOutcome, Monitor, MonitorWorkspace, ValidatedRequirements};
-use raim_core::numeric::absolute::{Absolute, Grid};
-use raim_core::numeric::chi_square::ChiSquare;
-use raim_core::numeric::four::{Apart, Four};
-use raim_core::numeric::real::Real;
-use raim_core::numeric::{angle, bounds, normal};
-use raim_core::velocity::{self, RangeRate, Velocity, VelocityError};
+use raim_core::internals::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
+use raim_core::internals::continuity::{Continuity, ContinuitySettings, Motion, Recovery};
+use raim_core::internals::integrity::araim::{self, AraimScratch, Finding};
+use raim_core::internals::integrity::raim::detection::threshold::policy::ThresholdProblem;
+use raim_core::internals::integrity::raim::detection::{self, Detection};
+use raim_core::internals::integrity::raim::exclusion_levels;
+use raim_core::internals::integrity::raim::hypotheses::separability;
+use raim_core::internals::integrity::raim::isolation::ransac::{self, Selection};
+use raim_core::internals::integrity::raim::isolation::{baarda, exclusion, parity};
+use raim_core::internals::integrity::raim::levels::{self, Slopes};
+use raim_core::internals::integrity::raim::shared_errors;
+use raim_core::internals::integrity::{self, MethodScratch};
+use raim_core::internals::least_squares::downdate::{self, ExclusionSet, NormalisedRow};
+use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::least_squares::fix::Fix;
+use raim_core::internals::least_squares::{Excludable, RowFit, Snapshot, Workspace};
+use raim_core::internals::numeric::absolute::{Absolute, Grid};
+use raim_core::internals::numeric::chi_square::ChiSquare;
+use raim_core::internals::numeric::four::{Apart, Four};
+use raim_core::internals::numeric::real::Real;
+use raim_core::internals::numeric::{angle, bounds, normal};
+use raim_core::internals::velocity::{self, RangeRate, Velocity, VelocityError};
+use raim_core::monitor::{EpochOutcome, Monitor, MonitorMemory, ValidatedRequirements};
 use raim_firmware::correction::CAPACITY as N;
 use raim_single::stages;
 
@@ -297,11 +297,11 @@ fn the_pipeline<T: Real>() {
         <Fix<'_, T, N> as Excludable<T, N>>::take_back as fn(_, _) -> _,
         <Fix<'_, T, N> as Excludable<T, N>>::set_aside as fn(_, _) -> _,
         <Fix<'_, T, N> as Excludable<T, N>>::set_aside_all as fn(_, _) -> _,
-        MonitorWorkspace::<T, N>::new as fn() -> _,
-        <MonitorWorkspace<T, N> as Default>::default as fn() -> _,
-        MonitorWorkspace::<T, N>::workspace as fn(_) -> _,
-        MonitorWorkspace::<T, N>::outcome as fn(_) -> _,
-        MonitorWorkspace::<T, N>::outcome_mut as fn(_) -> _,
+        MonitorMemory::<T, N>::new as fn() -> _,
+        <MonitorMemory<T, N> as Default>::default as fn() -> _,
+        MonitorMemory::<T, N>::workspace as fn(_) -> _,
+        MonitorMemory::<T, N>::outcome as fn(_) -> _,
+        MonitorMemory::<T, N>::outcome_mut as fn(_) -> _,
         EpochOutcome::<N>::override_alert as fn(_, _),
         EpochOutcome::<N>::noise as fn(_) -> _,
         EpochOutcome::<N>::withdraw as fn(_, _),
@@ -322,6 +322,7 @@ fn the_pipeline<T: Real>() {
         Monitor::<T, N>::start as fn(_) -> _,
         Monitor::<T, N>::start_from as fn(_, _),
         Monitor::<T, N>::process as fn(_, _) -> _,
+        Monitor::<T, N>::process_in as fn(_, _, _) -> _,
         Monitor::<T, N>::judge as fn(_, _, _, _, _, _) -> _,
         Monitor::<T, N>::learn as fn(_, _, _, _),
         Monitor::<T, N>::set_continuity as fn(_, _) -> _,
@@ -359,6 +360,7 @@ fn continuity() {
         ContinuitySettings::validate as fn(_) -> _,
         Recovery::is_met as fn(_, _, _, _) -> _,
         Velocity::is_within as fn(_, _) -> _,
+        Velocity::zero as fn(_, _) -> _,
         Velocity::speed_m_s as fn(_) -> _,
         Motion::new as fn() -> _,
         <Motion as Default>::default as fn() -> _,

@@ -4,29 +4,29 @@ use core::fmt::Display;
 use core::ops::{Add, Sub};
 use core::str::FromStr;
 
-use raim_core::allocation::AllocationError;
-use raim_core::continuity::ContinuityError;
 use raim_core::epoch::{Epoch, EpochError, EpochView};
 use raim_core::frame::{Ecef, Enu, Geodetic, LocalAxes, LocalFrame};
-use raim_core::integrity::araim::{Allocation, AraimError, Hypothesis};
-use raim_core::integrity::raim::detection::threshold::policy::{self, NoThreshold, Weights};
-use raim_core::integrity::raim::detection::threshold::{self, ThresholdError, Thresholds};
-use raim_core::integrity::raim::isolation::ransac::{self, NoConsensus, Selection};
-use raim_core::integrity::raim::isolation::{exclusion, parity};
-use raim_core::integrity::raim::levels;
-use raim_core::integrity::{Method, MethodError};
-use raim_core::least_squares::SnapshotError;
-use raim_core::least_squares::equations::RowError;
-use raim_core::least_squares::fix::FixError;
+use raim_core::internals::allocation::AllocationError;
+use raim_core::internals::continuity::ContinuityError;
+use raim_core::internals::integrity::araim::{Allocation, AraimError, Hypothesis};
+use raim_core::internals::integrity::raim::detection::threshold::policy::{self, NoThreshold, Weights};
+use raim_core::internals::integrity::raim::detection::threshold::{self, ThresholdError, Thresholds};
+use raim_core::internals::integrity::raim::isolation::ransac::{self, NoConsensus, Selection};
+use raim_core::internals::integrity::raim::isolation::{exclusion, parity};
+use raim_core::internals::integrity::raim::levels;
+use raim_core::internals::integrity::{Method, MethodError};
+use raim_core::internals::least_squares::SnapshotError;
+use raim_core::internals::least_squares::equations::RowError;
+use raim_core::internals::least_squares::fix::FixError;
+use raim_core::internals::numeric::probability::Probability;
+use raim_core::internals::numeric::real::Real;
+use raim_core::internals::weighting;
+use raim_core::internals::weighting::adaptation::Adaptation;
+use raim_core::internals::weighting::ionosphere::{self, IonosphereError};
 use raim_core::monitor::MonitorError;
-use raim_core::numeric::probability::Probability;
-use raim_core::numeric::real::Real;
-use raim_core::report::Solution;
+use raim_core::report::{ProtectionLevels, Report, Solution, Suspect, TestStatistic, Verdict};
 use raim_core::requirements::{Requirements, RequirementsError};
 use raim_core::satellite::{Constellation, ParseSatelliteError, SatelliteId};
-use raim_core::weighting;
-use raim_core::weighting::adaptation::Adaptation;
-use raim_core::weighting::ionosphere::{self, IonosphereError};
 use raim_firmware::correction::CAPACITY as N;
 
 use crate::{exhaust, reach};
@@ -86,6 +86,16 @@ fn requirements() {
         Probability::get as fn(_) -> _,
         levels::hdop_change_limit as fn(_, _, _) -> _,
         Solution::pdop as fn(_) -> _,
+        Solution::at as fn(_, _) -> _,
+        Solution::clock_m as fn(_, _) -> _,
+        TestStatistic::new as fn(_, _, _) -> _,
+        ProtectionLevels::new as fn(_, _) -> _,
+        Suspect::new as fn(_, _, _, _) -> _,
+        Report::<{ super::N }>::nothing as fn() -> _,
+        Verdict::word as fn(_) -> _,
+        Verdict::code as fn(_) -> _,
+        Verdict::word_of as fn(_) -> _,
+        (|| crate::exhaust(Verdict::all())) as fn(),
         Solution::residual_m::<f32> as fn(_, _) -> _,
         <f32 as Real>::narrow as fn(_) -> _,
         <f32 as Real>::widen as fn(_) -> _,
@@ -107,6 +117,7 @@ fn requirements() {
 fn epochs() {
     reach!(
         Constellation::letter as fn(_) -> _,
+        (|| crate::exhaust(Constellation::all())) as fn(),
         Constellation::from_letter as fn(_) -> _,
         SatelliteId::new as fn(_, _) -> _,
         SatelliteId::qzss as fn(_) -> _,
@@ -128,6 +139,7 @@ fn epochs() {
         ionosphere::obliquity as fn(_) -> _,
         weighting::integrity_sigma_m as fn(_, _, _) -> _,
         weighting::Ism::of as fn(_, _) -> _,
+        weighting::Ism::with as fn(_, _, _) -> _,
         weighting::Ism::is_valid as fn(_) -> _,
         weighting::IsmParameters::is_valid as fn(_) -> _,
         Adaptation::new as fn() -> _,
@@ -166,7 +178,7 @@ fn tables() {
         Weights::new as fn(_, _) -> _,
         levels::noncentrality_at as fn(_, _) -> _,
         exclusion::leaves_enough as fn(_, _) -> _,
-        raim_core::integrity::raim::isolation::sets::count_up_to as fn(_, _) -> _,
+        raim_core::internals::integrity::raim::isolation::sets::count_up_to as fn(_, _) -> _,
         policy::range_threshold_m as fn(_, _, _) -> _,
         parity::SearchLimits::published as fn() -> _,
         ransac::ConsensusLimits::published as fn() -> _,

@@ -1,6 +1,6 @@
 //! Sentences out, and commands in.
 
-use raim_core::integrity::raim::detection::threshold::ThresholdError;
+use raim_core::internals::integrity::raim::detection::threshold::ThresholdError;
 use raim_firmware::correction::CAPACITY as N;
 use raim_firmware::output::geoid::Altitude;
 use raim_firmware::output::mavlink::{Sender, dialect};

@@ -31,10 +31,10 @@ use anyhow::Result;
 use nalgebra::DVector;
 use raim::in_order::Together as _;
 use raim::signal::sky::Site;
-use raim_core::integrity::araim::{Allocation, AraimJudgement, AraimOutcome, Priors, judge};
-use raim_core::least_squares::Workspace;
+use raim_core::internals::integrity::araim::{Allocation, AraimJudgement, AraimOutcome, Priors, judge};
+use raim_core::internals::least_squares::Workspace;
+use raim_core::internals::weighting::Ism;
 use raim_core::satellite::Constellation;
-use raim_core::weighting::Ism;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 

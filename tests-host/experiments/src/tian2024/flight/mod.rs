@@ -13,9 +13,9 @@ use raim::in_order::Together as _;
 use raim::second_opinion::ransac_traditional::combination_count;
 use raim::signal::sky::linear::{Sigma, equations, rows};
 use raim::signal::sky::{Noise, Satellite, Sight, Site, sights};
-use raim_core::integrity::raim::isolation::parity;
-use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
-use raim_core::least_squares::{Snapshot, Workspace};
+use raim_core::internals::integrity::raim::isolation::parity;
+use raim_core::internals::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
+use raim_core::internals::least_squares::{Snapshot, Workspace};
 
 use super::super::draw::{distinct, generator};
 use super::super::{Effort, Picture, Section};

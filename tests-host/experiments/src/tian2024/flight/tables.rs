@@ -7,9 +7,9 @@ use raim::page::canvas::{BLUE, GREEN, GREY, Mark, ORANGE, RED, VIOLET};
 use raim::page::chart::{Axis, LineChart, Series, Span};
 use raim::signal::sky::linear::{Sigma, equations, rows};
 use raim::signal::sky::sights;
-use raim_core::integrity::raim::isolation::parity;
-use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
-use raim_core::least_squares::Workspace;
+use raim_core::internals::integrity::raim::isolation::parity;
+use raim_core::internals::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
+use raim_core::internals::least_squares::Workspace;
 
 use super::super::super::draw::generator;
 use super::super::super::{Finding, Interval, Judgement, Picture, Row, Section};
@@ -225,7 +225,7 @@ pub(super) fn times(flight: &Flight) -> Result<[Section; 1]> {
 /// Returns the times that parity, traditional and improved method take for one epoch, solution
 /// included, s.
 fn taken_s(
-    epoch: &raim_core::least_squares::equations::LinearEpoch<f32, ROWS>,
+    epoch: &raim_core::internals::least_squares::equations::LinearEpoch<f32, ROWS>,
     limits: &Limits,
     second: u64,
 ) -> Result<[f64; 3]> {

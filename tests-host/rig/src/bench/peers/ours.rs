@@ -2,8 +2,8 @@
 
 use anyhow::{Result, ensure};
 use raim_core::frame::Ecef;
+use raim_core::internals::numeric::real::Real;
 use raim_core::monitor::{Monitor, Strategy};
-use raim_core::numeric::real::Real;
 use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
 use raim_firmware::correction::CAPACITY;

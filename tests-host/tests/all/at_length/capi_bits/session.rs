@@ -2,15 +2,15 @@
 //! header.
 
 use raim::sentence;
-use raim_core::continuity::ContinuitySettings;
 use raim_core::epoch::{Epoch, Observation};
-use raim_core::integrity::Method;
-use raim_core::integrity::raim::detection::threshold::policy::Policy;
-use raim_core::integrity::raim::isolation::parity::Isolation;
+use raim_core::internals::continuity::ContinuitySettings;
+use raim_core::internals::integrity::Method;
+use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::internals::integrity::raim::isolation::parity::Isolation;
+use raim_core::internals::velocity::Velocity;
 use raim_core::monitor::Strategy;
 use raim_core::report::{Report, Verdict};
 use raim_core::requirements::Requirements;
-use raim_core::velocity::Velocity;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_single::{CAPACITY, Monitor};
@@ -69,24 +69,26 @@ impl Session {
         // The C interface uses the time to alert and the guard fraction of non-precision approach
         // in any phase.
         let base = Requirements::non_precision_approach();
-        let asked = Requirements { time_to_alert_s: base.time_to_alert_s, ..requirements };
+        let asked = requirements.with_time_to_alert_s(base.time_to_alert_s);
         let mut monitor = Monitor::new(asked).expect("in the tables");
         monitor
-            .set_strategy(Strategy {
-                policy: [Policy::T1, Policy::T2, Policy::TOp][usize::from(policy)],
-                method: [
-                    Method::Auto,
-                    Method::Baarda,
-                    Method::Parity(Isolation::Simultaneous),
-                    Method::Parity(Isolation::Sequential),
-                    Method::Parity(Isolation::Hybrid),
-                    Method::Parity(Isolation::Grouping),
-                    Method::Ransac,
-                    Method::Araim,
-                ][usize::from(method)],
-                clock_aid: clock_aid != 0,
-                ..Strategy::DEFAULT
-            })
+            .set_strategy(
+                Strategy::DEFAULT
+                    .with_policy([Policy::T1, Policy::T2, Policy::TOp][usize::from(policy)])
+                    .with_method(
+                        [
+                            Method::Auto,
+                            Method::Baarda,
+                            Method::Parity(Isolation::Simultaneous),
+                            Method::Parity(Isolation::Sequential),
+                            Method::Parity(Isolation::Hybrid),
+                            Method::Parity(Isolation::Grouping),
+                            Method::Ransac,
+                            Method::Araim,
+                        ][usize::from(method)],
+                    )
+                    .with_clock_aid(clock_aid != 0),
+            )
             .expect("every method is built in");
         self.monitor = Some(monitor);
         let continuity = ContinuitySettings::anywhere();

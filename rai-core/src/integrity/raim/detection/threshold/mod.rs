@@ -61,7 +61,7 @@ pub struct Thresholds<'t> {
 /// The probability that is not in the tables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub enum ThresholdError {
     /// No thresholds for this probability of false alarm.
     FalseAlarm {

@@ -44,7 +44,7 @@ use crate::requirements::Requirements;
 /// Position of the threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub enum Policy {
     /// The threshold is as low as false alarms allow: the least risk to integrity, the classic
     /// threshold.

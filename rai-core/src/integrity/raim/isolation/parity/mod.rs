@@ -69,7 +69,7 @@ const ALPHA: Probability = match Probability::new(0.01) {
 /// Search method in parity space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(not(feature = "unstable"), non_exhaustive)]
+#[non_exhaustive]
 pub enum Isolation {
     /// Leaves out all rows whose correlation is large, at once.
     Simultaneous,

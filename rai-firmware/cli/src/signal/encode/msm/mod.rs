@@ -103,6 +103,7 @@ const fn pairs(constellation: Constellation) -> &'static [Pair] {
             &const { [of(Band::B1I, Band::B3I), of(Band::B1I, Band::B2I), of(Band::B1C, Band::B2a)] }
         }
         Constellation::Glonass => &const { [of(Band::G1, Band::G2)] },
+        _ => &[],
     }
 }
 

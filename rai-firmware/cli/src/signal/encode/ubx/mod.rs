@@ -83,6 +83,7 @@ const fn system(constellation: Constellation) -> u8 {
         Constellation::Galileo => 2,
         Constellation::Beidou => 3,
         Constellation::Glonass => 6,
+        _ => u8::MAX,
     }
 }
 
