@@ -36,7 +36,7 @@
 //! | [`forged_frames`] | frames with another time, week or place, or other leap seconds |
 //! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it; the end of a cycle of weeks |
 //! | [`two_stations`] | ranges of a reference station on the receiver's line; a receiver in a tunnel; a receiver that sends everything twice |
-//! | [`namesakes`] | two receivers with one station number, from the start |
+//! | [`namesakes`] | two receivers with one station number, from the start, or one after the other |
 //! | [`half_epochs`] | one system tagged wrong by tens of milliseconds: one instant as two epochs |
 //! | [`doubled_satellite`] | one satellite under two numbers |
 //! | [`second_frequency`] | the second frequency of some satellites wrong |
@@ -211,6 +211,7 @@ pub const ATTACKS: &[&Attack] = &[
     &two_stations::TWICE,
     &namesakes::JOINED,
     &namesakes::IN_TURN,
+    &namesakes::TAKEN_OVER,
     &half_epochs::ATTACK,
     &doubled_satellite::ATTACK,
     &second_frequency::ATTACK,
