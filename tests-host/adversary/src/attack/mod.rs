@@ -25,6 +25,7 @@
 //! | [`broken_system`] | more satellites of one system wrong than an exclusion may take |
 //! | [`poor_ranges`] | all ranges noisier than their sigmas, beside wrong orbits, or rounded |
 //! | [`early_ephemeris`] | ephemerides that are hours early, and crowds of absent satellites |
+//! | [`false_orbits`] | false sets of orbits and clocks, one by one in small steps, or before all others |
 //! | [`ionosphere`] | one frequency under a dense ionosphere; forged coefficients |
 //! | [`one_frequency`] | one frequency: a step of 60 m on each satellite in turn, and the levels without it |
 //! | [`health`] | signals that one message calls healthy and another out of service |
@@ -64,6 +65,7 @@ mod broken_system;
 mod clock_ramp;
 mod doubled_satellite;
 mod early_ephemeris;
+mod false_orbits;
 mod false_rates;
 mod false_signs;
 mod false_tracking;
@@ -176,6 +178,11 @@ pub const ATTACKS: &[&Attack] = &[
     &early_ephemeris::EARLY,
     &early_ephemeris::ABSENT,
     &early_ephemeris::CROWD,
+    &false_orbits::TURNED,
+    &false_orbits::CLOCKS,
+    &false_orbits::LEAP,
+    &false_orbits::FIRST,
+    &false_orbits::ONE,
     &ionosphere::EVEN,
     &ionosphere::SLOPED,
     &ionosphere::ZEROS,
