@@ -22,7 +22,8 @@
 //! metres. If they differ by more, one of them is wrong, and it is unknown which. The third set
 //! that decides must be a new one, because another copy of the contradicting set is no new
 //! evidence. Against the known set it decides only 9 to 17 minutes after the contradiction, because
-//! satellites change their sets every 10 minutes at most. If the contradicting set came only once, for example from a damaged message, a copy of
+//! satellites change their sets every 10 minutes at most, and only if the known set did not come
+//! again meanwhile. If the contradicting set came only once, for example from a damaged message, a copy of
 //! the known set cancels it. If it was repeated, copies decide nothing. A satellite that changes
 //! its orbit is out of use until its second new set.
 //!
@@ -122,7 +123,7 @@ struct Rival {
     ephemeris: Ephemeris,
     /// True if the set was received more than once.
     is_repeated: bool,
-    /// Number of the period in which the set came.
+    /// Period in which the set came, or the known one again.
     period: u8,
 }
 
@@ -364,8 +365,12 @@ impl Entry {
         offered.inherit_health(known, is_needed);
         let rival = rivals.iter_mut().find(|rival| rival.ephemeris.satellite == offered.satellite);
         if !is_needed && known.describes_as(&offered) {
-            // The rival stays, because it may be repeated.
-            self.is_disputed &= rival.is_some_and(|rival| rival.is_repeated);
+            // The rival stays, because it may be repeated. It must wait anew for a third set, because
+            // the known one is still sent.
+            self.is_disputed &= rival.is_some_and(|rival| {
+                rival.period = period;
+                rival.is_repeated
+            });
             *known = offered;
             return if self.is_disputed { Insertion::Disputed } else { Insertion::Taken };
         }
@@ -429,3 +434,6 @@ fn change(one: &Ephemeris, other: &Ephemeris, now: Option<GpsTime>) -> u8 {
 fn forget(rivals: &mut Vec<Rival, RIVALS>, satellite: SatelliteId) {
     rivals.retain(|rival| rival.ephemeris.satellite != satellite);
 }
+
+#[cfg(test)]
+mod tests;

@@ -101,12 +101,25 @@ fn clocks(effort: Effort) -> Result<Vec<Figure>> {
 }
 
 fn leap(effort: Effort) -> Result<Vec<Figure>> {
-    let mut tally = Tally::default();
     let away: &[f64] = effort.pick(&[200.0, 5000.0], &[50.0, 200.0, 1000.0, 5000.0]);
-    for &away_m in away {
-        tally = tally.with(&attempt(60, &|set, _| turn(set, away_m))?);
+    let mut figures = Vec::new();
+    for is_truth_sent in [true, false] {
+        let mut tally = Tally::default();
+        for &away_m in away {
+            // A set that differs in nothing is a copy of the one before.
+            let change = |set: &mut TimedEphemeris, since_s: f64| turn(set, away_m + since_s * 0.01);
+            tally = tally.with(&attempt_beside(60, &change, is_truth_sent, 2400)?);
+        }
+        let (name, most) = if is_truth_sent {
+            ("beside true sets every 30 s", 0.0)
+        } else {
+            ("without true sets", f64::INFINITY)
+        };
+        let beyond = tally.outcomes.misleading as f64;
+        figures.push(Figure::plain(format!("{name}, protected"), tally.outcomes.promised as f64));
+        figures.push(Figure::at_most("beyond their level", beyond, most));
     }
-    Ok(figures(&tally))
+    Ok(figures)
 }
 
 fn figures(tally: &Tally) -> Vec<Figure> {
@@ -122,7 +135,12 @@ fn simulation(epochs: u32) -> Simulation {
 /// Sends a true sky with true sets, and from [`BEFORE`] on a false set of each satellite in view
 /// every `every_s` seconds, each another edition.
 fn attempt(every_s: u32, change: Change<'_>) -> Result<Tally> {
-    let sky = Sky::of(&simulation(BEFORE + DURING), Frequency::Dual)?;
+    attempt_beside(every_s, change, false, DURING)
+}
+
+/// Works like [`attempt`], with or without true sets every 30 s.
+fn attempt_beside(every_s: u32, change: Change<'_>, is_truth_sent: bool, during: u32) -> Result<Tally> {
+    let sky = Sky::of(&simulation(BEFORE + during), Frequency::Dual)?;
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     let sets = in_view(&sky);
     for (index, bytes) in (0_u32..).zip(sky.bytes(|_, _| {})?) {
@@ -139,6 +157,11 @@ fn attempt(every_s: u32, change: Change<'_>) -> Result<Tally> {
                 sent.extend(frame(&set)?);
             }
         }
+        if is_truth_sent && since_s as usize % TRUE_EVERY == 0 {
+            for set in &sets {
+                sent.extend(frame(set)?);
+            }
+        }
         sent.extend(bytes);
         tally.add_all(&victim.hear(&sent, sky.truth)?);
     }
@@ -146,26 +169,41 @@ fn attempt(every_s: u32, change: Change<'_>) -> Result<Tally> {
 }
 
 fn first(_: Effort) -> Result<Vec<Figure>> {
-    let simulation = simulation(120);
+    let simulation = simulation(300);
     let sky = Sky::of(&simulation, Frequency::Dual)?;
     let sets = in_view(&sky);
-    let absent =
-        strangers(&simulation, START_S, |satellite| sets.iter().all(|set| set.satellite != satellite))?;
+    let is_absent = |satellite| sets.iter().all(|set| set.satellite != satellite);
+    let absent = strangers(&simulation, START_S, is_absent)?.concat();
     let mut falsified = sets.clone();
     falsified.iter_mut().for_each(|set| {
         turn(set, 5000.0);
         edit(set, 1);
     });
     let encoded = |sets: &[TimedEphemeris]| sets.iter().map(frame).collect::<Result<Vec<_>>>();
-    let before = [encoded(&sets)?, absent, encoded(&falsified)?].concat().concat();
-    let mut victim = Victim::new(&[], 1.0)?;
-    let _ = victim.hear(&before, sky.truth)?;
-    let mut tally = Tally::default();
-    for bytes in sky.bytes(|_, _| {})? {
-        tally.add_all(&victim.hear(&bytes, sky.truth)?);
+    let (truth, falsified) = (encoded(&sets)?.concat(), encoded(&falsified)?.concat());
+    let mut figures = Vec::new();
+    for (name, before) in [
+        ("after true ones and a flood", [truth.clone(), absent, falsified.clone()].concat()),
+        ("before any", falsified),
+    ] {
+        let mut victim = Victim::new(&[], 1.0)?;
+        let _ = victim.hear(&before, sky.truth)?;
+        let (mut alone, mut after) = (Tally::default(), Tally::default());
+        for (index, epoch) in sky.recording.epochs.iter().enumerate() {
+            let sent = if index % TRUE_EVERY == TRUE_EVERY - 1 { truth.clone() } else { Vec::new() };
+            let seen = victim.hear(&[sent, sky.ranges(epoch)?].concat(), sky.truth)?;
+            let tally = if index < TRUE_EVERY - 1 { &mut alone } else { &mut after };
+            tally.add_all(&seen);
+        }
+        let count = |tally: &Tally| tally.outcomes.misleading as f64;
+        figures.push(Figure::plain(format!("beyond, false sets {name}, until a true one"), count(&alone)));
+        figures.push(Figure::at_most("and after it", count(&after), 0.0));
     }
-    Ok(tally.figures(0.0))
+    Ok(figures)
 }
+
+/// Epochs between two transmissions of all true sets.
+const TRUE_EVERY: usize = 30;
 
 fn one(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();

@@ -32,6 +32,7 @@
 //! | [`held_back`] | epochs that a line delays more and more; a recording that is replayed |
 //! | [`false_rates`] | range rates with the wrong sign, and random range rates |
 //! | [`rates_apart`] | ranges that move while their rates do not; a counterfeit sky after a silence |
+//! | [`walks`] | places that walk off for 20 minutes, leap or swing, with true, missing and contradicting rates |
 //! | [`repeater`] | all ranges longer by one delay, without range rates |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`forged_frames`] | frames with another time, week or place, or other leap seconds |
@@ -100,6 +101,7 @@ mod two_truths;
 mod unsaid_delays;
 mod unsaid_strength;
 mod upheaval;
+mod walks;
 mod week_edge;
 mod wrong_height;
 mod wrong_tags;
@@ -200,6 +202,8 @@ pub const ATTACKS: &[&Attack] = &[
     &rates_apart::WALK,
     &rates_apart::DRAG,
     &rates_apart::SILENCE,
+    &walks::LONG,
+    &walks::LEAPS,
     &repeater::ATTACK,
     &odd_ranges::APART,
     &odd_ranges::WEEK,

@@ -104,7 +104,7 @@ impl Block {
 }
 
 /// Directions of the satellites of each epoch.
-type Directions = Vec<Vec<(SatelliteId, Enu)>>;
+pub(super) type Directions = Vec<Vec<(SatelliteId, Enu)>>;
 
 fn run(effort: Effort) -> Result<Vec<Figure>> {
     if shared::path("data").is_none() {
@@ -179,7 +179,7 @@ fn of_station(station: &Station, systems: &str, seeds: u64, most: usize) -> Resu
 }
 
 /// Returns the directions of the satellites, as the module locates them.
-fn directions(
+pub(super) fn directions(
     recording: &Recording,
     selection: &Selection,
     antenna: Ecef,
