@@ -279,7 +279,10 @@ impl Motion {
         let step_m = (STEPS * self.step.mean_m()).max(both_m);
         let is_home = self.doubt.is_home(&discrepancy, step_m);
         self.steering.observe(now_s, discrepancy.clock_m);
-        let leap = self.leap(&discrepancy, step_m, is_home);
+        let [leap, leap_of_clock] = self.leap(&discrepancy, step_m, is_home);
+        // Small leaps add up.
+        let is_afar = self.doubt.is_home(&discrepancy, 2.0 * now.level_m) == Some(false);
+        let leap = [leap || is_afar, leap_of_clock];
         let leap = self.unsteered(now_s, &discrepancy, leap);
         if leap != [false; 2] {
             if let Some(path) = &mut self.path {

@@ -52,6 +52,7 @@
 //! | [`unsaid_strength`] | noisy signals whose strength the receiver does not report |
 //! | [`upheaval`] | leaps of place and time, a failing line, wrong ranges and commands, all at random |
 //! | [`streets`] | real recordings between walls that block low satellites or reflect them late |
+//! | [`gaps`] | nature: receivers of any rate that fall silent again and again |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
 
 pub mod module;
@@ -73,6 +74,7 @@ mod false_tracking;
 mod faulty_orbit;
 mod forged_frames;
 mod forgery;
+mod gaps;
 mod gross_pairs;
 mod half_epochs;
 mod health;
@@ -243,6 +245,7 @@ pub const ATTACKS: &[&Attack] = &[
     &recordings::NOMINAL,
     &recordings::URBAN,
     &false_signs::ATTACK,
+    &gaps::ATTACK,
     &streets::ATTACK,
 ];
 
