@@ -87,7 +87,7 @@ impl Rates {
 
 /// A receiver at rest, and the directions of its satellites.
 struct Scene {
-    name: &'static str,
+    is_recorded: bool,
     recording: Recording,
     selection: Selection,
     directions: Directions,
@@ -101,18 +101,18 @@ impl Scene {
             ..Simulation::above_xian(3700.0 + 7200.0 * seed as f64, EPOCHS, seed)
         };
         let truth = simulation.site.position;
-        Self::of("simulated", simulation.record(), "GC", truth)
+        Self::of(false, simulation.record(), "GC", truth)
     }
 
     fn recorded(station: &Station) -> Result<Self> {
         let recording = station.load().with_context(|| format!("recording {} is missing", station.folder))?;
-        Self::of(station.folder, recording, "GCE", station.truth)
+        Self::of(true, recording, "GCE", station.truth)
     }
 
-    fn of(name: &'static str, recording: Recording, systems: &str, truth: Ecef) -> Result<Self> {
+    fn of(is_recorded: bool, recording: Recording, systems: &str, truth: Ecef) -> Result<Self> {
         let selection = Selection::new(systems, Frequency::Dual)?;
         let directions = directions(&recording, &selection, truth, usize::MAX)?;
-        Ok(Self { name, recording, selection, directions, truth })
+        Ok(Self { is_recorded, recording, selection, directions, truth })
     }
 
     /// Sends the recording; from epoch `from` on, its place is `away_m(seconds)` east of the truth.
@@ -164,6 +164,25 @@ struct Run {
 }
 
 impl Run {
+    /// Returns the latest alert, the largest error and the sums of several runs.
+    fn worst(runs: &[Self]) -> Self {
+        let sum = |count: fn(&Self) -> usize| runs.iter().map(count).sum::<usize>();
+        let latest_s = runs.iter().map(Self::alert).fold(0.0, f64::max);
+        Self {
+            early: sum(|run| run.early),
+            alert_s: Some(latest_s).filter(|latest_s| latest_s.is_finite()),
+            beyond_before: sum(|run| run.beyond_before),
+            promised_after: sum(|run| run.promised_after),
+            beyond_after: sum(|run| run.beyond_after),
+            farthest_m: runs.iter().map(|run| run.farthest_m).fold(0.0, f64::max),
+        }
+    }
+
+    /// Returns the time to the first alert, s; infinite without one.
+    fn alert(&self) -> f64 {
+        self.alert_s.unwrap_or(f64::INFINITY)
+    }
+
     fn add(&mut self, seen: &super::seen::Seen, since_s: Option<f64>, place_m: f64) {
         // Other signs, such as ranges that bend once, do not tell that the place is another.
         let is_alert = ["TRACK", "CLOCK", "JUMP"].contains(&seen.said.state.reason.as_str());
@@ -203,66 +222,69 @@ fn long(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     let speeds: &[f64] = effort.pick(&[2.0, 20.0], &SPEEDS_M_S);
     let beginnings: &[u32] = effort.pick(&[200], &BEGINNINGS);
-    for scene in scenes(effort.pick(1, 4))? {
-        for rates in [Rates::True, Rates::Apart(1.5), Rates::Apart(38.0), Rates::Missing] {
-            for &from in beginnings {
-                let runs: Vec<Run> = speeds
+    let scenes = scenes(effort.pick(1, 4))?;
+    for rates in [Rates::True, Rates::Apart(1.5), Rates::Apart(38.0), Rates::Missing] {
+        for &from in beginnings {
+            let name = format!("{}, from {from} s", rates.name());
+            let mut all = Vec::new();
+            for &speed_m_s in speeds {
+                let runs: Vec<Run> = scenes
                     .iter()
-                    .together(|&speed_m_s| scene.attack(from, rates, &|since_s| speed_m_s * since_s))
+                    .together(|scene| scene.attack(from, rates, &|since_s| speed_m_s * since_s))
                     .collect::<Result<_>>()?;
-                let name = format!("{}, {}, from {from} s", scene.name, rates.name());
-                let farthest = runs.iter().zip(speeds).map(|(run, speed_m_s)| {
-                    let alert = run.alert_s.map_or("none".into(), |alert_s| format!("{alert_s} s"));
-                    let quantity = format!("{name}, {speed_m_s} m/s, alert {alert}, promised up to m");
-                    Figure::plain(quantity, run.farthest_m)
-                });
-                figures.extend(farthest);
-                figures.extend(bounds(&name, &runs));
+                let run = Run::worst(&runs);
+                figures.push(Figure::plain(format!("{name}, {speed_m_s} m/s: alert after s"), run.alert()));
+                figures.push(Figure::plain("promised up to m", run.farthest_m));
+                all.push(run);
             }
+            figures.extend(bounds(&name, &Run::worst(&all)));
         }
     }
     Ok(figures)
 }
 
 /// Returns the bounds that hold after the first alert.
-fn bounds(name: &str, runs: &[Run]) -> [Figure; 3] {
-    let sum = |count: fn(&Run) -> usize| runs.iter().map(count).sum::<usize>() as f64;
+fn bounds(name: &str, run: &Run) -> [Figure; 3] {
     [
-        Figure::at_most(format!("{name}: beyond after the first alert"), sum(|run| run.beyond_after), 0.0),
-        Figure::at_most("promised elsewhere after it", sum(|run| run.promised_after), 0.0),
-        Figure::at_most("alerts before the attack", sum(|run| run.early), 0.0),
+        Figure::at_most(format!("{name}: beyond after the first alert"), run.beyond_after as f64, 0.0),
+        Figure::at_most("promised elsewhere after it", run.promised_after as f64, 0.0),
+        Figure::at_most("alerts before the attack", run.early as f64, 0.0),
     ]
 }
 
 fn leaps(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
-    for scene in scenes(effort.pick(1, 4))? {
-        let sizes: &[f64] = effort.pick(&[15.0, 30.0, 100.0], &LEAPS_M);
+    let (recorded, simulated): (Vec<Scene>, Vec<Scene>) =
+        scenes(effort.pick(1, 4))?.into_iter().partition(|scene| scene.is_recorded);
+    let sizes: &[f64] = effort.pick(&[15.0, 30.0, 100.0], &LEAPS_M);
+    for (name, scenes) in [("simulated", simulated), ("recorded", recorded)] {
+        let attack = |from: u32, away_m: &(dyn Fn(f64) -> f64 + Sync)| -> Result<Run> {
+            let runs = scenes.iter().together(|scene| scene.attack(from, Rates::True, away_m));
+            Ok(Run::worst(&runs.collect::<Result<Vec<_>>>()?))
+        };
         for &size_m in sizes {
-            let run = scene.attack(200, Rates::True, &|_| size_m)?;
-            figures.extend(row(&format!("{}, a leap of {size_m} m", scene.name), &run, 0.0));
+            let run = attack(200, &|_| size_m)?;
+            figures.extend(row(&format!("{name}, a leap of {size_m} m"), &run, 0.0));
         }
         for step_m in [10.0, 30.0] {
-            let place_m = |since_s: f64| step_m * (1.0 + (since_s / 60.0).floor());
-            let run = scene.attack(200, Rates::True, &place_m)?;
-            figures.extend(row(&format!("{}, stairs of {step_m} m a minute", scene.name), &run, 0.0));
+            let run = attack(200, &|since_s| step_m * (1.0 + (since_s / 60.0).floor()))?;
+            figures.extend(row(&format!("{name}, stairs of {step_m} m a minute"), &run, 0.0));
         }
         for period_s in [20.0, 60.0, 300.0] {
             // The amplitude grows by 10 m a minute.
             let wave = |since_s: f64| since_s / 6.0 * (std::f64::consts::TAU * since_s / period_s).sin();
-            let run = scene.attack(30, Rates::True, &wave)?;
+            let run = attack(30, &wave)?;
             // A wave returns to the true place, where a promise is right, and departs again.
-            let name = format!("{}, waves of {period_s} s, growing", scene.name);
-            figures.extend(row(&name, &run, f64::INFINITY));
+            figures.extend(row(&format!("{name}, growing waves of {period_s} s"), &run, f64::INFINITY));
         }
     }
     Ok(figures)
 }
 
-fn row(name: &str, run: &Run, most_after: f64) -> [Figure; 3] {
-    let alert = run.alert_s.map_or("none".into(), |alert_s| format!("{alert_s} s"));
+fn row(name: &str, run: &Run, most_after: f64) -> [Figure; 4] {
     [
-        Figure::plain(format!("{name}, alert {alert}, promised up to m"), run.farthest_m),
+        Figure::plain(format!("{name}: alert after s"), run.alert()),
+        Figure::plain("promised up to m", run.farthest_m),
         Figure::plain("beyond before the alert", run.beyond_before as f64),
         Figure::at_most("beyond after it", run.beyond_after as f64, most_after),
     ]
