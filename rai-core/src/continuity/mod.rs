@@ -23,6 +23,9 @@
 //! **After a silence** longer than the time to alert, the first position must be where the receiver
 //! can be expected. Otherwise the epochs must agree for longer ([`reach`]).
 //!
+//! **Another receiver** on the line is known by its place and the times of its epochs ([`rhythm`]).
+//! It is never protected.
+//!
 //! Two kinds of epochs are weak evidence, because their satellites easily agree by chance. If an
 //! epoch agrees only after an exclusion, with one degree of freedom left, it does not count for an
 //! agreement. If the first epoch, or the first after a long gap, has one degree of freedom, it is
@@ -42,12 +45,14 @@ mod motion;
 mod oscillator;
 mod path;
 mod reach;
+mod rhythm;
 mod steering;
 
 pub use motion::Motion;
 pub use reach::DELAY_S;
 
 use reach::{BoundedPosition, Instant};
+use rhythm::Rhythm;
 
 use crate::report::{Alert, Protected, Report, Unavailable, Verdict};
 
@@ -225,14 +230,15 @@ pub struct Continuity {
     agreement: Option<Agreement>,
     latest_s: Option<f64>,
     /// Speed at the anchor, m/s.
-    speed_m_s: Option<f64>,
+    speed_m_s: Option<f32>,
     /// True after a silence until the next protected epoch. An alert before that does not end the
     /// required wait.
     is_after_silence: bool,
     /// Agreement required because of a silence, s.
-    wait_s: f64,
+    wait_s: f32,
     /// True after rates contradicted position or clock, until the next protected epoch.
     is_doubted: bool,
+    rhythm: Rhythm,
 }
 
 impl Default for Continuity {
@@ -255,6 +261,7 @@ impl Continuity {
             is_after_silence: false,
             wait_s: 0.0,
             is_doubted: false,
+            rhythm: Rhythm::new(),
         }
     }
 
@@ -263,6 +270,7 @@ impl Continuity {
     pub fn forget(&mut self) {
         (self.anchor, self.agreement) = (None, None);
         (self.speed_m_s, self.wait_s, self.is_doubted) = (None, 0.0, false);
+        self.rhythm = Rhythm::new();
         self.interrupt();
     }
 
@@ -296,14 +304,17 @@ impl Continuity {
             report.solution.as_ref().zip(report.protection).map(|(solution, levels)| BoundedPosition {
                 instant,
                 position: solution.position,
-                height_m: solution.geodetic.height_m,
-                levels,
+                height_m: solution.geodetic.height_m as f32,
+                levels_m: [levels.hpl_m as f32, levels.vpl_m as f32],
             });
         // The degree of freedom that a known height adds does not count.
         let aided = u8::from(report.height.is_some_and(|height| height.is_used));
         let dof = report.test.map_or(0, |test| test.dof.saturating_sub(aided));
         match (report.verdict, place) {
-            (Verdict::Protected(how), Some(place)) => self.promise(settings, how, place, dof, speed_m_s),
+            (Verdict::Protected(how), Some(place)) => {
+                let speed_m_s = speed_m_s.map(|speed_m_s| speed_m_s as f32);
+                self.promise(settings, how, place, dof, speed_m_s)
+            }
             // An epoch without a position is never protected.
             (Verdict::Protected(_), None) => Verdict::Unavailable(Unavailable::NoFix),
             (Verdict::Alert(reason), _) => {
@@ -337,12 +348,15 @@ impl Continuity {
         how: Protected,
         place: BoundedPosition,
         dof: u8,
-        speed_m_s: Option<f64>,
+        speed_m_s: Option<f32>,
     ) -> Verdict {
-        let is_weak = dof <= 1;
+        let (is_weak, max_m_s) = (dof <= 1, settings.max_speed_m_s as f32);
         let from = self.anchor.map(|anchor| anchor.last);
-        if from.is_some_and(|from| !place.is_within_reach_of(&from, settings.max_speed_m_s)) {
-            self.agree(settings, how, place, is_weak);
+        if cfg!(feature = "past") && self.is_of_another(max_m_s, &place, from.as_ref()) {
+            return self.lose(Verdict::Alert(Alert::Jump));
+        }
+        if from.is_some_and(|from| !place.is_within_reach_of(&from, max_m_s)) {
+            self.agree(max_m_s, how, place, is_weak);
             if !self.contradicts_anchor(settings) {
                 self.standing = Standing::Lost;
                 return Verdict::Alert(Alert::Jump);
@@ -350,20 +364,19 @@ impl Continuity {
             (self.anchor, self.wait_s) = (None, 0.0);
         }
         // NaN fails this comparison, so that it counts as outside.
-        if !(settings.min_height_m..=settings.max_height_m).contains(&place.height_m) {
+        if !(settings.min_height_m..=settings.max_height_m).contains(&f64::from(place.height_m)) {
             return self.lose(Verdict::Unavailable(Unavailable::Place));
         }
         if self.is_after_silence {
-            self.wait_s = self
-                .anchor
-                .map_or(0.0, |anchor| place.wait_s(&anchor.last, self.speed_m_s, settings.max_speed_m_s));
+            self.wait_s =
+                self.anchor.map_or(0.0, |anchor| place.wait_s(&anchor.last, self.speed_m_s, max_m_s));
         }
         if self.wait_s > 0.0 {
             self.standing = Standing::Lost;
         }
         if self.standing == Standing::Lost || self.standing == Standing::New && is_weak {
-            self.agree(settings, how, place, is_weak);
-            let waited = Recovery { epochs: 1, seconds: self.wait_s };
+            self.agree(max_m_s, how, place, is_weak);
+            let waited = Recovery { epochs: 1, seconds: f64::from(self.wait_s) };
             let wanted = settings.recovery.at_least(waited);
             let wanted = if self.is_doubted { wanted.at_least(DOUBTED) } else { wanted };
             if !self.agreement.is_some_and(|agreement| agreement.suffices(wanted)) {
@@ -371,15 +384,30 @@ impl Continuity {
             }
         }
         (self.is_after_silence, self.wait_s, self.is_doubted) = (false, 0.0, false);
-        let implied_m_s = self.anchor.map(|anchor| {
-            place.distance_m(&anchor.last) / place.instant.since_s(anchor.last.instant).max(1.0)
-        });
-        self.speed_m_s = speed_m_s.or(implied_m_s).or(self.speed_m_s);
+        self.speed_m_s = speed_m_s
+            .or_else(|| self.anchor.map(|anchor| place.speed_m_s(&anchor.last, self.speed_m_s)))
+            .or(self.speed_m_s);
         // If the anchor is within reach, its agreement continues with this epoch.
         let agreement = self.agreement.take().unwrap_or_else(|| Agreement::begun(place, is_weak));
         self.anchor = Some(self.anchor.map_or(agreement, |anchor| anchor.extended(place, is_weak)));
         self.standing = Standing::Good;
         Verdict::Protected(how)
+    }
+
+    /// Returns true if another receiver sent an epoch that is protected if judged alone.
+    fn is_of_another(
+        &mut self,
+        max_m_s: f32,
+        place: &BoundedPosition,
+        from: Option<&BoundedPosition>,
+    ) -> bool {
+        let Some(from) = from else {
+            self.rhythm = Rhythm::new();
+            return false;
+        };
+        let elapsed_s = (place.instant.epoch_s - from.instant.epoch_s) as f32;
+        let is_expected = || place.is_expected(from, self.speed_m_s, max_m_s);
+        self.rhythm.is_of_another(elapsed_s, is_expected)
     }
 
     /// Returns true if the epochs beyond the anchor's reach have agreed for [`WEAK`], while those
@@ -392,20 +420,14 @@ impl Continuity {
     }
 
     /// Adds an epoch to the agreement after a contradiction.
-    fn agree(
-        &mut self,
-        settings: &ContinuitySettings,
-        how: Protected,
-        place: BoundedPosition,
-        is_weak: bool,
-    ) {
+    fn agree(&mut self, max_m_s: f32, how: Protected, place: BoundedPosition, is_weak: bool) {
         self.agreement = match self.agreement {
             _ if is_weak && how == Protected::Excluded => None,
             // This epoch was added before.
             Some(before) if before.last == place => Some(before),
             Some(before)
                 if place.instant.epoch_s - before.last.instant.epoch_s <= GAP_S
-                    && place.is_within_reach_of(&before.last, settings.max_speed_m_s) =>
+                    && place.is_within_reach_of(&before.last, max_m_s) =>
             {
                 Some(before.extended(place, is_weak))
             }
@@ -428,7 +450,7 @@ impl Continuity {
         let back_s = latest_s - instant.epoch_s;
         if back_s > 0.0 && self.latest_s.is_some() {
             // The time was set back. The anchor and its age do not change.
-            self.agreement = None;
+            (self.agreement, self.rhythm) = (None, Rhythm::new());
             if let Some(anchor) = &mut self.anchor {
                 anchor.first.epoch_s -= back_s;
                 anchor.last.instant.epoch_s -= back_s;

@@ -7,6 +7,7 @@
 //! δ_k = [p_k − Σ ½ (v_j + v_{j−1}) Δt_j,   b_k − Σ ½ (ḋ_j + ḋ_{j−1}) Δt_j]        j ≤ k
 //!
 //! leap    |δ_k − δ_m| > L_k + L_m                               for a mark m of the last minute
+//! leaps   |δ_k − δ_h| > 2 L_k                                   for the mean δ_h of the last ten minutes, of the position only
 //! step    |δ_k − δ_l| > max(20·t, √(L_k² + L_l²)/4)             for the last mark l, of the position only
 //! drift   |δ_k − δ_1| > max(floor, 6·s)  and  |δ_k − δ_1| > 6·e    for mark 1, the first of a window of 20, 30 or 60 s;
 //!         of the position also  |δ_k − δ_1| > L_k/4
@@ -279,7 +280,11 @@ impl Motion {
         let step_m = (STEPS * self.step.mean_m()).max(both_m);
         let is_home = self.doubt.is_home(&discrepancy, step_m);
         self.steering.observe(now_s, discrepancy.clock_m);
-        let leap = self.leap(&discrepancy, step_m, is_home);
+        let [leap, leap_of_clock] = self.leap(&discrepancy, step_m, is_home);
+        // Small leaps add up.
+        let both_m = 2.0 * now.level_m + discrepancy.unknown_m;
+        let is_afar = self.doubt.is_home(&discrepancy, both_m) == Some(false);
+        let leap = [leap || is_afar, leap_of_clock];
         let leap = self.unsteered(now_s, &discrepancy, leap);
         if leap != [false; 2] {
             if let Some(path) = &mut self.path {

@@ -8,14 +8,16 @@
 
 use crate::frame::Ecef;
 use crate::numeric::sqrt;
-use crate::report::ProtectionLevels;
 
 /// Expected speed of a receiver: a sum of the first number, m/s, and the last speed times the
 /// second, dimensionless.
-const EXPECTED_M_S: (f64, f64) = (10.0, 1.5);
+const EXPECTED_M_S: (f32, f32) = (10.0, 1.5);
 
 /// Last speed of a receiver whose velocity was never known, m/s.
-const UNKNOWN_SPEED_M_S: f64 = 50.0;
+const UNKNOWN_SPEED_M_S: f32 = 50.0;
+
+/// Shortest time between two positions that tells a speed, s.
+const SHORTEST_S: f32 = 0.01;
 
 /// Largest variation of the delay from an epoch to the caller's clock, s.
 pub const DELAY_S: f64 = 1.0;
@@ -45,34 +47,53 @@ impl Instant {
 pub(super) struct BoundedPosition {
     pub(super) instant: Instant,
     pub(super) position: Ecef,
-    pub(super) height_m: f64,
-    pub(super) levels: ProtectionLevels,
+    pub(super) height_m: f32,
+    /// Horizontal and vertical level, m.
+    pub(super) levels_m: [f32; 2],
 }
 
 impl BoundedPosition {
     /// Returns true if a receiver can have moved from `from` to this position. A NaN distance is
     /// beyond reach.
-    pub(super) fn is_within_reach_of(&self, from: &Self, max_speed_m_s: f64) -> bool {
-        let way_m = max_speed_m_s * self.instant.since_s(from.instant);
-        let climb_m = (self.height_m - from.height_m).abs();
+    // Single precision suffices, because levels are no smaller than metres.
+    pub(super) fn is_within_reach_of(&self, from: &Self, max_speed_m_s: f32) -> bool {
+        let way_m = max_speed_m_s * self.instant.since_s(from.instant) as f32;
+        let climb_m = self.height_m - from.height_m;
         let ground_m = across_m(self.position - from.position, climb_m);
-        ground_m <= way_m + self.levels.hpl_m + from.levels.hpl_m
-            && climb_m <= way_m + self.levels.vpl_m + from.levels.vpl_m
+        let ([hpl_m, vpl_m], [from_hpl_m, from_vpl_m]) = (self.levels_m, from.levels_m);
+        ground_m <= way_m + hpl_m + from_hpl_m && climb_m.abs() <= way_m + vpl_m + from_vpl_m
     }
 
     /// Returns the distance to an earlier position, m.
-    pub(super) fn distance_m(&self, from: &Self) -> f64 {
+    fn distance_m(&self, from: &Self) -> f32 {
         across_m(self.position - from.position, 0.0)
+    }
+
+    /// Returns true if the receiver can be expected here. `speed_m_s` is the speed at the earlier
+    /// position, if it is known.
+    // Not inlined, so that its two callers share one copy.
+    #[inline(never)]
+    pub(super) fn is_expected(&self, from: &Self, speed_m_s: Option<f32>, max_speed_m_s: f32) -> bool {
+        let speed_m_s = speed_m_s.unwrap_or(UNKNOWN_SPEED_M_S);
+        let (beyond_m_s, factor) = EXPECTED_M_S;
+        self.is_within_reach_of(from, (factor * speed_m_s + beyond_m_s).min(max_speed_m_s))
+    }
+
+    /// Returns the speed of a receiver without range rates, m/s, from its way since an earlier
+    /// position and the speed until then.
+    ///
+    /// In a short time the noise of two positions is a large speed, and it is averaged over a second.
+    pub(super) fn speed_m_s(&self, from: &Self, before_m_s: Option<f32>) -> f32 {
+        let elapsed_s = (self.instant.since_s(from.instant) as f32).max(SHORTEST_S);
+        let before_m_s = before_m_s.unwrap_or(0.0);
+        before_m_s + (self.distance_m(from) / elapsed_s - before_m_s) * elapsed_s.min(1.0)
     }
 
     /// Returns how long the epochs must agree after a silence, s: 0 if the receiver is expected
     /// here, otherwise the time that the way takes at the highest speed. `speed_m_s` is the speed
     /// at the earlier position, if it is known.
-    pub(super) fn wait_s(&self, from: &Self, speed_m_s: Option<f64>, max_speed_m_s: f64) -> f64 {
-        let speed_m_s = speed_m_s.unwrap_or(UNKNOWN_SPEED_M_S);
-        let (beyond_m_s, factor) = EXPECTED_M_S;
-        let expected_m_s = (factor * speed_m_s + beyond_m_s).min(max_speed_m_s);
-        if self.is_within_reach_of(from, expected_m_s) {
+    pub(super) fn wait_s(&self, from: &Self, speed_m_s: Option<f32>, max_speed_m_s: f32) -> f32 {
+        if self.is_expected(from, speed_m_s, max_speed_m_s) {
             return 0.0;
         }
         // If the highest speed is zero, the wait is infinite or NaN. It ends when the anchor is
@@ -81,11 +102,10 @@ impl BoundedPosition {
     }
 }
 
-/// Returns the horizontal part of the way between two points, m. An accuracy of metres suffices,
-/// because levels are no smaller.
-fn across_m(way: Ecef, climb_m: f64) -> f64 {
-    let [x, y, z, climb] = [way.x_m, way.y_m, way.z_m, climb_m].map(|length_m| length_m as f32);
-    let squared = x * x + y * y + z * z - climb * climb;
+/// Returns the horizontal part of the way between two points, m.
+fn across_m(way: Ecef, climb_m: f32) -> f32 {
+    let [x, y, z] = [way.x_m, way.y_m, way.z_m].map(|length_m| length_m as f32);
+    let squared = x * x + y * y + z * z - climb_m * climb_m;
     // A NaN square stays NaN, which is beyond reach.
-    f64::from(sqrt(if squared < 0.0 { 0.0 } else { squared }))
+    sqrt(if squared < 0.0 { 0.0 } else { squared })
 }

@@ -207,6 +207,8 @@ pub struct Ephemeris {
     health: Health,
     satellite: SatelliteId,
     source: Source,
+    /// True if the receiver sent the bits of the satellite.
+    is_of_bits: bool,
 }
 
 impl Ephemeris {
@@ -229,6 +231,7 @@ impl Ephemeris {
             health: broadcast.health,
             satellite: broadcast.satellite,
             source: broadcast.source,
+            is_of_bits: false,
         })
     }
 
@@ -253,6 +256,7 @@ impl Ephemeris {
             health: broadcast.health,
             satellite: broadcast.satellite,
             source,
+            is_of_bits: false,
         })
     }
 
@@ -269,6 +273,14 @@ impl Ephemeris {
     /// Returns the reference time of the elements.
     pub fn toe(&self) -> GpsTime {
         self.toe
+    }
+
+    /// Returns the same ephemeris, read from the bits of the satellite as the receiver sent them.
+    /// It outranks those of other origin ([`Store`]).
+    #[must_use]
+    pub(crate) const fn of_bits(mut self) -> Self {
+        self.is_of_bits = true;
+        self
     }
 
     /// Moves the reference time to the same second of another week, because orbit and clock depend

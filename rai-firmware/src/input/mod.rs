@@ -317,6 +317,8 @@ impl Input {
     fn drain(&mut self, is_silent: bool, tell: &mut dyn FnMut(Event<'_>)) {
         let Self { framer, calendar, assembly, memory, preference, counters } = self;
         while let Some((format, frame)) = framer.next(is_silent, counters) {
+            // Every other format brings the bits of the receiver's own signals.
+            let is_of_bits = format != Format::Rtcm;
             match read(format, &frame, memory, calendar, counters) {
                 Some(Message::Ranges(ranges)) => {
                     let source = Source { format, station: ranges.station };
@@ -327,11 +329,11 @@ impl Input {
                     }
                 }
                 Some(Message::Broadcast(broadcast)) => {
-                    learn(&|| Ephemeris::new(&broadcast), calendar, assembly, counters, tell);
+                    learn(&|| Ephemeris::new(&broadcast), is_of_bits, calendar, assembly, counters, tell);
                 }
                 #[cfg(feature = "glonass")]
                 Some(Message::State(state)) => {
-                    learn(&|| Ephemeris::of_state(&state), calendar, assembly, counters, tell);
+                    learn(&|| Ephemeris::of_state(&state), is_of_bits, calendar, assembly, counters, tell);
                 }
                 #[cfg(feature = "glonass")]
                 Some(Message::Time(time, leap_s)) => calendar.hear_receiver(time, Some(leap_s), counters),
@@ -438,6 +440,7 @@ impl Unread {
 #[inline(never)]
 fn learn(
     ephemeris: &dyn Fn() -> Result<Ephemeris, BroadcastError>,
+    is_of_bits: bool,
     calendar: &mut Calendar,
     assembly: &mut Assembly,
     counters: &mut Counters,
@@ -451,6 +454,9 @@ fn learn(
     if let Some(present) = calendar.take_redating() {
         assembly.redate(present);
         tell(Event::Redated(present));
+    }
+    if is_of_bits {
+        ephemeris = ephemeris.of_bits();
     }
     tell(Event::Ephemeris(ephemeris));
 }

@@ -108,8 +108,12 @@ fn two_sets_that_contradict_each_other_are_not_used_until_a_third_agrees_with_on
         // A copy of the disputed set is not a third set.
         assert_eq!(store.insert(astray(case, 16), Some(now)), Insertion::Disputed);
         assert_eq!(store.get(case.id(), now), Err(EphemerisError::Disputed));
-        assert_eq!(store.insert(third, Some(now)), Insertion::Taken);
-        assert_eq!(*store.get(case.id(), now).unwrap(), third, "of the first: {is_of_the_first}");
+        // Against the known set it decides as long after the contradiction as satellites take.
+        let at_once = store.insert(third, Some(now));
+        assert_eq!(at_once == Insertion::Taken, is_of_the_first);
+        let later = after(now, 1050);
+        assert_eq!(store.insert(third, Some(later)), Insertion::Taken);
+        assert_eq!(*store.get(case.id(), later).unwrap(), third, "of the first: {is_of_the_first}");
     }
 }
 
@@ -132,13 +136,61 @@ fn a_copy_of_the_known_set_takes_back_a_contradiction_that_came_once_and_none_th
 fn a_clock_that_contradicts_is_a_contradiction_and_one_within_some_metres_is_none() {
     let case = &CASES[GPS];
     let now = after(case.toe(), 600);
+    // 10.2 m and 9.3 m.
     for (off_s, want) in
-        [(1.1e-7, Insertion::Disputed), (-1.1e-7, Insertion::Disputed), (9e-8, Insertion::Taken)]
+        [(3.4e-8, Insertion::Disputed), (-3.4e-8, Insertion::Disputed), (3.1e-8, Insertion::Taken)]
     {
         let mut store = Store::new();
         store.insert(sound(case, 0), Some(now));
         let have = store.insert(issue(case, 16, |b| b.af0_s += off_s), Some(now));
         assert_eq!(have, want, "{off_s}");
+    }
+}
+
+/// Each set is 0.83 m from the one before.
+#[test]
+fn series_of_sets_carries_a_satellite_as_far_as_one_set_may_and_then_some_metres_an_hour() {
+    let case = &CASES[GPS];
+    // A second set 10 m away at most, and a third one as far from it, decide in 17 minutes at best.
+    for (every_s, most_m) in [(1, 10.0), (60, 10.0 + 2.0 * 20.0 * 7000.0 / 1049.0), (600, 10.0)] {
+        let (mut store, mut count) = (Store::new(), 0);
+        store.insert(sound(case, 0), Some(case.toe()));
+        for step in 1..=7000 / every_s {
+            let now = after(case.toe(), step * every_s);
+            let set = issue(case, 0, |b| b.m0_sc += 0.01 * ASTRAY_SC * step as f64);
+            if store.insert(set, Some(now)) == Insertion::Taken {
+                count = step;
+            }
+        }
+        let moved_m = 0.83 * count as f64;
+        assert!(moved_m <= most_m, "every {every_s} s: {moved_m} m");
+    }
+}
+
+#[test]
+fn third_set_decides_nothing_while_the_known_one_is_sent() {
+    let case = &CASES[GPS];
+    let mut store = Store::new();
+    for step in 0..200_i64 {
+        let now = after(case.toe(), 30 * step);
+        let known = store.insert(sound(case, 0), Some(now));
+        assert_eq!(known == Insertion::Taken, step < 1, "{step}");
+        for _ in 0..2 {
+            let other = issue(case, 0, |b| b.m0_sc += ASTRAY_SC * (1.0 + 1e-3 * (step / 40) as f64));
+            assert_eq!(store.insert(other, Some(now)), Insertion::Disputed, "{step}");
+        }
+    }
+}
+
+#[test]
+fn third_set_that_drifts_from_the_second_decides_nothing() {
+    let case = &CASES[GPS];
+    let mut store = Store::new();
+    store.insert(sound(case, 0), Some(case.toe()));
+    for step in 0..7000 {
+        let now = after(case.toe(), step);
+        let set = issue(case, 0, |b| b.m0_sc += ASTRAY_SC * (1.0 + 0.05 * step as f64));
+        assert_eq!(store.insert(set, Some(now)), Insertion::Disputed, "{step} s");
     }
 }
 

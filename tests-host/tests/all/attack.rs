@@ -101,6 +101,12 @@ attacks! {
     what_comes_twice_is_no_other_receiver = "twice",
     namesake_that_announces_more_is_not_promised = "namesake-first",
     namesake_half_a_second_later_is_not_promised = "namesake-between",
+    namesake_that_takes_over_is_not_promised = "namesake-later",
+    orbits_that_turn_together_carry_nothing_away = "turned-orbits",
+    clocks_that_step_together_carry_nothing_away = "stepping-clocks",
+    sets_that_leap_together_are_not_believed_beside_true_ones = "leaping-orbits",
+    false_sets_that_came_first_end_with_a_true_one = "false-first-sets",
+    one_false_set_costs_no_position = "one-false-set",
     two_halves_of_one_instant_are_no_two_promises = "half-epochs",
     satellite_under_two_numbers_is_not_used = "doubled-satellite",
     second_frequency_that_no_ionosphere_explains_is_not_used = "second-frequency",
@@ -128,5 +134,8 @@ attacks! {
     signals_of_unsaid_strength_are_no_strong_ones = "unsaid-strength",
     healthy_receivers_give_no_own_signs = "false-signs",
     streets_seldom_pass = "streets",
+    walks_of_twenty_minutes_are_promised_no_more_once_seen = "long-walk-off",
+    leaps_stairs_and_waves_are_promised_no_more_once_seen = "leaps-and-waves",
+    silences_of_fast_receivers_are_no_contradictions = "gaps",
     }
 }

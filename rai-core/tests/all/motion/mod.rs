@@ -433,3 +433,23 @@ fn a_silence_of_a_fast_receiver_is_no_contradiction() {
         }
     }
 }
+
+#[test]
+fn small_leaps_add_up() {
+    // Steps from mark to mark are 2 m in the mean, so that one of 30 m is none that tells.
+    let stairs = drive(1500).map(|epoch| {
+        let leaps_m = 30.0 * (since(epoch) / 60.0).floor();
+        Epoch { east_m: epoch.east_m + 2.5 * noise_m(epoch.time_s as u32 + 1) + leaps_m, ..epoch }
+    });
+    let have = contradictions(stairs);
+    let (first_s, alert) = *have.first().unwrap();
+    assert!(alert == Alert::Track && first_s < 300.0 + 300.0, "{alert:?} at {first_s} s");
+    // It stays, because the place does not return.
+    assert_eq!(have.len(), (1500.0 - first_s) as usize);
+}
+
+#[test]
+fn rates_that_are_wrong_by_five_centimetres_add_up_to_nothing() {
+    let slow = drive(3600).map(|epoch| Epoch { speed_m_s: 20.05, ..epoch });
+    assert_eq!(contradictions(slow), []);
+}

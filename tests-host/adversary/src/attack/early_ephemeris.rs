@@ -139,7 +139,7 @@ fn figures_of(
 
 /// Returns ephemerides of absent satellites of three systems, each on the orbit of a satellite in
 /// the sky.
-fn strangers(
+pub(super) fn strangers(
     simulation: &Simulation,
     at_s: f64,
     is_wanted: impl Fn(SatelliteId) -> bool,
@@ -200,7 +200,7 @@ fn renamed(model: &Msg1019T, satellite: SatelliteId, week: u16) -> Ephemeris {
 }
 
 /// Encodes a set.
-fn frame(set: &TimedEphemeris) -> Result<Vec<u8>> {
+pub(super) fn frame(set: &TimedEphemeris) -> Result<Vec<u8>> {
     let message = match &set.message {
         Ephemeris::Gps(message) => Message::Msg1019(message.clone()),
         Ephemeris::Beidou(message) => Message::Msg1042(message.clone()),

@@ -25,18 +25,20 @@
 //! | [`broken_system`] | more satellites of one system wrong than an exclusion may take |
 //! | [`poor_ranges`] | all ranges noisier than their sigmas, beside wrong orbits, or rounded |
 //! | [`early_ephemeris`] | ephemerides that are hours early, and crowds of absent satellites |
+//! | [`false_orbits`] | false sets of orbits and clocks, one by one in small steps, or before all others |
 //! | [`ionosphere`] | one frequency under a dense ionosphere; forged coefficients |
 //! | [`one_frequency`] | one frequency: a step of 60 m on each satellite in turn, and the levels without it |
 //! | [`health`] | signals that one message calls healthy and another out of service |
 //! | [`held_back`] | epochs that a line delays more and more; a recording that is replayed |
 //! | [`false_rates`] | range rates with the wrong sign, and random range rates |
 //! | [`rates_apart`] | ranges that move while their rates do not; a counterfeit sky after a silence |
+//! | [`walks`] | places that walk off for 20 minutes, leap or swing, with true, missing and contradicting rates |
 //! | [`repeater`] | all ranges longer by one delay, without range rates |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`forged_frames`] | frames with another time, week or place, or other leap seconds |
 //! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it; the end of a cycle of weeks |
 //! | [`two_stations`] | ranges of a reference station on the receiver's line; a receiver in a tunnel; a receiver that sends everything twice |
-//! | [`namesakes`] | two receivers with one station number, from the start |
+//! | [`namesakes`] | two receivers with one station number, from the start, or one after the other |
 //! | [`half_epochs`] | one system tagged wrong by tens of milliseconds: one instant as two epochs |
 //! | [`doubled_satellite`] | one satellite under two numbers |
 //! | [`second_frequency`] | the second frequency of some satellites wrong |
@@ -51,6 +53,7 @@
 //! | [`unsaid_strength`] | noisy signals whose strength the receiver does not report |
 //! | [`upheaval`] | leaps of place and time, a failing line, wrong ranges and commands, all at random |
 //! | [`streets`] | real recordings between walls that block low satellites or reflect them late |
+//! | [`gaps`] | nature: receivers of any rate that fall silent again and again |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
 
 pub mod module;
@@ -66,12 +69,14 @@ mod broken_system;
 mod clock_ramp;
 mod doubled_satellite;
 mod early_ephemeris;
+mod false_orbits;
 mod false_rates;
 mod false_signs;
 mod false_tracking;
 mod faulty_orbit;
 mod forged_frames;
 mod forgery;
+mod gaps;
 mod gross_pairs;
 mod half_epochs;
 mod health;
@@ -100,6 +105,7 @@ mod two_truths;
 mod unsaid_delays;
 mod unsaid_strength;
 mod upheaval;
+mod walks;
 mod week_edge;
 mod wrong_height;
 mod wrong_tags;
@@ -178,6 +184,11 @@ pub const ATTACKS: &[&Attack] = &[
     &early_ephemeris::EARLY,
     &early_ephemeris::ABSENT,
     &early_ephemeris::CROWD,
+    &false_orbits::TURNED,
+    &false_orbits::CLOCKS,
+    &false_orbits::LEAP,
+    &false_orbits::FIRST,
+    &false_orbits::ONE,
     &ionosphere::EVEN,
     &ionosphere::SLOPED,
     &ionosphere::ZEROS,
@@ -195,6 +206,8 @@ pub const ATTACKS: &[&Attack] = &[
     &rates_apart::WALK,
     &rates_apart::DRAG,
     &rates_apart::SILENCE,
+    &walks::LONG,
+    &walks::LEAPS,
     &repeater::ATTACK,
     &odd_ranges::APART,
     &odd_ranges::WEEK,
@@ -213,6 +226,7 @@ pub const ATTACKS: &[&Attack] = &[
     &two_stations::TWICE,
     &namesakes::JOINED,
     &namesakes::IN_TURN,
+    &namesakes::TAKEN_OVER,
     &half_epochs::ATTACK,
     &doubled_satellite::ATTACK,
     &second_frequency::ATTACK,
@@ -236,6 +250,7 @@ pub const ATTACKS: &[&Attack] = &[
     &recordings::NOMINAL,
     &recordings::URBAN,
     &false_signs::ATTACK,
+    &gaps::ATTACK,
     &streets::ATTACK,
 ];
 
