@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use serialport::SerialPort;
 
 use super::inbox::Inbox;
@@ -51,6 +51,10 @@ impl FromStr for Source {
         if let Some(address) = text.strip_prefix("tcp://") {
             return Ok(Self::Tcp(address.to_owned()));
         }
+        ensure!(
+            !text.starts_with("ntrip://"),
+            "{text} is a caster, which sends ephemerides beside a receiver: --input RECEIVER --caster {text}"
+        );
         let Some(port) = text.strip_prefix("serial:") else {
             bail!("an input is serial:PORT@BAUD, tcp://HOST:PORT, - or a file, and `{text}` is none");
         };
