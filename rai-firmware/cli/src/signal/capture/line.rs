@@ -3,6 +3,7 @@
 //! A file has an end. A server and a port are read for a time, and until they have been silent for
 //! [`SILENCE`]. A gzip file that is cut off is read as far as it goes, and [`Cut`] has its name.
 
+use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Error, ErrorKind, Read};
 use std::net::TcpStream;
@@ -107,7 +108,7 @@ impl Bytes {
     /// The first file cannot be opened; the others are opened when they are read.
     pub fn of_files(names: &[String]) -> Result<Self> {
         let cut = Cut::default();
-        let mut series = Series { names: names.to_vec().into_iter(), open: None, cut: cut.clone() };
+        let mut series = Series { names: names.iter().cloned().collect(), open: None, cut: cut.clone() };
         Ok(Self { head: head(&mut series)?, read: 0, rest: Box::new(series), cut })
     }
 
@@ -179,7 +180,7 @@ impl<R: BufRead> Read for Gzip<R> {
 
 /// Files that are read one after another.
 struct Series {
-    names: std::vec::IntoIter<String>,
+    names: VecDeque<String>,
     open: Option<Bytes>,
     cut: Cut,
 }
@@ -193,7 +194,7 @@ impl Read for Series {
                     return Ok(count);
                 }
             }
-            let Some(name) = self.names.next() else { return Ok(0) };
+            let Some(name) = self.names.pop_front() else { return Ok(0) };
             let open = Bytes::open_with(&name, f64::INFINITY, self.cut.clone());
             self.open = Some(open.map_err(|error| Error::other(format!("{name}: {error:#}")))?);
         }
