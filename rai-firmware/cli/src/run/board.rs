@@ -22,6 +22,7 @@ use super::pin::{Pin, Wire};
 use super::report::Recorder;
 #[cfg(unix)]
 use super::time_server::{Sample, TimeServer};
+use crate::run::words::say;
 
 /// Longest sleep of the loop while the pin is high or bytes have come lately.
 const LONGEST_SLEEP: Duration = Duration::from_millis(50);
@@ -66,7 +67,7 @@ impl<'s> Computer<'s> {
             fixed: receiver.configuration().bit_rate.rate(),
         };
         if let Some(words) = self.contact.look(progress, self.inbox.now_ms()) {
-            eprintln!("{words}");
+            say!("{words}");
         }
     }
 

@@ -14,6 +14,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 
 use super::inbox::Inbox;
 use super::input::{connect, is_timeout};
+use crate::run::words::say;
 use crate::signal::checksum::crc24q;
 
 /// Messages of RTCM 3 that hold an ephemeris.
@@ -68,7 +69,7 @@ pub(super) fn start(caster: Caster, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) 
         while !stop.load(Ordering::Relaxed) {
             let mut has_orbit = false;
             if let Err(error) = read(&caster, &inbox, &stop, &mut has_orbit) {
-                eprintln!("ntrip://{}/{}: {error:#}", caster.address, caster.mountpoint);
+                say!("ntrip://{}/{}: {error:#}", caster.address, caster.mountpoint);
             }
             if has_orbit {
                 pause = PAUSE;

@@ -22,6 +22,7 @@
 //! | `report` | takes notes of every epoch, for a page as `replay` writes it |
 //! | `share` | passes the receiver's raw bytes to other programs |
 //! | `page` | serves a page of the running module |
+//! | `words` | writes lines on standard error, for which nobody waits |
 //! | `guard` | drops the pin and ends the program if the epoch loop hangs |
 //!
 //! The epoch loop runs in the calling thread. Every port has a thread of its own, with a bounded
@@ -49,6 +50,7 @@ mod share;
 mod signals;
 #[cfg(unix)]
 mod time_server;
+mod words;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -74,6 +76,7 @@ use page::Page;
 use pin::{Pin, Wire};
 use report::Recorder;
 use share::Share;
+use words::say;
 
 use crate::replay::settings;
 
@@ -223,7 +226,7 @@ fn live(
     }
     let refused = line.share.as_ref().map_or(0, |share| share.back().counts()[1]);
     if refused > 0 {
-        eprintln!("share: {refused} bytes towards the receiver were refused");
+        say!("share: {refused} bytes towards the receiver were refused");
     }
     if inbox.has_ended() {
         contact.end()?;
@@ -265,12 +268,12 @@ fn say_losses([bytes, sentences]: [u32; 2], errors: Vec<std::io::Error>, is_fini
         if is_finite {
             bail!("{words}");
         }
-        eprintln!("{words}");
+        say!("{words}");
     }
     match errors.into_iter().next() {
         Some(error) if is_finite => Err(error).context("an output"),
         Some(error) => {
-            eprintln!("an output: {error}");
+            say!("an output: {error}");
             Ok(())
         }
         None => Ok(()),
@@ -287,8 +290,9 @@ impl Drop for Lowered<'_> {
     fn drop(&mut self) {
         self.clock.end();
         if let Err(error) = self.wire.close() {
-            eprintln!("error: the pin cannot be set: {error}");
+            say!("error: the pin cannot be set: {error}");
         }
+        words::flush();
     }
 }
 

@@ -18,6 +18,7 @@ use super::outbox::Outbox;
 use super::pin::Wire;
 use super::report::Recorder;
 use crate::replay::{Pace, Playback};
+use crate::run::words::say;
 use crate::signal::capture::{self, Bytes, Lumps};
 use crate::signal::lumps::Window;
 
@@ -74,7 +75,7 @@ pub(super) fn play(
         }
     }
     if let Some(words) = cut.words() {
-        eprintln!("{words}");
+        say!("{words}");
     }
     Ok(*playback.configuration())
 }

@@ -33,6 +33,7 @@ use self::state::State;
 use super::Plan;
 use super::pin::Pin;
 use super::share::Back;
+use crate::run::words::say;
 use crate::satellites::Watcher;
 use crate::sentence;
 
@@ -53,7 +54,7 @@ impl Page {
         let settings = plan.settings.iter().map(|(key, value)| format!("{key}={value}")).collect();
         let state = Arc::new(Mutex::new(State::new(plan.input.to_string(), settings, back)));
         let (own, waker) = server::start(&with_host(address), plan.clients, Arc::clone(&state))?;
-        eprintln!("page: http://{own}/");
+        say!("page: http://{own}/");
         Ok(Self { watcher: Watcher::new(), state, waker })
     }
 
