@@ -12,6 +12,8 @@
 //! | `input`, `caster`, `inbox` | read bytes with their time of arrival, and reconnect |
 //! | `board` | implements the firmware's `Board` on a computer |
 //! | `contact` | finds the rate of a port, and says what the receiver's bytes lack |
+//! | `ranges` | notices that the ranges of a receiver end while its line lives |
+//! | `px4` | makes the message that PX4 reads |
 //! | `played` | plays a file on standard input, in the time of its epochs |
 //! | `outbox`, `output`, `clients` | send sentences to consumers, none of which another one waits for |
 //! | `time_server` | tells chrony the time of protected epochs |
@@ -44,6 +46,8 @@ mod page;
 pub mod pin;
 pub mod plan;
 mod played;
+mod px4;
+mod ranges;
 mod report;
 mod reserve;
 mod share;

@@ -63,6 +63,11 @@ impl Page {
         self.watcher.hear(bytes, came_ms);
     }
 
+    /// Notes whether the receiver sends ranges, or other messages alone.
+    pub(super) fn note_ranges(&mut self, has_ranges: bool) {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner).lacks_ranges = !has_ranges;
+    }
+
     /// Takes the sentences of a pass of the epoch loop.
     pub(super) fn note(&mut self, said: &[u8], receiver: &Receiver<Pin>) {
         let outputs = sentence::sentences(said).and_then(|text| sentence::epochs(&text)).unwrap_or_default();
