@@ -137,7 +137,7 @@ mod tests {
     }
 
     fn frame(fix: u8) -> Vec<u8> {
-        let mut payload = vec![0; GPS_INPUT_BYTES];
+        let mut payload = [0; GPS_INPUT_BYTES];
         payload[..8].copy_from_slice(&1_700_000_000_000_000_u64.to_le_bytes());
         payload[12..16].copy_from_slice(&340_000_000_i32.to_le_bytes());
         payload[16..20].copy_from_slice(&(-1_085_700_000_i32).to_le_bytes());
@@ -159,8 +159,8 @@ mod tests {
         let (one, two) = px4.out.split_at(px4.out.len() / 2);
         assert_eq!((one.len(), one[4], two[4]), (HEADER + 40 + CHECKSUM, 0, 1));
         assert_eq!(one[5..10], [1, 220, 0x28, 1, 0]);
-        let float = |at: usize| f32::from_le_bytes(one[HEADER + at..HEADER + at + 4].try_into().unwrap());
-        assert_eq!([24, 28, 32].map(float), [435.5, 2.5, 4.5]);
+        let float = |value: f32| value.to_le_bytes();
+        assert_eq!(one[HEADER + 24..HEADER + 36], [435.5, 2.5, 4.5].map(float).concat());
         assert_eq!(one[HEADER + 38..HEADER + 40], [SENSOR, SOURCE_GNSS]);
     }
 }

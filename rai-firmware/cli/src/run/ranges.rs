@@ -74,7 +74,8 @@ mod tests {
     ) -> Vec<(u64, &'static str)> {
         let mut have = Vec::new();
         for now_ms in (1000 * seconds.start..1000 * seconds.end).step_by(100) {
-            let tag_s = if every_s == 0 { 19 } else { now_ms / 1000 / every_s * every_s };
+            let second = now_ms / 1000;
+            let tag_s = second.checked_rem(every_s).map_or(19, |passed| second - passed);
             let frames = if frames_go_on { now_ms / 100 } else { seconds.start * 10 };
             let words = ranges.look(Some(tag_s as f64), frames as u32, now_ms);
             have.extend(words.map(|words| (now_ms / 1000, words)));
