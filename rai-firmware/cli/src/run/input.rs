@@ -53,7 +53,7 @@ impl FromStr for Source {
             return Ok(Self::Tcp(address.to_owned()));
         }
         ensure!(
-            !text.starts_with("ntrip://"),
+            !["ntrip://", "ntrips://"].iter().any(|scheme| text.starts_with(scheme)),
             "{text} is a caster, which sends ephemerides beside a receiver: --input RECEIVER --caster {text}"
         );
         let Some(port) = text.strip_prefix("serial:") else {

@@ -41,7 +41,8 @@ pub struct Arguments {
     /// bytes were written to.
     #[arg(long, short, value_name = "SOURCE")]
     pub input: Option<String>,
-    /// Caster of orbits: ntrip://USER:PASSWORD@HOST:PORT/MOUNTPOINT. Its ranges are never used.
+    /// Caster of orbits: ntrip://USER:PASSWORD@HOST:PORT/MOUNTPOINT, or ntrips:// for TLS. Its ranges
+    /// are never used.
     #[arg(long, value_name = "CASTER")]
     pub caster: Option<String>,
     /// Consumer: -, pty:PATH, serial:PORT@BAUD, tcp://ADDRESS:PORT, udp://ADDRESS:PORT,

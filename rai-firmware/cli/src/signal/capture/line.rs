@@ -79,7 +79,7 @@ impl Bytes {
             return Self::unpacked(Line::new(spawn(std::io::stdin()), limit, None), "standard input", cut);
         }
         ensure!(
-            !name.starts_with("ntrip://"),
+            !["ntrip://", "ntrips://"].iter().any(|scheme| name.starts_with(scheme)),
             "is a caster, which sends ephemerides beside a receiver: rai run --input RECEIVER --caster {name}"
         );
         if let Some(address) = name.strip_prefix("tcp://") {
