@@ -155,8 +155,8 @@ const INTEGRATOR: Person = Person {
             "rai run --input serial:/dev/ttyUSB0@115200",
             "socat PTY,link=ttyUSB0,rawer SYSTEM:'sleep 4; for i in $(seq 0 99); do \
              dd bs=1500 count=1 skip=$i status=none if=capture.rtcm3; sleep 0.1; done' & \
-             sleep 1; timeout 20 rai run --input serial:ttyUSB0@115200 --output pty:$HOME/nmea --set OUTPUT=GSV,1 & \
-             sleep 2; gpsd -n -N -S 2999 $HOME/nmea & sleep 1; timeout 20 gpspipe -w -n 30 localhost:2999; \
+             sleep 1; timeout 20 rai run --input serial:ttyUSB0@115200 --output udp://127.0.0.1:2950 --set OUTPUT=GSV,1 & \
+             sleep 2; gpsd -n -N -S 2999 udp://127.0.0.1:2950 & sleep 1; timeout 20 gpspipe -w -n 30 localhost:2999; \
              kill %3; wait %2; true",
             &["\"class\":\"TPV\"", "\"mode\":3", "\"class\":\"SKY\""],
         ),

@@ -252,6 +252,7 @@ fn capture(
     control: &Control,
     commands: &mpsc::Receiver<Vec<u8>>,
 ) -> Result<&'static str> {
+    let cut = bytes.cut();
     let mut lumps = Lumps::of(bytes, None, &[], &Window::ALL)?;
     let mut playback = Playback::start(lumps.by_ref(), &[], Pace::Recorded)?;
     playback.watch();
@@ -283,7 +284,7 @@ fn capture(
             sender.send(said(&answer, playback.pin_is_high(), None))?;
         }
     }
-    Ok("the end")
+    Ok(if cut.words().is_some() { "the end of a gzip file that is cut off" } else { "the end" })
 }
 
 #[cfg(test)]

@@ -35,9 +35,9 @@ pub(super) enum Frequencies {
 pub struct Arguments {
     /// Replay the bytes of a receiver, UBX or RTCM 3, with or without text: a file (.ubx, .rtcm3,
     /// any; gz too), - for standard input, tcp://HOST:PORT, or serial:PATH@BAUD. The last two need
-    /// --to.
+    /// --to. Several files of one logger are read in the order of time.
     #[arg(value_name = "CAPTURE", conflicts_with_all = ["obs", "sample"])]
-    pub(super) capture: Option<String>,
+    pub(super) capture: Vec<String>,
     /// Replay observation files instead of a capture: RINEX 2, 3 or 4; plain, gz, crx or crx.gz.
     #[arg(long, num_args = 1.., value_name = "FILE")]
     pub(super) obs: Vec<PathBuf>,
@@ -59,7 +59,7 @@ pub struct Arguments {
     pub(super) truth_csv: Option<PathBuf>,
     /// Use these systems: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS), J (QZSS). The default is
     /// the first three.
-    #[arg(long, value_name = "LETTERS")]
+    #[arg(long, value_name = "LETTERS", value_parser = |text: &str| Ok::<_, String>(text.to_uppercase()))]
     pub(super) systems: Option<String>,
     /// Set the GPS week of a capture's first epoch, not rolled over: 1709 is October 2012. The
     /// default is taken from the capture.
@@ -122,6 +122,13 @@ pub struct Arguments {
     pub(super) report: Option<PathBuf>,
 }
 
+impl Arguments {
+    /// Returns the name of the capture, or the names of several; `None` if there is none.
+    pub(super) fn capture_name(&self) -> Option<String> {
+        (!self.capture.is_empty()).then(|| self.capture.join(", "))
+    }
+}
+
 /// Reads a word of one of the module's settings, in any case.
 fn word(key: &str) -> impl TypedValueParser<Value = String> {
     PossibleValuesParser::new(words(key)).map(|word| word.to_uppercase())
@@ -161,9 +168,9 @@ pub(super) fn commands(
         .collect();
     // GLONASS and QZSS take part only by a command. A recording is encoded with the selected
     // systems alone; from a capture the module selects them.
-    let says_systems = |letters: &&String| arguments.capture.is_some() || letters.contains(['R', 'J']);
+    let says_systems = |letters: &&String| !arguments.capture.is_empty() || letters.contains(['R', 'J']);
     setup.extend(arguments.systems.as_ref().filter(says_systems).map(|letters| format!("SYSTEMS,{letters}")));
-    if arguments.capture.is_some() {
+    if !arguments.capture.is_empty() {
         setup.extend((arguments.frequency == Frequencies::Single).then(|| "FREQ,SINGLE".to_owned()));
     }
     setup.extend(week.map(|week| format!("WEEK,{week}")));

@@ -28,13 +28,13 @@ pub fn run(arguments: &Arguments, board: Option<OnBoard>) -> Result<()> {
         Place::Board => Some(board.context("--on board needs the emulated board: use cargo xtask replay")?),
     };
     let mut question = question(arguments)?;
-    let name = arguments.capture.as_deref();
-    let mut source = match name {
-        Some(name) => of_capture(arguments, name, &question).with_context(|| name.to_owned())?,
+    let name = arguments.capture_name();
+    let mut source = match &name {
+        Some(name) => of_capture(arguments, &question).with_context(|| name.clone())?,
         None => of_recording(arguments, &mut question)?,
     };
-    let in_source = |error: anyhow::Error| match name {
-        Some(name) => error.context(name.to_owned()),
+    let in_source = |error: anyhow::Error| match &name {
+        Some(name) => error.context(name.clone()),
         None => error,
     };
     let first = source.next().context("no epoch")?.map_err(in_source)?;
@@ -74,7 +74,10 @@ pub fn run(arguments: &Arguments, board: Option<OnBoard>) -> Result<()> {
         counters,
         ..sink.summary()
     };
+    let far = sink.far_from_truth();
     sink.end(&question.faults, &summary, &about)?;
+    let notes = [source.cut(), far.map(|far| far.words(arguments.truth.as_deref()))];
+    notes.iter().flatten().for_each(|words| eprintln!("note: {words}"));
     note(&source, arguments, summary.fixes > 0);
     print(arguments, &summary, board.as_ref(), source.advice().as_deref())?;
     if let Some((host, target)) = board.and_then(|board| board.difference) {
@@ -85,7 +88,7 @@ pub fn run(arguments: &Arguments, board: Option<OnBoard>) -> Result<()> {
 
 /// Returns the name of the recording, without its folder: the title of its report.
 fn title(arguments: &Arguments) -> String {
-    let first = arguments.capture.as_ref().map(Path::new).or(arguments.obs.first().map(PathBuf::as_path));
+    let first = arguments.capture.first().map(Path::new).or(arguments.obs.first().map(PathBuf::as_path));
     let name = first.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
     match name {
         Some(name) if name == "-" => "standard input".to_owned(),
@@ -98,7 +101,7 @@ fn title(arguments: &Arguments) -> String {
 fn names(arguments: &Arguments) -> String {
     let files = arguments.obs.iter().chain(&arguments.nav).map(|path| path.display().to_string());
     let sample = arguments.sample.then(|| "the sample: Kamakura, Japan".to_owned());
-    arguments.capture.clone().into_iter().chain(sample).chain(files).collect::<Vec<_>>().join(", ")
+    arguments.capture.iter().cloned().chain(sample).chain(files).collect::<Vec<_>>().join(", ")
 }
 
 /// Prints the content of the input, with what of it is not read or missing.
@@ -108,7 +111,7 @@ fn note(source: &Source, arguments: &Arguments, has_fixes: bool) {
     }
     // Without a position, the advice is the error at the end.
     let advice = source.advice().filter(|_| has_fixes);
-    match (advice, &arguments.capture) {
+    match (advice, arguments.capture_name()) {
         (Some(advice), _) => eprintln!("note: {} {advice}", names(arguments)),
         (None, Some(name)) => eprintln!("{name}: {}", source.content()),
         (None, None) => {}
@@ -148,7 +151,7 @@ fn why_none(arguments: &Arguments, summary: &Summary, advice: Option<&str>) -> S
              these two recordings in one, or does the receiver date one system differently from the others?"
         );
     }
-    match (advice, &arguments.capture) {
+    match (advice, arguments.capture_name()) {
         (Some(advice), _) => format!("{} {advice}", names(arguments)),
         (None, Some(_)) => {
             "is the capture long enough for ephemerides to come (30 s to a minute), or is --nav of its \

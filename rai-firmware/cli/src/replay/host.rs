@@ -5,6 +5,7 @@ use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::Configuration;
 
 use super::ahead::Ahead;
+use super::settings::advice;
 use crate::satellites::{self, View, Watcher};
 use crate::sentence::{self, EpochOutput, command};
 use crate::signal::lump::Lump;
@@ -24,7 +25,8 @@ pub fn check_answers(setup: &Setup, answers: &str) -> Result<()> {
         let answer = answer.split('*').next().unwrap_or("");
         let accepted = answer.ends_with(",OK") || answer.contains(",OK,WARN,");
         let why = answer.split_once(",ERR,").map_or(answer, |(_, why)| why);
-        ensure!(accepted, "the module refuses {}: {why}", body.replacen(',', "=", 1));
+        let advice = advice(body.split(',').next().unwrap_or(""), why);
+        ensure!(accepted, "the module refuses {}: {why}{advice}", body.replacen(',', "=", 1));
     }
     Ok(())
 }

@@ -6,6 +6,7 @@ use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 use super::page::About;
+use super::truth::Far;
 use super::{Moment, Report, Rows, RunningSummary, Said, Summary, Truth};
 use crate::satellites;
 use crate::signal::fault::Fault;
@@ -16,6 +17,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 /// Outputs of the epochs.
 pub(super) struct Sink<'a> {
     truth: Option<&'a Truth>,
+    far: Option<Far>,
     summary: RunningSummary,
     bar: ProgressBar,
     rows: Option<(&'a Path, Rows<BufWriter<File>>)>,
@@ -64,6 +66,7 @@ impl<'a> Sink<'a> {
         let bar = ProgressBar::new_spinner().with_message(place);
         Ok(Self {
             truth,
+            far: None,
             summary: RunningSummary::new(faults, truth.is_some()),
             bar: style.map(|style| bar.clone().with_style(style)).unwrap_or(bar),
             rows: rows.transpose()?,
@@ -79,6 +82,11 @@ impl<'a> Sink<'a> {
         let Some((lump, said)) = played? else { return Ok(None) };
         let moment = Moment::of(&lump, &said, self.truth)?;
         self.summary.count(&moment);
+        let position = moment.output.as_ref().and_then(|output| output.position);
+        if let (Some(position), Some(error)) = (position, moment.error) {
+            let distance_m = libm::hypot(error.horizontal(), error.up);
+            self.far = Some(Far::nearer(self.far, position.to_ecef(), distance_m));
+        }
         if let Some((path, rows)) = &mut self.rows {
             rows.write(&moment).with_context(|| cannot_write(path))?;
         }
@@ -104,6 +112,11 @@ impl<'a> Sink<'a> {
     /// Returns the summary of the epochs so far.
     pub(super) fn summary(&self) -> Summary {
         self.summary.summary()
+    }
+
+    /// Returns the nearest position if all are far from the truth.
+    pub(super) fn far_from_truth(&self) -> Option<Far> {
+        self.far.filter(Far::is_elsewhere)
     }
 
     /// Completes the files.

@@ -3,14 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use raim_core::satellite::SatelliteId;
 use raim_firmware::input::{Input, NOT_BEFORE_WEEK};
 
 use super::Truth;
 use super::arguments::{Arguments, selection, systems};
-use crate::signal::advice::{Form, Found, counted};
-use crate::signal::capture::{self, Bytes, Lumps, Orbits};
+use crate::signal::advice::{Form, Found, counted, system_name};
+use crate::signal::capture::{self, Bytes, Cut, Lumps, Orbits};
 use crate::signal::encode::{Encoder, Frequency, Selection};
 use crate::signal::fault::Fault;
 use crate::signal::lump::Lump;
@@ -29,7 +29,7 @@ pub(super) struct Question {
 /// Lumps that are read on demand.
 pub(super) enum Source {
     Recording(Box<Observed>),
-    Capture(Box<Lumps<Bytes>>),
+    Capture(Box<Lumps<Bytes>>, Cut),
 }
 
 /// A recording: its observations, read epoch by epoch, and its navigation files.
@@ -47,7 +47,7 @@ impl Iterator for Source {
     fn next(&mut self) -> Option<Result<Lump>> {
         match self {
             Self::Recording(observed) => observed.lumps.next().or_else(|| observed.check().err().map(Err)),
-            Self::Capture(lumps) => lumps.next(),
+            Self::Capture(lumps, _) => lumps.next(),
         }
     }
 }
@@ -115,7 +115,7 @@ impl Source {
     pub(super) fn klobuchar(&self) -> Option<[f64; 8]> {
         match self {
             Self::Recording(observed) => observed.navigation.klobuchar,
-            Self::Capture(lumps) => lumps.klobuchar(),
+            Self::Capture(lumps, _) => lumps.klobuchar(),
         }
     }
 
@@ -127,7 +127,7 @@ impl Source {
                 let first = observed.lumps.span().map(|(first, _)| first.week);
                 first.filter(|week| *week < NOT_BEFORE_WEEK)
             }
-            Self::Capture(lumps) => lumps.week(),
+            Self::Capture(lumps, _) => lumps.week(),
         }
     }
 
@@ -139,7 +139,7 @@ impl Source {
                 skipped.add(&observed.navigation.skipped);
                 skipped
             }
-            Self::Capture(_) => Skipped::default(),
+            Self::Capture(..) => Skipped::default(),
         }
     }
 
@@ -148,7 +148,7 @@ impl Source {
     pub(super) fn advice(&self) -> Option<String> {
         match self {
             Self::Recording(observed) => observed.found().advice(),
-            Self::Capture(lumps) => lumps.advice(),
+            Self::Capture(lumps, _) => lumps.advice(),
         }
     }
 
@@ -156,7 +156,16 @@ impl Source {
     pub(super) fn refused(&self) -> BTreeMap<SatelliteId, u32> {
         match self {
             Self::Recording(observed) => observed.refused(),
-            Self::Capture(lumps) => lumps.content().refused().clone(),
+            Self::Capture(lumps, _) => lumps.content().refused().clone(),
+        }
+    }
+
+    /// Returns what is to be said of files that are cut off; `None` if all are whole.
+    pub(super) fn cut(&self) -> Option<String> {
+        match self {
+            // Of these the records that the end cuts are counted.
+            Self::Recording(_) => None,
+            Self::Capture(_, cut) => cut.words(),
         }
     }
 
@@ -164,7 +173,7 @@ impl Source {
     pub(super) fn content(&self) -> String {
         match self {
             Self::Recording(observed) => observed.found().came,
-            Self::Capture(lumps) => lumps.content().to_string(),
+            Self::Capture(lumps, _) => lumps.content().to_string(),
         }
     }
 }
@@ -179,13 +188,27 @@ pub(super) fn question(arguments: &Arguments) -> Result<Question> {
     let steps = arguments.inject.iter().map(|text| Fault::parse_inject(text));
     let ramps = arguments.ramp.iter().map(|text| Fault::parse_ramp(text));
     let faults: Vec<Fault> = steps.chain(ramps).collect::<Result<_, _>>()?;
+    let off = faults.iter().find_map(|fault| Some((fault, off(fault, &systems(arguments))?)));
+    if let Some((fault, letter)) = off {
+        bail!(
+            "--inject {}: {} does not take part, so that the fault changes nothing: add --systems {}{letter}",
+            fault.target,
+            system_name(letter),
+            systems(arguments)
+        );
+    }
     let window = Window { from_s: arguments.from, to_s: arguments.to, every_s: arguments.every };
     let has_files = !arguments.obs.is_empty() && !arguments.nav.is_empty();
     ensure!(
-        arguments.capture.is_some() || arguments.sample || has_files,
+        !arguments.capture.is_empty() || arguments.sample || has_files,
         "give a CAPTURE of a receiver, or both --obs FILE and --nav FILE, or --sample"
     );
     Ok(Question { truth, faults, window })
+}
+
+/// Returns the letter of a fault's system if that is not among the systems that take part.
+fn off(fault: &Fault, systems: &str) -> Option<char> {
+    fault.system().filter(|letter| !systems.to_uppercase().contains(*letter))
 }
 
 /// Opens RINEX files, which are encoded as RTCM.
@@ -224,23 +247,32 @@ fn observed(
 }
 
 /// Opens the bytes of a receiver, as they came.
-pub(super) fn of_capture(arguments: &Arguments, name: &str, question: &Question) -> Result<Source> {
-    let is_here = Path::new(name).is_file();
-    if !is_here && arguments.to.is_finite() {
-        eprintln!("taking {} s from {name}", arguments.to);
-    }
-    let bytes = Bytes::open(name, arguments.to)?;
+pub(super) fn of_capture(arguments: &Arguments, question: &Question) -> Result<Source> {
     let systems = systems(arguments);
     let orbits = match arguments.nav.as_slice() {
         [] => None,
         files => Some(Orbits::load(files, &selection(arguments, &systems)?)?),
     };
+    let (first, bytes) = match arguments.capture.as_slice() {
+        [name] => {
+            if !Path::new(name).is_file() && arguments.to.is_finite() {
+                eprintln!("taking {} s from {name}", arguments.to);
+            }
+            (name.clone(), Bytes::open(name, arguments.to)?)
+        }
+        names => {
+            let names = capture::in_order(names, orbits.as_ref())?;
+            eprintln!("reading {} in the order of their time", names.join(", "));
+            (names.first().cloned().unwrap_or_default(), Bytes::of_files(&names)?)
+        }
+    };
     let week = match arguments.week {
         Some(week) => Some(week),
-        None => capture::week_of(name, orbits.as_ref())?,
+        None => capture::week_of(&first, orbits.as_ref())?,
     };
+    let cut = bytes.cut();
     let lumps = Lumps::of(bytes, orbits, &question.faults, &question.window)?;
-    Ok(Source::Capture(Box::new(lumps.in_week(week).selecting(&systems))))
+    Ok(Source::Capture(Box::new(lumps.in_week(week).selecting(&systems)), cut))
 }
 
 /// Returns the first of the RINEX files that is a capture.

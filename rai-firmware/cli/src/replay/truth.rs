@@ -44,7 +44,11 @@ impl Truth {
         );
         let is_geodetic = a.abs() <= 90.0 && b.abs() <= 360.0 && tracks::HEIGHTS_M.contains(&c);
         let point = if is_geodetic { tracks::geodetic(a, b, c) } else { Ecef::new(a, b, c) };
-        tracks::near_ground(point).with_context(|| format!("{text:?}")).map(Self::Fixed)
+        // A thousand kilometres from the centre there is no antenna.
+        let is_no_point = numbers.iter().all(|number| number.abs() < 1e6);
+        let hint =
+            if is_no_point { ": is no X,Y,Z in metres, and of angles the latitude stands first" } else { "" };
+        tracks::near_ground(point).with_context(|| format!("{text:?}{hint}")).map(Self::Fixed)
     }
 
     /// Reads `X,Y,Z` as [`Self::parse`] does, or the name of a file with positions over time.
@@ -77,6 +81,29 @@ impl Truth {
         Self::from_file(path)
     }
 
+    /// Returns `X,Y,Z`, or latitude, longitude and height, in the order and with the signs in which it
+    /// is nearest to a position, with the distance, m.
+    fn nearest(text: &str, position: Ecef) -> Option<(String, f64)> {
+        let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+        let &[a, b, c] = parts.as_slice() else { return None };
+        let orders = [[a, b, c], [a, c, b], [b, a, c], [b, c, a], [c, a, b], [c, b, a]];
+        let signs = |part: &str| {
+            let other = part.strip_prefix('-').map_or_else(|| format!("-{part}"), str::to_owned);
+            [part.to_owned(), other]
+        };
+        let texts = orders.iter().flat_map(|[a, b, c]| {
+            let (second, third) = (signs(b), signs(c));
+            let pairs = second.into_iter().flat_map(move |b| third.clone().map(|c| [b.clone(), c]));
+            let firsts = signs(a);
+            pairs.flat_map(move |[b, c]| firsts.clone().map(|a| format!("{a},{b},{c}")))
+        });
+        let distance = |text: String| match Self::parse(&text).ok()? {
+            Self::Fixed(point) => Some((text, point.distance_m(position))),
+            Self::Moving(_) => None,
+        };
+        texts.filter_map(distance).min_by(|one, other| one.1.total_cmp(&other.1))
+    }
+
     /// Returns the position of the antenna at a time; `None` if none is known within 50 ms.
     pub fn at(&self, time: GpsTime) -> Option<Ecef> {
         let points = match self {
@@ -88,6 +115,51 @@ impl Truth {
         let distance_ms = |at: &GpsTime| at.since_ms(time).abs();
         let (at, point) = neighbours.min_by_key(|(at, _)| distance_ms(at))?;
         (distance_ms(at) <= NEAREST_MS).then_some(*point)
+    }
+}
+
+/// Positions that are all so far from the truth that it cannot be that of the recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Far {
+    /// Distance of the nearest position, m.
+    pub(super) least_m: f64,
+    /// That position.
+    pub(super) position: Ecef,
+}
+
+impl Far {
+    /// Distance beyond which no position of a receiver is wrong by itself, m.
+    const LEAST_M: f64 = 100e3;
+
+    /// Takes a further position.
+    pub(super) fn nearer(far: Option<Self>, position: Ecef, distance_m: f64) -> Self {
+        match far {
+            Some(far) if far.least_m <= distance_m => far,
+            _ => Self { least_m: distance_m, position },
+        }
+    }
+
+    /// Returns true if the truth must be that of another place.
+    pub(super) fn is_elsewhere(&self) -> bool {
+        self.least_m > Self::LEAST_M
+    }
+
+    /// Asks whether the numbers of the truth, as they were given, stand in another order.
+    pub(super) fn words(&self, given: Option<&str>) -> String {
+        let kilometres = |metres: f64| (metres * 1e-3).round();
+        let far = format!("the truth is {} km or more from every position", kilometres(self.least_m));
+        let given = given.filter(|text| !Path::new(text).is_file());
+        let Some(given) = given else {
+            return format!("{far}: are its columns in another order, or is it that of another recording?");
+        };
+        let form = "X,Y,Z in metres, or latitude,longitude,height in degrees and metres";
+        match Truth::nearest(given, self.position).filter(|(_, metres)| *metres < Self::LEAST_M) {
+            Some((text, metres)) => format!(
+                "{far}: are its numbers in another order? {text} is {} km away; it takes {form}",
+                kilometres(metres)
+            ),
+            None => format!("{far}: is it that of another recording? It takes {form}"),
+        }
     }
 }
 
@@ -121,6 +193,24 @@ mod tests {
         assert!(point("0,0,100").distance_m(Ecef::new(6_378_237.0, 0.0, 0.0)) < 1e-6);
         assert!(point("90, 0, 0").distance_m(Ecef::new(0.0, 0.0, 6_356_752.314_2)) < 1e-3);
         assert!(point(ESBJERG).distance_m(Ecef::new(3_582_104.93, 532_590.24, 5_232_755.27)) < 1e-6);
+    }
+
+    #[test]
+    fn truth_in_another_order_or_with_another_sign_is_asked_for() {
+        let position = point(ESBJERG);
+        let far = |given: Option<&str>| Far { least_m: 5_525_130.0, position }.words(given);
+        for (given, want) in [
+            ("8.457,55.49,59.6", "in another order? 55.49,8.457,59.6 is 0 km away"),
+            ("55.49,-8.457,59.6", "in another order? 55.49,8.457,59.6 is 0 km away"),
+            ("532590.24,3582104.93,5232755.27", "? 3582104.93,532590.24,5232755.27 is 0 km away"),
+            ("-33.9,18.4,20", "is it that of another recording?"),
+        ] {
+            let have = far(Some(given));
+            assert!(have.starts_with("the truth is 5525 km or more") && have.contains(want), "{have}");
+        }
+        assert!(far(None).contains("columns in another order"));
+        let near = Far::nearer(Some(Far { least_m: 2e5, position }), position, 9e4);
+        assert!(!near.is_elsewhere() && Far::nearer(None, position, 1.1e5).is_elsewhere());
     }
 
     #[test]

@@ -16,6 +16,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::reserve::Reserve;
+use crate::run::words::say;
 
 /// Time in which a program that drives the pin high may end once the pin must fall.
 const GRACE: Duration = Duration::from_millis(200);
@@ -114,7 +115,7 @@ impl Shared {
                     let level = if high { "high" } else { "low" };
                     let reason = failed.map_or_else(|error| error.to_string(), |status| status.to_string());
                     if !std::mem::replace(&mut is_reported, true) {
-                        eprintln!("error: the pin: `{} {level}`: {reason}", self.words.join(" "));
+                        say!("error: the pin: `{} {level}`: {reason}", self.words.join(" "));
                     }
                     if !high {
                         self.repeat();

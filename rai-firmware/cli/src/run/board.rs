@@ -22,6 +22,7 @@ use super::pin::{Pin, Wire};
 use super::report::Recorder;
 #[cfg(unix)]
 use super::time_server::{Sample, TimeServer};
+use crate::run::words::say;
 
 /// Longest sleep of the loop while the pin is high or bytes have come lately.
 const LONGEST_SLEEP: Duration = Duration::from_millis(50);
@@ -64,9 +65,13 @@ impl<'s> Computer<'s> {
             has_epoch: report.is_some(),
             has_position: report.is_some_and(|report| report.solution.is_some()),
             fixed: receiver.configuration().bit_rate.rate(),
+            tag_s: receiver.last_epoch().map(raim_core::epoch::Epoch::time_s),
         };
         if let Some(words) = self.contact.look(progress, self.inbox.now_ms()) {
-            eprintln!("{words}");
+            say!("{words}");
+        }
+        if let Some(page) = &mut self.page {
+            page.note_ranges(!self.contact.lacks_ranges());
         }
     }
 

@@ -22,6 +22,7 @@ use mio::{Events, Interest, Poll, Token, Waker};
 
 use super::outbox::QUEUE;
 use super::share::Back;
+use crate::run::words::say;
 
 /// Clients at once, unless the user names another number.
 pub(super) const MOST_CLIENTS: usize = 16;
@@ -105,7 +106,7 @@ impl Clients {
             // An error of the poll itself ends the clients, and the queue's other side finds its
             // receiver gone.
             if let Err(error) = server.run(&messages) {
-                eprintln!("error: the TCP clients: {error}");
+                say!("error: the TCP clients: {error}");
             }
             drop(done);
         });
@@ -237,7 +238,7 @@ impl Server {
                 Ok((stream, from)) => {
                     drop(stream);
                     if !std::mem::replace(&mut self.is_full, true) {
-                        eprintln!("{from}: refused, because {} clients are connected (--clients)", self.most);
+                        say!("{from}: refused, because {} clients are connected (--clients)", self.most);
                     }
                 }
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
@@ -250,7 +251,7 @@ impl Server {
     /// Lets the listeners rest, because a failure repeats at once.
     fn rest(&mut self, error: &io::Error) {
         if self.rests.is_none() {
-            eprintln!("a client cannot be accepted: {error}");
+            say!("a client cannot be accepted: {error}");
             for listener in &mut self.listeners {
                 let _ = self.poll.registry().deregister(listener);
             }
@@ -273,7 +274,7 @@ impl Server {
                 sent: 0,
                 last: Instant::now(),
             }),
-            Err(error) => eprintln!("{from}: {error}"),
+            Err(error) => say!("{from}: {error}"),
         }
     }
 

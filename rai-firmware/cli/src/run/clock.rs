@@ -1,7 +1,7 @@
 //! The time of the service: that of the computer, or one that a test moves.
 //!
 //! ```text
-//! computer:  now = time since the start of the program
+//! computer:  now = time since the start of the program, in which the computer may have slept
 //! led:       now = sum of what `advance` was given; each step ends once the epoch loop has judged it
 //! ```
 //!
@@ -9,13 +9,17 @@
 //! twice and found nothing to do, so that one of the two rounds began after the step. A test
 //! therefore sees the same states as in real time, and needs no sleep.
 //!
+//! The time of the computer is that of `CLOCK_BOOTTIME`: a step of the date does not move it, and it
+//! goes on while the machine sleeps, so that a verdict of before is old when it wakes. `Instant`
+//! would stand still meanwhile.
+//!
 //! The time of the computer stands still while it is held, because a consumer of a pipe's sentences
 //! does not read: the bytes of the pipe wait meanwhile, and grow no older.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Longest step of a led clock: the loop looks at the clock as often in real time.
 const STEP: Duration = Duration::from_millis(50);
@@ -24,10 +28,29 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// Real time after which a resting loop comes round even if nothing has happened.
 const ROUND: Duration = Duration::from_millis(100);
 
+/// Returns the time since some instant, which no step of the date moves.
+#[cfg(unix)]
+fn steady() -> Duration {
+    use nix::time::{ClockId, clock_gettime};
+    // macOS counts the time of sleep in its monotonic clock.
+    #[cfg(any(target_os = "linux", target_os = "android"))]
+    let clock = ClockId::CLOCK_BOOTTIME;
+    #[cfg(not(any(target_os = "linux", target_os = "android")))]
+    let clock = ClockId::CLOCK_MONOTONIC;
+    // It is an error to ask for a clock that the system does not have, and every one has these.
+    clock_gettime(clock).map(Duration::from).unwrap_or_default()
+}
+
+#[cfg(not(unix))]
+fn steady() -> Duration {
+    static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
+    START.get_or_init(std::time::Instant::now).elapsed()
+}
+
 /// The clock.
 #[derive(Debug)]
 pub struct Clock {
-    start: Instant,
+    start: Duration,
     held: Mutex<Held>,
     led: Option<Led>,
 }
@@ -36,7 +59,7 @@ pub struct Clock {
 #[derive(Debug, Default)]
 struct Held {
     past: Duration,
-    since: Option<Instant>,
+    since: Option<Duration>,
 }
 
 /// A clock that a test moves.
@@ -62,12 +85,12 @@ struct State {
 impl Clock {
     /// Returns the clock of the computer.
     pub fn of_the_computer() -> Arc<Self> {
-        Arc::new(Self { start: Instant::now(), held: Mutex::default(), led: None })
+        Arc::new(Self { start: steady(), held: Mutex::default(), led: None })
     }
 
     /// Returns a clock that stands still until it is [advanced](Self::advance).
     pub fn led() -> Arc<Self> {
-        Arc::new(Self { start: Instant::now(), held: Mutex::default(), led: Some(Led::default()) })
+        Arc::new(Self { start: steady(), held: Mutex::default(), led: Some(Led::default()) })
     }
 
     /// Returns the time since the start.
@@ -76,8 +99,8 @@ impl Clock {
             return led.state().now;
         }
         let held = self.held();
-        let now = held.since.unwrap_or_else(Instant::now);
-        now.saturating_duration_since(self.start).saturating_sub(held.past)
+        let now = held.since.unwrap_or_else(steady);
+        now.saturating_sub(self.start).saturating_sub(held.past)
     }
 
     fn held(&self) -> MutexGuard<'_, Held> {
@@ -86,14 +109,14 @@ impl Clock {
 
     /// Lets the time of the computer stand still.
     pub(super) fn hold(&self) {
-        self.held().since.get_or_insert_with(Instant::now);
+        self.held().since.get_or_insert_with(steady);
     }
 
     /// Lets the time of the computer go on from where it stands.
     pub(super) fn go_on(&self) {
         let mut held = self.held();
         if let Some(since) = held.since.take() {
-            held.past += since.elapsed();
+            held.past += steady().saturating_sub(since);
         }
     }
 

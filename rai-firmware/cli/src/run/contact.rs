@@ -17,6 +17,7 @@ use anyhow::{Result, anyhow};
 use raim_firmware::bit_rate::{BitRate, RATES};
 
 use super::input::Source;
+use super::ranges::Ranges;
 use crate::signal::capture::Capture;
 use crate::signal::pieces::{Kind, pieces};
 
@@ -40,6 +41,8 @@ pub(super) struct Progress {
     pub(super) has_position: bool,
     /// Rate that a command has set, bit/s.
     pub(super) fixed: Option<u32>,
+    /// Time tag of the last epoch, s.
+    pub(super) tag_s: Option<f64>,
 }
 
 /// The contact.
@@ -57,6 +60,7 @@ pub(super) struct Contact {
     trials: usize,
     frames: u32,
     has_epoch: bool,
+    ranges: Ranges,
 }
 
 impl Contact {
@@ -80,7 +84,13 @@ impl Contact {
             trials: 0,
             frames: 0,
             has_epoch: false,
+            ranges: Ranges::default(),
         }
+    }
+
+    /// Returns true while the receiver sends messages and no ranges any more.
+    pub(super) const fn lacks_ranges(&self) -> bool {
+        self.ranges.are_missing()
     }
 
     /// Takes bytes of the receiver.
@@ -104,8 +114,10 @@ impl Contact {
             self.heard = None;
         }
         let age_ms = now_ms.saturating_sub(self.first_ms.unwrap_or(now_ms));
+        let ended = self.ranges.look(progress.tag_s, progress.frames, now_ms);
+        let ended = ended.map(|words| format!("{}: {words}", self.name));
         let said = self.try_rate(progress).or_else(|| self.judge(age_ms));
-        found.or(said)
+        found.or(ended).or(said)
     }
 
     /// Returns what is to be said at the end of a finite input without an epoch.
@@ -189,7 +201,8 @@ mod tests {
 
     const SENTENCE: &[u8] = b"$GPGLL,4916.45,N,12311.12,W,225444,A,*1D\r\n";
 
-    const NOTHING: Progress = Progress { frames: 0, has_epoch: false, has_position: false, fixed: None };
+    const NOTHING: Progress =
+        Progress { frames: 0, has_epoch: false, has_position: false, fixed: None, tag_s: None };
 
     /// Returns what is said of a receiver that sends this ten times a second, and the rates that
     /// are tried.

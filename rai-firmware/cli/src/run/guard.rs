@@ -8,9 +8,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::pin::Wire;
+use crate::run::words::{self, say};
 
 /// Longest time that the loop may take to come round.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// Lateness of the guard itself that shows that the whole program was stopped.
+const STOPPED: Duration = Duration::from_millis(500);
 /// Longest time between two signs of life for systemd, whose limit is 3 s.
 const SIGN_OF_LIFE: Duration = Duration::from_secs(1);
 
@@ -48,21 +51,25 @@ fn milliseconds(time: Duration) -> u64 {
 }
 
 fn watch(wire: &Wire, stop: &AtomicBool, fed_ms: &AtomicU64, start: Instant) {
-    let mut pause = PATIENCE;
+    let (mut pause, mut excused) = (PATIENCE, Duration::ZERO);
     loop {
+        let before = start.elapsed();
         std::thread::sleep(pause);
         if stop.load(Ordering::Relaxed) {
             return;
         }
+        let now = start.elapsed();
+        if now.saturating_sub(before) > pause + STOPPED {
+            // Nobody could come round, and the loop has its time from now on.
+            excused = now;
+        }
         let fed = Duration::from_millis(fed_ms.load(Ordering::Relaxed));
-        let silent = start.elapsed().saturating_sub(fed);
+        let silent = now.saturating_sub(fed.max(excused));
         if silent > PATIENCE && !fed.is_zero() {
             // The program ends either way; a pin that cannot be set is systemd's to drop.
             let _ = wire.close();
-            eprintln!(
-                "error: the epoch loop has not come round for {} ms; the pin is low",
-                silent.as_millis()
-            );
+            say!("error: the epoch loop has not come round for {} ms; the pin is low", silent.as_millis());
+            words::flush();
             std::process::abort();
         }
         // A millisecond more, because the time is counted in whole ones.

@@ -13,12 +13,13 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use serialport::SerialPort;
 
 use super::inbox::Inbox;
 use super::played;
 use super::share::Share;
+use crate::run::words::say;
 use crate::serial;
 
 /// Rate of a serial port if none is named: the module's own first guess.
@@ -51,6 +52,10 @@ impl FromStr for Source {
         if let Some(address) = text.strip_prefix("tcp://") {
             return Ok(Self::Tcp(address.to_owned()));
         }
+        ensure!(
+            !["ntrip://", "ntrips://"].iter().any(|scheme| text.starts_with(scheme)),
+            "{text} is a caster, which sends ephemerides beside a receiver: --input RECEIVER --caster {text}"
+        );
         let Some(port) = text.strip_prefix("serial:") else {
             bail!("an input is serial:PORT@BAUD, tcp://HOST:PORT, - or a file, and `{text}` is none");
         };
@@ -120,9 +125,7 @@ pub(super) fn start(source: &Source, line: &Line, inbox: &Arc<Inbox>, stop: &Arc
         Source::Serial(..) => Some(open(&source, &line).with_context(|| source.to_string())?),
         Source::Standard if io::stdin().is_terminal() => {
             // Otherwise it would seem to hang.
-            eprintln!(
-                "waiting for a receiver's bytes on standard input; --input names a port (rai run --help)"
-            );
+            say!("waiting for a receiver's bytes on standard input; --input names a port (rai run --help)");
             None
         }
         Source::Tcp(_) | Source::Standard => None,
@@ -236,9 +239,9 @@ fn keep_reading(source: &Source, line: &Line, first: Option<Port>, inbox: &Inbox
                 if count > 0 {
                     pause = FIRST_PAUSE;
                 }
-                eprintln!("{source}: {reason}; trying again in {} ms", pause.as_millis());
+                say!("{source}: {reason}; trying again in {} ms", pause.as_millis());
             }
-            Err(error) => eprintln!("{source}: {error:#}; trying again in {} ms", pause.as_millis()),
+            Err(error) => say!("{source}: {error:#}; trying again in {} ms", pause.as_millis()),
         }
         inbox.clock().sleep(pause, stop);
         pause = LONGEST_PAUSE.min(2 * pause);

@@ -12,6 +12,8 @@ use std::time::SystemTime;
 
 use serde_json::{Value, json};
 
+use crate::run::words::say;
+
 /// Form of the lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -77,14 +79,14 @@ impl Log {
     fn line(&self, words: &str, mut object: Value) {
         match self.form {
             None => {}
-            Some(Form::Text) => eprintln!("{words}"),
+            Some(Form::Text) => say!("{words}"),
             Some(Form::Json) => {
                 let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
                 if let Some(fields) = object.as_object_mut() {
                     let time_s = (since.as_millis() as f64) * 1e-3;
                     fields.insert("time_s".to_owned(), json!(time_s));
                 }
-                eprintln!("{object}");
+                say!("{object}");
             }
         }
     }

@@ -12,6 +12,8 @@
 //! | `input`, `caster`, `inbox` | read bytes with their time of arrival, and reconnect |
 //! | `board` | implements the firmware's `Board` on a computer |
 //! | `contact` | finds the rate of a port, and says what the receiver's bytes lack |
+//! | `ranges` | notices that the ranges of a receiver end while its line lives |
+//! | `px4` | makes the message that PX4 reads |
 //! | `played` | plays a file on standard input, in the time of its epochs |
 //! | `outbox`, `output`, `clients` | send sentences to consumers, none of which another one waits for |
 //! | `time_server` | tells chrony the time of protected epochs |
@@ -22,6 +24,7 @@
 //! | `report` | takes notes of every epoch, for a page as `replay` writes it |
 //! | `share` | passes the receiver's raw bytes to other programs |
 //! | `page` | serves a page of the running module |
+//! | `words` | writes lines on standard error, for which nobody waits |
 //! | `guard` | drops the pin and ends the program if the epoch loop hangs |
 //!
 //! The epoch loop runs in the calling thread. Every port has a thread of its own, with a bounded
@@ -43,12 +46,15 @@ mod page;
 pub mod pin;
 pub mod plan;
 mod played;
+mod px4;
+mod ranges;
 mod report;
 mod reserve;
 mod share;
 mod signals;
 #[cfg(unix)]
 mod time_server;
+mod words;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -74,6 +80,7 @@ use page::Page;
 use pin::{Pin, Wire};
 use report::Recorder;
 use share::Share;
+use words::say;
 
 use crate::replay::settings;
 
@@ -223,7 +230,7 @@ fn live(
     }
     let refused = line.share.as_ref().map_or(0, |share| share.back().counts()[1]);
     if refused > 0 {
-        eprintln!("share: {refused} bytes towards the receiver were refused");
+        say!("share: {refused} bytes towards the receiver were refused");
     }
     if inbox.has_ended() {
         contact.end()?;
@@ -265,12 +272,12 @@ fn say_losses([bytes, sentences]: [u32; 2], errors: Vec<std::io::Error>, is_fini
         if is_finite {
             bail!("{words}");
         }
-        eprintln!("{words}");
+        say!("{words}");
     }
     match errors.into_iter().next() {
         Some(error) if is_finite => Err(error).context("an output"),
         Some(error) => {
-            eprintln!("an output: {error}");
+            say!("an output: {error}");
             Ok(())
         }
         None => Ok(()),
@@ -287,8 +294,9 @@ impl Drop for Lowered<'_> {
     fn drop(&mut self) {
         self.clock.end();
         if let Err(error) = self.wire.close() {
-            eprintln!("error: the pin cannot be set: {error}");
+            say!("error: the pin cannot be set: {error}");
         }
+        words::flush();
     }
 }
 

@@ -18,6 +18,7 @@ use anyhow::{Context as _, Result, bail};
 use super::clients::Clients;
 use super::inbox::Inbox;
 use super::outbox::{Kind, Outbox};
+use super::px4::Px4;
 use crate::serial;
 
 /// Longest time that a serial port may take to send a message.
@@ -40,6 +41,10 @@ pub enum Sink {
     MavlinkUdp(String),
     /// `mavlink-serial:/dev/ttyS1@57600`: `MAVLink` on a serial port.
     MavlinkSerial(String, u32),
+    /// `px4-udp://127.0.0.1:14540`: what PX4 reads of `MAVLink`.
+    Px4Udp(String),
+    /// `px4-serial:/dev/ttyS1@57600`: the same on a serial port.
+    Px4Serial(String, u32),
     /// `chrony:/run/chrony.rai.sock`: the time of protected epochs for chronyd, which makes the
     /// socket.
     Chrony(PathBuf),
@@ -67,7 +72,11 @@ impl FromStr for Sink {
         if let Some(address) = text.strip_prefix("mavlink-udp://") {
             return Ok(Self::MavlinkUdp(address.to_owned()));
         }
+        if let Some(address) = text.strip_prefix("px4-udp://") {
+            return Ok(Self::Px4Udp(address.to_owned()));
+        }
         for (prefix, sink) in [
+            ("px4-serial:", Self::Px4Serial as fn(String, u32) -> Self),
             ("mavlink-serial:", Self::MavlinkSerial as fn(String, u32) -> Self),
             ("serial:", Self::Serial as fn(String, u32) -> Self),
         ] {
@@ -79,8 +88,16 @@ impl FromStr for Sink {
         }
         bail!(
             "an output is -, pty:PATH, serial:PORT@BAUD, tcp://ADDRESS:PORT, udp://ADDRESS:PORT, \
-             mavlink-udp://ADDRESS:PORT, mavlink-serial:PORT@BAUD or chrony:PATH, not `{text}`"
+             mavlink-udp://ADDRESS:PORT, mavlink-serial:PORT@BAUD, px4-udp://ADDRESS:PORT, px4-serial:PORT@BAUD or \
+             chrony:PATH, not `{text}`"
         )
+    }
+}
+
+impl Sink {
+    /// Returns true if PX4 reads it, for which the module must send messages of its own.
+    pub(super) const fn is_px4(&self) -> bool {
+        matches!(self, Self::Px4Udp(_) | Self::Px4Serial(..))
     }
 }
 
@@ -95,6 +112,8 @@ impl fmt::Display for Sink {
             Self::Serial(port, baud) => write!(f, "serial:{port}@{baud}"),
             Self::MavlinkUdp(address) => write!(f, "mavlink-udp://{address}"),
             Self::MavlinkSerial(port, baud) => write!(f, "mavlink-serial:{port}@{baud}"),
+            Self::Px4Udp(address) => write!(f, "px4-udp://{address}"),
+            Self::Px4Serial(port, baud) => write!(f, "px4-serial:{port}@{baud}"),
         }
     }
 }
@@ -120,6 +139,11 @@ pub(super) fn open(
         Sink::MavlinkSerial(port, baud) => {
             let port = serial::open(port, *baud, PATIENCE)?;
             spawn(outbox, Kind::Mavlink, port);
+        }
+        Sink::Px4Udp(address) => spawn(outbox, Kind::Mavlink, Px4::new(Datagrams::to(address)?)),
+        Sink::Px4Serial(port, baud) => {
+            let port = serial::open(port, *baud, PATIENCE)?;
+            spawn(outbox, Kind::Mavlink, Px4::new(port));
         }
         Sink::Tcp(address) => clients.listen(address)?,
         Sink::Pty(path) => terminal(path, outbox, inbox)?,

@@ -161,6 +161,16 @@ impl Wire {
         }
     }
 
+    /// Drives the wire low, and lets no thread drive it while something else is done.
+    #[cfg(unix)]
+    pub(super) fn hold_low(&self, meanwhile: impl FnOnce()) {
+        let is_closed = self.is_closed.lock().unwrap_or_else(PoisonError::into_inner);
+        // Whether or not it succeeds, nothing more can be done before the program stops.
+        let _ = self.set(false).and_then(|()| self.await_low());
+        meanwhile();
+        drop(is_closed);
+    }
+
     /// Drives the wire low for good: from now on no thread can raise it.
     ///
     /// # Errors

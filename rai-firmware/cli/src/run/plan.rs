@@ -41,11 +41,13 @@ pub struct Arguments {
     /// bytes were written to.
     #[arg(long, short, value_name = "SOURCE")]
     pub input: Option<String>,
-    /// Caster of orbits: ntrip://USER:PASSWORD@HOST:PORT/MOUNTPOINT. Its ranges are never used.
+    /// Caster of orbits: ntrip://USER:PASSWORD@HOST:PORT/MOUNTPOINT, or ntrips:// for TLS. Its ranges
+    /// are never used.
     #[arg(long, value_name = "CASTER")]
     pub caster: Option<String>,
     /// Consumer: -, pty:PATH, serial:PORT@BAUD, tcp://ADDRESS:PORT, udp://ADDRESS:PORT,
-    /// mavlink-udp://ADDRESS:PORT, mavlink-serial:PORT@BAUD, chrony:PATH; repeatable. Standard output unless one is given.
+    /// mavlink-udp://ADDRESS:PORT, mavlink-serial:PORT@BAUD, px4-udp://ADDRESS:PORT,
+    /// px4-serial:PORT@BAUD, chrony:PATH; repeatable. Standard output unless one is given.
     #[arg(long, short, value_name = "SINK")]
     pub output: Vec<String>,
     /// Integrity pin: gpio:CHIP:LINE, file:PATH, or exec:PROGRAM (called with high or low).
@@ -182,7 +184,11 @@ impl Plan {
         let stated = stated.collect::<Result<Vec<_>>>()?;
         let (phase, rest): (Vec<_>, Vec<_>) = stated.into_iter().partition(|(key, _)| key == "PHASE");
         let given = set.iter().map(|text| setting(text)).collect::<Result<Vec<_>>>()?;
-        let settings = [phase, rest, given].concat();
+        let outputs: Vec<Sink> = outputs.iter().map(|text| text.parse()).collect::<Result<_>>()?;
+        // PX4 gets what is made of these; a setting of the user outranks them.
+        let for_px4 = ["GPS_INPUT,1", "HEARTBEAT,1"].map(|value| ("OUTPUT".to_owned(), value.to_owned()));
+        let for_px4 = if outputs.iter().any(Sink::is_px4) { for_px4.to_vec() } else { Vec::new() };
+        let settings = [for_px4, phase, rest, given].concat();
         ensure!(
             settings.iter().all(|(key, _)| !key.eq_ignore_ascii_case("RESET")),
             "RESET is a command and no setting: it would start the module again without an end"
@@ -195,7 +201,7 @@ impl Plan {
         Ok(Self {
             input: standard_input::named(&input)?.parse()?,
             caster: caster.or(file.caster).map(|text| text.parse()).transpose()?,
-            outputs: outputs.iter().map(|text| text.parse()).collect::<Result<_>>()?,
+            outputs,
             pin: pin.or(file.pin).map_or(Ok(Place::Nowhere), |text| text.parse())?,
             report: report.or(file.report),
             page: page.or(file.page),

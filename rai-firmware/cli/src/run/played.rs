@@ -18,6 +18,7 @@ use super::outbox::Outbox;
 use super::pin::Wire;
 use super::report::Recorder;
 use crate::replay::{Pace, Playback};
+use crate::run::words::say;
 use crate::signal::capture::{self, Bytes, Lumps};
 use crate::signal::lumps::Window;
 
@@ -42,7 +43,9 @@ pub(super) fn play(
     // A setting is refused before the first byte is read.
     Playback::start(std::iter::empty(), &settings, Pace::Recorded)?;
     let week = capture::week_of(NAME, None)?;
-    let mut lumps = Lumps::of(Bytes::open(NAME, f64::INFINITY)?, None, &[], &Window::ALL)?.in_week(week);
+    let bytes = Bytes::open(NAME, f64::INFINITY)?;
+    let cut = bytes.cut();
+    let mut lumps = Lumps::of(bytes, None, &[], &Window::ALL)?.in_week(week);
     let first = lumps.next().context("standard input has no epoch")??;
     let mut setup: Vec<String> = lumps.week().map(|week| format!("WEEK,{week}")).into_iter().collect();
     if let Some(coefficients) = lumps.klobuchar() {
@@ -70,6 +73,9 @@ pub(super) fn play(
         if stop.load(Ordering::Relaxed) || outbox.has_failed() {
             break;
         }
+    }
+    if let Some(words) = cut.words() {
+        say!("{words}");
     }
     Ok(*playback.configuration())
 }

@@ -13,6 +13,7 @@ use raim_firmware::receiver::Receiver;
 use raim_firmware::settings::Configuration;
 
 use crate::page::report::{self, Facts, Happened, Journal, command_line, settings_of};
+use crate::run::words::say;
 use crate::satellites::{View, Watcher};
 use crate::sentence;
 
@@ -107,7 +108,7 @@ impl Recorder {
         }
         let path =
             report::write(&self.journal, &self.facts(configuration), &self.folder).context("the report")?;
-        eprintln!("report: {}", path.display());
+        say!("report: {}", path.display());
         Ok(())
     }
 

@@ -20,6 +20,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use anyhow::{Context as _, Result};
 
 use super::clients::{Clients, Way};
+use crate::run::words::say;
 
 /// The way back to the receiver.
 pub(super) struct Back {
@@ -50,7 +51,7 @@ impl Back {
         let counter = if is_passed { &self.passed } else { &self.refused };
         let before = counter.fetch_add(bytes.len() as u64, Ordering::Relaxed);
         if !self.is_allowed && before == 0 {
-            eprintln!("share: bytes towards the receiver are refused (--share-write passes them)");
+            say!("share: bytes towards the receiver are refused (--share-write passes them)");
         }
     }
 

@@ -2,8 +2,12 @@
 //!
 //! A signal that the system delivers by ending the program is caught by a thread. It drives the pin
 //! low for good, and lets the service end in order. A panic in any thread does the same and then
-//! ends the program, because a service without one of its threads would be half a service. Nobody
-//! can catch a `SIGKILL`; the unit's `ExecStopPost` lowers the pin after it.
+//! ends the program, because a service without one of its threads would be half a service.
+//!
+//! A signal that stops the program for a time, such as that of Ctrl-Z, lowers the pin before it does;
+//! the epochs after the stop raise it again. Nobody can catch a `SIGKILL` or a `SIGSTOP`; the unit's
+//! `ExecStopPost` lowers the pin after the first, and its watchdog kills the program after the
+//! second.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,6 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::Result;
 
 use super::pin::Wire;
+use crate::run::words::{self, say};
 
 /// Exit code after a panic, as Rust has it.
 const PANICKED: i32 = 101;
@@ -23,17 +28,27 @@ const PANICKED: i32 = 101;
 pub(super) fn catch(wire: &Arc<Wire>, stop: &Arc<AtomicBool>) -> Result<()> {
     use anyhow::Context as _;
     use signal_hook::consts::{
-        SIGALRM, SIGHUP, SIGINT, SIGPROF, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGVTALRM, SIGXCPU, SIGXFSZ,
+        SIGALRM, SIGHUP, SIGINT, SIGPROF, SIGQUIT, SIGTERM, SIGTSTP, SIGTTIN, SIGTTOU, SIGUSR1, SIGUSR2,
+        SIGVTALRM, SIGXCPU, SIGXFSZ,
     };
     let ends =
         [SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGXFSZ];
-    let mut signals = signal_hook::iterator::Signals::new(ends).context("a signal cannot be caught")?;
+    let stops = [SIGTSTP, SIGTTIN, SIGTTOU];
+    let caught = ends.iter().chain(&stops);
+    let mut signals = signal_hook::iterator::Signals::new(caught).context("a signal cannot be caught")?;
     let (wire, stop) = (Arc::clone(wire), Arc::clone(stop));
     std::thread::spawn(move || {
-        for _ in signals.forever() {
+        for signal in signals.forever() {
+            if stops.contains(&signal) {
+                wire.hold_low(|| {
+                    // It fails only for a signal that does not exist.
+                    let _ = nix::sys::signal::raise(nix::sys::signal::Signal::SIGSTOP);
+                });
+                continue;
+            }
             stop.store(true, Ordering::Relaxed);
             if let Err(error) = wire.close() {
-                eprintln!("error: the pin cannot be set: {error}");
+                say!("error: the pin cannot be set: {error}");
             }
         }
     });
@@ -49,9 +64,12 @@ pub(super) fn catch(_: &Arc<Wire>, _: &Arc<AtomicBool>) -> Result<()> {
 pub(super) fn end_on_panic(wire: &Arc<Wire>) {
     let (wire, usual) = (Arc::clone(wire), std::panic::take_hook());
     std::panic::set_hook(Box::new(move |panic| {
+        // The pin first: whoever reads standard error may have stopped.
+        let lowered = wire.close();
         usual(panic);
-        if let Err(error) = wire.close() {
-            eprintln!("error: the pin cannot be set: {error}");
+        if let Err(error) = lowered {
+            say!("error: the pin cannot be set: {error}");
+            words::flush();
         }
         std::process::exit(PANICKED);
     }));

@@ -32,6 +32,8 @@ use std::time::{Duration, SystemTime};
 use anyhow::{Result, ensure};
 use nix::libc;
 
+use crate::run::words::say;
+
 /// Identifies a sample.
 const MAGIC: i32 = 0x534F_434B;
 /// Most bytes of a path of a socket, of which the last is 0.
@@ -113,7 +115,7 @@ impl TimeServer {
         match self.socket.send_to(&bytes, &self.path) {
             Err(error) if error.kind() != io::ErrorKind::WouldBlock => {
                 if !std::mem::replace(&mut self.is_reported, true) {
-                    eprintln!("chrony:{}: {error}; the time is not sent", self.path.display());
+                    say!("chrony:{}: {error}; the time is not sent", self.path.display());
                 }
             }
             _ => self.is_reported = false,

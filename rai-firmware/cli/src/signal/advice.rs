@@ -158,6 +158,11 @@ impl Found {
     }
 }
 
+/// Returns the name of the system with this letter.
+pub fn system_name(letter: char) -> &'static str {
+    SYSTEMS.iter().find(|(other, ..)| *other == letter).map_or("the system", |(_, name, _)| name)
+}
+
 /// Returns `9 GPS, 7 Galileo` for satellites.
 pub fn counted(satellites: &BTreeSet<SatelliteId>) -> String {
     let count = |letter: char| satellites.iter().filter(|satellite| satellite.name().0 == letter).count();

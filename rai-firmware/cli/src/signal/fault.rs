@@ -149,6 +149,16 @@ impl Fault {
         }
     }
 
+    /// Returns the letter of the system whose satellites the fault affects; `None` if it is that of
+    /// the receiver.
+    pub fn system(&self) -> Option<char> {
+        match self.target {
+            Target::Satellite(satellite) => Some(satellite.name().0),
+            Target::Constellation(constellation) => Some(constellation.letter()),
+            Target::Receiver => None,
+        }
+    }
+
     /// Returns true if the fault depends on the directions of satellites.
     pub fn needs_directions(&self) -> bool {
         matches!(self.kind, Kind::Shift(_))

@@ -166,7 +166,7 @@ fn read(stream: TcpStream, states: &States) {
 }
 
 /// Parses `hhmmss.ss` to hundredths of a second of the day.
-fn of_day(text: &str) -> Option<u64> {
+pub(super) fn of_day(text: &str) -> Option<u64> {
     let number = |range: std::ops::Range<usize>| text.get(range)?.parse::<u64>().ok();
     Some(((number(0..2)? * 60 + number(2..4)?) * 60 + number(4..6)?) * 100 + number(7..9)?)
 }

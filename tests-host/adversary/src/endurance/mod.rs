@@ -15,6 +15,8 @@
 //! first epoch on a line, because it may have begun before the service connected. Those of the two
 //! seconds before a kill may be on their way.
 //!
+//! [`readers`] runs it at ten epochs a second with every kind of reader at once, and without incidents.
+//!
 //! A test program brings a clock that this program moves ([`raim::run::clock`]), so that two minutes
 //! take some seconds. The processes, their connections, their ends and their pins are real.
 //!
@@ -26,6 +28,8 @@
 mod feed;
 mod pace;
 mod process;
+#[cfg(unix)]
+pub mod readers;
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;

@@ -80,13 +80,36 @@ fn a_navigation_file_of_another_day_is_refused_with_both_times() {
 #[test]
 fn a_damaged_archive_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("cut.obs.gz");
+    let path = folder.path().join("bad.obs.gz");
     let mut packed = GzEncoder::new(Vec::new(), flate2::Compression::fast());
     packed.write_all(OBSERVATIONS_3.as_bytes()).unwrap();
-    let packed = packed.finish().unwrap();
+    let mut packed = packed.finish().unwrap();
+    // Cut off in its header, which is then not whole.
     std::fs::write(&path, &packed[..packed.len() / 2]).unwrap();
+    let have = refusal(Recording::load(std::slice::from_ref(&path), &[]));
+    assert!(have.contains("bad.obs.gz: END OF HEADER is missing"), "{have}");
+    // The sum of its bytes stands in front of their number, which has four.
+    let sum = packed.len() - 5;
+    packed[sum] ^= 1;
+    std::fs::write(&path, &packed).unwrap();
     let have = refusal(Recording::load(&[path], &[]));
-    assert!(have.contains("cut.obs.gz: is damaged gzip"), "{have}");
+    assert!(have.contains("bad.obs.gz: is damaged gzip"), "{have}");
+}
+
+#[test]
+fn an_archive_that_is_cut_off_is_read_as_far_as_it_goes() {
+    let Some((observations, navigation)) = super::STATIC1HZ.paths() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cut.obs.gz");
+    let packed = std::fs::read(&observations).unwrap();
+    std::fs::write(&path, &packed[..packed.len() / 3]).unwrap();
+    let whole = Recording::load(&[observations], std::slice::from_ref(&navigation)).unwrap();
+    let have = Recording::load(&[path], &[navigation]).unwrap();
+    let count = have.epochs.len();
+    assert!((50..whole.epochs.len() / 2).contains(&count), "{count} of {}", whole.epochs.len());
+    // The epoch in which it ends may have lost satellites.
+    assert_eq!(have.epochs[..count - 1], whole.epochs[..count - 1]);
+    assert!(have.skipped.cut > 0, "{}", have.skipped);
 }
 
 #[test]

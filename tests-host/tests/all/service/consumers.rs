@@ -266,3 +266,89 @@ fn pymavlink_behind_udp_gets_a_fix_while_protected_and_none_after_a_jump() {
     assert!(last["fix_type"].as_u64() <= Some(1) && last["lat"] == 0, "{last}");
     assert_eq!(answer["GNSS_INTEGRITY"]["raim_state"], 3, "{answer}");
 }
+
+/// Reads until standard input is closed, and prints what PX4 would have got.
+const PX4: &str = r"
+import sys, json, select
+from pymavlink import mavutil
+link = mavutil.mavlink_connection('udpin:127.0.0.1:' + sys.argv[1], dialect='common')
+print('ready', flush=True)
+out, last = {'bad': 0, 'positions': 0, 'beats_after': 0, 'gaps': 0, 'others': []}, None
+while True:
+    message = link.recv_match(blocking=True, timeout=0.2)
+    if message is None:
+        if select.select([sys.stdin], [], [], 0)[0]:
+            break
+        continue
+    name = message.get_type()
+    if name == 'BAD_DATA':
+        out['bad'] += 1
+        continue
+    number = message.get_seq()
+    out['gaps'] += last is not None and number != (last + 1) % 256
+    last = number
+    if name == 'GLOBAL_POSITION_SENSOR':
+        out['positions'] += 1
+        out['beats_after'] = 0
+        out['position'] = message.to_dict()
+    elif name == 'HEARTBEAT':
+        out['beats_after'] += 1
+    else:
+        out['others'].append(name)
+print(json.dumps(out))
+";
+
+/// `pymavlink` has the layout and the seed of the checksum from the definitions themselves.
+#[test]
+fn pymavlink_gets_what_px4_reads_while_protected_and_no_position_after_a_jump() {
+    let python = setup::python();
+    let asked = "from pymavlink.dialects.v20 import common; common.MAVLink_global_position_sensor_message";
+    let has_message = Command::new(&python).args(["-c", asked]).stderr(Stdio::null()).status();
+    if !has_message.is_ok_and(|status| status.success()) {
+        skip::say("pymavlink 2.4.50 or newer for Python (cargo xtask setup --consumers)");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let mut listener = Command::new(&python)
+        .args(["-c", PX4, &port.to_string()])
+        .env("MAVLINK20", "1")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = std::io::BufReader::new(listener.stdout.take().unwrap());
+    let mut line = String::new();
+    std::io::BufRead::read_line(&mut said, &mut line).unwrap();
+    assert_eq!(line, "ready\n");
+    let (receiver, input) = receiver();
+    // No message is named: the output brings its own.
+    let output = vec![format!("px4-udp://127.0.0.1:{port}")];
+    let mut service = Service::start(folder.path(), Arguments { input, output, ..Arguments::default() });
+    let (mut line, _) = receiver.accept().unwrap();
+    let mut high = 0;
+    service.send_each(&mut line, &jump(), || {
+        high += i32::from(is_high(folder.path()));
+        thread::sleep(TURN / 5);
+    });
+    drop(service);
+    drop(listener.stdin.take());
+    let mut answer = String::new();
+    said.read_to_string(&mut answer).unwrap();
+    listener.wait().unwrap();
+    let answer: Value = serde_json::from_str(&answer).expect("its answer");
+    assert_eq!([&answer["bad"], &answer["gaps"]], [0, 0], "{answer}");
+    assert_eq!(answer["others"], Value::Array(Vec::new()), "{answer}");
+    assert!(answer["positions"].as_i64() == Some(high.into()) && high > 10, "{high}: {answer}");
+    assert!(answer["beats_after"].as_u64() > Some(u64::from(EPOCHS) / 2), "{answer}");
+    let position = &answer["position"];
+    let number = |field: &str| position[field].as_f64().unwrap_or(f64::NAN);
+    assert!((number("lat") * 1e-7 - 34.17).abs() < 1e-3, "{position}");
+    assert!((number("lon") * 1e-7 - 108.57).abs() < 1e-3, "{position}");
+    // The geoid is 35.7 m below the ellipsoid there, by EGM96. The table of the module is off by up to 4 m on 95 % of the earth.
+    let below_m = number("alt") - number("alt_ellipsoid");
+    assert!((below_m - 35.7).abs() < 4.0, "{position}");
+    assert!((number("alt_ellipsoid") - 400.0).abs() < 20.0, "{position}");
+    assert!((0.5..50.0).contains(&number("eph")) && (0.5..50.0).contains(&number("epv")), "{position}");
+    assert_eq!([&position["id"], &position["source"], &position["flags"]], [1, 1, 0], "{position}");
+}

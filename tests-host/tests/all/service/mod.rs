@@ -10,10 +10,13 @@
 //! | [`named`] | a file by its name, and settings in every form |
 //! | [`share`] | the receiver's bytes for other programs |
 //! | [`limits`] | the pin while clients take all places and files |
+//! | [`computer`] | the pin while the date steps, the machine sleeps, readers stop, the disk is full |
 //! | [`page`] | the page in a browser |
 //! | [`endurance`] | the service as a program, between cuts, kills and dead clients |
 
 mod casters;
+#[cfg(target_os = "linux")]
+mod computer;
 mod consumers;
 #[cfg(target_os = "linux")]
 mod endurance;

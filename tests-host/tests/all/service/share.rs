@@ -51,3 +51,36 @@ fn other_programs_get_every_byte_and_write_only_if_that_is_allowed() {
         }
     }
 }
+
+/// Returns what the page answers.
+fn get(page: SocketAddr, path: &str) -> String {
+    let (mut stream, mut text) = (client(page), String::new());
+    write!(stream, "GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    stream.read_to_string(&mut text).unwrap();
+    text
+}
+
+/// A program behind `--share-write` can switch the ranges off.
+#[test]
+fn receiver_that_sends_no_ranges_any_more_is_told_from_a_dead_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let ((receiver, input), page) = (receiver(), free_address());
+    let output = vec!["udp://127.0.0.1:9".to_owned()];
+    let arguments = Arguments { input, output, page: Some(page.to_string()), ..Arguments::default() };
+    let mut service = Service::start(folder.path(), arguments);
+    let (mut line, _) = receiver.accept().unwrap();
+    let pieces = pieces(80);
+    service.send(&mut line, &pieces[..20]);
+    assert!(is_high(folder.path()) && get(page, "/state.json").contains("\"has_ranges\":true"));
+    // NAV-PVT alone: the receiver's own position.
+    let own = vec![ubx::frame([0x01, 0x07], &[0; 92]); 40];
+    service.send(&mut line, &own);
+    assert!(!is_high(folder.path()));
+    let state = get(page, "/state.json");
+    for part in ["\"has_ranges\":false", "STALE", "sends no ranges any more"] {
+        assert!(state.contains(part), "{part}: {state}");
+    }
+    assert!(get(page, "/metrics").contains("rai_receiver_ranges 0\n"));
+    service.send(&mut line, &pieces[60..]);
+    assert!(get(page, "/state.json").contains("\"has_ranges\":true"));
+}

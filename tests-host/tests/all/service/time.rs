@@ -176,3 +176,87 @@ mod at_length {
         assert!(after[6..].iter().all(|reach| reach.trailing_zeros() >= 2), "{after:?}");
     }
 }
+
+/// Starts the service as a process of another user, which is that of nobody.
+fn start_as_nobody(program: &Path, arguments: &[String]) -> std::process::Child {
+    let mut service = std::process::Command::new("runuser");
+    service.args(["-u", "nobody", "--"]).arg(program);
+    service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
+    service.env(super::endurance::ARGUMENTS, arguments.join("\n")).env("RUST_TEST_THREADS", "1");
+    let nowhere = std::process::Stdio::null;
+    service.stdin(nowhere()).stdout(nowhere()).stderr(nowhere()).spawn().unwrap()
+}
+
+/// Three programs of three users: chronyd, gpsd, which gives up the rights of the superuser, and the
+/// service, which is killed and started again under both.
+#[test]
+fn gpsd_and_chronyd_go_on_within_ten_seconds_after_the_service_is_killed_and_started_again() {
+    use std::os::unix::fs::{PermissionsExt as _, chown};
+    if !chrony::is_possible() {
+        return skip::say("chrony (apt-get install chrony) and the rights of the superuser");
+    }
+    let run = std::process::Command::new("runuser").args(["-u", "nobody", "--", "id", "-u"]).output();
+    let Some(nobody) = run.ok().and_then(|output| String::from_utf8(output.stdout).ok()?.trim().parse().ok())
+    else {
+        return skip::say("runuser and the user nobody");
+    };
+    let datagrams = std::net::UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let Some(mut gpsd) = Gpsd::on_datagrams_or_skip(datagrams).unwrap() else { return };
+    let (chronyd, socket) = Chronyd::with_socket().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    chown(folder.path(), Some(nobody), None).unwrap();
+    fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o755)).unwrap();
+    let program = folder.path().join("program");
+    fs::copy(std::env::current_exe().unwrap(), &program).unwrap();
+    // What a drop-in of chrony's unit does.
+    while !socket.exists() {
+        thread::sleep(Duration::from_millis(10));
+    }
+    fs::set_permissions(socket.parent().unwrap(), fs::Permissions::from_mode(0o755)).unwrap();
+    fs::set_permissions(&socket, fs::Permissions::from_mode(0o666)).unwrap();
+    let (receiver, input) = receiver();
+    let arguments = [
+        format!("--input={}", input.unwrap()),
+        format!("--output=udp://{datagrams}"),
+        format!("--output=chrony:{}", socket.display()),
+        format!("--pin=file:{}", folder.path().join("pin").display()),
+    ];
+    let first_ms = unix_ms() / 1000 * 1000 + 3000;
+    let mut sky = sky_from(first_ms);
+    sky.epochs = 60;
+    let pieces = pieces_of(&sky);
+    let mut rest = pieces[1..].iter().zip((first_ms..).step_by(1000));
+    for run in 0..2 {
+        let mut service = start_as_nobody(&program, &arguments);
+        let (mut line, _) = receiver.accept().unwrap();
+        let started = Instant::now();
+        line.write_all(&pieces[0]).unwrap();
+        let (mut fixes, mut polls) = (0, 0);
+        while fixes < 2 || polls < 2 {
+            let (piece, due_ms) = rest.find(|(_, due_ms)| *due_ms > unix_ms()).expect("an epoch");
+            thread::sleep(Duration::from_millis(due_ms.saturating_sub(unix_ms())));
+            line.write_all(piece).unwrap();
+            let end = Instant::now() + Duration::from_millis(500);
+            while Instant::now() < end {
+                let objects = gpsd.objects().unwrap();
+                fixes +=
+                    objects.iter().filter(|object| object["class"] == "TPV" && object["mode"] == 3).count();
+            }
+            let reach = chronyd.source().unwrap().map_or(0, |told| told.reach);
+            polls = (!reach).trailing_zeros();
+            let taken = started.elapsed();
+            assert!(taken < Duration::from_secs(10), "start {run}: {fixes} positions, {polls} polls");
+        }
+        assert!(is_high(folder.path()));
+        // The child is `runuser`, whose end does not end the service.
+        let own = service.id();
+        let children = fs::read_to_string(format!("/proc/{own}/task/{own}/children")).unwrap();
+        let killed =
+            std::process::Command::new("kill").arg("-KILL").args(children.split_whitespace()).status();
+        assert!(killed.unwrap().success(), "{children:?}");
+        service.wait().unwrap();
+        // gpsd and chronyd have nothing for some polls.
+        thread::sleep(Duration::from_secs(3));
+        while !gpsd.objects().unwrap().is_empty() {}
+    }
+}

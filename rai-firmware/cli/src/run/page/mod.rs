@@ -33,6 +33,7 @@ use self::state::State;
 use super::Plan;
 use super::pin::Pin;
 use super::share::Back;
+use crate::run::words::say;
 use crate::satellites::Watcher;
 use crate::sentence;
 
@@ -53,13 +54,18 @@ impl Page {
         let settings = plan.settings.iter().map(|(key, value)| format!("{key}={value}")).collect();
         let state = Arc::new(Mutex::new(State::new(plan.input.to_string(), settings, back)));
         let (own, waker) = server::start(&with_host(address), plan.clients, Arc::clone(&state))?;
-        eprintln!("page: http://{own}/");
+        say!("page: http://{own}/");
         Ok(Self { watcher: Watcher::new(), state, waker })
     }
 
     /// Takes bytes of the receiver.
     pub(super) fn hear(&mut self, bytes: &[u8], came_ms: u64) {
         self.watcher.hear(bytes, came_ms);
+    }
+
+    /// Notes whether the receiver sends ranges, or other messages alone.
+    pub(super) fn note_ranges(&mut self, has_ranges: bool) {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner).lacks_ranges = !has_ranges;
     }
 
     /// Takes the sentences of a pass of the epoch loop.

@@ -20,6 +20,7 @@ use mio::{Events, Interest, Poll, Token, Waker};
 use super::request::{self, Asked, REQUEST_BYTES, Request};
 use super::state::State;
 use super::text::{self, Html};
+use crate::run::words::say;
 
 /// Longest time of a request, and of an answer of which nothing is taken.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -64,7 +65,7 @@ pub(super) fn start(
     server.watch()?;
     thread::spawn(move || {
         if let Err(error) = server.run() {
-            eprintln!("error: the page: {error}");
+            say!("error: the page: {error}");
         }
     });
     Ok((own, waker))

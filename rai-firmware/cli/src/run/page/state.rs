@@ -32,6 +32,8 @@ pub(super) struct State {
     pub(super) counters: Vec<(&'static str, u32)>,
     /// Number of verdicts so far.
     pub(super) verdicts: u64,
+    /// True while the receiver sends messages and no ranges any more.
+    pub(super) lacks_ranges: bool,
     /// True once the service has ended.
     pub(super) has_ended: bool,
     judged: Option<Instant>,
@@ -51,6 +53,7 @@ impl State {
             satellites: Vec::new(),
             counters: Vec::new(),
             verdicts: 0,
+            lacks_ranges: false,
             has_ended: false,
             judged: None,
             alive: Instant::now(),
@@ -110,6 +113,9 @@ impl State {
     pub(super) fn explanation(&self) -> &'static str {
         match &self.said {
             _ if self.alive.elapsed() >= HUNG => "the module does not come round",
+            Some(said) if self.lacks_ranges && said.state.reason == "STALE" => {
+                "the receiver sends no ranges any more, and other messages still"
+            }
             Some(said) => explanation(&said.state.reason).unwrap_or_default(),
             None => "no epoch has been judged yet",
         }

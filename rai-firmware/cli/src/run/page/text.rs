@@ -52,6 +52,7 @@ pub(super) fn state(state: &State) -> Value {
         "reason": state.reason(),
         "explanation": state.explanation(),
         "pin": state.pin_is_high,
+        "has_ranges": !state.lacks_ranges,
         "verdicts": state.verdicts,
         "utc_s": said.and_then(|said| said.state.time_s),
         "age_s": state.age().map(|age| rounded(age.as_secs_f64(), 3)),
@@ -108,6 +109,11 @@ pub(super) fn metrics(state: &State) -> String {
     gauge("rai_protected", "1 while the position may be used.", is(state.word() == "protected"));
     gauge("rai_alert", "1 while the position must not be used.", is(state.word() == "alert"));
     gauge("rai_pin_high", "Level of the integrity pin.", is(state.pin_is_high));
+    gauge(
+        "rai_receiver_ranges",
+        "0 while the receiver sends messages and no ranges any more.",
+        is(!state.lacks_ranges),
+    );
     gauge(
         "rai_verdict_age_seconds",
         "Time since the last verdict.",

@@ -1,13 +1,15 @@
 //! Sources of a capture's bytes: a file, standard input, a TCP server, a serial port.
 //!
 //! A file has an end. A server and a port are read for a time, and until they have been silent for
-//! [`SILENCE`].
+//! [`SILENCE`]. A gzip file that is cut off is read as far as it goes, and [`Cut`] has its name.
 
+use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Error, ErrorKind, Read};
 use std::net::TcpStream;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -35,6 +37,28 @@ pub struct Bytes {
     head: Vec<u8>,
     read: usize,
     rest: Box<dyn Read + Send>,
+    cut: Cut,
+}
+
+/// Names of the gzip files of a source that end before their end, so far.
+#[derive(Clone, Debug, Default)]
+pub struct Cut(Arc<Mutex<Vec<String>>>);
+
+impl Cut {
+    fn note(&self, name: &str) {
+        let mut names = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if names.last().is_none_or(|last| last != name) {
+            names.push(name.to_owned());
+        }
+    }
+
+    /// Returns what is to be said of the files; `None` if all are whole.
+    pub fn words(&self) -> Option<String> {
+        let names = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let verb = if names.len() == 1 { "is" } else { "are" };
+        let words = || format!("{} {verb} cut off, and read as far as the gzip data goes", names.join(", "));
+        (!names.is_empty()).then(words)
+    }
 }
 
 impl Bytes {
@@ -45,15 +69,23 @@ impl Bytes {
     /// The source cannot be opened or read, sends nothing, is packed by something other than gzip,
     /// or needs a limit.
     pub fn open(name: &str, limit_s: f64) -> Result<Self> {
+        Self::open_with(name, limit_s, Cut::default())
+    }
+
+    fn open_with(name: &str, limit_s: f64, cut: Cut) -> Result<Self> {
         let limit =
             limit_s.is_finite().then(|| Duration::from_secs_f64(limit_s.clamp(0.0, LONGEST_S)) + GRACE);
         if name == "-" {
-            return Self::unpacked(Line::new(spawn(std::io::stdin()), limit, None));
+            return Self::unpacked(Line::new(spawn(std::io::stdin()), limit, None), "standard input", cut);
         }
+        ensure!(
+            !["ntrip://", "ntrips://"].iter().any(|scheme| name.starts_with(scheme)),
+            "is a caster, which sends ephemerides beside a receiver: rai run --input RECEIVER --caster {name}"
+        );
         if let Some(address) = name.strip_prefix("tcp://") {
             check_limit(limit)?;
             let stream = TcpStream::connect(address).context("does not answer")?;
-            return Self::unpacked(Line::new(spawn(stream), limit, Some(SILENCE)));
+            return Self::unpacked(Line::new(spawn(stream), limit, Some(SILENCE)), name, cut);
         }
         let port = name.strip_prefix("serial:");
         let (path, rate) =
@@ -62,25 +94,42 @@ impl Bytes {
             check_limit(limit)?;
             let rate = rate.parse().with_context(|| format!("{rate} is no bit rate"))?;
             let (port, _) = serial::listen(Path::new(path), rate)?;
-            return Self::unpacked(Line::new(spawn(port), limit, Some(SILENCE)));
+            return Self::unpacked(Line::new(spawn(port), limit, Some(SILENCE)), name, cut);
         }
         let path = Path::new(path);
         ensure!(!path.is_dir(), "cannot be read: it is a folder");
-        Self::unpacked(File::open(path).context("cannot be read")?)
+        Self::unpacked(File::open(path).context("cannot be read")?, name, cut)
+    }
+
+    /// Opens files as one source, in this order. One may end inside a frame that the next one
+    /// continues.
+    ///
+    /// # Errors
+    /// The first file cannot be opened; the others are opened when they are read.
+    pub fn of_files(names: &[String]) -> Result<Self> {
+        let cut = Cut::default();
+        let mut series = Series { names: names.iter().cloned().collect(), open: None, cut: cut.clone() };
+        Ok(Self { head: head(&mut series)?, read: 0, rest: Box::new(series), cut })
     }
 
     /// Unpacks a source by its content.
-    fn unpacked(mut packed: impl Read + Send + 'static) -> Result<Self> {
+    fn unpacked(mut packed: impl Read + Send + 'static, name: &str, cut: Cut) -> Result<Self> {
         let head = head(&mut packed)?;
         if let Some((packer, command)) = packed_by(&head) {
             bail!("is packed by {packer}: unpack it first, `{command}`");
         }
         if head.starts_with(&[0x1f, 0x8b]) {
             let packed = BufReader::new(Cursor::new(head).chain(packed));
-            let mut rest: Box<dyn Read + Send> = Box::new(Gzip(MultiGzDecoder::new(packed)));
-            return Ok(Self { head: self::head(&mut rest)?, read: 0, rest });
+            let gzip = Gzip { packed: MultiGzDecoder::new(packed), name: name.to_owned(), cut: cut.clone() };
+            let mut rest: Box<dyn Read + Send> = Box::new(gzip);
+            return Ok(Self { head: self::head(&mut rest)?, read: 0, rest, cut });
         }
-        Ok(Self { head, read: 0, rest: Box::new(packed) })
+        Ok(Self { head, read: 0, rest: Box::new(packed), cut })
+    }
+
+    /// Returns the names of the files that are cut off, which grow while the source is read.
+    pub fn cut(&self) -> Cut {
+        self.cut.clone()
     }
 
     /// Returns the first bytes, at most [`HEAD`] of them.
@@ -110,12 +159,45 @@ impl Read for Bytes {
     }
 }
 
-/// Gzip reader whose errors state that the source is gzip.
-struct Gzip<R>(MultiGzDecoder<R>);
+/// Gzip reader whose errors state that the source is gzip. Data that end too early are no error.
+struct Gzip<R> {
+    packed: MultiGzDecoder<R>,
+    name: String,
+    cut: Cut,
+}
 
 impl<R: BufRead> Read for Gzip<R> {
     fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
-        self.0.read(into).map_err(|error| Error::new(error.kind(), format!("is damaged gzip: {error}")))
+        match self.packed.read(into) {
+            Err(error) if error.kind() == ErrorKind::UnexpectedEof => {
+                self.cut.note(&self.name);
+                Ok(0)
+            }
+            read => read.map_err(|error| Error::new(error.kind(), format!("is damaged gzip: {error}"))),
+        }
+    }
+}
+
+/// Files that are read one after another.
+struct Series {
+    names: VecDeque<String>,
+    open: Option<Bytes>,
+    cut: Cut,
+}
+
+impl Read for Series {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        loop {
+            if let Some(open) = &mut self.open {
+                let count = open.read(into)?;
+                if count > 0 || into.is_empty() {
+                    return Ok(count);
+                }
+            }
+            let Some(name) = self.names.pop_front() else { return Ok(0) };
+            let open = Bytes::open_with(&name, f64::INFINITY, self.cut.clone());
+            self.open = Some(open.map_err(|error| Error::other(format!("{name}: {error:#}")))?);
+        }
     }
 }
 

@@ -31,12 +31,14 @@ mod week;
 use std::io::{Cursor, Read as _};
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 
 pub use content::{Content, has_frames};
-pub use line::Bytes;
+pub use line::{Bytes, Cut};
 pub use lumps::Lumps;
 pub use orbits::Orbits;
+
+use raim_firmware::time::GpsTime;
 
 use crate::signal::fault::Fault;
 use crate::signal::lump::Lump;
@@ -93,6 +95,35 @@ pub fn week_of(name: &str, orbits: Option<&Orbits>) -> Result<Option<u16>> {
         return Ok(None);
     }
     Ok(agreed_week(Bytes::open(name, f64::INFINITY)?, orbits))
+}
+
+/// Returns files of one logger in the order of their first epochs.
+///
+/// # Errors
+/// One is no file or has no epoch, or two begin with the same epoch.
+pub fn in_order(names: &[String], orbits: Option<&Orbits>) -> Result<Vec<String>> {
+    let mut dated = Vec::new();
+    for name in names {
+        ensure!(Path::new(name).is_file(), "several captures must be files, and {name} is none");
+        dated.push((first_epoch(name, orbits).with_context(|| name.clone())?, name));
+    }
+    dated.sort();
+    for pair in dated.windows(2) {
+        if let [(time, one), (other, another)] = pair {
+            ensure!(
+                time != other,
+                "{one} and {another} begin with the same epoch: copies, or captures of two receivers"
+            );
+        }
+    }
+    Ok(dated.into_iter().map(|(_, name)| name.clone()).collect())
+}
+
+fn first_epoch(name: &str, orbits: Option<&Orbits>) -> Result<GpsTime> {
+    let week = week_of(name, orbits)?;
+    let source = Bytes::open(name, f64::INFINITY)?.take(WEEK_BYTES);
+    let mut lumps = Lumps::of(source, None, &[], &Window::ALL)?.in_week(week);
+    Ok(lumps.next().context("has no epoch")??.time)
 }
 
 /// Reads the beginning of a source for its week. Its errors recur when all of it is read.

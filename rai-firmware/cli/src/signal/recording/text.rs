@@ -1,6 +1,6 @@
 //! Lines of a file one at a time, with their numbers, and the text in their columns.
 
-use std::io::{BufRead, Read as _};
+use std::io::{BufRead, ErrorKind, Read as _};
 
 use anyhow::{Context, Error, Result, ensure};
 
@@ -47,7 +47,14 @@ impl<R: BufRead + Send> Source for Plain<R> {
         let mut bytes = std::mem::take(line).into_bytes();
         bytes.clear();
         let read = self.input.by_ref().take(LINE_LIMIT).read_until(b'\n', &mut bytes);
-        if read.context(self.failure)? == 0 {
+        match read {
+            // A gzip file that is cut off: its last line is there as far as it goes.
+            Err(error) if error.kind() == ErrorKind::UnexpectedEof && self.number > 0 => {
+                self.skipped.note(Flaw::Cut, self.number + 1);
+            }
+            read => drop(read.context(self.failure)?),
+        }
+        if bytes.is_empty() {
             return Ok(None);
         }
         self.number += 1;

@@ -1,6 +1,6 @@
 //! `cargo xtask endure`: `rai run` for an hour between cuts, kills and dead clients.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use adversary::endurance::{self, Program};
 use anyhow::ensure;
@@ -11,6 +11,9 @@ pub(crate) struct Arguments {
     /// Duration, min, from 1 to 1440
     #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1440))]
     minutes: u32,
+    /// Send ten epochs a second to every kind of reader at once, without cuts and kills
+    #[arg(long)]
+    all_readers: bool,
     /// Program to run instead of a fresh optimised build
     #[arg(long, value_name = "RAI")]
     program: Option<PathBuf>,
@@ -22,6 +25,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let program = Program { command: vec![program.into_os_string()], variables: Vec::new() };
     let folder = std::env::temp_dir().join(format!("rai-endure-{}", std::process::id()));
     std::fs::create_dir_all(&folder)?;
+    if arguments.all_readers {
+        return with_all_readers(&program, 60 * arguments.minutes, &folder);
+    }
     let outcome = endurance::run(&program, 60 * arguments.minutes, &folder, |so_far| {
         eprintln!("{} epochs sent, {} kills", so_far.sent, so_far.kills[0]);
     });
@@ -31,4 +37,20 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let broken = outcome.broken();
     ensure!(broken.is_empty(), "{}", broken.join("; "));
     Ok(())
+}
+
+#[cfg(unix)]
+fn with_all_readers(program: &Program, seconds: u32, folder: &Path) -> anyhow::Result<()> {
+    let outcome = endurance::readers::run(program, seconds, folder, |sent| eprintln!("{sent} epochs sent"));
+    std::fs::remove_dir_all(folder)?;
+    let outcome = outcome?;
+    println!("{outcome}");
+    let broken = outcome.broken();
+    ensure!(broken.is_empty(), "{}", broken.join("; "));
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn with_all_readers(_: &Program, _: u32, _: &Path) -> anyhow::Result<()> {
+    anyhow::bail!("chronyd has its socket on Unix only")
 }

@@ -1,4 +1,5 @@
-//! Orbits from an NTRIP caster, for a receiver that sends ranges alone.
+//! Orbits from an NTRIP caster, for a receiver that sends ranges alone: `ntrip://` over TCP as it is,
+//! `ntrips://` over TLS.
 //!
 //! A caster's stream also carries the ranges of its own station. They never reach the module: only
 //! whole frames of RTCM 3 that hold an ephemeris are passed on, each with its check.
@@ -12,8 +13,11 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, bail, ensure};
 
+mod tls;
+
 use super::inbox::Inbox;
 use super::input::{connect, is_timeout};
+use crate::run::words::say;
 use crate::signal::checksum::crc24q;
 
 /// Messages of RTCM 3 that hold an ephemeris.
@@ -33,9 +37,10 @@ const LONGEST_STATUS: usize = 512;
 /// Longest time to that line.
 const ANSWER: Duration = Duration::from_secs(10);
 
-/// A stream of a caster: `ntrip://user:password@host:port/mountpoint`.
+/// A stream of a caster: `ntrip://user:password@host:port/mountpoint`, or `ntrips://` for TLS.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Caster {
+    is_secure: bool,
     address: String,
     mountpoint: String,
     credentials: Option<String>,
@@ -45,8 +50,14 @@ impl FromStr for Caster {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let form = "a caster is ntrip://USER:PASSWORD@HOST:PORT/MOUNTPOINT";
-        let Some(rest) = text.strip_prefix("ntrip://") else { bail!("{form}, not `{text}`") };
+        let form = "a caster is ntrip://USER:PASSWORD@HOST:PORT/MOUNTPOINT, or ntrips:// for TLS";
+        let (is_secure, rest) = match (text.strip_prefix("ntrips://"), text.strip_prefix("ntrip://")) {
+            (Some(rest), _) => (true, rest),
+            (None, Some(rest)) => (false, rest),
+            // It may have a password.
+            (None, None) => bail!("{form}"),
+        };
+        ensure!(!is_secure || tls::IS_BUILT, "{}", tls::MISSING);
         let (credentials, rest) = match rest.rsplit_once('@') {
             Some((credentials, rest)) => (Some(credentials.to_owned()), rest),
             None => (None, rest),
@@ -55,8 +66,9 @@ impl FromStr for Caster {
             bail!("{form}: the mountpoint is missing")
         };
         ensure!(!address.is_empty() && !mountpoint.is_empty(), "{form}");
-        let address = if address.contains(':') { address.to_owned() } else { format!("{address}:2101") };
-        Ok(Self { address, mountpoint: mountpoint.to_owned(), credentials })
+        let port = if is_secure { 443 } else { 2101 };
+        let address = if address.contains(':') { address.to_owned() } else { format!("{address}:{port}") };
+        Ok(Self { is_secure, address, mountpoint: mountpoint.to_owned(), credentials })
     }
 }
 
@@ -68,7 +80,8 @@ pub(super) fn start(caster: Caster, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) 
         while !stop.load(Ordering::Relaxed) {
             let mut has_orbit = false;
             if let Err(error) = read(&caster, &inbox, &stop, &mut has_orbit) {
-                eprintln!("ntrip://{}/{}: {error:#}", caster.address, caster.mountpoint);
+                let scheme = if caster.is_secure { "ntrips" } else { "ntrip" };
+                say!("{scheme}://{}/{}: {error:#}", caster.address, caster.mountpoint);
             }
             if has_orbit {
                 pause = PAUSE;
@@ -104,7 +117,9 @@ fn read(caster: &Caster, inbox: &Inbox, stop: &AtomicBool, has_orbit: &mut bool)
 
 /// Asks for the stream, in the form that every caster of version 1 and 2 answers.
 fn request(caster: &Caster) -> Result<Box<dyn Read>> {
-    let mut stream = connect(&caster.address)?;
+    let stream = connect(&caster.address)?;
+    let mut stream: Box<dyn Line> =
+        if caster.is_secure { tls::secure(stream, host(&caster.address))? } else { Box::new(stream) };
     let authorization = caster.credentials.as_ref().map_or_else(String::new, |credentials| {
         format!("Authorization: Basic {}\r\n", base64(credentials.as_bytes()))
     });
@@ -126,6 +141,17 @@ fn request(caster: &Caster) -> Result<Box<dyn Read>> {
         return Ok(Box::new(Chunks::of(stream)));
     }
     Ok(Box::new(stream))
+}
+
+/// A line in both directions.
+trait Line: Read + Write {}
+
+impl<T: Read + Write> Line for T {}
+
+/// Returns the host of an address.
+fn host(address: &str) -> &str {
+    let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
+    host.trim_start_matches('[').trim_end_matches(']')
 }
 
 /// Reads the lines of a header up to the empty one; returns true if the stream comes in chunks.
@@ -299,6 +325,14 @@ mod tests {
         for wrong in ["", "ntrip://host:1", "http://host/MOUNT"] {
             assert!(wrong.parse::<Caster>().is_err(), "{wrong}");
         }
+        let secure = "ntrips://example.org/MOUNT".parse::<Caster>();
+        if tls::IS_BUILT {
+            let secure = secure.unwrap();
+            assert!(secure.is_secure && secure.address == "example.org:443" && !caster.is_secure);
+        } else {
+            assert!(secure.unwrap_err().to_string().contains("--features tls"));
+        }
+        assert_eq!(["a.b:1", "[::1]:443"].map(host), ["a.b", "::1"]);
     }
 
     /// NTRIP 1.0 answers an unknown mountpoint with its table.
