@@ -59,7 +59,7 @@ use core::cmp::Reverse;
 use heapless::Vec;
 use nalgebra::Vector3;
 use raim_core::frame::Ecef;
-use raim_core::numeric::sqrt;
+use raim_core::internals::numeric::sqrt;
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::sight::{Elevation, HORIZON, Sight, Skyline};
@@ -353,11 +353,11 @@ impl Entry {
     ) -> Insertion {
         let known = &mut self.ephemeris;
         let is_needed = is_stale(known, now);
-        if !is_needed && (is_stale(&offered, now) || known.is_of_bits > offered.is_of_bits) {
+        if !is_needed && (is_stale(&offered, now) || known.is_of_bits && !offered.is_of_bits) {
             return Insertion::Kept;
         }
         // Bits of the receiver are needed where there were none.
-        let is_needed = is_needed || offered.is_of_bits > known.is_of_bits;
+        let is_needed = is_needed || offered.is_of_bits && !known.is_of_bits;
         if !is_needed && (known.source, offered.source) == (Source::GalileoInav, Source::GalileoFnav) {
             known.merge_health(&offered);
             return Insertion::Kept;
