@@ -170,7 +170,9 @@ fn compare<T: Real>(scalar: Scalar, lives: std::ops::Range<usize>) {
 fn bytes_of_judging<const N: usize>(stage: Stage) -> ([usize; METHODS.len()], [usize; 2]) {
     let lives: Vec<Life> = (0..4 * METHODS.len() * POLICIES.len()).map(Life::random).collect();
     let mut bench = Bench::default();
-    lives.iter().for_each(|life| bench.request(stage, Scalar::Single, &life.bytes()));
+    for life in &lives {
+        bench.request(stage, Scalar::Single, &life.bytes());
+    }
     let answers = bench.run().expect("the image comes to its end");
     let (mut deepest, mut sizes) = ([0; METHODS.len()], [0; 2]);
     for (life, answers) in lives.iter().zip(answers.chunks(EPOCHS + 1)) {
