@@ -94,6 +94,7 @@ impl Allocation {
     ///
     /// # Errors
     /// [`AllocationError`] names the first field that is out of its range, with its value.
+    #[doc(hidden)]
     pub fn validate(self) -> Result<Self, AllocationError> {
         if !cfg!(feature = "araim") {
             return Ok(self);

@@ -292,11 +292,13 @@ impl<const N: usize> Epoch<N> {
     }
 
     /// Returns the shared error of each observation, in the same order.
+    #[doc(hidden)]
     pub fn shared(&self) -> &[SharedError] {
         &self.shared
     }
 
     /// Returns the aiding rows, in the order they were added.
+    #[doc(hidden)]
     pub fn aiding(&self) -> &[Aiding] {
         &self.aiding
     }

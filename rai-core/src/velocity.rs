@@ -98,6 +98,7 @@ impl Velocity {
     /// the vertical part are each compared with the speed plus their level.
     ///
     /// A NaN speed returns false.
+    #[doc(hidden)]
     pub fn is_within(&self, max_speed_m_s: f64) -> bool {
         let [east, north, up] = self.east_north_up_m_s.map(|component_m_s| component_m_s as f32);
         let reach = |level_m_s: f64| (max_speed_m_s + level_m_s) as f32;

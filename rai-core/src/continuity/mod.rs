@@ -135,6 +135,7 @@ impl ContinuitySettings {
     ///
     /// # Errors
     /// [`ContinuityError`] names the first field that is out of its range, with its value.
+    #[doc(hidden)]
     pub fn validate(self) -> Result<Self, ContinuityError> {
         // NaN fails each of these comparisons.
         if !(0.0..=1e5).contains(&self.max_speed_m_s) {

@@ -35,6 +35,7 @@ pub const SPEED_OF_LIGHT_M_S: f64 = 299_792_458.0;
 ///
 /// [WGS84]: crate#references
 /// [IS-GPS-200]: crate#references
+#[doc(hidden)]
 pub const EARTH_ROTATION_RAD_S: f64 = 7.292_115_146_7e-5;
 
 /// Semi-major axis of the ellipsoid, m ([WGS84]).
@@ -95,6 +96,7 @@ impl Ecef {
     }
 
     /// Returns true if all coordinates are finite.
+    #[doc(hidden)]
     pub fn is_finite(self) -> bool {
         self.x_m.is_finite() && self.y_m.is_finite() && self.z_m.is_finite()
     }
@@ -160,6 +162,7 @@ pub struct Enu {
 
 impl Enu {
     /// Returns the length of the horizontal part, in the unit of the components.
+    #[doc(hidden)]
     pub fn horizontal(self) -> f64 {
         libm::sqrt(self.east * self.east + self.north * self.north)
     }
@@ -258,6 +261,7 @@ impl LocalFrame {
     }
 
     /// Returns the height of the origin above the ellipsoid, m.
+    #[doc(hidden)]
     pub fn height_m(&self) -> f64 {
         self.height_m
     }

@@ -36,6 +36,7 @@ pub enum Method {
 impl Method {
     /// Returns true if a clock forecast or a known height may be a row. ARAIM has no fault mode for
     /// them.
+    #[doc(hidden)]
     pub fn allows_aiding(self) -> bool {
         !self.uses_ism()
     }

@@ -50,6 +50,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// Returns the continuity settings, or `None` if every epoch is judged independently.
+    #[doc(hidden)]
     pub fn continuity_settings(&self) -> Option<&ContinuitySettings> {
         self.continuity_settings.as_ref()
     }

@@ -59,6 +59,7 @@ impl Strategy {
     pub const DEFAULT: Self = Self { method: Method::Auto, noise: Noise::Auto, ..Self::CLASSIC };
 
     /// The classic threshold, sequential exclusion, levels that bound fault and noise, no aiding.
+    #[doc(hidden)]
     pub const CLASSIC: Self = Self {
         policy: Policy::T1,
         method: Method::Baarda,

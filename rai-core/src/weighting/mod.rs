@@ -180,6 +180,7 @@ impl IsmParameters {
     /// Checks every field: sigmas positive and up to 100 m, URE up to URA, bias up to 100 m,
     /// probabilities in [0, 0.5).
     #[inline(never)]
+    #[doc(hidden)]
     pub fn is_valid(&self) -> bool {
         let sigma = |value: f64| value > 0.0 && value <= 100.0;
         let probability = |value: f64| (0.0..0.5).contains(&value);

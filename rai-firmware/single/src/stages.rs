@@ -3,6 +3,7 @@
 //!
 //! Each function calls the generic one of its name.
 
+use raim_core::epoch::Epoch;
 use raim_core::internals::clock::{CoastingClock, Forecast, Observed};
 use raim_core::internals::integrity::araim::{
     self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors,
@@ -18,6 +19,8 @@ use raim_core::internals::integrity::raim::isolation::ransac::{self, Selection};
 use raim_core::internals::integrity::raim::levels::{self, Slopes};
 use raim_core::internals::least_squares::SnapshotError;
 use raim_core::internals::least_squares::equations::Row;
+use raim_core::monitor;
+use raim_core::report::Report;
 
 use crate::{CAPACITY, Snapshot};
 
@@ -111,4 +114,24 @@ pub fn forecast(clock: &CoastingClock<f32>, time_s: f64) -> Option<Forecast> {
 #[inline(never)]
 pub fn threshold(demand: &ThresholdProblem<'_>, policy: Policy) -> Result<PolicyThreshold, NoThreshold> {
     demand.threshold::<f32>(policy)
+}
+
+/// Calls [`Monitor::process_in`](monitor::Monitor::process_in).
+#[inline(never)]
+pub fn process_in<'m>(
+    monitor: &mut crate::Monitor,
+    memory: &'m mut crate::MonitorMemory,
+    epoch: &Epoch<CAPACITY>,
+) -> &'m Report<CAPACITY> {
+    monitor.process_in(memory, epoch)
+}
+
+/// Calls [`Monitor::process_in`](monitor::Monitor::process_in) for 16 satellites.
+#[inline(never)]
+pub fn process_sixteen_in<'m>(
+    monitor: &mut monitor::Monitor<f32, 16>,
+    memory: &'m mut monitor::MonitorMemory<f32, 16>,
+    epoch: &Epoch<16>,
+) -> &'m Report<16> {
+    monitor.process_in(memory, epoch)
 }

@@ -8,15 +8,21 @@
 //!
 //! Both are stored below `target`; nothing of them is part of the repository.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
+use anyhow::{Context as _, ensure};
 use raim::signal::sample::{self, Sample};
 use raim_core::frame::Ecef;
 
-use crate::bench::peers::sources;
 use xtask::cargo::root;
 use xtask::setup::agree;
 
+/// Archive of RTKLIB, and its SHA-256.
+const RTKLIB: [&str; 2] = [
+    "http://deb.debian.org/debian/pool/main/r/rtklib/rtklib_2.4.3.b34+dfsg.orig.tar.xz",
+    "81ad284ea51724dd562c5b9b60941bc9dc64733ab9c8f27ee29cfd056c11895a",
+];
 /// Folder of RTKLIB's recordings, below `target`.
 const FOLDER: &str = "target/recordings/rtklib";
 /// Observations and ephemerides of the station, in RTKLIB's archive.
@@ -44,7 +50,7 @@ pub fn fetch() -> anyhow::Result<()> {
     let [has_sample, has_station] = [kamakura().is_some(), station_3040().is_some()];
     let announced = [
         (has_sample, format!("fetch {} from the Python package index (0.4 MB) to target", sample::PACKAGE)),
-        (has_station, format!("fetch {} (32 MB) to target", sources::RTKLIB[0])),
+        (has_station, format!("fetch {} (32 MB) to target", RTKLIB[0])),
     ];
     let missing: Vec<String> =
         announced.into_iter().filter(|(is_there, _)| !is_there).map(|(_, words)| words).collect();
@@ -56,11 +62,32 @@ pub fn fetch() -> anyhow::Result<()> {
         sample::fetch(&root().join("target"))?;
     }
     if !has_station {
-        sources::fetch_rtklib(&folder(), &STATION)?;
+        fetch_rtklib(&folder(), &STATION)?;
     }
     Ok(())
 }
 
 fn folder() -> PathBuf {
     root().join(FOLDER)
+}
+
+/// Fetches the archive of RTKLIB unless it is there, checks it, and takes files from it.
+fn fetch_rtklib(to: &Path, files: &[&str]) -> anyhow::Result<()> {
+    let [address, sha256] = RTKLIB;
+    let folder = root().join("target/recordings");
+    std::fs::create_dir_all(&folder)?;
+    let archive = folder.join("rtklib.tar.xz");
+    let status = Command::new("python3")
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/fetch.py"))
+        .args([address, sha256])
+        .args([&archive, to])
+        .args(files)
+        .status()
+        .context("python3, which fetches RTKLIB, is missing: install it")?;
+    ensure!(
+        status.success(),
+        "RTKLIB could not be fetched: {address}, as any mirror or snapshot.debian.org has it, may also be put at {}",
+        archive.display()
+    );
+    Ok(())
 }

@@ -37,7 +37,6 @@ mod moving_receiver;
 mod no_panic;
 mod open_epochs;
 mod own_evidence;
-mod peers;
 mod pin_in_time;
 mod precision;
 mod python;

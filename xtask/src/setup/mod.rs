@@ -28,7 +28,7 @@ pub(crate) use consent::VARIABLE;
 pub use consent::{ask as agree, assume_yes, is_yes_assumed};
 pub use packages::Packages;
 
-use packages::{C_COMPILER, CONSUMERS, EMULATOR, PEERS, install};
+use packages::{C_COMPILER, CONSUMERS, EMULATOR, install};
 
 /// Processors that the libraries are compiled for, as the compiler names them; the chip's is first.
 pub const TARGETS: [&str; 4] = [
@@ -163,7 +163,7 @@ pub fn consumers() -> anyhow::Result<()> {
     let (folder, python) = (root().join("target/consumers"), python.display().to_string());
     let folder = folder.display().to_string();
     let has_emulator = ["qemu-aarch64", "qemu-aarch64-static"].into_iter().any(on_path);
-    if !has_emulator || !CONSUMER_PROGRAMS.into_iter().all(on_path) || !can_compile_peers() {
+    if !has_emulator || !CONSUMER_PROGRAMS.into_iter().all(on_path) || !has_c_library_of_chip() {
         take_all(&install(&CONSUMERS, Packages::look()))?;
     }
     run(&["python3", "-m", "venv", &folder])?;
@@ -183,20 +183,8 @@ pub fn add_target(target: &str) -> anyhow::Result<()> {
     run(&command)
 }
 
-/// Installs the programs that fetch and compile the peers of the benchmark.
-///
-/// # Errors
-/// As [`ensure()`].
-pub fn peers() -> anyhow::Result<()> {
-    if !can_compile_peers() || !on_path("python3") {
-        take_all(&install(&PEERS, Packages::look()))?;
-    }
-    ensure!(can_compile_peers(), "the set-up ran, and newlib for arm-none-eabi-gcc is still missing");
-    Ok(())
-}
-
 /// Returns true if the C compiler for the chip is there with a C library.
-pub fn can_compile_peers() -> bool {
+fn has_c_library_of_chip() -> bool {
     // The compiler answers with the bare name of a file that it does not find.
     let library = Command::new("arm-none-eabi-gcc").arg("-print-file-name=nosys.specs").output();
     library.is_ok_and(|output| output.stdout.contains(&b'/'))

@@ -68,15 +68,6 @@ pub(super) const CONSUMERS: Package = Package {
             Python with venv, lintian, man-db and qemu-user",
 };
 
-pub(super) const PEERS: Package = Package {
-    debian: &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi", "python3"],
-    // Homebrew's GCC comes without a C library.
-    brew: None,
-    command: "sudo apt-get update && sudo apt-get install --no-remove --no-install-recommends \
-              gcc-arm-none-eabi libnewlib-arm-none-eabi python3",
-    words: "install GCC for bare Arm with newlib (arm-none-eabi-gcc on the path), and Python 3",
-};
-
 /// Returns the steps that install a package.
 pub(super) fn install(package: &Package, packages: Packages) -> Vec<Step> {
     // A fresh machine knows no package before it has fetched its lists.

@@ -3,6 +3,7 @@
 use core::hint::black_box;
 
 use heapless::Vec;
+use raim_core::epoch::Epoch;
 use raim_core::frame::Ecef;
 use raim_core::internals::clock::{CoastingClock, WINDOW};
 use raim_core::internals::integrity::araim::{Allocation, AraimScratch, Prior, Priors};
@@ -15,6 +16,7 @@ use raim_core::internals::least_squares::{Snapshot, Workspace};
 use raim_core::internals::numeric::real::Real;
 use raim_core::internals::weighting::Ism;
 use raim_core::monitor::{Method, Monitor, MonitorMemory, Strategy};
+use raim_core::report::Report;
 use raim_core::requirements::Requirements;
 use raim_single::{CAPACITY, stages};
 
@@ -61,8 +63,8 @@ fn run_in<T: Precision>(
         // The loops take more ticks than the timer has.
         14 => answers.write(0, &copies::compare()),
         15 => answers.write(0, &roots::compare()),
-        16 => judge_in_a_thread::<16>(input, answers),
-        17 => judge_in_a_thread::<CAPACITY>(input, answers),
+        16 => judge_in_a_thread(input, answers, stages::process_sixteen_in),
+        17 => judge_in_a_thread(input, answers, stages::process_in),
         _ => None,
     }
 }
@@ -239,16 +241,24 @@ fn policy(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
     answers.write(ticks, &found)
 }
 
+/// `process_in` of an instance that is compiled for speed.
+type ProcessIn<const N: usize> =
+    for<'m> fn(&mut Monitor<f32, N>, &'m mut MonitorMemory<f32, N>, &Epoch<N>) -> &'m Report<N>;
+
 /// Judges as [`judge`], on the stack of a thread that has nothing else on it. The last answer has
 /// the bytes of the deepest stack, of the monitor and of its memory.
-fn judge_in_a_thread<const N: usize>(mut input: Input<'_>, answers: &mut Answers) -> Option<()> {
+fn judge_in_a_thread<const N: usize>(
+    mut input: Input<'_>,
+    answers: &mut Answers,
+    process_in: ProcessIn<N>,
+) -> Option<()> {
     let mut monitor = monitor::<f32, N>(&mut input)?;
     let mut memory = MonitorMemory::<f32, N>::new();
     let mut deepest = 0;
     for _ in 0..input.byte()? {
         let epoch = epoch::<N>(&mut input)?;
         let used = thread::depth_of(|| {
-            monitor.process_in(&mut memory, black_box(&epoch));
+            process_in(&mut monitor, &mut memory, black_box(&epoch));
         });
         deepest = deepest.max(used);
         answers.write(0, &memory.outcome().report)?;

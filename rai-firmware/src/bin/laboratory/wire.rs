@@ -58,11 +58,7 @@ fn learn(bytes: &[u8], store: &mut Store, last: &mut RawEpoch) {
         Event::Ephemeris(ephemeris) => {
             store.insert(ephemeris, None);
         }
-        Event::Redated(_)
-        | Event::Position(_)
-        | Event::Ionosphere(..)
-        | Event::SelfReport(_)
-        | Event::Rivalry(_) => {}
+        _ => {}
     });
 }
 
@@ -124,11 +120,7 @@ pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
         Event::Ephemeris(ephemeris) => {
             navigator.learn(ephemeris, None);
         }
-        Event::Redated(_)
-        | Event::Position(_)
-        | Event::Ionosphere(..)
-        | Event::SelfReport(_)
-        | Event::Rivalry(_) => {}
+        _ => {}
     });
     let time = last?;
     let mut host = Host { bytes: 0 };

@@ -14,7 +14,6 @@ mod figure;
 pub mod host;
 pub mod library;
 pub mod memory;
-pub mod peers;
 pub mod stages;
 pub mod time;
 pub mod workload;

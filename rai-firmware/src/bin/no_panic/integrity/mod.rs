@@ -378,6 +378,8 @@ fn as_a_module_runs_it() {
         raim_single::position as fn(_, _, _) -> _,
         raim_single::levels as fn(_, _, _, _, _) -> _,
         raim_single::solve as fn(_) -> _,
+        stages::process_in as fn(_, _, _) -> _,
+        stages::process_sixteen_in as fn(_, _, _) -> _,
         stages::leave_out as fn(_, _) -> _,
         stages::take_back as fn(_, _) -> _,
         stages::worst_two as fn(_) -> _,

@@ -1,11 +1,8 @@
 //! `cargo xtask bench`: the cost of the module on the chip.
 
 use anyhow::{Context as _, ensure};
-use rig::bench::peers::Comparison;
-use rig::bench::peers::sources::Sources;
 use rig::bench::{self, Measurement, Scope, budget};
 use rig::board;
-use rig::setup;
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -27,15 +24,8 @@ pub(crate) struct Arguments {
     /// budget
     #[arg(long, conflicts_with_all = ["check", "save"])]
     host: bool,
-    /// Measure libswiftnav and RTKLIB on the same epochs; fetches their sources, and installs the C
-    /// compiler
-    #[arg(long, conflicts_with_all = ["check", "save", "host"])]
-    peers: bool,
-    /// Time ARAIM on this machine beside sidereon-core; the first run compiles for minutes
-    #[arg(long, conflicts_with_all = ["check", "save", "host", "peers"])]
-    sidereon: bool,
     /// Profile the first stage whose name contains this text, by function
-    #[arg(long, value_name = "STAGE", conflicts_with_all = ["check", "save", "host", "peers", "sidereon"])]
+    #[arg(long, value_name = "STAGE", conflicts_with_all = ["check", "save", "host"])]
     profile: Option<String>,
 }
 
@@ -44,8 +34,6 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     match &arguments.profile {
         Some(stage) => profile(stage),
         None if arguments.host => host(),
-        None if arguments.peers => peers(),
-        None if arguments.sidereon => sidereon(),
         None => target(arguments),
     }
 }
@@ -60,19 +48,6 @@ fn profile(stage: &str) -> anyhow::Result<()> {
 fn host() -> anyhow::Result<()> {
     cargo(&["bench", "--package", "tests-host", "--bench", "throughput"])?;
     cargo(&["run", "--release", "--package", "rig", "--example", "judged"])
-}
-
-fn peers() -> anyhow::Result<()> {
-    ensure!(board::is_installed(), "the emulator is needed: `cargo xtask setup` installs it");
-    setup::peers()?;
-    let sources = Sources::fetch(|what| eprintln!("fetching {what}"))?;
-    println!("{}", Comparison::take(&sources, |at| eprintln!("measuring {at}"))?);
-    Ok(())
-}
-
-fn sidereon() -> anyhow::Result<()> {
-    const PROGRAM: &str = "tests-host/peers/sidereon/Cargo.toml";
-    cargo(&["run", "--release", "--manifest-path", PROGRAM, "--target-dir", "target/peers/sidereon"])
 }
 
 fn cargo(arguments: &[&str]) -> anyhow::Result<()> {

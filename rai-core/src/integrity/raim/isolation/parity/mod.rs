@@ -9,8 +9,8 @@
 //! |---|---|---|
 //! | simultaneous (A) | all with `|ρ_i| ≥ ρ_T` at once | [`simultaneous`] |
 //! | sequential | the largest `|w|`, repeatedly, until the rest passes | [`sequential`] |
-//! | hybrid (B, C) | those of A if the set is minimal and the rest passes, else sequential (B), else grouping (C) | [`hybrid`] |
-//! | grouping (D) | of all sets of 1, 2, … rows the one with the smallest `SSE_E`, until the rest passes | [`grouping`] |
+//! | hybrid (B, C) | those of A if the set is minimal and the rest passes, else sequential (B), else grouping (C) | [`hybrid`](fn@hybrid) |
+//! | grouping (D) | of all sets of 1, 2, … rows the one with the smallest `SSE_E`, until the rest passes | [`grouping`](fn@grouping) |
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|

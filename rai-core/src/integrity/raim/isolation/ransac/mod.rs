@@ -4,7 +4,7 @@
 //! The satellites are dealt into `M = ⌊n/(3 + C)⌋` disjoint subsets of good geometry
 //! ([`Selection`]). Each subset determines a position, with which every other satellite is
 //! compared. A fault spoils one subset only, and the others show which satellite is faulty
-//! ([`consensus`]). A least-squares solution without the faulty satellites then finds small faults
+//! ([`consensus`](fn@consensus)). A least-squares solution without the faulty satellites then finds small faults
 //! ([`refine`]).
 //!
 //! ```text
