@@ -107,7 +107,7 @@ fn leap(effort: Effort) -> Result<Vec<Figure>> {
         let mut tally = Tally::default();
         for &away_m in away {
             // A set that differs in nothing is a copy of the one before.
-            let change = |set: &mut TimedEphemeris, since_s: f64| turn(set, away_m + since_s * 0.01);
+            let change = |set: &mut TimedEphemeris, since_s: f64| turn(set, away_m + since_s * 1e-3);
             tally = tally.with(&attempt_beside(60, &change, is_truth_sent, 2400)?);
         }
         let (name, most) = if is_truth_sent {
