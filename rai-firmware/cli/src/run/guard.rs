@@ -59,11 +59,15 @@ fn watch(wire: &Wire, stop: &AtomicBool, fed_ms: &AtomicU64, start: Instant) {
             return;
         }
         let now = start.elapsed();
-        if now.saturating_sub(before) > pause + STOPPED {
-            // Nobody could come round, and the loop has its time from now on.
-            excused = now;
-        }
         let fed = Duration::from_millis(fed_ms.load(Ordering::Relaxed));
+        if now.saturating_sub(before) > pause + STOPPED {
+            // Nobody could come round, and the loop has its time from now on. Until it does, nothing
+            // is judged.
+            excused = now;
+            if now.saturating_sub(fed) > PATIENCE {
+                wire.try_low();
+            }
+        }
         let silent = now.saturating_sub(fed.max(excused));
         if silent > PATIENCE && !fed.is_zero() {
             // The program ends either way; a pin that cannot be set is systemd's to drop.

@@ -161,6 +161,15 @@ impl Wire {
         }
     }
 
+    /// Drives the wire low, unless another thread drives it at this moment.
+    pub(super) fn try_low(&self) {
+        if let Ok(is_closed) = self.is_closed.try_lock() {
+            // If it fails, the next look tries again.
+            let _ = self.set(false);
+            drop(is_closed);
+        }
+    }
+
     /// Drives the wire low, and lets no thread drive it while something else is done.
     #[cfg(unix)]
     pub(super) fn hold_low(&self, meanwhile: impl FnOnce()) {

@@ -1,7 +1,7 @@
 //! A receiver that sends no ranges any more, and other messages still.
 //!
 //! ```text
-//! no epoch for max(5 s, 3 usual intervals), and valid frames after that ─► its ranges are missing
+//! no epoch for max(5 s, 3 usual intervals), and valid frames for 2 s after that ─► its ranges are missing
 //! ```
 //!
 //! The module reports `STALE`, as for a line that is dead. Here the line lives, and the usual cause is
@@ -12,6 +12,9 @@
 const SHORTEST_MS: u64 = 5000;
 /// Usual intervals between epochs after which they are missing.
 const INTERVALS: u64 = 3;
+/// Time for which frames must come without an epoch, ms: a computer that has slept gets the first
+/// frames before the next epoch.
+const CERTAIN_MS: u64 = 2000;
 /// Time after the last valid frame after which the line counts as dead, ms.
 const DEAD_MS: u64 = 10_000;
 
@@ -24,6 +27,8 @@ pub(super) struct Ranges {
     /// Valid frames so far, and the instant of the last one, ms.
     frames: u32,
     heard_ms: u64,
+    /// The instant of the first frame after an epoch was due, ms.
+    late_ms: Option<u64>,
     are_missing: bool,
     is_said: bool,
 }
@@ -39,7 +44,12 @@ impl Ranges {
         match self.last {
             Some((last_s, since_ms)) if last_s.to_bits() == tag_s.to_bits() => {
                 let due_ms = since_ms + SHORTEST_MS.max(INTERVALS.saturating_mul(self.interval_ms));
-                self.are_missing = self.heard_ms > due_ms && now_ms.saturating_sub(self.heard_ms) < DEAD_MS;
+                if self.heard_ms > due_ms {
+                    self.late_ms.get_or_insert(self.heard_ms);
+                }
+                let is_certain =
+                    self.late_ms.is_some_and(|late_ms| now_ms.saturating_sub(late_ms) > CERTAIN_MS);
+                self.are_missing = is_certain && now_ms.saturating_sub(self.heard_ms) < DEAD_MS;
                 let said = "the receiver sends no ranges any more, and other messages still: has its \
                             configuration changed?";
                 (self.are_missing && !std::mem::replace(&mut self.is_said, true)).then_some(said)
@@ -49,7 +59,7 @@ impl Ranges {
                     self.interval_ms = now_ms.saturating_sub(since_ms);
                 }
                 self.last = Some((tag_s, now_ms));
-                self.are_missing = false;
+                (self.late_ms, self.are_missing) = (None, false);
                 std::mem::take(&mut self.is_said).then_some("the receiver sends ranges again")
             }
         }
@@ -89,7 +99,7 @@ mod tests {
         assert_eq!(said(&mut ranges, 0..20, 1, true), []);
         let have = said(&mut ranges, 20..45, 0, true);
         assert!(
-            have.len() == 1 && (24..27).contains(&have[0].0) && have[0].1.contains("no ranges"),
+            have.len() == 1 && (26..29).contains(&have[0].0) && have[0].1.contains("no ranges"),
             "{have:?}"
         );
         assert!(ranges.are_missing());

@@ -130,7 +130,7 @@ pub fn run(program: &Program, seconds: u32, folder: &Path, tell: impl Fn(u64)) -
         "--set=OUTPUT=GSV,1".to_owned(),
         "--quiet".to_owned(),
     ];
-    let mut process = Process::start(program, &arguments, &Pace::of(program)?)?;
+    let mut process = Process::start(program, &arguments, &Pace::Real(Instant::now()))?;
     let readers = Arc::new(Readers::default());
     for (address, read) in
         [(sentences, read_sentences as fn(TcpStream, &Readers)), (share, read_bytes), (page, read_events)]

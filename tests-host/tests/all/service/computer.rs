@@ -233,8 +233,8 @@ fn verdict_of_before_a_sleep_does_not_stand_after_it() {
     assert!(is_high(folder.path()), "the time to alert has not passed");
     clocks.shift(asleep_s, asleep_s);
     service.fall(Duration::from_secs(1));
-    let due = last + Duration::from_secs_f64(awake_s) - Duration::from_secs(1) / RATE_HZ;
-    thread::sleep(due.saturating_duration_since(Instant::now()));
+    let due = Duration::from_secs_f64(awake_s - 1.0 / f64::from(RATE_HZ));
+    thread::sleep(due.saturating_sub(last.elapsed()));
     service.rise(90);
 }
 
@@ -353,8 +353,8 @@ fn stop_by_the_terminal_lowers_the_pin_and_epochs_after_it_raise_it() {
     let start = Instant::now();
     let state = || {
         let status = File::open(format!("/proc/{}/status", service.child.id())).unwrap();
-        let lines = BufReader::new(status).lines().map_while(Result::ok);
-        lines.filter_map(|line| line.strip_prefix("State:\t").map(str::to_owned)).next().unwrap()
+        let mut lines = BufReader::new(status).lines().map_while(Result::ok);
+        lines.find_map(|line| line.strip_prefix("State:\t").map(str::to_owned)).unwrap()
     };
     while is_high(folder.path()) || !state().starts_with('T') {
         assert!(start.elapsed() < Duration::from_secs(1), "{}", state());

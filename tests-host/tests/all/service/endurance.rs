@@ -1,4 +1,4 @@
-//! Two minutes of what `cargo xtask endure` does for an hour.
+//! Two minutes of what `cargo xtask endure` does for an hour, and ten seconds of its other mode.
 
 use std::ffi::OsString;
 use std::io::{BufRead as _, BufReader};
@@ -51,20 +51,34 @@ fn obey(stream: TcpStream, clock: &Clock) {
     }
 }
 
+/// Returns this test program as the service.
+fn program() -> Program {
+    let words = ["service::endurance::service_of_its_own", "--exact", "--nocapture"].map(OsString::from);
+    let own = std::env::current_exe().unwrap().into_os_string();
+    Program {
+        command: [own].into_iter().chain(words).collect(),
+        variables: vec![("RUST_TEST_THREADS".into(), "1".into())],
+    }
+}
+
 /// Many seconds each.
 mod at_length {
     use super::*;
 
     #[test]
-    fn two_minutes_of_cuts_kills_and_dead_clients_lose_nothing() {
-        let words = ["service::endurance::service_of_its_own", "--exact", "--nocapture"].map(OsString::from);
-        let own = std::env::current_exe().unwrap().into_os_string();
-        let program = Program {
-            command: [own].into_iter().chain(words).collect(),
-            variables: vec![("RUST_TEST_THREADS".into(), "1".into())],
-        };
+    fn ten_seconds_of_every_reader_at_once_lose_nothing() {
         let folder = tempfile::tempdir().unwrap();
-        let mut outcome = endurance::run(&program, 120, folder.path(), |_| ()).unwrap();
+        let mut outcome = endurance::readers::run(&program(), 10, folder.path(), |_| ()).unwrap();
+        println!("{outcome}");
+        // The costs are those of a test program; the command measures the others.
+        (outcome.load, outcome.memory_kib) = (0.0, 0);
+        assert_eq!(outcome.broken(), [""; 0]);
+    }
+
+    #[test]
+    fn two_minutes_of_cuts_kills_and_dead_clients_lose_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut outcome = endurance::run(&program(), 120, folder.path(), |_| ()).unwrap();
         println!("{outcome}");
         // The load is that of a program that was not compiled for speed; the command measures the
         // other.

@@ -69,11 +69,11 @@ fn receiver_that_sends_no_ranges_any_more_is_told_from_a_dead_line() {
     let arguments = Arguments { input, output, page: Some(page.to_string()), ..Arguments::default() };
     let mut service = Service::start(folder.path(), arguments);
     let (mut line, _) = receiver.accept().unwrap();
-    let pieces = pieces(80);
+    let pieces = pieces(90);
     service.send(&mut line, &pieces[..20]);
     assert!(is_high(folder.path()) && get(page, "/state.json").contains("\"has_ranges\":true"));
     // NAV-PVT alone: the receiver's own position.
-    let own = vec![ubx::frame([0x01, 0x07], &[0; 92]); 40];
+    let own = vec![ubx::frame([0x01, 0x07], &[0; 92]); 50];
     service.send(&mut line, &own);
     assert!(!is_high(folder.path()));
     let state = get(page, "/state.json");
@@ -81,6 +81,6 @@ fn receiver_that_sends_no_ranges_any_more_is_told_from_a_dead_line() {
         assert!(state.contains(part), "{part}: {state}");
     }
     assert!(get(page, "/metrics").contains("rai_receiver_ranges 0\n"));
-    service.send(&mut line, &pieces[60..]);
+    service.send(&mut line, &pieces[70..]);
     assert!(get(page, "/state.json").contains("\"has_ranges\":true"));
 }
