@@ -355,7 +355,7 @@ impl Input {
 /// stream.
 pub(crate) fn station(frame: &[u8]) -> Option<Ecef> {
     let frame = protocol::whole::<rtcm::Rtcm>(frame)?;
-    match rtcm::Rtcm::read(&frame, &mut (), &Calendar::new(), &mut Counters::NONE.clone()) {
+    match rtcm::Rtcm::read_alone(&frame, &Calendar::new()) {
         Ok(Some(Message::Position(point))) => Some(point),
         _ => None,
     }

@@ -7,7 +7,7 @@
 //! | generated | use |
 //! |---|---|
 //! | `Format` | names the format of a frame; its functions call those of the implementation |
-//! | `Memory` | holds the state of each format between frames |
+//! | `Memory` | holds the state of each format between frames, and what they share |
 //! | `Measured` | holds the ranges of a message, still encoded |
 //!
 //! No function of [`Protocol`] has a default, so that an incomplete format does not compile. Calls
@@ -19,6 +19,8 @@ use core::fmt::Debug;
 use raim_core::satellite::SatelliteId;
 
 use super::calendar::Calendar;
+#[cfg(feature = "ubx")]
+use super::navigation::Navigation;
 use super::{Counters, Message, Unread};
 use crate::raw::RawSignal;
 
@@ -55,9 +57,30 @@ pub(super) trait Protocol {
     fn read<'a>(
         frame: &Frame<'a>,
         memory: &mut Self::Memory,
+        shared: &mut Shared,
         calendar: &Calendar,
         counters: &mut Counters,
     ) -> Result<Option<Message<'a>>, Unread>;
+}
+
+/// State that formats share: the satellites send the same bits to every receiver, so that their
+/// pages need room only once.
+#[derive(Debug)]
+pub(super) struct Shared {
+    /// Incomplete navigation messages.
+    #[cfg(feature = "ubx")]
+    pub(super) navigation: Navigation,
+}
+
+impl Shared {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        Self {
+            #[cfg(feature = "ubx")]
+            navigation: Navigation::new(),
+        }
+    }
 }
 
 /// Ranges of one message, still encoded.
@@ -192,7 +215,15 @@ macro_rules! formats {
             ) -> Result<Option<Message<'a>>, Unread> {
                 match self {
                     $($(#[$condition])*
-                    Self::$Name => <$module::$Name as Protocol>::read(frame, &mut memory.$module, calendar, counters),)+
+                    Self::$Name => {
+                        <$module::$Name as Protocol>::read(
+                            frame,
+                            &mut memory.$module,
+                            &mut memory.shared,
+                            calendar,
+                            counters,
+                        )
+                    })+
                 }
             }
         }
@@ -201,6 +232,7 @@ macro_rules! formats {
         #[derive(Debug)]
         struct Memory {
             $($(#[$condition])* $module: <$module::$Name as Protocol>::Memory,)+
+            shared: protocol::Shared,
         }
 
         impl Memory {
@@ -208,7 +240,10 @@ macro_rules! formats {
             #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
             #[inline(always)]
             fn new() -> Self {
-                Self { $($(#[$condition])* $module: <$module::$Name as Protocol>::at_start(),)+ }
+                Self {
+                    $($(#[$condition])* $module: <$module::$Name as Protocol>::at_start(),)+
+                    shared: protocol::Shared::new(),
+                }
             }
         }
 
