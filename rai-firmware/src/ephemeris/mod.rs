@@ -207,6 +207,9 @@ pub struct Ephemeris {
     health: Health,
     satellite: SatelliteId,
     source: Source,
+    /// True if the receiver decoded the set, so that the module has checked no parity of it.
+    #[cfg(feature = "sbf")]
+    is_decoded: bool,
 }
 
 impl Ephemeris {
@@ -229,6 +232,8 @@ impl Ephemeris {
             health: broadcast.health,
             satellite: broadcast.satellite,
             source: broadcast.source,
+            #[cfg(feature = "sbf")]
+            is_decoded: false,
         })
     }
 
@@ -253,7 +258,22 @@ impl Ephemeris {
             health: broadcast.health,
             satellite: broadcast.satellite,
             source,
+            #[cfg(feature = "sbf")]
+            is_decoded: false,
         })
+    }
+
+    /// Returns the same as a set that the receiver decoded.
+    #[cfg(feature = "sbf")]
+    pub(crate) fn decoded(self) -> Self {
+        Self { is_decoded: true, ..self }
+    }
+
+    /// Returns true if the receiver decoded this set, and the other one of the same issue came as
+    /// checked bits.
+    #[cfg(feature = "sbf")]
+    fn yields_to(&self, other: &Self) -> bool {
+        self.is_decoded && !other.is_decoded && (self.source, self.toe) == (other.source, other.toe)
     }
 
     /// Returns the satellite.
@@ -299,6 +319,15 @@ impl Ephemeris {
         self.health = fnav.health.over(self.health);
         let [_, with_e5a_m] = &mut self.accuracies_m;
         [_, *with_e5a_m] = fnav.accuracies_m;
+    }
+
+    /// Takes the health and the accuracy of a set that the receiver decoded, which may be newer than
+    /// those of the same issue.
+    #[cfg(feature = "sbf")]
+    fn merge_decoded(&mut self, decoded: &Self) {
+        self.health = decoded.health.over(self.health);
+        let ([own_m, _], [decoded_m, _]) = (&mut self.accuracies_m, decoded.accuracies_m);
+        *own_m = decoded_m;
     }
 
     /// Copies the earlier health of signals that this message does not report on. From a stale set

@@ -39,6 +39,10 @@
 //! [`Store::displaced`] counts the displaced sets of satellites in sight. [`RIVALS`] contradicting
 //! sets are stored. If there are more, the known set stays and counts as disputed.
 //!
+//! **Decoded sets.** If a receiver sends a set both as bits and decoded, the bits stay in use,
+//! because their parities were checked. The decoded set of the same issue renews only health and
+//! accuracy.
+//!
 //! **State vectors** are integrated, and the part that the next epochs share is stored
 //! ([`Store::advance`]).
 
@@ -313,6 +317,11 @@ impl Entry {
         let known = &mut self.ephemeris;
         let (is_useless, is_needed) = (is_stale(&offered, now), is_stale(known, now));
         if is_useless && !is_needed {
+            return Insertion::Kept;
+        }
+        #[cfg(feature = "sbf")]
+        if !is_needed && !self.is_disputed && offered.yields_to(known) && agree(known, &offered, now) {
+            known.merge_decoded(&offered);
             return Insertion::Kept;
         }
         if !is_needed && (known.source, offered.source) == (Source::GalileoInav, Source::GalileoFnav) {

@@ -1,8 +1,8 @@
 //! Bytes of the GNSS port to events: frames, messages, epochs.
 //!
 //! ```text
-//! bytes ──► framer ──frame──► rtcm, ubx ──Message──► assembly ──► Event::Epoch
-//!           checked once      read once              └─────────► Event::Ephemeris, Event::Position
+//! bytes ──► framer ──frame──► rtcm, ubx, sbf ──Message──► assembly ──► Event::Epoch
+//!           checked once      read once                   └─────────► Event::Ephemeris, Event::Position
 //! ```
 //!
 //! | module | content |
@@ -11,6 +11,7 @@
 //! | `framer` | finds frames of all formats in the stream, and checks each once |
 //! | `rtcm` | reads the messages of RTCM 3 |
 //! | [`ubx`] | reads the messages of u-blox receivers |
+//! | `sbf` | reads the blocks of Septentrio receivers |
 //! | `navigation` | reads the navigation bits of satellites, whatever format brings them |
 //! | `bits` | fields of navigation messages |
 //! | `elements` | places of the orbital elements in each message |
@@ -65,6 +66,8 @@ mod present_week;
 mod protocol;
 mod roll_over;
 mod rtcm;
+#[cfg(feature = "sbf")]
+mod sbf;
 mod suspicion;
 mod system;
 #[cfg(test)]
@@ -140,6 +143,12 @@ enum Message<'a> {
     /// A position, a velocity and a clock, not yet checked.
     #[cfg(feature = "glonass")]
     State(StateBroadcast),
+    /// An orbit and a clock that the receiver decoded, not yet checked.
+    #[cfg(feature = "sbf")]
+    Decoded(Broadcast),
+    /// A position, a velocity and a clock that the receiver decoded, not yet checked.
+    #[cfg(all(feature = "sbf", feature = "glonass"))]
+    DecodedState(StateBroadcast),
     /// Time to within seconds, and GPS time minus UTC, s.
     #[cfg(feature = "glonass")]
     Time(GpsTime, u8),
@@ -169,6 +178,10 @@ struct Ranges<'a> {
     stated: Option<(GpsTime, Option<u8>)>,
     /// True if the message states that more messages of the same instant follow.
     more_follow: bool,
+    /// Milliseconds by which the receiver clock has jumped so far, modulo 256, if the format states
+    /// it.
+    #[cfg(feature = "sbf")]
+    clock_jumps_ms: Option<u8>,
     measured: Measured<'a>,
 }
 
@@ -181,6 +194,8 @@ formats! {
     rtcm::Rtcm,
     #[cfg(feature = "ubx")]
     ubx::Ubx,
+    #[cfg(feature = "sbf")]
+    sbf::Sbf,
     #[cfg(test)]
     toy::Toy,
 }
@@ -331,6 +346,16 @@ impl Input {
                 Some(Message::State(state)) => {
                     learn(&|| Ephemeris::of_state(&state), calendar, assembly, counters, tell);
                 }
+                #[cfg(feature = "sbf")]
+                Some(Message::Decoded(broadcast)) => {
+                    let decoded = || Ephemeris::new(&broadcast).map(Ephemeris::decoded);
+                    learn(&decoded, calendar, assembly, counters, tell);
+                }
+                #[cfg(all(feature = "sbf", feature = "glonass"))]
+                Some(Message::DecodedState(state)) => {
+                    let decoded = || Ephemeris::of_state(&state).map(Ephemeris::decoded);
+                    learn(&decoded, calendar, assembly, counters, tell);
+                }
                 #[cfg(feature = "glonass")]
                 Some(Message::Time(time, leap_s)) => calendar.hear_receiver(time, Some(leap_s), counters),
                 Some(Message::Position(point)) => tell(Event::Position(point)),
@@ -398,6 +423,9 @@ enum Unread {
     Satellite,
     /// The leap seconds are unknown, which GLONASS needs.
     LeapUnknown,
+    /// The ranges are scrambled.
+    #[cfg(feature = "sbf")]
+    Scrambled,
     /// The navigation bits are of a signal that is not read.
     BitsOther,
     /// The navigation bits have a wrong number of words, preamble or flags.
@@ -421,6 +449,8 @@ impl Unread {
             Self::WithoutWeek => &mut counters.epochs_without_week,
             Self::Satellite => &mut counters.satellites_unknown,
             Self::LeapUnknown => &mut counters.leap_unknown,
+            #[cfg(feature = "sbf")]
+            Self::Scrambled => &mut counters.epochs_scrambled,
             Self::BitsOther => &mut counters.subframes_other,
             Self::BitsMalformed => &mut counters.subframes_malformed,
             Self::BitsParity => &mut counters.subframes_parity,

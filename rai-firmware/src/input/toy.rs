@@ -69,6 +69,8 @@ impl Protocol for Toy {
             of_utc_ms: None,
             stated: Some((time, None)),
             more_follow: false,
+            #[cfg(feature = "sbf")]
+            clock_jumps_ms: None,
             measured: Measured::Toy(ToyRanges(measurements)),
         })))
     }
