@@ -8,7 +8,7 @@
 //! | [`sky`] | simulated skies: orbits, noise, receiver clock |
 //! | [`measurement`] | measurements of a receiver and broadcasts of satellites, before any wire format |
 //! | [`recording`], [`sample`] | RINEX 2, 3 and 4; a small real recording for users without one |
-//! | [`capture`] | bytes of a receiver: UBX and RTCM 3, cut into epochs |
+//! | [`capture`] | bytes of a receiver: UBX, SBF and RTCM 3, cut into epochs |
 //! | [`fault`] | steps, ramps, shifts of a constellation, outages, clock jumps, around any source |
 //! | [`encode`] | raw epochs and ephemerides to RTCM 3 and UBX |
 //! | [`lump`], [`lumps`], [`pieces`] | bytes of one epoch, a source of them, and the frames in them |

@@ -90,7 +90,7 @@ fn what_is_no_capture_is_refused_by_name() {
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec(), "a picture"),
         (b"%PDF-1.7 etc".to_vec(), "a PDF"),
         (b"week,tow,x_m,y_m,z_m\n".to_vec(), "text"),
-        (vec![0; 9999], "no frame of UBX or RTCM 3"),
+        (vec![0; 9999], "no frame of UBX, SBF or RTCM 3"),
         (rinex("OBSERVATION DATA").into_bytes(), "RINEX observation file: give it with --obs"),
         (rinex("NAVIGATION DATA").into_bytes(), "RINEX navigation file: give it with --nav"),
         (position, "holds 3 NAV-PVT. missing: ranges and orbits: RXM-RAWX"),
