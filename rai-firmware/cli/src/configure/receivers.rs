@@ -198,7 +198,7 @@ fn by_block(wire: &str) -> Vec<Step> {
     };
     vec![
         line(format!("setDataInOut, {wire}, , +SBF"), "SBF on the port", Need::Ranges),
-        stream(1, "MeasEpoch+EndOfMeas", "sec1", "ranges every second", Need::Ranges),
+        stream(1, "MeasEpoch", "sec1", "ranges every second", Need::Ranges),
         stream(
             2,
             "GPSRawCA+GLORawCA+GALRawINAV+GALRawFNAV+BDSRaw+QZSRawL1CA",

@@ -113,7 +113,7 @@ impl Found {
         }
         let what = match self.form {
             Form::Ubx => "RXM-RAWX",
-            Form::Sbf => "MeasEpoch, with EndOfMeas",
+            Form::Sbf => "MeasEpoch",
             Form::Rtcm => "MSM4 to MSM7 (1077, 1097, 1127)",
             Form::Rinex => "pseudoranges of the selected systems in the observation files",
             Form::Unknown => {

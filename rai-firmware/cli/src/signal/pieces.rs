@@ -49,12 +49,10 @@ impl Kind {
 
     /// Ranges of Septentrio receivers.
     pub const MEAS_EPOCH: Self = Self::Sbf(4027);
-    /// End of the ranges of an epoch of Septentrio receivers.
-    pub const END_OF_MEAS: Self = Self::Sbf(5922);
 
     /// Returns true for ranges from which the module uses ranges or time.
     pub fn has_ranges(self) -> bool {
-        matches!(self, Self::RAWX | Self::MEAS_EPOCH | Self::END_OF_MEAS | Self::Rtcm(1071..=1137))
+        matches!(self, Self::RAWX | Self::MEAS_EPOCH | Self::Rtcm(1071..=1137))
     }
 
     /// Returns true for whole ranges; those of MSM1 to MSM3 are not.

@@ -7,14 +7,14 @@
 //! | block | content |
 //! |---|---|
 //! | `MeasEpoch` 4027 | ranges of an epoch ([`meas_epoch`]) |
-//! | `EndOfMeas` 5922 | end of the epoch |
 //! | `Meas3Ranges` 4109 | compressed ranges, which are not read; [`Counters::meas3_only`] counts them if `MeasEpoch` is missing |
 //! | `GPSRawCA` 4017, `QZSRawL1CA` 4066, `GALRawFNAV` 4022, `GALRawINAV` 4023, `GLORawCA` 4026, `BDSRaw` 4047 | navigation bits ([`raw_bits`]), which [`super::navigation`] reads |
 //! | `GPSRawL2C` 4018, `GPSRawL5` 4019, `QZSRawL2C` 4067, `QZSRawL5` 4068, `GEORawL1` 4020 | navigation bits that are only counted |
 //! | `GPSNav` 5891, `GALNav` 4002, `BDSNav` 4081, `GLONav` 4004 | ephemerides that the receiver decoded ([`decoded`]) |
 //! | `RFStatus` 4092, `GALAuthStatus` 4245, DOP 4001, `RAIMStatistics` 4011 | the receiver's own judgement ([`judgement`]) |
 //!
-//! An epoch ends with `EndOfMeas`, with a `MeasEpoch` of another time, or when the line is silent.
+//! `MeasEpoch` has all signals of its instant, so that the epoch is complete with it, and nothing
+//! waits for `EndOfMeas` 5922, which many streams do not have.
 //!
 //! References: [SBF]; `pysbf2` 1.0.7 and RTKLIB's `septentrio.c` have the same layouts.
 //!
@@ -33,7 +33,7 @@ use super::navigation::Navigation;
 use super::protocol::Frame;
 use super::{Counters, Measured, Message, Ranges, Unread};
 use crate::counters::count;
-use crate::time::{GpsTime, WEEK_MS};
+use crate::time::WEEK_MS;
 
 use block::Block;
 use judgement::Levels;
@@ -49,8 +49,6 @@ const ALONE: u8 = 2;
 /// State between blocks.
 #[derive(Debug)]
 pub(super) struct State {
-    /// Time of week of the epoch that `EndOfMeas` has not ended yet, ms.
-    open_ms: Option<u32>,
     /// Time of week of the last `MeasEpoch`, or of the first compressed ranges, ms.
     ranges_ms: Option<u32>,
     /// Number of compressed epochs since the last `MeasEpoch`.
@@ -60,7 +58,7 @@ pub(super) struct State {
 
 impl State {
     const fn new() -> Self {
-        Self { open_ms: None, ranges_ms: None, compressed: 0, levels: Levels::new() }
+        Self { ranges_ms: None, compressed: 0, levels: Levels::new() }
     }
 
     /// Counts compressed ranges if no others come.
@@ -86,7 +84,6 @@ fn read<'a>(
     let block = Block::of(frame);
     match block.number() {
         4027 => meas_epoch(&block, state, counters).map(Some),
-        5922 => end_of_meas(&block, state),
         4109 => {
             state.hear_compressed(block.time()?.tow_ms, counters);
             Err(Unread::Other)
@@ -109,7 +106,7 @@ fn read<'a>(
     }
 }
 
-/// Reads the ranges of an epoch, which is complete with `EndOfMeas`.
+/// Reads the ranges of an epoch.
 fn meas_epoch<'a>(
     block: &Block<'a>,
     state: &mut State,
@@ -121,31 +118,14 @@ fn meas_epoch<'a>(
     if epoch.is_smoothed() {
         count(&mut counters.codes_smoothed);
     }
-    state.open_ms = Some(time.tow_ms);
-    Ok(Message::Ranges(ranges(time, true, Some(epoch.clock_jumps_ms), Measured::Sbf(epoch))))
-}
-
-/// Reads the end of an epoch, unless its ranges were refused or have not come.
-fn end_of_meas<'a>(block: &Block<'a>, state: &mut State) -> Result<Option<Message<'a>>, Unread> {
-    let time = block.time()?;
-    let is_open = state.open_ms.take() == Some(time.tow_ms);
-    Ok(is_open.then(|| Message::Ranges(ranges(time, false, None, Measured::Nothing))))
-}
-
-fn ranges(
-    time: GpsTime,
-    more_follow: bool,
-    clock_jumps_ms: Option<u8>,
-    measured: Measured<'_>,
-) -> Ranges<'_> {
-    Ranges {
+    Ok(Message::Ranges(Ranges {
         station: 0,
         series: None,
         tow_ms: Some(time.tow_ms),
         of_utc_ms: None,
         stated: Some((time, None)),
-        more_follow,
-        clock_jumps_ms,
-        measured,
-    }
+        more_follow: false,
+        clock_jumps_ms: Some(epoch.clock_jumps_ms),
+        measured: Measured::Sbf(epoch),
+    }))
 }

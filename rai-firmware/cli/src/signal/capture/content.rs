@@ -183,7 +183,7 @@ impl Content {
             "ranges without whole milliseconds, choose RXM-RAWX",
         );
         if !self.frames.contains_key(&Kind::MEAS_EPOCH) {
-            say(of(&|kind| *kind == MEAS3_RANGES), "compressed ranges, add MeasEpoch and EndOfMeas");
+            say(of(&|kind| *kind == MEAS3_RANGES), "compressed ranges, add MeasEpoch");
         }
         unread.extend(self.native.clone());
         unread

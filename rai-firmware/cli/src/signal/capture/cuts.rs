@@ -215,7 +215,7 @@ fn is_last_of_epoch(piece: &Piece<'_>) -> bool {
     /// The multiple message bit is in the tenth byte of the frame, second from its low end.
     const MORE: (usize, u8) = (9, 0b10);
     match piece.kind {
-        Kind::RAWX | Kind::END_OF_MEAS => true,
+        Kind::RAWX | Kind::MEAS_EPOCH => true,
         Kind::Rtcm(1071..=1137) => piece.bytes.get(MORE.0).is_some_and(|byte| byte & MORE.1 == 0),
         _ => false,
     }

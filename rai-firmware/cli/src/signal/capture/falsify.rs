@@ -76,7 +76,7 @@ pub(super) fn tow_ms(piece: &Piece<'_>) -> Option<u32> {
         let tow_s = f64::from_le_bytes(*payload.first_chunk()?);
         return (0.0..604_800.0).contains(&tow_s).then(|| (tow_s * 1e3).round() as u32 % WEEK_MS);
     }
-    if matches!(piece.kind, Kind::MEAS_EPOCH | Kind::END_OF_MEAS) {
+    if piece.kind == Kind::MEAS_EPOCH {
         let tow_ms = u32::from_le_bytes(*piece.bytes.get(8..)?.first_chunk()?);
         return (tow_ms < WEEK_MS).then_some(tow_ms);
     }
