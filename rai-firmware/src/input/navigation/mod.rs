@@ -43,6 +43,8 @@ use super::calendar::Calendar;
 use super::{Message, Unread};
 
 pub(super) use beidou::kind_of as beidou_kind;
+#[cfg(feature = "sbf")]
+pub(super) use leap::Announcement;
 use message::{NavigationMessage, Reader, messages, sizes_of};
 use pages::Pages;
 use sizes::Sizes;

@@ -1,4 +1,5 @@
-//! Ephemerides that the receiver has decoded: `GPSNav`, `GALNav`, `BDSNav` and `GLONav`.
+//! What the receiver has decoded: the ephemerides `GPSNav`, `GALNav`, `BDSNav` and `GLONav`, the
+//! coefficients of the ionosphere `GPSIon` and `BDSIon`, and the leap seconds `GPSUtc` and `GALUtc`.
 //!
 //! Many logs have these and no navigation bits. Angles are in semicircles and rates in semicircles
 //! per second, as in the messages of the satellites. A set takes part like one of RTCM 3; a set of
@@ -20,15 +21,17 @@
 //!
 //! [SBF]: crate#references
 
-use raim_core::satellite::SatelliteId;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::block::Block;
 use super::signals;
 #[cfg(feature = "glonass")]
 use crate::ephemeris::StateBroadcast;
 use crate::ephemeris::{Broadcast, Health, Source, galileo_sisa_m, ura_m};
-use crate::input::Unread;
+use crate::input::calendar::Calendar;
+use crate::input::navigation::Announcement;
 use crate::input::system::System;
+use crate::input::{Message, Unread};
 use crate::raw::Band;
 use crate::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GpsTime, WEEK_MS};
 
@@ -207,6 +210,35 @@ pub(super) fn state(block: &Block<'_>) -> Result<StateBroadcast, Unread> {
         clock_s_s: single(64),
         delay_l2_s: block.f32(72),
     })
+}
+
+/// Reads the coefficients of `GPSIon` or `BDSIon`.
+///
+/// No satellite sends one beyond 2²³, as 8 bits in units of 2¹⁶. A value that the receiver does not
+/// know is far beyond.
+pub(super) fn ionosphere<'a>(number: u16, block: &Block<'_>) -> Result<Message<'a>, Unread> {
+    const MOST: f64 = (1 << 23) as f64;
+    block.at_least(48)?;
+    block.time()?;
+    let system = if number == 4120 { Constellation::Beidou } else { Constellation::Gps };
+    let coefficients = [16, 20, 24, 28, 32, 36, 40, 44].map(|at| f64::from(block.f32(at)));
+    if !coefficients.iter().all(|coefficient| libm::fabs(*coefficient) <= MOST) {
+        return Err(Unread::Malformed);
+    }
+    Ok(Message::Corrections(Some((system, coefficients)), None))
+}
+
+/// Reads the leap seconds of `GPSUtc` or `GALUtc`.
+pub(super) fn leap_seconds<'a>(block: &Block<'_>, calendar: &Calendar) -> Result<Message<'a>, Unread> {
+    block.at_least(37)?;
+    block.time()?;
+    let announcement = Announcement {
+        now_s: block.u8(33).cast_signed().into(),
+        then_s: block.u8(36).cast_signed().into(),
+        week: block.u8(34),
+        day: block.u8(35),
+    };
+    Ok(Message::Corrections(None, calendar.present().and_then(|present| announcement.at(present))))
 }
 
 /// Returns the satellite of a set of this system.

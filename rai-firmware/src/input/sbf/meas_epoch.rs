@@ -185,7 +185,7 @@ impl Observed {
     /// Reads a sub-block of type 2, whose fields are relative to this one.
     fn further(&self, system: System, bytes: &[u8]) -> Option<Self> {
         let &[kind, _, cn0, high, _, information, c0, c1, _, _, d0, d1] = bytes.first_chunk::<FURTHER>()?;
-        let signal = Signal::new(kind, information);
+        let signal = self.signal.further(kind, information);
         // Both MSBs are in one byte: three bits and five bits in two's complement.
         let code = offset(high << 5, 5, [c0, c1]);
         let doppler = offset(high, 3, [d0, d1]);

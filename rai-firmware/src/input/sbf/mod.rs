@@ -11,6 +11,7 @@
 //! | `GPSRawCA` 4017, `QZSRawL1CA` 4066, `GALRawFNAV` 4022, `GALRawINAV` 4023, `GLORawCA` 4026, `BDSRaw` 4047 | navigation bits ([`raw_bits`]), which [`super::navigation`] reads |
 //! | `GPSRawL2C` 4018, `GPSRawL5` 4019, `QZSRawL2C` 4067, `QZSRawL5` 4068, `GEORawL1` 4020 | navigation bits that are only counted |
 //! | `GPSNav` 5891, `GALNav` 4002, `BDSNav` 4081, `GLONav` 4004 | ephemerides that the receiver decoded ([`decoded`]) |
+//! | `GPSIon` 5893, `BDSIon` 4120, `GPSUtc` 5894, `GALUtc` 4031 | ionosphere and leap seconds that the receiver decoded |
 //! | `RFStatus` 4092, `GALAuthStatus` 4245, DOP 4001, `RAIMStatistics` 4011 | the receiver's own judgement ([`judgement`]) |
 //!
 //! `MeasEpoch` has all signals of its instant, so that the epoch is complete with it, and nothing
@@ -98,6 +99,8 @@ fn read<'a>(
         number @ (5891 | 4002 | 4081) => decoded::elements(number, &block).map(Message::Decoded).map(Some),
         #[cfg(feature = "glonass")]
         4004 => decoded::state(&block).map(Message::DecodedState).map(Some),
+        number @ (5893 | 4120) => decoded::ionosphere(number, &block).map(Some),
+        5894 | 4031 => decoded::leap_seconds(&block, calendar).map(Some),
         4092 => judgement::rf_status(&block).map(Message::SelfReport).map(Some),
         4245 => judgement::authentication(&block).map(Message::SelfReport).map(Some),
         4001 => state.levels.dop(&block, frame.came_ms).map(Message::SelfReport).map(Some),

@@ -41,6 +41,12 @@ impl Signal {
         }
     }
 
+    /// Returns the signal of a sub-block of type 2 behind this one, whose satellite has the same
+    /// channel. Only type 1 states it.
+    pub(super) const fn further(self, kind: u8, information: u8) -> Self {
+        Self { channel: self.channel, ..Self::new(kind, information) }
+    }
+
     /// Returns the carrier of the signal; `None` if no satellite of the system sends it, and for
     /// unused signals.
     pub(super) const fn carrier(self, system: System) -> Option<Carrier> {
@@ -138,7 +144,7 @@ mod tests {
     fn numbers_beyond_the_five_bits_are_in_the_information() {
         assert_eq!(Signal::new(31, 0).carrier(System::Qzss), Some(Carrier::of(Band::L1)));
         assert_eq!(Signal::new(0b0010_0000 | 17, 0).carrier(System::Galileo), Some(Carrier::of(Band::E1)));
-        let glonass = Signal::new(11, 1 << 3).carrier(System::Glonass);
+        let glonass = Signal::new(8, 1 << 3).further(11, 0).carrier(System::Glonass);
         assert_eq!(glonass, Some(Carrier { band: Band::G2, channel: -7 }));
         assert_eq!(Signal::new(8, 0).carrier(System::Glonass), None);
         assert_eq!(Signal::new(8, 15 << 3).carrier(System::Glonass), None);
