@@ -36,8 +36,7 @@ pub(super) fn rf_status(block: &Block<'_>) -> Result<SelfReport, Unread> {
         return Err(Unread::Malformed);
     }
     block.at_least(HEADER + many * bytes)?;
-    let bands = block.behind(HEADER).chunks_exact(bytes.max(1)).take(many);
-    let states = bands.filter_map(|band| band.get(6)).map(|mode| match mode & 15 {
+    let states = (0..many).map(|index| match block.u8(HEADER + index * bytes + 6) & 15 {
         0 => Suspicion::None,
         1 | 2 => Suspicion::Suspected,
         8 => Suspicion::Sure,
