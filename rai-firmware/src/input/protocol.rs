@@ -178,14 +178,14 @@ macro_rules! formats {
             /// !x & 0x80…` is nonzero exactly if `x` has a zero byte.
             fn may_begin_within(word: u32) -> bool {
                 const ONES: u32 = 0x0101_0101;
+                // One test for all formats, because most words have no sync byte.
+                let mut zeros = 0;
                 $($(#[$condition])*
                 {
                     let rest = word ^ ONES * u32::from(const { <$module::$Name as Protocol>::SYNC[0] });
-                    if rest.wrapping_sub(ONES) & !rest & ONES << 7 != 0 {
-                        return true;
-                    }
+                    zeros |= rest.wrapping_sub(ONES) & !rest;
                 })+
-                false
+                zeros & ONES << 7 != 0
             }
 
             /// Returns the format and the extent of the frame that begins with these bytes.
