@@ -92,10 +92,13 @@ fn changed(block: &[u8], change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
     sbf::sealed(block)
 }
 
+/// Change of a block.
+type Change = Box<dyn Fn(&mut Vec<u8>)>;
+
 #[test]
 fn an_epoch_that_contradicts_itself_is_refused_as_a_whole() {
     let set = |at: usize, value: u8| move |block: &mut Vec<u8>| block[at] = value;
-    let cases: [(&str, &str, Box<dyn Fn(&mut Vec<u8>)>); 9] = [
+    let cases: [(&str, &str, Change); 9] = [
         ("one satellite beyond the block", "messages_malformed", Box::new(|block| block[14] += 1)),
         ("255 satellites", "bytes_skipped", Box::new(set(14, 255))),
         ("sub-blocks of no byte", "messages_malformed", Box::new(set(15, 0))),

@@ -10,13 +10,13 @@
 //! | | step |
 //! |---|---|
 //! | RXM-RAWX | none |
-//! | MeasEpoch | 1 mm |
+//! | `MeasEpoch` | 1 mm |
 //! | MSM4, MSM5 | 2⁻²⁴ ms, 18 mm |
 //! | MSM6, MSM7 | 2⁻²⁹ ms, 0.6 mm |
 //!
 //! The fine range reaches 292 m to either side of the rough one, which all signals of a satellite
 //! share. The rough range stays if the faulty ranges fit, and is moved if they do not. A lost
-//! satellite has no measurement in RXM-RAWX, no first range in MeasEpoch, to which its others refer,
+//! satellite has no measurement in RXM-RAWX, no first range in `MeasEpoch`, to which its others refer,
 //! and ranges marked as invalid in MSM. Carrier phases
 //! and rates are unchanged, because a check of code ranges does not use them.
 //!
@@ -111,8 +111,7 @@ pub(super) fn falsify(
         Kind::Ubx(_) => Ok(rawx(payload(piece), change)),
         Kind::Rtcm(number) => msm(number, piece.bytes, change),
         Kind::MEAS_EPOCH => meas_epoch(piece.bytes, change),
-        Kind::Sbf(_) => Ok(None),
-        Kind::Line | Kind::Rest => Ok(None),
+        Kind::Sbf(_) | Kind::Line | Kind::Rest => Ok(None),
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! | source | condition |
 //! |---|---|
-//! | the week of the first RXM-RAWX or MeasEpoch that has one | always, if there is one |
+//! | the week of the first RXM-RAWX or `MeasEpoch` that has one | always, if there is one |
 //! | the week on which the sets in the file agree in the end | the module corrected it on the way |
 //! | the cycle of 1,024 weeks | the module takes a cycle in the future: the last past one |
 //!

@@ -174,7 +174,7 @@ fn meas_epoch(payload: &[u8]) -> Vec<u8> {
         body[0] += 1;
         body.extend(main.first(svid));
         body.push(others.len() as u8);
-        others.iter().for_each(|other| body.extend(other.further(main)));
+        body.extend(others.iter().flat_map(|other| other.further(main)));
     }
     block(4027, time, &body)
 }
