@@ -143,7 +143,7 @@ mod tests {
     #[test]
     fn numbers_beyond_the_five_bits_are_in_the_information() {
         assert_eq!(Signal::new(31, 0).carrier(System::Qzss), Some(Carrier::of(Band::L1)));
-        assert_eq!(Signal::new(0b0010_0000 | 17, 0).carrier(System::Galileo), Some(Carrier::of(Band::E1)));
+        assert_eq!(Signal::new(0b0011_0001, 0).carrier(System::Galileo), Some(Carrier::of(Band::E1)));
         let glonass = Signal::new(8, 1 << 3).further(11, 0).carrier(System::Glonass);
         assert_eq!(glonass, Some(Carrier { band: Band::G2, channel: -7 }));
         assert_eq!(Signal::new(8, 0).carrier(System::Glonass), None);

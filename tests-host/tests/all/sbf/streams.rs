@@ -1,5 +1,8 @@
 //! Streams that an independent program wrote as UBX and as SBF: the module says the same of both.
 
+use raim::replay::Window;
+use raim::signal::capture::Capture;
+use raim::signal::fault::{Fault, Target};
 use raim_core::frame::Ecef;
 use raim_core::report::Verdict;
 use raim_core::satellite::SatelliteId;
@@ -48,6 +51,36 @@ fn judged(bytes: &[u8], systems: &str) -> Vec<Said> {
         Event::Redated(_) | Event::Position(_) | Event::SelfReport(_) | Event::Rivalry(_) => {}
     });
     said
+}
+
+/// A fault put into a capture of SBF is found as in its UBX, and a lost satellite is lost.
+#[test]
+fn faults_in_a_capture_of_sbf_are_those_of_its_ubx() {
+    let Some(ubx) = unpacked("ubx/static1hz_base.ubx.gz") else { return };
+    let Some(sbf) = unpacked("sbf/static1hz_base.sbf.gz") else { return };
+    for fault in ["E11:+100@60..120", "G05:lost@60..120", "E12:-250@60..120"] {
+        let fault = Fault::parse_inject(fault).unwrap();
+        let judged = |bytes: &[u8]| {
+            let lumps = Capture::of(bytes.to_vec(), None).unwrap().lumps(&[fault], &Window::ALL).unwrap();
+            judged(&lumps.lumps.into_iter().flat_map(|lump| lump.bytes).collect::<Vec<_>>(), "GCE")
+        };
+        let (want, have) = (judged(&ubx), judged(&sbf));
+        assert_eq!(have.len(), want.len());
+        for (have, want) in have.iter().zip(&want) {
+            assert_eq!((have.verdict, &have.used), (want.verdict, &want.used), "{:?}", want.time);
+        }
+        let with = |said: &[Said]| said.iter().filter(|said| said.used.contains(&fault_of(&fault))).count();
+        println!("{} of {} epochs with the satellite", with(&have), have.len());
+        assert!(with(&have) < have.len() - 60, "{fault:?}");
+    }
+}
+
+/// Returns the satellite of a fault.
+fn fault_of(fault: &Fault) -> SatelliteId {
+    match fault.target {
+        Target::Satellite(satellite) => satellite,
+        Target::Constellation(_) | Target::Receiver => panic!("{fault:?}"),
+    }
 }
 
 #[test]
