@@ -4,14 +4,16 @@ use std::collections::BTreeMap;
 use std::io::Read as _;
 
 use flate2::read::GzDecoder;
+use raim::signal::encode::sbf;
 use raim::signal::pieces::{Kind, Piece, pieces};
 use raim_core::frame::{Ecef, Geodetic, LocalFrame};
 use raim_core::satellite::SatelliteId;
-use raim_firmware::ephemeris::Ephemeris;
+use raim_firmware::ephemeris::{Ephemeris, EphemerisError, Insertion, Store};
 use raim_firmware::input::{Event, Input, ReceiverLevels, SelfReport, Suspicion};
 use raim_firmware::navigator::Navigator;
 use raim_firmware::raw::Band;
 use raim_firmware::settings::{Configuration, Systems};
+use raim_firmware::time::GpsTime;
 
 use super::{said, unpacked};
 
@@ -167,6 +169,37 @@ fn decoded_sets_are_the_orbits_of_the_bits() {
     }
     println!("{compared} of {} sets compared", decoded.len());
     assert!(compared >= 2, "{compared} of {}", decoded.len());
+}
+
+/// Of one issue the checked bits stay in use, in either order, and a decoded set that closes the
+/// satellite closes it.
+#[test]
+fn bits_of_an_issue_stay_in_use_beside_its_decoded_set() {
+    let Some(bytes) = unpacked("sbf/osnma_new_config.sbf.gz") else { return };
+    let now = Some(GpsTime { week: 2277, tow_ms: 72_300_000 });
+    let bits = said(&only(&bytes, &[4023])).0.ephemerides;
+    let (mut compared, mut usable) = (0, 0);
+    for block in pieces(&bytes).filter(|piece| piece.kind == Kind::Sbf(4002)) {
+        let [decoded] = said(block.bytes).0.ephemerides[..] else { panic!("one set") };
+        let same = |bits: &&Ephemeris| (bits.satellite(), bits.toe()) == (decoded.satellite(), decoded.toe());
+        let bits = *bits.iter().find(same).expect("bits of this issue");
+        let mut store = Store::new();
+        assert_eq!(store.insert(decoded, now), Insertion::Taken);
+        assert_eq!(store.insert(bits, now), Insertion::Taken);
+        assert_eq!(store.insert(decoded, now), Insertion::Kept);
+        let found = store.get(bits.satellite(), now.unwrap()).copied();
+        assert_eq!(found, bits.usable_at(now.unwrap()).map(|()| bits));
+        usable += usize::from(found.is_ok());
+        // The data of E1 without guarantee.
+        let mut doubtful = block.bytes.to_vec();
+        doubtful[130] |= 0b10;
+        let [doubtful] = said(&sbf::sealed(doubtful)).0.ephemerides[..] else { panic!("one set") };
+        assert_eq!(store.insert(doubtful, now), Insertion::Kept);
+        assert_eq!(store.get(bits.satellite(), now.unwrap()), Err(EphemerisError::Unhealthy));
+        compared += 1;
+    }
+    println!("{usable} of {compared} usable");
+    assert!(compared == 3 && usable > 0, "{usable} of {compared} usable");
 }
 
 /// Returns the position in each block of the receiver's own solution, by time of week, ms.
