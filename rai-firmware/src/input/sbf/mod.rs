@@ -6,7 +6,7 @@
 //!
 //! | block | content |
 //! |---|---|
-//! | `MeasEpoch` 4027 | ranges of an epoch ([`meas_epoch`]) |
+//! | `MeasEpoch` 4027 | ranges of an epoch ([`mod@meas_epoch`]) |
 //! | `Meas3Ranges` 4109 | compressed ranges, which are not read; [`Counters::meas3_only`] counts them if `MeasEpoch` is missing |
 //! | `GPSRawCA` 4017, `QZSRawL1CA` 4066, `GALRawFNAV` 4022, `GALRawINAV` 4023, `GLORawCA` 4026, `BDSRaw` 4047 | navigation bits ([`raw_bits`]), which [`super::navigation`] reads |
 //! | `GPSRawL2C` 4018, `GPSRawL5` 4019, `QZSRawL2C` 4067, `QZSRawL5` 4068, `GEORawL1` 4020 | navigation bits that are only counted |
