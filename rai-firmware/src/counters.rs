@@ -1,21 +1,22 @@
 //! Named counters: all unused input is counted by its reason, and the host can ask for the counts.
 
-/// Declares a struct of saturating `u32` counters whose field names are also text.
+/// Declares a struct of saturating `u32` counters whose field names are also text. `["feature"]`
+/// before a field leaves it out of builds without the feature.
 macro_rules! counters {
-    ($(#[$of_struct:meta])* $name:ident { $($(#[$of_field:meta])* $field:ident,)* }) => {
+    ($(#[$of_struct:meta])* $name:ident { $($(#[$of_field:meta])* $([$feature:literal])? $field:ident,)* }) => {
         $(#[$of_struct])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(all(target_os = "none", feature = "cortex-m-board"), derive(defmt::Format))]
         #[non_exhaustive]
         pub struct $name {
-            $($(#[$of_field])* pub $field: u32,)*
+            $($(#[$of_field])* $(#[cfg(feature = $feature)])? pub $field: u32,)*
         }
 
         impl $name {
             /// All counters at zero.
-            pub const NONE: Self = Self { $($field: 0,)* };
+            pub const NONE: Self = Self { $($(#[cfg(feature = $feature)])? $field: 0,)* };
 
-            const NAMES: &'static [&'static str] = &[$(stringify!($field),)*];
+            const NAMES: &'static [&'static str] = &[$($(#[cfg(feature = $feature)])? stringify!($field),)*];
 
             /// Iterates over name and value of every counter, in the order of the fields.
             pub fn iter(&self) -> impl Iterator<Item = (&'static str, u32)> {
@@ -24,7 +25,7 @@ macro_rules! counters {
 
             /// Returns the values in the order of the fields.
             fn values(&self) -> [u32; Self::NAMES.len()] {
-                [$(self.$field,)*]
+                [$($(#[cfg(feature = $feature)])? self.$field,)*]
             }
 
             /// Returns counter `number`, or `None` beyond the last, with `number` reduced by the

@@ -1,4 +1,4 @@
-//! The receiver around the integrity core: RTCM 3 and UBX in, sentences and a fail-safe pin out.
+//! The receiver around the integrity core: RTCM 3, UBX and SBF in, sentences and a fail-safe pin out.
 //!
 //! A GNSS receiver measures ranges and forwards the navigation messages of the satellites. From
 //! these bytes the module computes its own position and asks [`raim_core`] whether it may be used.
@@ -53,6 +53,7 @@
 //!
 //! | feature | adds |
 //! |---|---|
+//! | `sbf` | blocks of Septentrio receivers, beside `ubx`, which it needs for the navigation bits |
 //! | `ubx`, `glonass`, `mavlink` | messages of u-blox receivers with their reports of jamming and spoofing, orbits of GLONASS, messages for autopilots |
 //! | `araim`, `searches`, `tables`, `policies` | `METHOD,SEPARATION` and `ISM`; the methods of the papers; thresholds for all committed probabilities; `POLICY,T2` and `TOP` |
 //! | `past` | alerts `CLOCK`, `TRACK` and the verdict `SIGMAS`; the velocity |
@@ -131,6 +132,7 @@
 //! | `OS-SIS-ICD` | European Union, *European GNSS (Galileo) open service signal-in-space interface control document* |
 //! | `RM0090` | STMicroelectronics, RM0090, *STM32F405/415, STM32F407/417, STM32F427/437 and STM32F429/439 advanced Arm-based 32-bit MCUs*, reference manual |
 //! | `RTCM-10403.3` | RTCM Special Committee 104, RTCM 10403.3, *Differential GNSS (Global Navigation Satellite Systems) services, version 3*, 2016, with amendments |
+//! | `SBF` | Septentrio, *mosaic-X5 reference guide, applicable to version 4.14 of the firmware*, 2023, chapter 4, *SBF reference* |
 //! | `Saastamoinen1972` | J. Saastamoinen, *Atmospheric correction for the troposphere and stratosphere in radio ranging of satellites*, in *The use of artificial satellites for geodesy*, AGU Geophysical Monograph 15 (1972) 247–251 |
 //! | `UBX-F9` | u-blox UBX-22008968, *u-blox F9 HPG 1.32 interface description* |
 //! | `UBX-M8` | u-blox UBX-13003221, *u-blox 8/u-blox M8 receiver description including protocol specification* |

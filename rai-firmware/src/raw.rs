@@ -240,6 +240,10 @@ pub struct RawEpoch {
     pub time: GpsTime,
     /// Satellites, in the order of arrival, each at most once.
     pub satellites: Vec<RawSatellite, EPOCH_CAPACITY>,
+    /// Milliseconds by which the receiver clock has jumped so far, modulo 256. After a change,
+    /// carrier phases of earlier epochs do not continue.
+    #[cfg(feature = "sbf")]
+    pub clock_jumps_ms: Option<u8>,
 }
 
 impl RawEpoch {
@@ -247,7 +251,12 @@ impl RawEpoch {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub const fn new(time: GpsTime) -> Self {
-        Self { time, satellites: Vec::new() }
+        Self {
+            time,
+            satellites: Vec::new(),
+            #[cfg(feature = "sbf")]
+            clock_jumps_ms: None,
+        }
     }
 }
 

@@ -41,7 +41,7 @@
 //! | feature | adds |
 //! |---|---|
 //! | `receiver` | `rai_receiver_*`: RTCM 3 in, sentences and pin out |
-//! | `ubx`, `glonass`, `mavlink` | messages of u-blox receivers, orbits of GLONASS, messages for autopilots |
+//! | `ubx`, `sbf`, `glonass`, `mavlink` | messages of u-blox receivers, blocks of Septentrio receivers, orbits of GLONASS, messages for autopilots |
 //! | `gsv` | satellites in view (`OUTPUT,GSV`); not part of `whole` |
 //! | `tables` | thresholds for all committed probabilities |
 //! | `searches` | `RAI_METHOD_SIMULTANEOUS` to `RAI_METHOD_RANSAC` |

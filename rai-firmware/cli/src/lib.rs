@@ -55,6 +55,7 @@
 //! | `RINEX-3.05` | I. Romero (ed.), *RINEX Version 3.05*, IGS and RTCM SC104, 2020 |
 //! | `RINEX-4.01` | F. Gini (ed.), *RINEX Version 4.01*, IGS and RTCM SC104, 2023 |
 //! | `RTCM-10403.3` | RTCM SC104, *Differential GNSS Services, Version 3*, with amendments, 2016 |
+//! | `SBF` | see the crate [`raim_firmware`] |
 //! | `UBX-F9` | see the crate [`raim_firmware`] |
 
 pub mod outcomes;

@@ -50,7 +50,7 @@ class Replay:
 
 
 def replay(path: str | os.PathLike[str], settings: Mapping[str, str] | None = None) -> Replay:
-    """Runs the module on a recording: UBX, RTCM 3 or both, plain or gz.
+    """Runs the module on a recording: UBX, SBF or RTCM 3, also mixed, plain or gz.
 
     `settings` are keys of the module and their values: `{"PHASE": "LPV200", "OUTPUT": "RMC,1"}`.
 

@@ -195,6 +195,18 @@ pub(crate) fn difference_m([x, y, z]: [Grid; 3], [from_x, from_y, from_z]: [Grid
     coordinates_m([x.less(from_x), y.less(from_y), z.less(from_z)])
 }
 
+/// Where a set comes from, in the order of trust.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Origin {
+    /// RTCM: a caster may have sent it.
+    Relayed,
+    /// The receiver decoded it, so that the module has checked no parity.
+    #[cfg(feature = "sbf")]
+    Decoded,
+    /// The bits of the satellite, as the receiver sent them.
+    Bits,
+}
+
 /// One satellite's orbit and clock, checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ephemeris {
@@ -207,8 +219,7 @@ pub struct Ephemeris {
     health: Health,
     satellite: SatelliteId,
     source: Source,
-    /// True if the receiver sent the bits of the satellite.
-    is_of_bits: bool,
+    origin: Origin,
 }
 
 impl Ephemeris {
@@ -231,7 +242,7 @@ impl Ephemeris {
             health: broadcast.health,
             satellite: broadcast.satellite,
             source: broadcast.source,
-            is_of_bits: false,
+            origin: Origin::Relayed,
         })
     }
 
@@ -256,8 +267,16 @@ impl Ephemeris {
             health: broadcast.health,
             satellite: broadcast.satellite,
             source,
-            is_of_bits: false,
+            origin: Origin::Relayed,
         })
+    }
+
+    /// Returns true if the receiver decoded this set, and the other one of the same issue came as
+    /// checked bits.
+    #[cfg(feature = "sbf")]
+    fn yields_to(&self, other: &Self) -> bool {
+        (self.origin, other.origin) == (Origin::Decoded, Origin::Bits)
+            && (self.source, self.toe) == (other.source, other.toe)
     }
 
     /// Returns the satellite.
@@ -275,12 +294,10 @@ impl Ephemeris {
         self.toe
     }
 
-    /// Returns the same ephemeris, read from the bits of the satellite as the receiver sent them.
-    /// It outranks those of other origin ([`Store`]).
+    /// Returns the same ephemeris of another origin ([`Store`]).
     #[must_use]
-    pub(crate) const fn of_bits(mut self) -> Self {
-        self.is_of_bits = true;
-        self
+    pub(crate) const fn of(self, origin: Origin) -> Self {
+        Self { origin, ..self }
     }
 
     /// Moves the reference time to the same second of another week, because orbit and clock depend
@@ -311,6 +328,15 @@ impl Ephemeris {
         self.health = fnav.health.over(self.health);
         let [_, with_e5a_m] = &mut self.accuracies_m;
         [_, *with_e5a_m] = fnav.accuracies_m;
+    }
+
+    /// Takes the health and the accuracy of a set that the receiver decoded, which may be newer than
+    /// those of the same issue.
+    #[cfg(feature = "sbf")]
+    fn merge_decoded(&mut self, decoded: &Self) {
+        self.health = decoded.health.over(self.health);
+        let ([own_m, _], [decoded_m, _]) = (&mut self.accuracies_m, decoded.accuracies_m);
+        *own_m = decoded_m;
     }
 
     /// Copies the earlier health of signals that this message does not report on. From a stale set

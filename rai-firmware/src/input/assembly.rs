@@ -283,6 +283,10 @@ impl Assembly {
             Phase::Dropping(_) | Phase::Idle | Phase::Complete(..) => {}
         }
         self.epoch.satellites.clear();
+        #[cfg(feature = "sbf")]
+        {
+            self.epoch.clock_jumps_ms = ranges.clock_jumps_ms;
+        }
         self.came_ms = came_ms;
         self.heard = 0;
         self.has_rival = false;

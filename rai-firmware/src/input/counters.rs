@@ -87,5 +87,14 @@ counters! {
         ranges_missing,
         /// Ranges that are impossible for a satellite.
         ranges_out_of_bounds,
+        /// Compressed ranges of SBF, which are not read, while its plain ones are missing.
+        ["sbf"]
+        meas3_only,
+        /// Epochs of SBF whose ranges are smoothed by their carriers.
+        ["sbf"]
+        codes_smoothed,
+        /// Epochs of SBF whose ranges are scrambled, because the receiver lacks a permission.
+        ["sbf"]
+        epochs_scrambled,
     }
 }

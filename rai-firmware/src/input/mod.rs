@@ -1,8 +1,8 @@
 //! Bytes of the GNSS port to events: frames, messages, epochs.
 //!
 //! ```text
-//! bytes ──► framer ──frame──► rtcm, ubx ──Message──► assembly ──► Event::Epoch
-//!           checked once      read once              └─────────► Event::Ephemeris, Event::Position
+//! bytes ──► framer ──frame──► rtcm, ubx, sbf ──Message──► assembly ──► Event::Epoch
+//!           checked once      read once                   └─────────► Event::Ephemeris, Event::Position
 //! ```
 //!
 //! | module | content |
@@ -11,6 +11,7 @@
 //! | `framer` | finds frames of all formats in the stream, and checks each once |
 //! | `rtcm` | reads the messages of RTCM 3 |
 //! | [`ubx`] | reads the messages of u-blox receivers |
+//! | `sbf` | reads the blocks of Septentrio receivers |
 //! | `navigation` | reads the navigation bits of satellites, whatever format brings them |
 //! | `bits` | fields of navigation messages |
 //! | `elements` | places of the orbital elements in each message |
@@ -65,6 +66,8 @@ mod present_week;
 mod protocol;
 mod roll_over;
 mod rtcm;
+#[cfg(feature = "sbf")]
+mod sbf;
 mod suspicion;
 mod system;
 #[cfg(test)]
@@ -80,7 +83,7 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use crate::counters::count;
 #[cfg(feature = "glonass")]
 use crate::ephemeris::StateBroadcast;
-use crate::ephemeris::{Broadcast, BroadcastError, Ephemeris};
+use crate::ephemeris::{Broadcast, BroadcastError, Ephemeris, Origin};
 use crate::raw::{RawEpoch, RawSignal};
 use crate::time::GpsTime;
 
@@ -142,6 +145,12 @@ enum Message<'a> {
     /// A position, a velocity and a clock, not yet checked.
     #[cfg(feature = "glonass")]
     State(StateBroadcast),
+    /// An orbit and a clock that the receiver decoded, not yet checked.
+    #[cfg(feature = "sbf")]
+    Decoded(Broadcast),
+    /// A position, a velocity and a clock that the receiver decoded, not yet checked.
+    #[cfg(all(feature = "sbf", feature = "glonass"))]
+    DecodedState(StateBroadcast),
     /// Time to within seconds, and GPS time minus UTC, s.
     #[cfg(feature = "glonass")]
     Time(GpsTime, u8),
@@ -171,6 +180,10 @@ struct Ranges<'a> {
     stated: Option<(GpsTime, Option<u8>)>,
     /// True if the message states that more messages of the same instant follow.
     more_follow: bool,
+    /// Milliseconds by which the receiver clock has jumped so far, modulo 256, if the format states
+    /// it.
+    #[cfg(feature = "sbf")]
+    clock_jumps_ms: Option<u8>,
     measured: Measured<'a>,
 }
 
@@ -183,6 +196,8 @@ formats! {
     rtcm::Rtcm,
     #[cfg(feature = "ubx")]
     ubx::Ubx,
+    #[cfg(feature = "sbf")]
+    sbf::Sbf,
     #[cfg(test)]
     toy::Toy,
 }
@@ -317,8 +332,7 @@ impl Input {
     fn drain(&mut self, is_silent: bool, tell: &mut dyn FnMut(Event<'_>)) {
         let Self { framer, calendar, assembly, memory, preference, counters } = self;
         while let Some((format, frame)) = framer.next(is_silent, counters) {
-            // Every other format brings the bits of the receiver's own signals.
-            let is_of_bits = format != Format::Rtcm;
+            let origin = if format == Format::Rtcm { Origin::Relayed } else { Origin::Bits };
             match read(format, &frame, memory, calendar, counters) {
                 Some(Message::Ranges(ranges)) => {
                     let source = Source { format, station: ranges.station };
@@ -329,11 +343,21 @@ impl Input {
                     }
                 }
                 Some(Message::Broadcast(broadcast)) => {
-                    learn(&|| Ephemeris::new(&broadcast), is_of_bits, calendar, assembly, counters, tell);
+                    learn(&|| Ephemeris::new(&broadcast), origin, calendar, assembly, counters, tell);
                 }
                 #[cfg(feature = "glonass")]
                 Some(Message::State(state)) => {
-                    learn(&|| Ephemeris::of_state(&state), is_of_bits, calendar, assembly, counters, tell);
+                    learn(&|| Ephemeris::of_state(&state), origin, calendar, assembly, counters, tell);
+                }
+                #[cfg(feature = "sbf")]
+                Some(Message::Decoded(broadcast)) => {
+                    let origin = Origin::Decoded;
+                    learn(&|| Ephemeris::new(&broadcast), origin, calendar, assembly, counters, tell);
+                }
+                #[cfg(all(feature = "sbf", feature = "glonass"))]
+                Some(Message::DecodedState(state)) => {
+                    let origin = Origin::Decoded;
+                    learn(&|| Ephemeris::of_state(&state), origin, calendar, assembly, counters, tell);
                 }
                 #[cfg(feature = "glonass")]
                 Some(Message::Time(time, leap_s)) => calendar.hear_receiver(time, Some(leap_s), counters),
@@ -359,7 +383,7 @@ impl Input {
 /// stream.
 pub(crate) fn station(frame: &[u8]) -> Option<Ecef> {
     let frame = protocol::whole::<rtcm::Rtcm>(frame)?;
-    match rtcm::Rtcm::read(&frame, &mut (), &Calendar::new(), &mut Counters::NONE.clone()) {
+    match rtcm::Rtcm::read_alone(&frame, &Calendar::new()) {
         Ok(Some(Message::Position(point))) => Some(point),
         _ => None,
     }
@@ -402,6 +426,9 @@ enum Unread {
     Satellite,
     /// The leap seconds are unknown, which GLONASS needs.
     LeapUnknown,
+    /// The ranges are scrambled.
+    #[cfg(feature = "sbf")]
+    Scrambled,
     /// The navigation bits are of a signal that is not read.
     BitsOther,
     /// The navigation bits have a wrong number of words, preamble or flags.
@@ -425,6 +452,8 @@ impl Unread {
             Self::WithoutWeek => &mut counters.epochs_without_week,
             Self::Satellite => &mut counters.satellites_unknown,
             Self::LeapUnknown => &mut counters.leap_unknown,
+            #[cfg(feature = "sbf")]
+            Self::Scrambled => &mut counters.epochs_scrambled,
             Self::BitsOther => &mut counters.subframes_other,
             Self::BitsMalformed => &mut counters.subframes_malformed,
             Self::BitsParity => &mut counters.subframes_parity,
@@ -440,23 +469,21 @@ impl Unread {
 #[inline(never)]
 fn learn(
     ephemeris: &dyn Fn() -> Result<Ephemeris, BroadcastError>,
-    is_of_bits: bool,
+    origin: Origin,
     calendar: &mut Calendar,
     assembly: &mut Assembly,
     counters: &mut Counters,
     tell: &mut dyn FnMut(Event<'_>),
 ) {
-    let Ok(mut ephemeris) = ephemeris() else {
+    let Ok(ephemeris) = ephemeris() else {
         return count(&mut counters.ephemerides_invalid);
     };
+    let mut ephemeris = ephemeris.of(origin);
     count(&mut counters.ephemerides);
     ephemeris.date(calendar.learn(constellation(&ephemeris), ephemeris.toe(), counters));
     if let Some(present) = calendar.take_redating() {
         assembly.redate(present);
         tell(Event::Redated(present));
-    }
-    if is_of_bits {
-        ephemeris = ephemeris.of_bits();
     }
     tell(Event::Ephemeris(ephemeris));
 }

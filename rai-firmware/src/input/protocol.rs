@@ -7,7 +7,7 @@
 //! | generated | use |
 //! |---|---|
 //! | `Format` | names the format of a frame; its functions call those of the implementation |
-//! | `Memory` | holds the state of each format between frames |
+//! | `Memory` | holds the state of each format between frames, and what they share |
 //! | `Measured` | holds the ranges of a message, still encoded |
 //!
 //! No function of [`Protocol`] has a default, so that an incomplete format does not compile. Calls
@@ -19,6 +19,8 @@ use core::fmt::Debug;
 use raim_core::satellite::SatelliteId;
 
 use super::calendar::Calendar;
+#[cfg(feature = "ubx")]
+use super::navigation::Navigation;
 use super::{Counters, Message, Unread};
 use crate::raw::RawSignal;
 
@@ -55,9 +57,30 @@ pub(super) trait Protocol {
     fn read<'a>(
         frame: &Frame<'a>,
         memory: &mut Self::Memory,
+        shared: &mut Shared,
         calendar: &Calendar,
         counters: &mut Counters,
     ) -> Result<Option<Message<'a>>, Unread>;
+}
+
+/// State that formats share: the satellites send the same bits to every receiver, so that their
+/// pages need room only once.
+#[derive(Debug)]
+pub(super) struct Shared {
+    /// Incomplete navigation messages.
+    #[cfg(feature = "ubx")]
+    pub(super) navigation: Navigation,
+}
+
+impl Shared {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        Self {
+            #[cfg(feature = "ubx")]
+            navigation: Navigation::new(),
+        }
+    }
 }
 
 /// Ranges of one message, still encoded.
@@ -155,14 +178,14 @@ macro_rules! formats {
             /// !x & 0x80…` is nonzero exactly if `x` has a zero byte.
             fn may_begin_within(word: u32) -> bool {
                 const ONES: u32 = 0x0101_0101;
+                // One test for all formats, because most words have no sync byte.
+                let mut zeros = 0;
                 $($(#[$condition])*
                 {
                     let rest = word ^ ONES * u32::from(const { <$module::$Name as Protocol>::SYNC[0] });
-                    if rest.wrapping_sub(ONES) & !rest & ONES << 7 != 0 {
-                        return true;
-                    }
+                    zeros |= rest.wrapping_sub(ONES) & !rest;
                 })+
-                false
+                zeros & ONES << 7 != 0
             }
 
             /// Returns the format and the extent of the frame that begins with these bytes.
@@ -192,7 +215,15 @@ macro_rules! formats {
             ) -> Result<Option<Message<'a>>, Unread> {
                 match self {
                     $($(#[$condition])*
-                    Self::$Name => <$module::$Name as Protocol>::read(frame, &mut memory.$module, calendar, counters),)+
+                    Self::$Name => {
+                        <$module::$Name as Protocol>::read(
+                            frame,
+                            &mut memory.$module,
+                            &mut memory.shared,
+                            calendar,
+                            counters,
+                        )
+                    })+
                 }
             }
         }
@@ -201,6 +232,7 @@ macro_rules! formats {
         #[derive(Debug)]
         struct Memory {
             $($(#[$condition])* $module: <$module::$Name as Protocol>::Memory,)+
+            shared: protocol::Shared,
         }
 
         impl Memory {
@@ -208,7 +240,10 @@ macro_rules! formats {
             #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
             #[inline(always)]
             fn new() -> Self {
-                Self { $($(#[$condition])* $module: <$module::$Name as Protocol>::at_start(),)+ }
+                Self {
+                    $($(#[$condition])* $module: <$module::$Name as Protocol>::at_start(),)+
+                    shared: protocol::Shared::new(),
+                }
             }
         }
 

@@ -7,7 +7,7 @@
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::calendar::Calendar;
-use super::protocol::{Extent, Frame, Measurements, Protocol};
+use super::protocol::{Extent, Frame, Measurements, Protocol, Shared};
 use super::{Counters, Measured, Message, Ranges, Unread};
 use crate::raw::{Band, Carrier, RawSignal};
 use crate::time::GpsTime;
@@ -52,6 +52,7 @@ impl Protocol for Toy {
     fn read<'a>(
         frame: &Frame<'a>,
         frames: &mut u32,
+        _: &mut Shared,
         _: &Calendar,
         _: &mut Counters,
     ) -> Result<Option<Message<'a>>, Unread> {
@@ -68,6 +69,8 @@ impl Protocol for Toy {
             of_utc_ms: None,
             stated: Some((time, None)),
             more_follow: false,
+            #[cfg(feature = "sbf")]
+            clock_jumps_ms: None,
             measured: Measured::Toy(ToyRanges(measurements)),
         })))
     }

@@ -45,6 +45,11 @@ fn mutations_of_the_gnss_port_of_a_u_blox_receiver_pass() {
 }
 
 #[test]
+fn mutations_of_the_gnss_port_of_a_septentrio_receiver_pass() {
+    mutate("sbf");
+}
+
+#[test]
 fn mutations_of_navigation_bits_pass() {
     mutate("navigation_bits");
 }

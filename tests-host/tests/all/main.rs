@@ -43,6 +43,7 @@ mod python;
 mod recordings;
 mod report;
 mod roots;
+mod sbf;
 mod service;
 mod settings;
 mod sky;

@@ -12,7 +12,7 @@ use rig::shared;
 
 /// Captures of real receivers, and streams made of recordings; the third and the last are of
 /// receivers with small antennas.
-const CAPTURES: [&str; 8] = [
+const CAPTURES: [&str; 11] = [
     "ubx/esbc_4h.ubx.gz",
     "ubx/static1hz_base.ubx.gz",
     "ubx/static1hz_rover_f9p_noise.ubx.gz",
@@ -20,6 +20,9 @@ const CAPTURES: [&str; 8] = [
     "real/f9r_rtcm_ubx.log.gz",
     "real/gmsd7_2012.rtcm3.gz",
     "real/f9p_sfrbx.ubx",
+    "sbf/mosaic_12s.sbf.gz",
+    "sbf/static1hz_base.sbf.gz",
+    "sbf/tlse_x20p_fnav.sbf.gz",
     "ubx/urban_m8t.ubx.gz",
 ];
 

@@ -18,7 +18,7 @@
 //! - UBX-CFG-VALSET (06 8A), UBX-CFG-MSG (06 01), UBX-CFG-CFG (06 09), UBX-MON-VER (0A 04),
 //!   UBX-ACK-ACK (05 01), UBX-ACK-NAK (05 00): u-blox 8 / M8 Receiver description including
 //!   protocol specification; `pyubx2` encodes the frames of the tests.
-//! - `setDataInOut`, `setRTCMv3Interval`, `setRTCMv3Output`: Septentrio, command line reference, as
+//! - `setDataInOut`, `setRTCMv3Interval`, `setRTCMv3Output`, `setSBFOutput`: Septentrio, command line reference, as
 //!   in the `PolaRx5TR` Reference Guide, firmware 5.5.0.
 
 mod dialogue;
@@ -86,8 +86,8 @@ fn wire(arguments: &Arguments) -> String {
     let port = arguments.port.as_deref().unwrap_or_default();
     let is_usb = ["ttyACM", "usbmodem"].iter().any(|part| port.contains(part));
     match (arguments.receiver, is_usb) {
-        (Some(Receiver::Mosaic), true) => "USB1",
-        (Some(Receiver::Mosaic), false) => "COM1",
+        (Some(Receiver::Mosaic | Receiver::MosaicSbf), true) => "USB1",
+        (Some(Receiver::Mosaic | Receiver::MosaicSbf), false) => "COM1",
         (_, true) => "USB",
         (_, false) => "UART1",
     }
@@ -113,7 +113,7 @@ fn report(receiver: Receiver, steps: &[Step], answers: &[Answer]) -> (String, bo
     if is_enough && lacks(Need::Extra) {
         lines.push("  the module works without what was refused".into());
     }
-    if is_enough && receiver != Receiver::Mosaic {
+    if is_enough && !matches!(receiver, Receiver::Mosaic | Receiver::MosaicSbf) {
         lines.push("  30 satellites on two bands take 3 kB/s: a slower line needs a higher rate".into());
     }
     (lines.join("\n"), is_enough)
@@ -133,7 +133,7 @@ fn advice(receiver: Receiver, answers: &[Answer]) -> String {
             "the receiver refuses raw ranges, without which there is nothing to check: of generation 8, M8T has \
              RXM-RAWX, M8N and M8Q have not"
         }
-        Receiver::X20 | Receiver::Mosaic => "the receiver refuses a message without which the module has no ranges",
+        Receiver::X20 | Receiver::Mosaic | Receiver::MosaicSbf => "the receiver refuses a message without which the module has no ranges",
     }
     .into()
 }

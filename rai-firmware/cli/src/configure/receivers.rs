@@ -20,6 +20,8 @@ pub(super) enum Receiver {
     X20,
     /// Septentrio mosaic, by RTCM 3
     Mosaic,
+    /// Septentrio mosaic, by SBF: with navigation bits and its reports of interference
+    MosaicSbf,
 }
 
 impl fmt::Display for Receiver {
@@ -30,6 +32,7 @@ impl fmt::Display for Receiver {
             Self::Ublox10 => "u-blox generation 10",
             Self::X20 => "u-blox X20",
             Self::Mosaic => "Septentrio mosaic",
+            Self::MosaicSbf => "Septentrio mosaic by SBF",
         })
     }
 }
@@ -96,6 +99,9 @@ const MESSAGES: [(&str, Identity, u32, &str, Need); 4] = [
 const WIRES: [(&str, u32, u32); 3] =
     [("UART1", 0, 0x1074_0001), ("UART2", 1, 0x1076_0001), ("USB", 2, 0x1078_0001)];
 
+/// Ports of a mosaic.
+const MOSAIC_WIRES: [&str; 6] = ["COM1", "COM2", "COM3", "COM4", "USB1", "USB2"];
+
 /// Layers of UBX-CFG-VALSET: in force now, and kept in battery-backed memory and in flash.
 const NOW: u8 = 1;
 const KEPT: u8 = 7;
@@ -118,9 +124,8 @@ impl Receiver {
                 let name = checked(wire, &WIRES.map(|(name, ..)| name))?;
                 Ok(by_key(name, if keep { KEPT } else { NOW }))
             }
-            Self::Mosaic => {
-                Ok(by_line(checked(wire, &["COM1", "COM2", "COM3", "COM4", "USB1", "USB2"])?, keep))
-            }
+            Self::Mosaic => Ok(kept(by_line(checked(wire, &MOSAIC_WIRES)?), keep)),
+            Self::MosaicSbf => Ok(kept(by_block(checked(wire, &MOSAIC_WIRES)?), keep)),
         }
     }
 }
@@ -168,26 +173,49 @@ fn by_key(wire: &str, layers: u8) -> Vec<Step> {
     std::iter::once(first).chain(messages).collect()
 }
 
-/// Returns the lines of a mosaic.
-fn by_line(wire: &str, keep: bool) -> Vec<Step> {
+/// Returns a line of a mosaic.
+fn line(line: String, purpose: &'static str, need: Need) -> Step {
+    Step { name: line.clone(), purpose, need, command: Command::Line(line) }
+}
+
+/// Returns the lines of a mosaic for RTCM 3.
+fn by_line(wire: &str) -> Vec<Step> {
     const EPHEMERIDES: &str = "RTCM1019+RTCM1020+RTCM1042+RTCM1044+RTCM1045+RTCM1046";
-    let line = |line: String, purpose| Step {
-        name: line.clone(),
-        purpose,
-        need: Need::Ranges,
-        command: Command::Line(line),
-    };
-    let mut steps = vec![
+    let line = |words, purpose| line(words, purpose, Need::Ranges);
+    vec![
         line(format!("setDataInOut, {wire}, , +RTCMv3"), "RTCM 3 on the port"),
         line("setRTCMv3Interval, MSM7, 1".into(), "ranges every second"),
         line(format!("setRTCMv3Interval, {EPHEMERIDES}, 1"), "one ephemeris every second"),
         line(format!("setRTCMv3Output, {wire}, MSM7+{EPHEMERIDES}"), "ranges and ephemerides"),
-    ];
+    ]
+}
+
+/// Returns the lines of a mosaic for SBF. A refused block refuses its whole line, so that blocks of
+/// newer firmware have lines of their own.
+fn by_block(wire: &str) -> Vec<Step> {
+    let stream = |number, blocks, interval, purpose, need| {
+        line(format!("setSBFOutput, Stream{number}, {wire}, {blocks}, {interval}"), purpose, need)
+    };
+    vec![
+        line(format!("setDataInOut, {wire}, , +SBF"), "SBF on the port", Need::Ranges),
+        stream(1, "MeasEpoch", "sec1", "ranges every second", Need::Ranges),
+        stream(
+            2,
+            "GPSRawCA+GLORawCA+GALRawINAV+GALRawFNAV+BDSRaw+QZSRawL1CA",
+            "OnChange",
+            "navigation bits: ephemerides",
+            Need::Ranges,
+        ),
+        stream(3, "DOP", "sec1", "the receiver's own protection levels", Need::Extra),
+        stream(4, "RFStatus", "sec1", "the receiver's word on jamming and spoofing", Need::Extra),
+        stream(5, "GALAuthStatus", "sec1", "the receiver's word on authentic satellites", Need::Extra),
+    ]
+}
+
+/// Adds the line that keeps the settings of a mosaic without power, if they are to be kept.
+fn kept(mut steps: Vec<Step>, keep: bool) -> Vec<Step> {
     if keep {
-        steps.push(Step {
-            need: Need::Extra,
-            ..line("exeCopyConfigFile, Current, Boot".into(), "keeps the settings")
-        });
+        steps.push(line("exeCopyConfigFile, Current, Boot".into(), "keeps the settings", Need::Extra));
     }
     steps
 }

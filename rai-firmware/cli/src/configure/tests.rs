@@ -189,6 +189,30 @@ fn dry_run_prints_what_a_person_types() {
     assert!(text.contains(line) && text.contains("exeCopyConfigFile, Current, Boot"), "{text}");
 }
 
+/// A refused block refuses its line alone, and the module works without the reports.
+#[test]
+fn mosaic_by_sbf_needs_its_ranges_and_bits_alone() {
+    let steps = Receiver::MosaicSbf.steps("COM2", true).unwrap();
+    let text = typed(Receiver::MosaicSbf, &steps);
+    for line in [
+        "setDataInOut, COM2, , +SBF",
+        "setSBFOutput, Stream1, COM2, MeasEpoch, sec1",
+        "setSBFOutput, Stream2, COM2, GPSRawCA+GLORawCA+GALRawINAV+GALRawFNAV+BDSRaw+QZSRawL1CA, OnChange",
+        "setSBFOutput, Stream4, COM2, RFStatus, sec1",
+        "exeCopyConfigFile, Current, Boot",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    let refusing = |refused: &str| {
+        let answer =
+            |step: &Step| if step.name.contains(refused) { Answer::Refused } else { Answer::Accepted };
+        let answers: Vec<_> = steps.iter().map(answer).collect();
+        report(Receiver::MosaicSbf, &steps, &answers).1
+    };
+    assert!(refusing("GALAuthStatus") && refusing("RFStatus") && refusing("DOP"));
+    assert!(!refusing("MeasEpoch") && !refusing("GPSRawCA"));
+}
+
 #[test]
 fn frame_is_found_among_noise_and_a_cut_one_waits() {
     let frame = ubx::frame(CFG_MSG, &[1, 2, 3]);

@@ -349,7 +349,7 @@ mod tests {
         let have = all(&source);
         let Some(News::Failed(why)) = have.last() else { panic!("{have:?}") };
         assert!(why.starts_with("16384 bytes came"), "{why}");
-        assert!(said_of(noise).contains("no frame of UBX or RTCM 3"));
+        assert!(said_of(noise).contains("no frame of UBX, SBF or RTCM 3"));
     }
 
     #[test]

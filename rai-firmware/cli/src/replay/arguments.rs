@@ -33,8 +33,8 @@ pub(super) enum Frequencies {
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Replay the bytes of a receiver, UBX or RTCM 3, with or without text: a file (.ubx, .rtcm3,
-    /// any; gz too), - for standard input, tcp://HOST:PORT, or serial:PATH@BAUD. The last two need
+    /// Replay the bytes of a receiver, UBX, SBF or RTCM 3, with or without text: a file (.ubx, .sbf,
+    /// .rtcm3, any; gz too), - for standard input, tcp://HOST:PORT, or serial:PATH@BAUD. The last two need
     /// --to. Several files of one logger are read in the order of time.
     #[arg(value_name = "CAPTURE", conflicts_with_all = ["obs", "sample"])]
     pub(super) capture: Vec<String>,

@@ -149,7 +149,7 @@ impl Contact {
         let has_words = words.is_some();
         let said = words.or_else(|| {
             (self.trials == 0 && progress.fixed.is_none()).then(|| {
-                format!("{}: no frame of UBX or RTCM 3 at {last} bit/s; trying other rates", self.name)
+                format!("{}: no frame of UBX, SBF or RTCM 3 at {last} bit/s; trying other rates", self.name)
             })
         });
         let tried_all = self.trials >= RATES.len();
@@ -157,7 +157,7 @@ impl Contact {
         let said = if tried_all && !has_words {
             let all = RATES.map(|rate| rate.to_string()).join(", ");
             self.heard = None;
-            Some(format!("{}: no frame of UBX or RTCM 3 at any of {all} bit/s", self.name))
+            Some(format!("{}: no frame of UBX, SBF or RTCM 3 at any of {all} bit/s", self.name))
         } else {
             heard.clear();
             said

@@ -26,6 +26,8 @@ pub enum Form {
     Ubx,
     /// RTCM 3.
     Rtcm,
+    /// Blocks of a Septentrio receiver.
+    Sbf,
     /// RINEX files.
     Rinex,
 }
@@ -111,11 +113,13 @@ impl Found {
         }
         let what = match self.form {
             Form::Ubx => "RXM-RAWX",
+            Form::Sbf => "MeasEpoch",
             Form::Rtcm => "MSM4 to MSM7 (1077, 1097, 1127)",
             Form::Rinex => "pseudoranges of the selected systems in the observation files",
             Form::Unknown => {
                 return Some(
-                    "ranges and orbits: RXM-RAWX and RXM-SFRBX of a u-blox receiver, or RTCM 3 with MSM4 to MSM7 (1077, 1097, \
+                    "ranges and orbits: RXM-RAWX and RXM-SFRBX of a u-blox receiver, MeasEpoch with GPSRawCA, GALRawINAV \
+                     and BDSRaw of a Septentrio receiver, or RTCM 3 with MSM4 to MSM7 (1077, 1097, \
                      1127) and ephemerides (1019, 1045 or 1046, 1042)"
                         .to_owned(),
                 );
@@ -143,6 +147,10 @@ impl Found {
         if named(false).next().is_some() {
             let numbers: Vec<_> = named(false).map(|(_, _, number)| *number).collect();
             let from = match self.form {
+                Form::Sbf => format!(
+                    "{}, or a RINEX navigation file of that day by --nav",
+                    named(false).map(|(letter, ..)| raw_bits(*letter)).collect::<Vec<_>>().join(", ")
+                ),
                 Form::Ubx => "RXM-SFRBX, or a RINEX navigation file of that day by --nav".to_owned(),
                 Form::Rinex => "a navigation file that has them".to_owned(),
                 Form::Rtcm | Form::Unknown => {
@@ -161,6 +169,17 @@ impl Found {
 /// Returns the name of the system with this letter.
 pub fn system_name(letter: char) -> &'static str {
     SYSTEMS.iter().find(|(other, ..)| *other == letter).map_or("the system", |(_, name, _)| name)
+}
+
+/// Returns the block of SBF with the navigation bits of a system.
+const fn raw_bits(letter: char) -> &'static str {
+    match letter {
+        'G' => "GPSRawCA",
+        'R' => "GLORawCA",
+        'E' => "GALRawINAV",
+        'C' => "BDSRaw",
+        _ => "QZSRawL1CA",
+    }
 }
 
 /// Returns `9 GPS, 7 Galileo` for satellites.

@@ -5,9 +5,11 @@
 //! |---|---|
 //! | RTCM 3 | CRC-24Q over header and payload ([RTCM-10403.3] 4.2) |
 //! | UBX | two sums from the class on ([UBX-F9] 3.4) |
+//! | SBF | CRC-16 with the polynomial 1021 from the number of the block on ([SBF] 4.1.1) |
 //! | NMEA 0183 | exclusive or of the bytes between `$` and `*` |
 //!
 //! [RTCM-10403.3]: crate#references
+//! [SBF]: crate#references
 //! [UBX-F9]: crate#references
 
 /// CRC-24Q of each byte, bit by bit, followed by no, one, two and three bytes of zeros, in the
@@ -57,6 +59,17 @@ pub fn fletcher(bytes: &[u8]) -> [u8; 2] {
     [a, b]
 }
 
+/// Returns the CRC of an SBF block, over the bytes from its number on, bit by bit.
+pub fn crc16(bytes: &[u8]) -> [u8; 2] {
+    const POLYNOMIAL: u16 = 0x1021;
+    let crc = bytes.iter().fold(0, |crc, byte| {
+        (0..8).fold(crc ^ u16::from(*byte) << 8, |crc, _| {
+            (crc << 1) ^ if crc >> 15 == 1 { POLYNOMIAL } else { 0 }
+        })
+    });
+    crc.to_le_bytes()
+}
+
 /// Frames a payload of at most 1023 bytes, of any content, with preamble, length and parity.
 pub fn rtcm_frame(payload: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(payload.len() + 6);
@@ -86,6 +99,8 @@ mod tests {
         ];
         assert_eq!(rtcm_frame(&station)[22..], [0x36, 0x0B, 0x98]);
         assert_eq!(fletcher(&[0x0A, 0x04, 0, 0]), [0x0E, 0x34]);
+        // CRC-16/XMODEM in the catalogue of Greg Cook.
+        assert_eq!(crc16(b"123456789"), [0xC3, 0x31]);
         assert!(nmea_line("GPGLL,4916.45,N,12311.12,W,225444,A,").ends_with("*1D\r\n"));
     }
 }

@@ -8,9 +8,9 @@
 //! | [`sky`] | simulated skies: orbits, noise, receiver clock |
 //! | [`measurement`] | measurements of a receiver and broadcasts of satellites, before any wire format |
 //! | [`recording`], [`sample`] | RINEX 2, 3 and 4; a small real recording for users without one |
-//! | [`capture`] | bytes of a receiver: UBX and RTCM 3, cut into epochs |
+//! | [`capture`] | bytes of a receiver: UBX, SBF and RTCM 3, cut into epochs |
 //! | [`fault`] | steps, ramps, shifts of a constellation, outages, clock jumps, around any source |
-//! | [`encode`] | raw epochs and ephemerides to RTCM 3 and UBX |
+//! | [`encode`] | raw epochs and ephemerides to RTCM 3, UBX and SBF |
 //! | [`lump`], [`lumps`], [`pieces`] | bytes of one epoch, a source of them, and the frames in them |
 //! | [`advice`] | what an input holds, what of it is not read, and what is missing |
 //! | [`corrected`](mod@corrected) | ranges as the module corrects them |

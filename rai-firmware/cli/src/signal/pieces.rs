@@ -3,6 +3,7 @@
 //! ```text
 //! UBX      B5 62 | class | id | length (16 bit) | payload | sums over all from class on (2 × 8 bit)
 //! RTCM 3   D3 | 000000 | length (10 bit) | payload | CRC-24Q over all before (24 bit)
+//! SBF      $@ | CRC (16 bit) | number and revision | length of all (16 bit) | TOW | week | …
 //! text     $ or ! | printable | * | two digits, the exclusive or of all between | CR LF
 //! ```
 //!
@@ -14,13 +15,16 @@
 
 use std::io::{ErrorKind, Read};
 
-use crate::signal::checksum::{crc24q, fletcher};
+use crate::signal::checksum::{crc16, crc24q, fletcher};
 
 /// Longest line of text, bytes; no receiver sends longer ones.
 const LINE: usize = 400;
 
 /// Longest payload of a UBX frame, bytes: RXM-RAWX with 255 measurements.
 const UBX_PAYLOAD: usize = 16 + 255 * 32;
+
+/// Bytes of an SBF block up to its length.
+const SBF_HEADER: usize = 8;
 
 /// Kind of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,6 +33,8 @@ pub enum Kind {
     Ubx([u8; 2]),
     /// An RTCM 3 frame: number of the message.
     Rtcm(u16),
+    /// A block of SBF: its number.
+    Sbf(u16),
     /// A line of text with a valid checksum, as in NMEA 0183.
     Line,
     /// Other bytes.
@@ -41,14 +47,17 @@ impl Kind {
     /// Navigation bits of u-blox receivers.
     pub const SFRBX: Self = Self::Ubx([0x02, 0x13]);
 
+    /// Ranges of Septentrio receivers.
+    pub const MEAS_EPOCH: Self = Self::Sbf(4027);
+
     /// Returns true for ranges from which the module uses ranges or time.
     pub fn has_ranges(self) -> bool {
-        self == Self::RAWX || matches!(self, Self::Rtcm(1071..=1137))
+        matches!(self, Self::RAWX | Self::MEAS_EPOCH | Self::Rtcm(1071..=1137))
     }
 
     /// Returns true for whole ranges; those of MSM1 to MSM3 are not.
     pub fn has_whole_ranges(self) -> bool {
-        self == Self::RAWX
+        matches!(self, Self::RAWX | Self::MEAS_EPOCH)
             || matches!(self, Self::Rtcm(number @ 1071..=1137) if (4..=7).contains(&(number % 10)))
     }
 }
@@ -209,6 +218,14 @@ fn frame(budget: &mut Budget, bytes: &[u8]) -> Option<(Kind, usize)> {
             let is_right = budget.allows(length) && crc24q(bytes.get(..length - 3)?) == parity;
             is_right.then_some((Kind::Rtcm(number), length))
         }
+        [b'$', b'@', _, _, id_low, id_high, low, high, ..] => {
+            let length = usize::from(*high) << 8 | usize::from(*low);
+            let is_possible = length >= SBF_HEADER && length.is_multiple_of(4) && length <= LONGEST;
+            let block = bytes.get(..length).filter(|_| is_possible)?;
+            let is_right = budget.allows(length) && crc16(block.get(4..)?) == block.get(2..4)?;
+            let number = (u16::from(*id_high) << 8 | u16::from(*id_low)) & 0x1FFF;
+            is_right.then_some((Kind::Sbf(number), length))
+        }
         [b'$' | b'!', ..] if budget.allows(LINE.min(bytes.len())) => {
             let end = bytes.iter().take(LINE).position(|byte| *byte == b'\n')?;
             is_sentence(bytes.get(1..end)?).then_some((Kind::Line, end + 1))
@@ -237,6 +254,9 @@ mod tests {
         0xD3, 0x00, 0x13, 0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98, 0x0E, 0xDE, 0xEF, 0x34, 0xB4, 0xBD, 0x62, 0xAC,
         0x09, 0x41, 0x98, 0x6F, 0x33, 0x36, 0x0B, 0x98,
     ];
+    /// `EndOfMeas` as a mosaic sent it.
+    const SBF: [u8; 16] =
+        [0x24, 0x40, 0x86, 0x20, 0x22, 0x17, 0x10, 0x00, 0x48, 0x1E, 0xAB, 0x0C, 0x38, 0x09, 0x44, 0x10];
     const LINE: &[u8] = b"$GPGLL,4916.45,N,12311.12,W,225444,A,*1D\r\n";
 
     fn kinds(bytes: &[u8]) -> Vec<(Kind, usize)> {
@@ -245,12 +265,13 @@ mod tests {
 
     #[test]
     fn frames_lines_and_noise_are_told_apart() {
-        let stream = [&UBX[..], LINE, &[0xB5, 0x62, 0x02], &RTCM, b"hello", &UBX[..5]].concat();
+        let stream = [&UBX[..], LINE, &[0xB5, 0x62, 0x02], &RTCM, &SBF, b"$@llo", &UBX[..5]].concat();
         let want = [
             (Kind::Ubx([0x0A, 0x04]), 8),
             (Kind::Line, LINE.len()),
             (Kind::Rest, 3),
             (Kind::Rtcm(1005), 25),
+            (Kind::Sbf(5922), 16),
             (Kind::Rest, 10),
         ];
         assert_eq!(kinds(&stream), want);
@@ -270,7 +291,7 @@ mod tests {
     #[test]
     fn a_stream_has_the_pieces_of_its_bytes() {
         let long = vec![0xAA; 3 * LONGEST];
-        let stream = [&UBX[..], &long, &RTCM, LINE, &long, &RTCM[..9], &UBX, &RTCM[..20]].concat();
+        let stream = [&UBX[..], &long, &RTCM, LINE, &long, &RTCM[..9], &SBF, &UBX, &RTCM[..20]].concat();
         let mut have = Vec::new();
         let mut read = Stream::of(Slow(&stream));
         while let Some(piece) = read.advance().unwrap() {
@@ -284,7 +305,7 @@ mod tests {
 
     #[test]
     fn what_does_not_check_is_no_frame() {
-        for frame in [&UBX[..], &RTCM, LINE] {
+        for frame in [&UBX[..], &RTCM, &SBF, LINE] {
             for at in 0..frame.len() - 2 {
                 let mut broken = frame.to_vec();
                 broken[at] ^= 0x10;
@@ -297,9 +318,13 @@ mod tests {
     #[test]
     fn imitated_frames_cost_some_bytes_of_checks_each() {
         let length = u16::try_from(UBX_PAYLOAD).unwrap().to_le_bytes();
-        for imitation in
-            [&[0xB5, 0x62, 2, 0x15, length[0], length[1]][..], &[0xD3, 3, 0xFF], b"$", b"$\xD3\x03"]
-        {
+        for imitation in [
+            &[0xB5, 0x62, 2, 0x15, length[0], length[1]][..],
+            &[0xD3, 3, 0xFF],
+            b"$",
+            b"$\xD3\x03",
+            b"$@$@$@$@\xFC\x1F",
+        ] {
             let junk = imitation.repeat(200_000 / imitation.len());
             let mut budget = Budget::new();
             let have = first_within(&mut budget, &junk, junk.len());

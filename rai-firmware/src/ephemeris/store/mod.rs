@@ -51,6 +51,10 @@
 //! [`Store::displaced`] counts the displaced sets of satellites in sight. [`RIVALS`] contradicting
 //! sets are stored. If there are more, the known set stays and counts as disputed.
 //!
+//! **Decoded sets.** If a receiver sends a set both as bits and decoded, the bits stay in use,
+//! because their parities were checked. The decoded set of the same issue renews only health and
+//! accuracy.
+//!
 //! **State vectors** are integrated, and the part that the next epochs share is stored
 //! ([`Store::advance`]).
 
@@ -63,7 +67,7 @@ use raim_core::internals::numeric::sqrt;
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::sight::{Elevation, HORIZON, Sight, Skyline};
-use super::{Ephemeris, EphemerisError, Source, difference_m, scaled};
+use super::{Ephemeris, EphemerisError, Origin, Source, difference_m, scaled};
 use crate::counters::count;
 use crate::time::GpsTime;
 
@@ -353,11 +357,23 @@ impl Entry {
     ) -> Insertion {
         let known = &mut self.ephemeris;
         let is_needed = is_stale(known, now);
-        if !is_needed && (is_stale(&offered, now) || known.is_of_bits && !offered.is_of_bits) {
+        if !is_needed
+            && (is_stale(&offered, now)
+                || known.origin > Origin::Relayed && offered.origin == Origin::Relayed)
+        {
             return Insertion::Kept;
         }
-        // Bits of the receiver are needed where there were none.
-        let is_needed = is_needed || offered.is_of_bits && !known.is_of_bits;
+        #[cfg(feature = "sbf")]
+        if !is_needed
+            && !self.is_disputed
+            && offered.yields_to(known)
+            && change(known, &offered, now) <= AGREEMENT
+        {
+            known.merge_decoded(&offered);
+            return Insertion::Kept;
+        }
+        // What the receiver itself received is needed where there was none.
+        let is_needed = is_needed || offered.origin > Origin::Relayed && known.origin == Origin::Relayed;
         if !is_needed && (known.source, offered.source) == (Source::GalileoInav, Source::GalileoFnav) {
             known.merge_health(&offered);
             return Insertion::Kept;

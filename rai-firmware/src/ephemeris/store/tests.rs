@@ -48,7 +48,7 @@ fn in_use(store: &Store) -> Result<&Ephemeris, EphemerisError> {
 fn bits_of_the_receiver_outrank_what_a_caster_sends() {
     let now = Some(TOE);
     for astray_sc in [ASTRAY_SC, 0.01 * ASTRAY_SC] {
-        let (own, other) = (set(0.0).of_bits(), set(astray_sc));
+        let (own, other) = (set(0.0).of(Origin::Bits), set(astray_sc));
         let mut store = Store::new();
         assert_eq!(store.insert(other, now), Insertion::Taken);
         assert_eq!(store.insert(own, now), Insertion::Taken, "it replaces what came first");
@@ -57,7 +57,7 @@ fn bits_of_the_receiver_outrank_what_a_caster_sends() {
             assert_eq!(in_use(&store), Ok(&own));
         }
         // The next bits are compared with them.
-        let next = set(2.0 * ASTRAY_SC).of_bits();
+        let next = set(2.0 * ASTRAY_SC).of(Origin::Bits);
         assert_eq!(store.insert(next, now), Insertion::Disputed);
     }
 }
@@ -66,10 +66,10 @@ fn bits_of_the_receiver_outrank_what_a_caster_sends() {
 fn bits_that_are_out_of_date_outrank_nothing() {
     let later = TOE.later_by_ms(3 * 3_600_000);
     let mut store = Store::new();
-    store.insert(set(0.0).of_bits(), Some(TOE));
+    store.insert(set(0.0).of(Origin::Bits), Some(TOE));
     let mut current = set(ASTRAY_SC);
     current.toe = later;
     assert_eq!(store.insert(current, Some(later)), Insertion::Taken);
-    assert_eq!(store.insert(set(0.0).of_bits(), Some(later)), Insertion::Kept);
+    assert_eq!(store.insert(set(0.0).of(Origin::Bits), Some(later)), Insertion::Kept);
     assert_eq!(store.get(current.satellite(), later), Ok(&current));
 }

@@ -17,19 +17,19 @@ const PLAUSIBLE_S: core::ops::RangeInclusive<i32> = 0..=63;
 
 /// Announcement of leap seconds by a satellite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Announcement {
+pub(in crate::input) struct Announcement {
     /// Number before the change, s.
-    pub(super) now_s: i32,
+    pub(in crate::input) now_s: i32,
     /// Number after the change, s.
-    pub(super) then_s: i32,
+    pub(in crate::input) then_s: i32,
     /// Week modulo 256 and day, 1 to 7, at whose end the change is.
-    pub(super) week: u8,
-    pub(super) day: u8,
+    pub(in crate::input) week: u8,
+    pub(in crate::input) day: u8,
 }
 
 impl Announcement {
     /// Returns GPS time minus UTC at `time`, s; `None` for an implausible number.
-    pub(super) fn at(&self, time: GpsTime) -> Option<u8> {
+    pub(in crate::input) fn at(&self, time: GpsTime) -> Option<u8> {
         let (before, after) = (time.week.saturating_sub(128), self.week);
         let week = before.saturating_add(u16::from(after.wrapping_sub(before as u8)));
         let change_ms = u64::from(week) * u64::from(WEEK_MS) + u64::from(self.day) * DAY_MS;

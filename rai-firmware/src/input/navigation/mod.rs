@@ -1,8 +1,9 @@
 //! Navigation bits of satellites, from any wire format, to orbits, clocks and coefficients.
 //!
 //! ```text
-//! RXM-SFRBX ──► ubx/sfrbx ──Transmission──► navigation ──► Message::Broadcast, State, Corrections
-//!               words in normal order       one reader for each message
+//! RXM-SFRBX ──► ubx/sfrbx ────Transmission──► navigation ──► Message::Broadcast, State, Corrections
+//! GPSRawCA … ─► sbf/raw_bits ─┘
+//!               words in normal order         one reader for each message
 //! ```
 //!
 //! A wire format maps its signal numbers to a [`Kind`], and puts the words into normal order, with
@@ -43,6 +44,8 @@ use super::calendar::Calendar;
 use super::{Message, Unread};
 
 pub(super) use beidou::kind_of as beidou_kind;
+#[cfg(feature = "sbf")]
+pub(super) use leap::Announcement;
 use message::{NavigationMessage, Reader, messages, sizes_of};
 use pages::Pages;
 use sizes::Sizes;

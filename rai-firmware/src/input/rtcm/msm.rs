@@ -107,7 +107,17 @@ pub(super) fn read<'a>(number: u16, payload: &'a [u8], calendar: &Calendar) -> R
         None => (None, Measured::Nothing),
     };
     let station = Bits(payload).unsigned(12, 12) as u16;
-    Ok(Ranges { station, series: Some(series as u8), tow_ms, of_utc_ms, stated: None, more_follow, measured })
+    Ok(Ranges {
+        station,
+        series: Some(series as u8),
+        tow_ms,
+        of_utc_ms,
+        stated: None,
+        more_follow,
+        #[cfg(feature = "sbf")]
+        clock_jumps_ms: None,
+        measured,
+    })
 }
 
 /// Returns the milliseconds into the week of GPS time, or `None` if the field is beyond the week.

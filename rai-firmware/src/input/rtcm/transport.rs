@@ -11,7 +11,7 @@
 use super::Msm;
 use crate::input::calendar::Calendar;
 use crate::input::crc24q::crc24q;
-use crate::input::protocol::{Extent, Frame, Protocol};
+use crate::input::protocol::{Extent, Frame, Protocol, Shared};
 use crate::input::{Counters, Message, Unread};
 
 /// Bytes before the payload.
@@ -51,8 +51,19 @@ impl Protocol for Rtcm {
     fn read<'a>(
         frame: &Frame<'a>,
         (): &mut (),
+        _: &mut Shared,
         calendar: &Calendar,
         _: &mut Counters,
+    ) -> Result<Option<Message<'a>>, Unread> {
+        Self::read_alone(frame, calendar)
+    }
+}
+
+impl Rtcm {
+    /// Reads a frame that passed its check. No message of RTCM needs another one.
+    pub(in crate::input) fn read_alone<'a>(
+        frame: &Frame<'a>,
+        calendar: &Calendar,
     ) -> Result<Option<Message<'a>>, Unread> {
         super::read(payload(frame), calendar).map(Some)
     }

@@ -95,6 +95,9 @@ pub enum SelfReport {
     Log(LoggedEvents),
     /// Number of signals whose navigation message is authenticated.
     Authentication(u8),
+    /// Number of satellites whose navigation message is authentic, and what those whose is not mean.
+    #[cfg(feature = "sbf")]
+    Authenticity(u8, Suspicion),
     /// Protection levels of the receiver; `None` if it has no valid ones.
     Levels(Option<ReceiverLevels>),
 }
@@ -189,6 +192,13 @@ impl Suspicions {
                 }
             }
             SelfReport::Authentication(signals) => self.authenticated = Some((*signals, now_ms)),
+            #[cfg(feature = "sbf")]
+            SelfReport::Authenticity(signals, spoofing) => {
+                self.authenticated = Some((*signals, now_ms));
+                if let Some(reported) = self.reported.get_mut(Reporter::Navigation as usize) {
+                    reported.spoofing = (*spoofing, now_ms);
+                }
+            }
             SelfReport::Levels(levels) => self.levels = levels.map(|levels| (levels, now_ms)),
         }
         self.age(now_ms);

@@ -57,6 +57,8 @@ fn read<'a>(
                 of_utc_ms: None,
                 stated: Some((rawx.time, rawx.leap_s)),
                 more_follow: false,
+                #[cfg(feature = "sbf")]
+                clock_jumps_ms: None,
                 measured: Measured::Ubx(rawx),
             })))
         }

@@ -14,8 +14,7 @@
 
 use super::rawx::{self, Rawx};
 use crate::input::calendar::Calendar;
-use crate::input::navigation::Navigation;
-use crate::input::protocol::{Extent, Frame, Protocol};
+use crate::input::protocol::{Extent, Frame, Protocol, Shared};
 use crate::input::{Counters, Message, Unread};
 
 /// Bytes before the payload.
@@ -39,15 +38,11 @@ impl Protocol for Ubx {
     const SYNC: &'static [u8] = &[0xB5, 0x62];
     const LONGEST: usize = HEADER + RAWX_PAYLOAD + CHECKSUM;
 
-    type Memory = Navigation;
+    type Memory = ();
 
     type Ranges<'a> = Rawx<'a>;
 
-    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
-    #[inline(always)]
-    fn at_start() -> Navigation {
-        Navigation::new()
-    }
+    fn at_start() {}
 
     fn length(bytes: &[u8]) -> Extent {
         let &[_, _, class, id, low, high, ref payload @ ..] = bytes else { return Extent::Unknown };
@@ -66,11 +61,12 @@ impl Protocol for Ubx {
 
     fn read<'a>(
         frame: &Frame<'a>,
-        navigation: &mut Navigation,
+        (): &mut (),
+        shared: &mut Shared,
         calendar: &Calendar,
         counters: &mut Counters,
     ) -> Result<Option<Message<'a>>, Unread> {
-        super::read(frame, navigation, calendar, counters)
+        super::read(frame, &mut shared.navigation, calendar, counters)
     }
 }
 

@@ -9,6 +9,7 @@
 //! |---|---|---|
 //! | [`stream`] | the GNSS port: RTCM 3, UBX | [`overheard`]; counters add up |
 //! | [`ubx`] | the GNSS port of a u-blox receiver: UBX | the same |
+//! | [`sbf`] | the GNSS port of a Septentrio receiver: SBF | the same |
 //! | [`navigation_bits`] | pages of all navigation messages, each with its own parities | one outcome per page; orbits at plausible radii |
 //! | [`command`] | the host port: `$PRAIC` lines, then a sky | [`overheard`]; a refused line changes nothing |
 //! | [`ephemeris`] | an ephemeris' fields and instants | radius, speed and clock within the limits of Kepler's laws and of the fields |
@@ -29,6 +30,7 @@ mod mutation;
 pub mod navigation_bits;
 pub mod overheard;
 pub mod replay;
+pub mod sbf;
 mod sealing;
 pub mod seeds;
 pub mod separation;
@@ -46,9 +48,10 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 8] = [
+pub const TARGETS: [Target; 9] = [
     Target { name: "stream", run: stream::run },
     Target { name: "ubx", run: ubx::run },
+    Target { name: "sbf", run: sbf::run },
     Target { name: "navigation_bits", run: navigation_bits::run },
     Target { name: "command", run: command::run },
     Target { name: "ephemeris", run: ephemeris::run },

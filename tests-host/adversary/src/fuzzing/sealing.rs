@@ -1,6 +1,6 @@
 //! Corrected checksums: without them a mutation would hardly ever pass the first check.
 
-use raim::signal::checksum::{crc24q, fletcher};
+use raim::signal::checksum::{crc16, crc24q, fletcher};
 
 /// First byte of an RTCM frame, and bytes before and after its payload.
 const RTCM: u8 = 0xD3;
@@ -11,6 +11,10 @@ const RTCM_PARITY: usize = 3;
 const UBX: [u8; 2] = [0xB5, 0x62];
 const UBX_HEADER: usize = 6;
 const UBX_PARITY: usize = 2;
+
+/// First bytes of an SBF block, and bytes before those that its CRC covers.
+const SBF: [u8; 2] = *b"$@";
+const SBF_UNCHECKED: usize = 4;
 
 /// Corrects the checksum of every frame that its length field delimits.
 pub(super) fn seal_frames(bytes: &mut [u8]) {
@@ -37,6 +41,12 @@ fn seal_first(bytes: &mut [u8]) -> Option<usize> {
             let (covered, parity) = frame.split_at_mut(covered);
             parity.copy_from_slice(&fletcher(&covered[2..]));
             Some(frame.len())
+        }
+        [first, second, _, _, _, _, low, high, ..] if [first, second] == SBF => {
+            let block = bytes.get_mut(..usize::from(u16::from_le_bytes([low, high])))?;
+            let (head, covered) = block.split_at_mut_checked(SBF_UNCHECKED)?;
+            head[2..].copy_from_slice(&crc16(covered));
+            Some(block.len())
         }
         _ => None,
     }
@@ -77,6 +87,20 @@ mod tests {
         let mut have = [0xB5, 0xB5, 0x62, 0x0A, 0x04, 0, 0, 0, 0];
         seal_frames(&mut have);
         assert_eq!(have, [0xB5, 0xB5, 0x62, 0x0A, 0x04, 0, 0, 0x0E, 0x34]);
+    }
+
+    #[test]
+    fn block_of_sbf_gets_the_crc_of_a_recorded_one() {
+        // EndOfMeas of a mosaic.
+        let want =
+            [0x24, 0x40, 0x86, 0x20, 0x22, 0x17, 0x10, 0, 0x48, 0x1E, 0xAB, 0x0C, 0x38, 0x09, 0x44, 0x10];
+        let mut have = want;
+        have[2..4].fill(0);
+        seal_frames(&mut have);
+        assert_eq!(have, want);
+        // A length shorter than the header seals nothing.
+        have[6] = 2;
+        seal_frames(&mut have);
     }
 
     #[test]

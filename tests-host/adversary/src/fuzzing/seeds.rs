@@ -1,7 +1,7 @@
-//! Seeds of fuzzing: a simulated sky as RTCM and as UBX, its navigation bits, the commands of the
+//! Seeds of fuzzing: a simulated sky as RTCM, as UBX and as SBF, its navigation bits, the commands of the
 //! interface, and noise.
 
-use raim::signal::encode::{Encoder, Frequency, Selection, ubx};
+use raim::signal::encode::{Encoder, Frequency, Selection, sbf, ubx};
 use raim::signal::measurement::TimedEphemeris;
 use raim::signal::recording::Recording;
 use raim::signal::sky::raw::Simulation;
@@ -57,6 +57,12 @@ impl Sky {
         recording.epochs.iter().map(|epoch| encoder.epoch(epoch).expect("numbers that fit")).collect()
     }
 
+    /// Returns the same as SBF.
+    fn lumps_of_sbf(self) -> Vec<Vec<u8>> {
+        let times = self.recording().epochs.into_iter().map(|epoch| epoch.time);
+        self.lumps_of_ubx().iter().zip(times).map(|(lump, time)| sbf::of_ubx(lump, time)).collect()
+    }
+
     fn selection(self) -> Selection {
         Selection::new(self.systems, self.frequency).expect("systems that are known")
     }
@@ -89,6 +95,11 @@ pub fn of(target: &str) -> Vec<Vec<u8>> {
             .chain([streamed(&broadcasts::of_each().map(|broadcast| pages(&broadcast)))])
             .chain([streamed(&SECURITY.map(|(kind, payload)| ubx::frame(kind, payload)))])
             .collect(),
+        "sbf" => skies()
+            .map(|sky| streamed(&sky.lumps_of_sbf()))
+            .chain([streamed(&broadcasts::of_each().map(|one| sbf::of_ubx(&pages(&one), broadcasts::NOON)))])
+            .chain([streamed(&decoded()), streamed(&reports())])
+            .collect(),
         "navigation_bits" => navigation_bits().collect(),
         "command" => COMMANDS.split_inclusive('\n').chain([COMMANDS]).map(commanded).collect(),
         _ => (0..40).map(|seed| noise(seed, 200 + 20 * seed as usize)).collect(),
@@ -101,6 +112,66 @@ const SECURITY: [([u8; 2], &[u8]); 3] = [
     ([0x27, 0x09], &[2, 0b0010_1111, 0, 0]),
     ([0x01, 0x03], &[0, 0, 0, 0, 3, 0xDD, 0, 0b1_0000, 0, 0, 0, 0, 0, 0, 0, 0]),
 ];
+
+/// Returns decoded ephemerides of GPS, `BeiDou`, Galileo and GLONASS, in round numbers.
+fn decoded() -> [Vec<u8>; 4] {
+    let week = broadcasts::NOON.week % 1024;
+    let body = |length: usize, doubles: &[(usize, f64)], words: &[(usize, u32)]| {
+        let mut body = vec![0; length - 14];
+        for &(at, double) in doubles {
+            body[at - 14..at - 6].copy_from_slice(&double.to_le_bytes());
+        }
+        for &(at, word) in words {
+            body[at - 14..at - 10].copy_from_slice(&word.to_le_bytes());
+        }
+        body
+    };
+    let toe = broadcasts::NOON.tow_ms / 1000;
+    let weeks = |week: u16| u32::from(week) << 16 | u32::from(week);
+    let kepler = |sqrt_a| [(80, sqrt_a), (68, 0.01), (108, 0.305)];
+    let mut gps = body(140, &kepler(5153.6), &[(32, toe), (88, toe), (136, weeks(week))]);
+    gps[0] = 7;
+    let of_beidou = weeks(broadcasts::NOON.week - 1356);
+    let mut beidou = body(140, &kepler(5282.6), &[(32, toe), (88, toe), (136, of_beidou)]);
+    beidou[0] = 141 + 20;
+    let mut galileo = body(
+        152,
+        &[(16, 5440.6), (32, 0.001), (40, 0.31)],
+        &[(100, toe), (104, toe), (124, weeks(broadcasts::NOON.week)), (128, 0x11 << 16), (132, 107 << 16)],
+    );
+    (galileo[0], galileo[1]) = (75, 2);
+    let mut glonass = body(100, &[(16, 25_508.0)], &[(76, toe), (80, week.into()), (94, 250)]);
+    // Kilometres a second along the axis behind that of the position.
+    glonass[30..34].copy_from_slice(&3.95_f32.to_le_bytes());
+    glonass[0] = 40;
+    [(5891, gps), (4081, beidou), (4002, galileo), (4004, glonass)]
+        .map(|(number, body)| sbf::block(number, broadcasts::NOON, &body))
+}
+
+/// Returns each of the receiver's reports, with interference, and the blocks of ionosphere and UTC.
+fn reports() -> [Vec<u8>; 6] {
+    let bodies: [(u16, &[u8]); 6] = [
+        (4092, &[1, 8, 0b01, 0, 0, 0, 0, 0, 0, 0, 0, 0, 8, 0]),
+        (
+            4245,
+            &[
+                6, 0, 0, 0, 0, 0, 15, 0, 0, 0, 0, 0, 0, 0, 7, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+                0, 0, 0, 0, 0, 0, 0,
+            ],
+        ),
+        (4001, &[9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x60, 0x40, 0, 0, 0xA0, 0x40]),
+        (4011, &[0, 0, 0, 0, 0xF0, 0x40, 0, 0, 0x44, 0x41]),
+        (
+            5893,
+            &[
+                29, 0, 0, 0, 0x0C, 0x33, 0, 0, 0x80, 0x32, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 6, 0x48, 0, 0, 0x80,
+                0x46, 0, 0, 0, 0, 0, 0, 0, 0,
+            ],
+        ),
+        (5894, &[29, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 56, 18, 137, 7, 18]),
+    ];
+    bodies.map(|(number, body)| sbf::block(number, broadcasts::NOON, body))
+}
 
 fn pages(broadcast: &TimedEphemeris) -> Vec<u8> {
     ubx::pages(broadcast, broadcasts::NOON).expect("numbers that fit")

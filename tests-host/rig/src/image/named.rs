@@ -47,26 +47,36 @@ pub struct Named {
 }
 
 /// All named images; the first is the shipped one, `cargo image`.
-pub const NAMED: [Named; 3] = [
+pub const NAMED: [Named; 4] = [
     Named {
         name: "fast",
         content: "everything",
-        features: "whole,gsv,satellites-48",
+        features: "whole,gsv,sbf,satellites-48",
         compiled_for: CompiledFor::Speed,
         satellites: 48,
         stack_bytes: 10 * 1024,
-        flash_kib: 288,
-        ram_kib: 69,
+        flash_kib: 352,
+        ram_kib: 96,
     },
     Named {
         name: "whole",
-        content: "everything except `GSV`",
+        content: "everything except `GSV` and SBF",
         features: "whole,satellites-32",
         compiled_for: CompiledFor::Size,
         satellites: 32,
         stack_bytes: 37 * 256,
         flash_kib: 236,
         ram_kib: 60,
+    },
+    Named {
+        name: "signed",
+        content: "`whole` with SBF",
+        features: "whole,sbf,satellites-32",
+        compiled_for: CompiledFor::Size,
+        satellites: 32,
+        stack_bytes: 37 * 256,
+        flash_kib: 272,
+        ram_kib: 76,
     },
     Named {
         name: "small",

@@ -2,10 +2,11 @@
 
 use raim::replay::{self, Window};
 use raim::signal::capture::{Capture, Orbits};
-use raim::signal::encode::{Frequency, Selection, ubx};
+use raim::signal::encode::{Frequency, Selection, sbf, ubx};
 use raim::signal::fault::Fault;
 use raim::signal::measurement::Ephemeris;
 use raim::signal::pieces::{Kind, pieces};
+use raim_firmware::time::GpsTime;
 
 use super::{STREAMS, epochs, is_protected, path, run};
 
@@ -84,17 +85,22 @@ fn what_is_no_capture_is_refused_by_name() {
         |kind: &str| format!("     3.04           {kind:<20}M                   RINEX VERSION / TYPE\n");
     let position = ubx::frame([0x01, 0x07], &[0; 92]).repeat(3);
     let without_week = ubx::frame([0x02, 0x15], &[&[0; 13][..], &[1, 0, 0]].concat());
+    let noon = GpsTime { week: 2111, tow_ms: 388_800_000 };
+    let compressed = sbf::block(4109, noon, &[0; 20]).repeat(3);
+    let undated = sbf::block(4027, GpsTime { week: u16::MAX, ..noon }, &[0, 20, 12, 0, 0, 0]);
     for (bytes, want) in [
         (Vec::new(), "is empty"),
         (nmea.into_bytes(), "holds 9 lines of NMEA. missing: ranges and orbits: RXM-RAWX"),
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec(), "a picture"),
         (b"%PDF-1.7 etc".to_vec(), "a PDF"),
         (b"week,tow,x_m,y_m,z_m\n".to_vec(), "text"),
-        (vec![0; 9999], "no frame of UBX or RTCM 3"),
+        (vec![0; 9999], "no frame of UBX, SBF or RTCM 3"),
         (rinex("OBSERVATION DATA").into_bytes(), "RINEX observation file: give it with --obs"),
         (rinex("NAVIGATION DATA").into_bytes(), "RINEX navigation file: give it with --nav"),
         (position, "holds 3 NAV-PVT. missing: ranges and orbits: RXM-RAWX"),
         (without_week, "in none of the RXM-RAWX the receiver knows it"),
+        (compressed, "holds 3 Meas3Ranges. not read: 3 Meas3Ranges: compressed ranges, add MeasEpoch"),
+        (undated, "in none of the MeasEpoch the receiver knows it"),
     ] {
         let error = Capture::of(bytes, None).err().map(|error| format!("{error:#}")).unwrap();
         assert!(error.contains(want), "{want}: {error}");

@@ -81,7 +81,7 @@ impl Content {
             return "is empty".to_owned();
         }
         if self.frames.is_empty() && !self.is_text() {
-            return format!("holds no frame of UBX or RTCM 3; it is {}", foreign::foreign(head));
+            return format!("holds no frame of UBX, SBF or RTCM 3; it is {}", foreign::foreign(head));
         }
         let found = self.found("GRECJ", &BTreeSet::new());
         found.advice().unwrap_or_else(|| format!("holds {self}: no epoch with a range in it"))
@@ -103,6 +103,7 @@ impl Content {
         let is_ubx = has(&|kind| matches!(kind, Kind::Ubx([0x02, 0x10 | 0x11 | 0x13 | 0x14 | 0x15])));
         let form = match () {
             () if is_ubx => Form::Ubx,
+            () if has(&|kind| matches!(kind, Kind::Sbf(_))) => Form::Sbf,
             () if has(&|kind| matches!(kind, Kind::Rtcm(_))) => Form::Rtcm,
             () => Form::Unknown,
         };
@@ -127,11 +128,12 @@ impl Content {
             refused: self.refused.clone(),
             ..Found::default()
         };
-        if is_blind && self.frames.contains_key(&Kind::RAWX) {
-            found.others.push(
-                "the week: in none of the RXM-RAWX the receiver knows it, let it find the time first"
-                    .to_owned(),
-            );
+        let ranges = [(Kind::RAWX, "RXM-RAWX"), (Kind::MEAS_EPOCH, "MeasEpoch")];
+        let undated = ranges.iter().find(|(kind, _)| is_blind && self.frames.contains_key(kind));
+        if let Some((_, name)) = undated {
+            found.others.push(format!(
+                "the week: in none of the {name} the receiver knows it, let it find the time first"
+            ));
         } else if is_blind {
             found.lacks_week = true;
             found.others.push(
@@ -180,19 +182,29 @@ impl Content {
             of(&|kind| *kind == Kind::Ubx([0x02, 0x14])),
             "ranges without whole milliseconds, choose RXM-RAWX",
         );
+        if !self.frames.contains_key(&Kind::MEAS_EPOCH) {
+            say(of(&|kind| *kind == MEAS3_RANGES), "compressed ranges, add MeasEpoch");
+        }
         unread.extend(self.native.clone());
         unread
     }
 }
 
-/// Messages of RTCM with ephemerides, by the letter of their system.
-const SENT: [(char, Kind); 6] = [
+/// Compressed ranges of Septentrio receivers.
+const MEAS3_RANGES: Kind = Kind::Sbf(4109);
+
+/// Messages with ephemerides, by the letter of their system.
+const SENT: [(char, Kind); 10] = [
     ('G', Kind::Rtcm(1019)),
     ('R', Kind::Rtcm(1020)),
     ('C', Kind::Rtcm(1042)),
     ('J', Kind::Rtcm(1044)),
     ('E', Kind::Rtcm(1045)),
     ('E', Kind::Rtcm(1046)),
+    ('G', Kind::Sbf(5891)),
+    ('R', Kind::Sbf(4004)),
+    ('E', Kind::Sbf(4002)),
+    ('C', Kind::Sbf(4081)),
 ];
 
 impl fmt::Display for Content {
@@ -225,13 +237,31 @@ fn frame_name(kind: Kind) -> String {
             (0x27, 0x09) => "SEC-SIG".to_owned(),
             _ => format!("UBX {class:02X} {id:02X}"),
         },
+        Kind::Sbf(number) => match number {
+            4002 => "GALNav".to_owned(),
+            4004 => "GLONav".to_owned(),
+            4017 => "GPSRawCA".to_owned(),
+            4022 => "GALRawFNAV".to_owned(),
+            4023 => "GALRawINAV".to_owned(),
+            4026 => "GLORawCA".to_owned(),
+            4027 => "MeasEpoch".to_owned(),
+            4047 => "BDSRaw".to_owned(),
+            4066 => "QZSRawL1CA".to_owned(),
+            4081 => "BDSNav".to_owned(),
+            4092 => "RFStatus".to_owned(),
+            4109 => "Meas3Ranges".to_owned(),
+            4245 => "GALAuthStatus".to_owned(),
+            5891 => "GPSNav".to_owned(),
+            5922 => "EndOfMeas".to_owned(),
+            _ => format!("SBF {number}"),
+        },
         Kind::Line | Kind::Rest => String::new(),
     }
 }
 
-/// Returns true if the first bytes contain a frame of UBX or RTCM 3.
+/// Returns true if the first bytes contain a frame of UBX, SBF or RTCM 3.
 pub fn has_frames(bytes: &[u8]) -> bool {
     const EARLY: usize = 65_536;
     let early = bytes.get(..bytes.len().min(EARLY)).unwrap_or_default();
-    pieces(early).any(|piece| matches!(piece.kind, Kind::Ubx(_) | Kind::Rtcm(_)))
+    pieces(early).any(|piece| matches!(piece.kind, Kind::Ubx(_) | Kind::Rtcm(_) | Kind::Sbf(_)))
 }

@@ -13,7 +13,7 @@ use raim_firmware::ephemeris::Ephemeris;
 use raim_firmware::input::{Event, Input};
 use raim_firmware::time::{GpsTime, WEEK_MS};
 
-use super::falsify::{bits, payload, tow_ms, ubx_satellite};
+use super::falsify::{bits, payload, sbf_satellite, tow_ms, ubx_satellite};
 use crate::signal::pieces::{Kind, Piece};
 
 /// An epoch that ends with a piece.
@@ -58,7 +58,11 @@ struct Tag {
 
 impl Tag {
     fn of(piece: &Piece<'_>) -> Option<Self> {
-        let &station = piece.bytes.get(3..)?.first_chunk()?;
+        // SBF has its CRC there, and no station.
+        let station = match piece.kind {
+            Kind::Sbf(_) => [0; 3],
+            _ => *piece.bytes.get(3..)?.first_chunk()?,
+        };
         Some(Self { kind: piece.kind, station, tow_ms: tow_ms(piece)? })
     }
 }
@@ -189,7 +193,10 @@ fn satellite_of(piece: &Piece<'_>) -> Option<SatelliteId> {
             };
             SatelliteId::from_name(letter, bits(payload, 12, width)? as u8)
         }
-        Kind::Ubx(_) | Kind::Line | Kind::Rest => None,
+        Kind::Sbf(5891 | 4002 | 4004 | 4081 | 4017 | 4022 | 4023 | 4026 | 4047 | 4066) => {
+            sbf_satellite(*payload.first()?)
+        }
+        Kind::Ubx(_) | Kind::Sbf(_) | Kind::Line | Kind::Rest => None,
     }
 }
 
@@ -204,7 +211,7 @@ fn is_last_of_epoch(piece: &Piece<'_>) -> bool {
     /// The multiple message bit is in the tenth byte of the frame, second from its low end.
     const MORE: (usize, u8) = (9, 0b10);
     match piece.kind {
-        Kind::RAWX => true,
+        Kind::RAWX | Kind::MEAS_EPOCH => true,
         Kind::Rtcm(1071..=1137) => piece.bytes.get(MORE.0).is_some_and(|byte| byte & MORE.1 == 0),
         _ => false,
     }

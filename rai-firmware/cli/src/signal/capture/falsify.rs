@@ -3,31 +3,34 @@
 //!
 //! ```text
 //! RXM-RAWX    prMes, a double                            P' = P + Δ
+//! MeasEpoch   CodeMSB, CodeLSB: millimetres              n' = n + round(Δ / 1 mm)
 //! MSM4 … 7    whole ms + rough/1024 ms + fine            in steps s of the fine range: n' = n + round(Δ / s)
 //! ```
 //!
 //! | | step |
 //! |---|---|
 //! | RXM-RAWX | none |
+//! | `MeasEpoch` | 1 mm |
 //! | MSM4, MSM5 | 2⁻²⁴ ms, 18 mm |
 //! | MSM6, MSM7 | 2⁻²⁹ ms, 0.6 mm |
 //!
 //! The fine range reaches 292 m to either side of the rough one, which all signals of a satellite
 //! share. The rough range stays if the faulty ranges fit, and is moved if they do not. A lost
-//! satellite has no measurement in RXM-RAWX, and ranges marked as invalid in MSM. Carrier phases
+//! satellite has no measurement in RXM-RAWX, no first range in `MeasEpoch`, to which its others refer,
+//! and ranges marked as invalid in MSM. Carrier phases
 //! and rates are unchanged, because a check of code ranges does not use them.
 //!
 //! Reference: [RTCM-10403.3] 3.5.16, tables 3.5-73 to 3.5-101.
 //!
 //! [RTCM-10403.3]: crate#references
 
-use anyhow::{Result, ensure};
+use anyhow::{Context as _, Result, ensure};
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
 use raim_core::satellite::SatelliteId;
 use raim_firmware::output::nmea::GPS_MINUS_UTC_S;
 use raim_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
 
-use crate::signal::checksum::crc24q;
+use crate::signal::checksum::{crc16, crc24q};
 use crate::signal::encode::ubx;
 use crate::signal::fault::{Fault, Kind as What};
 use crate::signal::pieces::{Kind, Piece};
@@ -73,6 +76,10 @@ pub(super) fn tow_ms(piece: &Piece<'_>) -> Option<u32> {
         let tow_s = f64::from_le_bytes(*payload.first_chunk()?);
         return (0.0..604_800.0).contains(&tow_s).then(|| (tow_s * 1e3).round() as u32 % WEEK_MS);
     }
+    if piece.kind == Kind::MEAS_EPOCH {
+        let tow_ms = u32::from_le_bytes(*piece.bytes.get(8..)?.first_chunk()?);
+        return (tow_ms < WEEK_MS).then_some(tow_ms);
+    }
     let Kind::Rtcm(number @ 1071..=1137) = piece.kind else { return None };
     let time = bits(payload, 24, 30)? as u32;
     match (number - 1070) / 10 {
@@ -103,7 +110,8 @@ pub(super) fn falsify(
     match piece.kind {
         Kind::Ubx(_) => Ok(rawx(payload(piece), change)),
         Kind::Rtcm(number) => msm(number, piece.bytes, change),
-        Kind::Line | Kind::Rest => Ok(None),
+        Kind::MEAS_EPOCH => meas_epoch(piece.bytes, change),
+        Kind::Sbf(_) | Kind::Line | Kind::Rest => Ok(None),
     }
 }
 
@@ -112,6 +120,7 @@ pub(super) fn payload<'a>(piece: &Piece<'a>) -> &'a [u8] {
     let (header, check) = match piece.kind {
         Kind::Ubx(_) => (6, 2),
         Kind::Rtcm(_) => (3, 3),
+        Kind::Sbf(_) => (14, 0),
         Kind::Line | Kind::Rest => (0, 0),
     };
     piece.bytes.get(header..piece.bytes.len() - check).unwrap_or_default()
@@ -135,6 +144,52 @@ fn rawx(payload: &[u8], change: impl Fn(SatelliteId) -> Option<Change>) -> Optio
     }
     altered[11] = ((altered.len() - HEADER) / MEASUREMENT) as u8;
     is_altered.then(|| ubx::frame([0x02, 0x15], &altered))
+}
+
+/// Alters the first range of each satellite, to which the others refer.
+fn meas_epoch(block: &[u8], change: impl Fn(SatelliteId) -> Option<Change>) -> Result<Option<Vec<u8>>> {
+    /// Bytes before the sub-blocks.
+    const HEADER: usize = 20;
+    let mut altered = block.to_vec();
+    let &[many, first_bytes, further_bytes] = &block[14..17] else { return Ok(None) };
+    let (mut at, mut is_altered) = (HEADER, false);
+    for _ in 0..many {
+        let Some(first) = altered.get_mut(at..).and_then(|rest| rest.first_chunk_mut::<20>()) else { break };
+        at += usize::from(first_bytes) + usize::from(first[19]) * usize::from(further_bytes);
+        let Some(satellite) = sbf_satellite(first[2]) else { continue };
+        let Some(change) = change(satellite) else { continue };
+        let range_mm = u64::from(first[3] & 15) << 32
+            | u64::from(u32::from_le_bytes([first[4], first[5], first[6], first[7]]));
+        let range_mm = match change {
+            Change::Longer(by_m) if range_mm != 0 => range_mm
+                .checked_add_signed((by_m * 1e3).round() as i64)
+                .filter(|range_mm| *range_mm < 1 << 36),
+            Change::Longer(_) | Change::Lost => Some(0),
+        };
+        let range_mm = range_mm
+            .with_context(|| format!("{satellite}: the range does not fit MeasEpoch with this fault"))?;
+        first[3] = first[3] & 0xF0 | (range_mm >> 32) as u8;
+        first[4..8].copy_from_slice(&(range_mm as u32).to_le_bytes());
+        is_altered = true;
+    }
+    let crc = crc16(&altered[4..]);
+    altered[2..4].copy_from_slice(&crc);
+    Ok(is_altered.then_some(altered))
+}
+
+/// Returns the satellite behind Septentrio's number.
+pub(super) fn sbf_satellite(svid: u8) -> Option<SatelliteId> {
+    let (letter, before) = match svid {
+        1..=37 => ('G', 0),
+        38..=61 => ('R', 37),
+        63..=68 => ('R', 38),
+        71..=106 => ('E', 70),
+        141..=180 => ('C', 140),
+        181..=190 => ('J', 180),
+        223..=245 => ('C', 182),
+        _ => return None,
+    };
+    SatelliteId::from_name(letter, svid - before)
 }
 
 /// Returns the satellite behind u-blox's numbers of a system and a satellite.

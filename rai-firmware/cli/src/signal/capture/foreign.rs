@@ -8,7 +8,6 @@
 //! | Trimble | `02`, status, `57`, `55` or `40`, length, that many bytes, their sum, `03` |
 //! | Quectel | lines `$PQTM`, `$PAIR` |
 //! | RTCM 2 | bytes from 40 to 7F that contain the preamble of 8 bits, six bits in each byte |
-//! | Septentrio | `24 40`, a CRC, and a length that is a multiple of four |
 
 /// A native log: its name and the remedy.
 struct Native {
@@ -17,7 +16,7 @@ struct Native {
     remedy: &'static str,
 }
 
-const NATIVE: [Native; 7] = [
+const NATIVE: [Native; 6] = [
     Native {
         name: "a log of a NovAtel receiver",
         has: is_novatel,
@@ -43,7 +42,6 @@ const NATIVE: [Native; 7] = [
         has: is_quectel,
         remedy: "RTCM 3 with MSM4 to MSM7 and 1019, 1046, 1042",
     },
-    Native { name: "Septentrio SBF", has: is_septentrio, remedy: "RTCM 3 with MSM and 1019, 1046, 1042" },
     Native {
         name: "RTCM 2",
         has: is_rtcm_2,
@@ -107,18 +105,6 @@ fn is_trimble(bytes: &[u8]) -> bool {
 
 fn is_quectel(bytes: &[u8]) -> bool {
     has_line(bytes, &["$PQTM", "$PAIR"])
-}
-
-fn is_septentrio(bytes: &[u8]) -> bool {
-    // Two blocks that follow each other, or one that fills the bytes.
-    let length = |at: usize| match bytes.get(at..)? {
-        [b'$', b'@', _, _, _, _, low, high, ..] => {
-            Some(usize::from(*high) << 8 | usize::from(*low)).filter(|length| *length >= 8 && length % 4 == 0)
-        }
-        _ => None,
-    };
-    (0..bytes.len())
-        .any(|at| length(at).is_some_and(|long| at + long >= bytes.len() || length(at + long).is_some()))
 }
 
 /// The bytes of RTCM 2 carry six bits each, the first one lowest, of words as GPS sends them; each
@@ -190,9 +176,6 @@ mod tests {
             0x40 | (0..6).fold(0_u8, |bits, bit| bits | ((six >> (5 - bit) & 1) as u8) << bit)
         });
         let rtcm_2: Vec<u8> = rolled.cycle().take(90).collect();
-        let block = |length: u8| {
-            [&[b'$', b'@', 7, 7, 0xAB, 0x0F, length, 0][..], &vec![0; usize::from(length) - 8]].concat()
-        };
         for (bytes, want) in [
             (vec![9, 0xAA, 0x44, 0x12, 28, 43, 0, 0, 0x20], Some("NovAtel")),
             (b"#BESTPOSA,COM1,0,90.5,FINESTEERING,2209,1,0;".to_vec(), Some("NovAtel")),
@@ -204,7 +187,6 @@ mod tests {
             (trimble(0x40), Some("Trimble")),
             (b"$PQTMVERNO,LG290P03*00\r\n".to_vec(), Some("Quectel")),
             (rtcm_2, Some("RTCM 2")),
-            ([block(16), block(24)].concat(), Some("Septentrio")),
             (trimble(0x33), None),
             (b"plain words of a letter to nobody".repeat(9), None),
             (vec![0; 4096], None),

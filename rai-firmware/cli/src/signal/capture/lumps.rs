@@ -38,7 +38,7 @@ pub struct Lumps<R> {
     week: Option<Vec<u8>>,
     /// GPS week of the first epoch, if it is given.
     given: Option<u16>,
-    /// Week of the first RXM-RAWX that states one.
+    /// Week of the first ranges that state one.
     stated: Option<u16>,
     content: Content,
     /// Letters of the systems that take part.
@@ -321,7 +321,8 @@ fn without_ranges(bytes: &[u8], epoch: GpsTime) -> Vec<u8> {
         let of_next = || {
             falsify::tow_ms(piece).is_some_and(|tow_ms| GpsTime::nearest(tow_ms, epoch).since_ms(epoch) > 100)
         };
-        matches!(piece.kind, Kind::Ubx(_) | Kind::Rtcm(_)) && (!piece.kind.has_ranges() || of_next())
+        matches!(piece.kind, Kind::Ubx(_) | Kind::Rtcm(_) | Kind::Sbf(_))
+            && (!piece.kind.has_ranges() || of_next())
     };
     pieces(bytes).filter(is_kept).flat_map(|piece| piece.bytes).copied().collect()
 }

@@ -2,7 +2,7 @@
 //!
 //! | source | condition |
 //! |---|---|
-//! | the week of the first RXM-RAWX that has one | always, if there is one |
+//! | the week of the first RXM-RAWX or `MeasEpoch` that has one | always, if there is one |
 //! | the week on which the sets in the file agree in the end | the module corrected it on the way |
 //! | the cycle of 1,024 weeks | the module takes a cycle in the future: the last past one |
 //!
@@ -29,16 +29,17 @@ pub(super) fn of(first: GpsTime, last: GpsTime, corrections: u32, stated: Option
     (!is_steady).then_some(week)
 }
 
-/// Returns the week that a RXM-RAWX states; `None` for another message, and for a receiver that
-/// does not know it.
+/// Returns the week that ranges state; `None` for another message, and for a receiver that does not
+/// know it.
 pub(super) fn stated(piece: &Piece<'_>) -> Option<u16> {
-    /// Place of the week in the frame: behind six bytes of header and the time of week.
-    const WEEK: std::ops::Range<usize> = 14..16;
-    if piece.kind != Kind::RAWX {
-        return None;
-    }
-    let week: [u8; 2] = piece.bytes.get(WEEK)?.try_into().ok()?;
-    Some(u16::from_le_bytes(week)).filter(|&week| week > 0)
+    // Behind six or eight bytes of header and the time of week.
+    let place = match piece.kind {
+        Kind::RAWX => 14..16,
+        Kind::MEAS_EPOCH => 12..14,
+        _ => return None,
+    };
+    let week: [u8; 2] = piece.bytes.get(place)?.try_into().ok()?;
+    Some(u16::from_le_bytes(week)).filter(|&week| week > 0 && week < u16::MAX)
 }
 
 /// Returns the week or, if it is in the future, the same week of the last past cycle.

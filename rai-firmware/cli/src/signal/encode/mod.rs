@@ -21,6 +21,7 @@
 
 mod channels;
 mod msm;
+pub mod sbf;
 mod schedule;
 pub mod ubx;
 
