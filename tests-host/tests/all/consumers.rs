@@ -96,9 +96,15 @@ fn frames(report: &Report<64>, motion: Option<Motion>) -> Vec<u8> {
     told(report, motion, |statement, out| Sender::default().write_epoch(statement, due, out).expect("room"))
 }
 
-/// Runs Python with standard input; returns `None` and reports a skip if it or a package is
-/// missing.
+/// Runs Python with standard input, and returns what it prints as JSON; `None`, and a report of the
+/// skip, if it or a package is missing.
 fn python(package: &str, script: &str, input: &[u8]) -> Option<Value> {
+    printed(package, script, input).map(|printed| serde_json::from_slice(&printed).expect("its answer"))
+}
+
+/// Runs Python with standard input, and returns what it prints; `None`, and a report of the skip, if
+/// it or a package is missing.
+pub(crate) fn printed(package: &str, script: &str, input: &[u8]) -> Option<Vec<u8>> {
     let python = setup::python();
     let has_package = Command::new(&python).args(["-c", &format!("import {package}")]).output();
     if !has_package.is_ok_and(|output| output.status.success()) {
@@ -114,7 +120,7 @@ fn python(package: &str, script: &str, input: &[u8]) -> Option<Value> {
     child.stdin.take().expect("a pipe").write_all(input).expect("it reads");
     let output = child.wait_with_output().expect("it ends");
     assert!(output.status.success(), "{package} refuses what we send");
-    Some(serde_json::from_slice(&output.stdout).expect("its answer"))
+    Some(output.stdout)
 }
 
 /// Script that decodes every frame, encodes it again with the same number and sender, and compares

@@ -144,8 +144,17 @@ pub fn ensure(needs: &[Need]) -> anyhow::Result<()> {
 
 /// Packages of Python that read the module's sentences and messages, run the notebook, and simulate
 /// the chip with its clock tree.
-const PYTHON_PACKAGES: [&str; 8] =
-    ["pynmea2", "pymavlink", "pyubx2", "labwired==0.25.0", "numpy", "pandas", "nbconvert", "ipykernel"];
+const PYTHON_PACKAGES: [&str; 8] = [
+    "pynmea2",
+    "pymavlink",
+    "pyubx2",
+    "pysbf2==1.0.7",
+    "labwired==0.25.0",
+    "numpy",
+    "pandas",
+    "nbconvert",
+    "ipykernel",
+];
 
 /// Programs of the system's packages for these tests, as they are called.
 const CONSUMER_PROGRAMS: [&str; 9] =

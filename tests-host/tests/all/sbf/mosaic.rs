@@ -1,9 +1,7 @@
 //! A real mosaic: twelve epochs of 45 satellites, with all its raw and decoded blocks.
 
 use std::collections::BTreeMap;
-use std::io::Read as _;
 
-use flate2::read::GzDecoder;
 use raim::signal::encode::sbf;
 use raim::signal::pieces::{Kind, Piece, pieces};
 use raim_core::frame::{Ecef, Geodetic, LocalFrame};
@@ -16,6 +14,7 @@ use raim_firmware::settings::{Configuration, Systems};
 use raim_firmware::time::GpsTime;
 
 use super::{said, unpacked};
+use crate::consumers::printed;
 
 const RECORDING: &str = "sbf/mosaic_12s.sbf.gz";
 
@@ -62,12 +61,11 @@ fn place(svid: u32, signal: u32) -> Option<(SatelliteId, Band)> {
     Some((SatelliteId::from_name(letter, number as u8)?, band))
 }
 
-/// Returns the rows of `pysbf2`, by time of week and place. Where a band has two codes, the module
+/// Returns the rows of `pysbf2`, by time of week and place, if it is installed. Where a band has two codes, the module
 /// uses the first one in the block.
-fn rows() -> BTreeMap<(u32, SatelliteId, u8), Row> {
-    let mut text = String::new();
-    let packed = include_bytes!("../../../vectors/mosaic_12s.csv.gz");
-    GzDecoder::new(&packed[..]).read_to_string(&mut text).unwrap();
+fn rows(bytes: &[u8]) -> Option<BTreeMap<(u32, SatelliteId, u8), Row>> {
+    let text = printed("pysbf2", include_str!("measurements.py"), bytes)?;
+    let text = String::from_utf8(text).unwrap();
     let mut rows = BTreeMap::new();
     for line in text.lines().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
@@ -85,7 +83,7 @@ fn rows() -> BTreeMap<(u32, SatelliteId, u8), Row> {
         };
         rows.entry((tow_ms.parse().unwrap(), satellite, band as u8)).or_insert(row);
     }
-    rows
+    Some(rows)
 }
 
 #[test]
@@ -94,7 +92,7 @@ fn every_range_doppler_and_strength_is_that_of_pysbf2() {
     /// halves of a last place below 8,192 Hz.
     const DOPPLER_HZ: f64 = 1.0 / 1024.0 + 4.0 * 0.5 / 2048.0;
     let Some(bytes) = unpacked(RECORDING) else { return };
-    let mut rows = rows();
+    let Some(mut rows) = rows(&bytes) else { return };
     let (said, counters) = said(&only(&bytes, &[4027]));
     assert_eq!(said.epochs.len(), 12);
     let (mut compared, mut farthest_hz) = (0, 0.0_f64);

@@ -1,12 +1,10 @@
-"""Ranges, Doppler frequencies and C/N0 in a recording of a mosaic, as pysbf2 1.0.7 reads it.
-
-pip install pysbf2==1.0.7; python mosaic_12s.py mosaic_12s.sbf.gz > mosaic_12s.csv
+"""Ranges, Doppler frequencies and C/N0 of the blocks on standard input, as pysbf2 1.0.7 reads them.
 
 pysbf2 reads and scales the fields; the sums are those that its definition of MeasEpoch quotes from
 the maker's guide. Two of its fields are signed in the guide and unsigned there.
 """
 import csv
-import gzip
+import io
 import sys
 
 from pysbf2 import SBFReader
@@ -35,7 +33,7 @@ def cn0(signal, scaled):
 
 out = csv.writer(sys.stdout, lineterminator="\n")
 out.writerow(["tow_ms", "svid", "signal", "high", "range_m", "doppler_hz", "cn0_dbhz"])
-for _, block in SBFReader(gzip.open(sys.argv[1])):
+for _, block in SBFReader(io.BytesIO(sys.stdin.buffer.read())):
     if getattr(block, "identity", None) != "MeasEpoch":
         continue
     for n in range(1, block.N1 + 1):
