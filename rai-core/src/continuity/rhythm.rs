@@ -56,10 +56,8 @@ impl Rhythm {
             return false;
         }
         let is_off = self.is_off(elapsed_s);
-        if self.is_other {
-            self.is_other = is_off || !is_expected();
-        } else if is_off && self.kept >= LEAST {
-            self.is_other = !is_expected();
+        if self.is_other || is_off && self.kept >= LEAST {
+            self.is_other = self.is_other && is_off || !is_expected();
         }
         let is_shorter = elapsed_s < self.step_s;
         if !self.is_other && (is_off || is_shorter) {

@@ -397,18 +397,22 @@ impl Entry {
             return self.settle(offered, received, rivals);
         }
         self.is_disputed = true;
-        match rival {
-            Some(rival) if rival.ephemeris.describes_as(&offered) => rival.is_repeated = true,
+        if let Some(rival) = rival {
+            if rival.ephemeris.describes_as(&offered) {
+                rival.is_repeated = true;
+                return Insertion::Disputed;
+            }
             // The rival stays, so that no series of sets leads away from it.
-            Some(rival) if change(&rival.ephemeris, &offered, now) <= AGREEMENT => {
+            if change(&rival.ephemeris, &offered, now) <= AGREEMENT {
                 if now.is_none() || period.wrapping_sub(rival.period) >= DECIDED_AFTER {
                     return self.settle(offered, received, rivals);
                 }
+                return Insertion::Disputed;
             }
-            Some(rival) => *rival = Rival { ephemeris: offered, is_repeated: false, period },
-            // Without room for a rival, the known set waits for a set that agrees with it.
-            None => _ = rivals.push(Rival { ephemeris: offered, is_repeated: false, period }),
+            forget(rivals, offered.satellite);
         }
+        // Without room for a rival, the known set waits for a set that agrees with it.
+        let _ = rivals.push(Rival { ephemeris: offered, is_repeated: false, period });
         Insertion::Disputed
     }
 
@@ -433,9 +437,6 @@ fn is_stale(ephemeris: &Ephemeris, now: Option<GpsTime>) -> bool {
 // Not inlined, so that its two callers share one copy.
 #[inline(never)]
 fn change(one: &Ephemeris, other: &Ephemeris, now: Option<GpsTime>) -> u8 {
-    if one.describes_as(other) {
-        return 0;
-    }
     let when = now.unwrap_or_else(|| GpsTime::from_ms(u64::midpoint(one.toe.to_ms(), other.toe.to_ms())));
     let (Ok(one), Ok(other)) = (one.seen_at(when, 0.0), other.seen_at(when, 0.0)) else {
         return 0;
