@@ -73,7 +73,7 @@ impl Rhythm {
     }
 
     /// Returns true if an epoch does not keep the rhythm, or if there is none.
-    fn is_off(&self, elapsed_s: f32) -> bool {
+    fn is_off(self, elapsed_s: f32) -> bool {
         let per_second = whole(1.0 / self.step_s).max(1.0);
         let off = |time_s: f32| {
             let count = time_s * per_second;
