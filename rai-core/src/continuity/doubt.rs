@@ -113,6 +113,10 @@ impl Doubt {
 
     /// Notes a contradiction of an epoch.
     pub(super) fn contradict(&mut self, time_s: f64, is_away: bool) {
+        if self.count < LEARNED {
+            // A mean of places before and after is none of them.
+            self.count = 0;
+        }
         let is_held = is_away || self.contradiction.is_some_and(|before| before.is_held);
         self.contradiction = Some(Contradiction { last_s: time_s, kept_s: time_s, is_held });
     }

@@ -59,10 +59,13 @@ impl Rhythm {
         if self.is_other || is_off && self.kept >= LEAST {
             self.is_other = self.is_other && is_off || !is_expected();
         }
-        let is_shorter = elapsed_s < self.step_s;
-        if !self.is_other && (is_off || is_shorter) {
-            self.step_s = elapsed_s;
-            self.kept = if is_off { 0 } else { self.kept };
+        if !self.is_other {
+            if is_off {
+                self.kept = 0;
+            }
+            if is_off || elapsed_s < self.step_s {
+                self.step_s = elapsed_s;
+            }
         }
         self.is_other
     }
