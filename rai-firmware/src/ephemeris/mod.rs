@@ -271,12 +271,10 @@ impl Ephemeris {
         })
     }
 
-    /// Returns true if the receiver decoded this set, and the other one of the same issue came as
-    /// checked bits.
+    /// Returns true if the receiver decoded this set, and the other one is of the same issue.
     #[cfg(feature = "sbf")]
-    fn yields_to(&self, other: &Self) -> bool {
-        (self.origin, other.origin) == (Origin::Decoded, Origin::Bits)
-            && (self.source, self.toe) == (other.source, other.toe)
+    fn is_issue_of(&self, other: &Self) -> bool {
+        self.origin == Origin::Decoded && (self.source, self.toe) == (other.source, other.toe)
     }
 
     /// Returns the satellite.

@@ -144,7 +144,7 @@ pub fn ensure(needs: &[Need]) -> anyhow::Result<()> {
 
 /// Packages of Python that read the module's sentences and messages, run the notebook, and simulate
 /// the chip with its clock tree.
-const PYTHON_PACKAGES: [&str; 8] = [
+const PYTHON_PACKAGES: [&str; 9] = [
     "pynmea2",
     "pymavlink",
     "pyubx2",

@@ -27,8 +27,9 @@
 //! the known set cancels it. If it was repeated, copies decide nothing. A satellite that changes
 //! its orbit is out of use until its second new set.
 //!
-//! **Bits of the receiver** outrank sets of other origin, such as a caster. While the known set was
-//! read from bits and is current, no other one is considered, and bits replace any other set.
+//! **Origin.** Bits of the receiver outrank a set that it decoded, and this one outranks a set of RTCM,
+//! which a caster may have sent. While the known set is current, none of a lesser origin is
+//! considered, and one of a better origin replaces it.
 //!
 //! **Galileo** sends two messages. I/NAV has both group delays and thus serves every pair of
 //! signals. The orbit of F/NAV replaces it only if it is stale. The health that each message
@@ -51,9 +52,7 @@
 //! [`Store::displaced`] counts the displaced sets of satellites in sight. [`RIVALS`] contradicting
 //! sets are stored. If there are more, the known set stays and counts as disputed.
 //!
-//! **Decoded sets.** If a receiver sends a set both as bits and decoded, the bits stay in use,
-//! because their parities were checked. The decoded set of the same issue renews only health and
-//! accuracy.
+//! **Decoded sets.** A decoded set of the issue that is known by its bits renews health and accuracy.
 //!
 //! **State vectors** are integrated, and the part that the next epochs share is stored
 //! ([`Store::advance`]).
@@ -67,7 +66,7 @@ use raim_core::internals::numeric::sqrt;
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::sight::{Elevation, HORIZON, Sight, Skyline};
-use super::{Ephemeris, EphemerisError, Origin, Source, difference_m, scaled};
+use super::{Ephemeris, EphemerisError, Source, difference_m, scaled};
 use crate::counters::count;
 use crate::time::GpsTime;
 
@@ -357,23 +356,21 @@ impl Entry {
     ) -> Insertion {
         let known = &mut self.ephemeris;
         let is_needed = is_stale(known, now);
-        if !is_needed
-            && (is_stale(&offered, now)
-                || known.origin > Origin::Relayed && offered.origin == Origin::Relayed)
-        {
-            return Insertion::Kept;
-        }
+        let is_outranked = offered.origin < known.origin;
         #[cfg(feature = "sbf")]
         if !is_needed
             && !self.is_disputed
-            && offered.yields_to(known)
+            && is_outranked
+            && offered.is_issue_of(known)
             && change(known, &offered, now) <= AGREEMENT
         {
             known.merge_decoded(&offered);
+        }
+        if !is_needed && is_outranked | is_stale(&offered, now) {
             return Insertion::Kept;
         }
-        // What the receiver itself received is needed where there was none.
-        let is_needed = is_needed || offered.origin > Origin::Relayed && known.origin == Origin::Relayed;
+        // A set of a better origin needs no agreement.
+        let is_needed = is_needed | (offered.origin > known.origin);
         if !is_needed && (known.source, offered.source) == (Source::GalileoInav, Source::GalileoFnav) {
             known.merge_health(&offered);
             return Insertion::Kept;
