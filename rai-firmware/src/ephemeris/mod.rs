@@ -283,6 +283,11 @@ impl Ephemeris {
         self
     }
 
+    /// Returns the rank of the origin: the receiver's bits have the highest.
+    const fn rank(&self) -> u8 {
+        self.is_of_bits as u8
+    }
+
     /// Moves the reference time to the same second of another week, because orbit and clock depend
     /// on the second alone.
     pub(crate) fn date(&mut self, toe: GpsTime) {

@@ -353,11 +353,11 @@ impl Entry {
     ) -> Insertion {
         let known = &mut self.ephemeris;
         let is_needed = is_stale(known, now);
-        if !is_needed && (is_stale(&offered, now) || known.is_of_bits & !offered.is_of_bits) {
+        if !is_needed && (is_stale(&offered, now) || known.rank() > offered.rank()) {
             return Insertion::Kept;
         }
         // Bits of the receiver are needed where there were none.
-        let is_needed = is_needed || offered.is_of_bits & !known.is_of_bits;
+        let is_needed = is_needed || offered.rank() > known.rank();
         if !is_needed && (known.source, offered.source) == (Source::GalileoInav, Source::GalileoFnav) {
             known.merge_health(&offered);
             return Insertion::Kept;
