@@ -162,7 +162,7 @@ fn attempt_beside(every_s: u32, change: Change<'_>, is_truth_sent: bool, during:
             continue;
         };
         let mut sent = Vec::new();
-        if since_s % every_s == 0 {
+        if since_s.is_multiple_of(every_s) {
             for set in &sets {
                 let mut set = set.clone();
                 change(&mut set, f64::from(since_s));
@@ -170,7 +170,7 @@ fn attempt_beside(every_s: u32, change: Change<'_>, is_truth_sent: bool, during:
                 sent.extend(frame(&set)?);
             }
         }
-        if is_truth_sent && since_s as usize % TRUE_EVERY == 0 {
+        if is_truth_sent && (since_s as usize).is_multiple_of(TRUE_EVERY) {
             for set in &sets {
                 sent.extend(frame(set)?);
             }
@@ -188,10 +188,10 @@ fn first(_: Effort) -> Result<Vec<Figure>> {
     let is_absent = |satellite| sets.iter().all(|set| set.satellite != satellite);
     let absent = strangers(&simulation, START_S, is_absent)?.concat();
     let mut falsified = sets.clone();
-    falsified.iter_mut().for_each(|set| {
+    for set in &mut falsified {
         turn(set, 5000.0);
         edit(set, 1);
-    });
+    }
     let encoded = |sets: &[TimedEphemeris]| sets.iter().map(frame).collect::<Result<Vec<_>>>();
     let (truth, falsified) = (encoded(&sets)?.concat(), encoded(&falsified)?.concat());
     let mut figures = Vec::new();
