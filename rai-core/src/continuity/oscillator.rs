@@ -174,5 +174,6 @@ fn within_a_millisecond(step_m: f64) -> f32 {
 
 /// Returns the whole milliseconds of a step of the clock, m.
 pub(super) fn whole_milliseconds_m(step_m: f64) -> f64 {
-    MILLISECOND_M * libm::rint(step_m / MILLISECOND_M)
+    // Their number is exact in single precision up to hours.
+    MILLISECOND_M * f64::from(libm::rintf((step_m / MILLISECOND_M) as f32))
 }

@@ -52,7 +52,7 @@ impl Rhythm {
     /// expected at its position.
     pub(super) fn is_of_another(&mut self, elapsed_s: f32, is_expected: impl FnOnce() -> bool) -> bool {
         if !self.is_other && (elapsed_s - self.step_s).abs() <= SAME_S {
-            self.kept = LEAST.min(self.kept.saturating_add(1));
+            self.kept += u8::from(self.kept < LEAST);
             return false;
         }
         let is_off = self.is_off(elapsed_s);

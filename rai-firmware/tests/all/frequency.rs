@@ -3,7 +3,7 @@
 use crate::walker::{self, Ionosphere, TOE, range_m, satellite};
 use raim_core::epoch::Epoch;
 use raim_core::requirements::Requirements;
-use raim_firmware::correction::{CAPACITY, Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
+use raim_firmware::correction::{Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
 use raim_firmware::ephemeris::{Ephemeris, Store};
 use raim_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
 use raim_single::{Monitor, MonitorMemory};

@@ -370,7 +370,7 @@ impl Entry {
             return Insertion::Kept;
         }
         // A set of a better origin needs no agreement.
-        let is_needed = is_needed | (offered.origin > known.origin);
+        let is_needed = is_needed || offered.origin > known.origin;
         if !is_needed && (known.source, offered.source) == (Source::GalileoInav, Source::GalileoFnav) {
             known.merge_health(&offered);
             return Insertion::Kept;

@@ -1,7 +1,7 @@
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::*;
-use crate::ephemeris::{Broadcast, Health};
+use crate::ephemeris::{Broadcast, Health, Origin};
 
 const TOE: GpsTime = GpsTime { week: 2300, tow_ms: 7_200_000 };
 
