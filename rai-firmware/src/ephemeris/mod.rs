@@ -207,8 +207,8 @@ pub(crate) enum Origin {
     Bits,
 }
 
-/// One satellite's orbit and clock, checked.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// One satellite's orbit and clock, checked. Two are equal if they say the same, whatever their origin.
+#[derive(Clone, Copy, Debug)]
 pub struct Ephemeris {
     orbit: Orbit,
     clock: Clock,
@@ -220,6 +220,13 @@ pub struct Ephemeris {
     satellite: SatelliteId,
     source: Source,
     origin: Origin,
+}
+
+impl PartialEq for Ephemeris {
+    fn eq(&self, other: &Self) -> bool {
+        let said = |set: &Self| (set.orbit, set.clock, set.toe, set.health, set.satellite, set.source);
+        said(self) == said(other) && self.accuracies_m == other.accuracies_m
+    }
 }
 
 impl Ephemeris {

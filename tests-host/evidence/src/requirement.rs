@@ -149,7 +149,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
     Requirement {
         source: "DO-229, DO-316",
         text: "Ephemerides are used only within their fit interval",
-        module: "rai-firmware/src/ephemeris/store.rs",
+        module: "rai-firmware/src/ephemeris/store/mod.rs",
         command: "cargo xtask attack early-ephemeris",
         standing: Met,
     },

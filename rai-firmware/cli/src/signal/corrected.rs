@@ -7,6 +7,7 @@ use raim_firmware::correction::{CAPACITY, Klobuchar, Site, Sky, Tally, locate};
 use raim_firmware::ephemeris::Store;
 use raim_firmware::input::{Event, Input};
 use raim_firmware::settings::Systems;
+use raim_firmware::time::GpsTime;
 
 use super::lump::Lump;
 
@@ -34,22 +35,25 @@ pub(super) struct Corrector {
     antenna: Ecef,
     mask_rad: f64,
     klobuchar: Option<[f64; 8]>,
+    /// Time of the last epoch.
+    now: Option<GpsTime>,
 }
 
 impl Corrector {
     pub(super) fn new(antenna: Ecef, mask_rad: f64, klobuchar: Option<[f64; 8]>) -> Self {
         let (input, store, tally, sky) = (Input::new(), Store::new(), Tally::default(), Sky::new());
-        Self { input, store, tally, sky, antenna, mask_rad, klobuchar }
+        Self { input, store, tally, sky, antenna, mask_rad, klobuchar, now: None }
     }
 
     /// Takes the bytes of a lump; returns the epochs that they complete.
     pub(super) fn hear(&mut self, bytes: &[u8]) -> Vec<Epoch<CAPACITY>> {
-        let Self { input, store, tally, sky, antenna, mask_rad, klobuchar } = self;
+        let Self { input, store, tally, sky, antenna, mask_rad, klobuchar, now } = self;
         let mut epochs = Vec::new();
         input.feed(bytes, 0, |event| match event {
-            Event::Ephemeris(ephemeris) => drop(store.insert(ephemeris, None)),
+            Event::Ephemeris(ephemeris) => drop(store.insert(ephemeris, *now)),
             Event::Redated(present) => store.redate(present),
             Event::Epoch(raw, _) => {
+                *now = Some(raw.time);
                 locate(raw, store, SIGNAL_MASK_DBHZ, Systems::AT_START, tally, sky);
                 let site = Site::new(*antenna, raw.time, *mask_rad, klobuchar.and_then(Klobuchar::new));
                 let mut epoch = Epoch::new(0.0);

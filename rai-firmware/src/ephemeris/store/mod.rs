@@ -366,7 +366,7 @@ impl Entry {
         {
             known.merge_decoded(&offered);
         }
-        if !is_needed && is_outranked | is_stale(&offered, now) {
+        if !is_needed && (is_outranked || is_stale(&offered, now)) {
             return Insertion::Kept;
         }
         // A set of a better origin needs no agreement.

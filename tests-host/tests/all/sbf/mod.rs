@@ -35,7 +35,7 @@ fn said(bytes: &[u8]) -> (Said, Counters) {
         Event::Epoch(epoch, _) => said.epochs.push(epoch.clone()),
         Event::Ephemeris(ephemeris) => said.ephemerides.push(ephemeris),
         Event::SelfReport(report) => said.reports.push(report),
-        Event::Redated(_) | Event::Position(_) | Event::Ionosphere(..) | Event::Rivalry(_) => {}
+        _ => {}
     });
     (said, *input.counters())
 }

@@ -48,7 +48,7 @@ fn judged(bytes: &[u8], systems: &str) -> Vec<Said> {
                 levels_m: report.protection.map(|levels| [levels.hpl_m, levels.vpl_m].map(f64::from)),
             });
         }
-        Event::Redated(_) | Event::Position(_) | Event::SelfReport(_) | Event::Rivalry(_) => {}
+        _ => {}
     });
     said
 }

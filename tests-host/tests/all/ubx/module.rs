@@ -7,6 +7,7 @@ use raim_core::report::Verdict;
 use raim_firmware::input::{Event, Input};
 use raim_firmware::navigator::Navigator;
 use raim_firmware::settings::Configuration;
+use raim_firmware::time::GpsTime;
 use rig::shared;
 
 /// A step of a range in MSM7, m: 2⁻²⁹ ms of light.
@@ -29,25 +30,28 @@ struct Module {
     input: Input,
     navigator: Navigator,
     configuration: Configuration,
+    /// Time of the last epoch.
+    now: Option<GpsTime>,
 }
 
 impl Module {
     fn new() -> Self {
         let configuration = Configuration::at_start();
         let navigator = Navigator::new(configuration.requirements()).unwrap();
-        Self { input: Input::new(), navigator, configuration }
+        Self { input: Input::new(), navigator, configuration, now: None }
     }
 
     fn hear(&mut self, bytes: &[u8]) -> Option<Found> {
-        let Self { input, navigator, configuration } = self;
+        let Self { input, navigator, configuration, now } = self;
         let mut found = None;
         input.feed(bytes, 0, |event| match event {
             Event::Epoch(raw, came_ms) => {
+                *now = Some(raw.time);
                 let report = navigator.judge(raw, came_ms, configuration);
                 let position = report.solution.as_ref().map(|solution| solution.position);
                 found = Some((report.verdict, position, raw.satellites.len()));
             }
-            Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, None)),
+            Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, *now)),
             _ => {}
         });
         found

@@ -142,9 +142,10 @@ fn error_m(bytes: &[u8], truth: Ecef, systems: &str) -> (f64, usize) {
     let mut configuration = Configuration::at_start();
     configuration.systems = Systems::of(systems).unwrap();
     let mut navigator = Navigator::new(configuration.requirements()).unwrap();
-    let (mut input, mut squares_m2, mut fixes, mut used) = (Input::new(), 0.0, 0, 0);
+    let (mut input, mut now, mut squares_m2, mut fixes, mut used) = (Input::new(), None, 0.0, 0, 0);
     input.feed(bytes, 0, |event| match event {
         Event::Epoch(raw, came_ms) => {
+            now = Some(raw.time);
             let report = navigator.judge(raw, came_ms, &configuration);
             used += report.used.iter().filter(|satellite| satellite.is_qzss()).count();
             if let Some(solution) = &report.solution {
@@ -152,7 +153,7 @@ fn error_m(bytes: &[u8], truth: Ecef, systems: &str) -> (f64, usize) {
                 fixes += 1;
             }
         }
-        Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, None)),
+        Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, now)),
         _ => {}
     });
     ((squares_m2 / f64::from(fixes)).sqrt(), used)
