@@ -39,6 +39,7 @@ pub(super) fn ephemerides() {
         Ephemeris::source as fn(_) -> _,
         Ephemeris::toe as fn(_) -> _,
         Ephemeris::accuracy_m as fn(_, _) -> _,
+        <Ephemeris as PartialEq>::eq as fn(_, _) -> _,
         Ephemeris::usable_at as fn(_, _) -> _,
         Ephemeris::serves as fn(_, _) -> _,
         Ephemeris::at as fn(_, _, _) -> _,
