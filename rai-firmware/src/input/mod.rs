@@ -42,6 +42,7 @@
 //!     Event::Ionosphere(constellation, coefficients) => drop((constellation, coefficients)),
 //!     Event::SelfReport(report) => drop(report),
 //!     Event::Rivalry(rivalry) => drop(rivalry),
+//!     _ => {}
 //! });
 //! ```
 //!

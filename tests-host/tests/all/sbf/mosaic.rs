@@ -172,7 +172,8 @@ fn decoded_sets_are_the_orbits_of_the_bits() {
 #[test]
 fn bits_of_an_issue_stay_in_use_beside_its_decoded_set() {
     let Some(bytes) = unpacked("sbf/osnma_new_config.sbf.gz") else { return };
-    let now = Some(GpsTime { week: 2277, tow_ms: 72_300_000 });
+    let at = GpsTime { week: 2277, tow_ms: 72_300_000 };
+    let now = Some(at);
     let bits = said(&only(&bytes, &[4023])).0.ephemerides;
     let (mut compared, mut usable) = (0, 0);
     for block in pieces(&bytes).filter(|piece| piece.kind == Kind::Sbf(4002)) {
@@ -183,15 +184,15 @@ fn bits_of_an_issue_stay_in_use_beside_its_decoded_set() {
         assert_eq!(store.insert(decoded, now), Insertion::Taken);
         assert_eq!(store.insert(bits, now), Insertion::Taken);
         assert_eq!(store.insert(decoded, now), Insertion::Kept);
-        let found = store.get(bits.satellite(), now.unwrap()).copied();
-        assert_eq!(found, bits.usable_at(now.unwrap()).map(|()| bits));
+        let found = store.get(bits.satellite(), at).copied();
+        assert_eq!(found, bits.usable_at(at).map(|()| bits));
         usable += usize::from(found.is_ok());
         // The data of E1 without guarantee.
         let mut doubtful = block.bytes.to_vec();
         doubtful[130] |= 0b10;
         let [doubtful] = said(&sbf::sealed(doubtful)).0.ephemerides[..] else { panic!("one set") };
         assert_eq!(store.insert(doubtful, now), Insertion::Kept);
-        assert_eq!(store.get(bits.satellite(), now.unwrap()), Err(EphemerisError::Unhealthy));
+        assert_eq!(store.get(bits.satellite(), at), Err(EphemerisError::Unhealthy));
         compared += 1;
     }
     println!("{usable} of {compared} usable");
