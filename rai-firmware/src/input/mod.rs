@@ -18,7 +18,9 @@
 //! | `preference` | choice between sources of ranges |
 //! | `assembly` | joins the messages of one instant to one epoch |
 //! | `chain` | detection of a system whose tag contradicts the messages around it |
+//! | `message` | what a frame says, or why it says nothing |
 //! | `epoch_ranges` | ranges of one epoch |
+//! | `event` | what [`Input`] passes on |
 //! | `turns` | detection of two receivers that take turns on one line |
 //! | `suspicion` | a receiver's reports of jamming and spoofing |
 //! | `system` | satellite numbers of each system |
@@ -57,8 +59,10 @@ mod counters;
 mod crc24q;
 mod elements;
 mod epoch_ranges;
+mod event;
 mod framer;
 mod leap_seconds;
+mod message;
 mod message_week;
 #[cfg(feature = "ubx")]
 mod navigation;
@@ -82,115 +86,22 @@ use raim_core::frame::Ecef;
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::counters::count;
-#[cfg(feature = "glonass")]
-use crate::ephemeris::StateBroadcast;
-use crate::ephemeris::{Broadcast, BroadcastError, Ephemeris, Origin};
-use crate::raw::{RawEpoch, RawSignal};
+use crate::ephemeris::{BroadcastError, Ephemeris, Origin};
+use crate::raw::RawSignal;
 use crate::time::GpsTime;
 
 use assembly::Assembly;
 use calendar::Calendar;
 use framer::Framer;
+use message::{Message, Ranges, Series, Unread};
 use preference::{Preference, Source};
 use protocol::{Extent, Frame, Measurements, Protocol, formats};
 
 pub use counters::Counters;
+pub use event::{Event, Rivalry};
 pub use leap_seconds::{LeapSecond, LeapSource};
 pub use message_week::NOT_BEFORE_WEEK;
 pub use suspicion::{Jamming, LoggedEvents, ReceiverLevels, Reporter, SelfReport, Suspicion, Suspicions};
-
-/// Event in the stream of bytes.
-#[derive(Debug)]
-#[non_exhaustive]
-pub enum Event<'a> {
-    /// All observations of one instant, and the arrival of their first byte, ms.
-    Epoch(&'a RawEpoch, u64),
-    /// A checked ephemeris.
-    Ephemeris(Ephemeris),
-    /// The present, after its week was determined or corrected. Ephemerides that came before may
-    /// have a wrong week, and are moved ([`crate::ephemeris::Store::redate`]).
-    Redated(GpsTime),
-    /// Position that a station broadcasts, which serves as a first guess.
-    Position(Ecef),
-    /// Coefficients `α0…α3, β0…β3` of the ionosphere from the satellites of GPS or `BeiDou`, each
-    /// for the model of its system.
-    Ionosphere(Constellation, [f64; 8]),
-    /// Report of the receiver on its own signals.
-    SelfReport(SelfReport),
-    /// Evidence that the ranges of an epoch are not all from one antenna at one instant.
-    Rivalry(Rivalry),
-}
-
-/// Evidence against the ranges of the last epoch or of the next one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Rivalry {
-    /// Two receivers share the line: after an epoch, its ranges came again with other values.
-    Receivers,
-    /// Ranges came twice with different values within the epoch that is judged next. One of its
-    /// messages may be forged, which proves nothing about later epochs.
-    Joined,
-    /// Two receivers may share the line: the ranges have moved to and fro once.
-    Suspected,
-    /// One instant came as two epochs with different systems, so that the tag of one is wrong.
-    Halves,
-}
-
-/// Content of one message, independent of its format.
-#[derive(Debug)]
-enum Message<'a> {
-    /// Ranges of one instant, or of a part of it.
-    Ranges(Ranges<'a>),
-    /// An orbit and a clock, not yet checked.
-    Broadcast(Broadcast),
-    /// A position, a velocity and a clock, not yet checked.
-    #[cfg(feature = "glonass")]
-    State(StateBroadcast),
-    /// An orbit and a clock that the receiver decoded, not yet checked.
-    #[cfg(feature = "sbf")]
-    Decoded(Broadcast),
-    /// A position, a velocity and a clock that the receiver decoded, not yet checked.
-    #[cfg(all(feature = "sbf", feature = "glonass"))]
-    DecodedState(StateBroadcast),
-    /// Time to within seconds, and GPS time minus UTC, s.
-    #[cfg(feature = "glonass")]
-    Time(GpsTime, u8),
-    /// Position that a station broadcasts.
-    Position(Ecef),
-    /// Coefficients of the ionosphere with their system, and GPS time minus UTC, s.
-    #[cfg(feature = "ubx")]
-    Corrections(Option<(Constellation, [f64; 8])>, Option<u8>),
-    /// Report of the receiver on its own signals.
-    #[cfg(feature = "ubx")]
-    SelfReport(SelfReport),
-}
-
-/// Message with ranges.
-#[derive(Debug)]
-struct Ranges<'a> {
-    /// Number of the station; 0 if the format has none.
-    station: u16,
-    /// Series that the message belongs to; `None` if the message covers all systems.
-    series: Option<Series>,
-    /// Milliseconds into the week of GPS time; `None` if they cannot be derived from the time that
-    /// the message states.
-    tow_ms: Option<u32>,
-    /// Milliseconds into the week of UTC, if the format counts UTC.
-    of_utc_ms: Option<u32>,
-    /// Time with its week, and GPS time minus UTC, if the format states them.
-    stated: Option<(GpsTime, Option<u8>)>,
-    /// True if the message states that more messages of the same instant follow.
-    more_follow: bool,
-    /// Milliseconds by which the receiver clock has jumped so far, modulo 256, if the format states
-    /// it.
-    #[cfg(feature = "sbf")]
-    clock_jumps_ms: Option<u8>,
-    measured: Measured<'a>,
-}
-
-/// Number of a series of messages, below 16. Each series states by itself whether more messages
-/// follow. In RTCM each system is one series.
-type Series = u8;
 
 // One row for each wire format.
 formats! {
@@ -404,62 +315,6 @@ fn read<'a>(
         Err(reason) => {
             count(reason.counter(counters));
             None
-        }
-    }
-}
-
-/// Reason for which a frame leads to no message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Unread {
-    /// The type is not read.
-    Other,
-    /// The frame is too short for its type, or contradicts itself.
-    Malformed,
-    /// The time of week is out of range.
-    Time,
-    /// The ephemeris has a value or a time that is impossible for a satellite.
-    Ephemeris,
-    /// The position is impossible for a receiver.
-    Position,
-    /// The receiver does not know the week yet.
-    WithoutWeek,
-    /// The system has no satellite of this number.
-    Satellite,
-    /// The leap seconds are unknown, which GLONASS needs.
-    LeapUnknown,
-    /// The ranges are scrambled.
-    #[cfg(feature = "sbf")]
-    Scrambled,
-    /// The navigation bits are of a signal that is not read.
-    BitsOther,
-    /// The navigation bits have a wrong number of words, preamble or flags.
-    BitsMalformed,
-    /// The navigation bits have a wrong parity or CRC.
-    BitsParity,
-    /// The pages of a set of navigation bits are of different issues.
-    BitsMixed,
-    /// No slot is free for another set of navigation bits.
-    BitsSurplus,
-}
-
-impl Unread {
-    fn counter(self, counters: &mut Counters) -> &mut u32 {
-        match self {
-            Self::Other => &mut counters.messages_other,
-            Self::Malformed => &mut counters.messages_malformed,
-            Self::Time => &mut counters.times_out_of_range,
-            Self::Ephemeris => &mut counters.ephemerides_invalid,
-            Self::Position => &mut counters.positions_invalid,
-            Self::WithoutWeek => &mut counters.epochs_without_week,
-            Self::Satellite => &mut counters.satellites_unknown,
-            Self::LeapUnknown => &mut counters.leap_unknown,
-            #[cfg(feature = "sbf")]
-            Self::Scrambled => &mut counters.epochs_scrambled,
-            Self::BitsOther => &mut counters.subframes_other,
-            Self::BitsMalformed => &mut counters.subframes_malformed,
-            Self::BitsParity => &mut counters.subframes_parity,
-            Self::BitsMixed => &mut counters.subframes_mixed,
-            Self::BitsSurplus => &mut counters.subframes_surplus,
         }
     }
 }
