@@ -40,6 +40,7 @@
 mod boot;
 mod epochs;
 mod lateness;
+mod meaning;
 mod rivals;
 mod statistics;
 mod strengths;

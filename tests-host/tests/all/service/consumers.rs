@@ -2,7 +2,7 @@
 //! pseudo-terminal, and `pymavlink` behind its UDP port.
 
 use std::net::UdpSocket;
-use std::process::{Command, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 
 use oracle::gpsd::Gpsd;
 use raim::signal::sky::{Fleet, Site};
@@ -216,18 +216,11 @@ while True:
 print(json.dumps(out, default=str))
 ";
 
-#[test]
-fn pymavlink_behind_udp_gets_a_fix_while_protected_and_none_after_a_jump() {
-    let python = setup::python();
-    let has_package = Command::new(&python).args(["-c", "import pymavlink.mavutil"]).output();
-    if !has_package.is_ok_and(|output| output.status.success()) {
-        skip::say("pymavlink for Python (cargo xtask setup --consumers)");
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
+/// Returns a Python program that listens for MAVLink at a free port, its output, and the port.
+fn listening(python: &Path, script: &str) -> (Child, std::io::BufReader<ChildStdout>, u16) {
     let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-    let mut listener = Command::new(&python)
-        .args(["-c", LISTEN, &port.to_string()])
+    let mut listener = Command::new(python)
+        .args(["-c", script, &port.to_string()])
         .env("MAVLINK20", "1")
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -237,6 +230,19 @@ fn pymavlink_behind_udp_gets_a_fix_while_protected_and_none_after_a_jump() {
     let mut line = String::new();
     std::io::BufRead::read_line(&mut said, &mut line).unwrap();
     assert_eq!(line, "ready\n");
+    (listener, said, port)
+}
+
+#[test]
+fn pymavlink_behind_udp_gets_a_fix_while_protected_and_none_after_a_jump() {
+    let python = setup::python();
+    let has_package = Command::new(&python).args(["-c", "import pymavlink.mavutil"]).output();
+    if !has_package.is_ok_and(|output| output.status.success()) {
+        skip::say("pymavlink for Python (cargo xtask setup --consumers)");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (mut listener, mut said, port) = listening(&python, LISTEN);
     let (receiver, input) = receiver();
     let output = vec![format!("mavlink-udp://127.0.0.1:{port}")];
     let set = ["HEARTBEAT", "GPS_INPUT", "GNSS_INTEGRITY"].map(|item| format!("OUTPUT={item},1")).to_vec();
@@ -309,18 +315,7 @@ fn pymavlink_gets_what_px4_reads_while_protected_and_no_position_after_a_jump() 
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-    let mut listener = Command::new(&python)
-        .args(["-c", PX4, &port.to_string()])
-        .env("MAVLINK20", "1")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut said = std::io::BufReader::new(listener.stdout.take().unwrap());
-    let mut line = String::new();
-    std::io::BufRead::read_line(&mut said, &mut line).unwrap();
-    assert_eq!(line, "ready\n");
+    let (mut listener, mut said, port) = listening(&python, PX4);
     let (receiver, input) = receiver();
     // No message is named: the output brings its own.
     let output = vec![format!("px4-udp://127.0.0.1:{port}")];
