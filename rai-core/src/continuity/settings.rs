@@ -16,7 +16,7 @@ pub struct Recovery {
     /// Number of consecutive epochs.
     pub epochs: u16,
     /// Time from the first epoch to the last, s. By the caller's clock it may be shorter by up to
-    /// [`DELAY_S`].
+    /// [`DELAY_S`](super::DELAY_S).
     pub seconds: f64,
 }
 
