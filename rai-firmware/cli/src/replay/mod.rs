@@ -20,6 +20,7 @@ mod board_run;
 pub mod command;
 pub mod host;
 mod page;
+mod progress;
 mod quantiles;
 pub(crate) mod settings;
 mod sink;

@@ -6,20 +6,20 @@ use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 use super::page::About;
+use super::progress::Progress;
 use super::truth::Far;
 use super::{Moment, Report, Rows, RunningSummary, Said, Summary, Truth};
 use crate::satellites;
 use crate::signal::fault::Fault;
 use crate::signal::lump::Lump;
 use anyhow::{Context, Result};
-use indicatif::{ProgressBar, ProgressStyle};
 
 /// Outputs of the epochs.
 pub(super) struct Sink<'a> {
     truth: Option<&'a Truth>,
     far: Option<Far>,
     summary: RunningSummary,
-    bar: ProgressBar,
+    bar: Progress,
     rows: Option<(&'a Path, Rows<BufWriter<File>>)>,
     sentences: Option<Copy<'a>>,
     stream: Option<Copy<'a>>,
@@ -62,13 +62,11 @@ impl<'a> Sink<'a> {
             let file = create(path).and_then(|file| Ok(heading(file)?));
             file.map(|file| (path, file)).with_context(|| cannot_write(path))
         });
-        let style = ProgressStyle::with_template("{spinner} {msg} {pos} epochs {per_sec}");
-        let bar = ProgressBar::new_spinner().with_message(place);
         Ok(Self {
             truth,
             far: None,
             summary: RunningSummary::new(faults, truth.is_some()),
-            bar: style.map(|style| bar.clone().with_style(style)).unwrap_or(bar),
+            bar: Progress::of(place),
             rows: rows.transpose()?,
             sentences: wanted.sentences.map(Copy::open).transpose()?,
             stream: wanted.stream.map(Copy::open).transpose()?,
@@ -105,7 +103,7 @@ impl<'a> Sink<'a> {
         if let Some((_, report)) = &mut self.report {
             report.push(&moment, &said)?;
         }
-        self.bar.inc(1);
+        self.bar.advance();
         Ok(Some(lump))
     }
 
@@ -121,7 +119,7 @@ impl<'a> Sink<'a> {
 
     /// Completes the files.
     pub(super) fn end(self, faults: &[Fault], summary: &Summary, about: &About) -> Result<()> {
-        self.bar.finish_and_clear();
+        self.bar.end();
         if let Some((path, rows)) = self.rows {
             rows.end().with_context(|| cannot_write(path))?;
         }

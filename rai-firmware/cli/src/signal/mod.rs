@@ -24,19 +24,19 @@ pub mod measurement;
 pub mod recording;
 pub mod sky;
 
-#[cfg(feature = "commands")]
+#[cfg(feature = "replay")]
 pub mod advice;
-#[cfg(feature = "commands")]
+#[cfg(feature = "replay")]
 pub mod capture;
 #[cfg(feature = "commands")]
 pub mod clock_models;
-#[cfg(feature = "commands")]
+#[cfg(feature = "replay")]
 pub mod corrected;
-#[cfg(feature = "commands")]
+#[cfg(feature = "replay")]
 pub mod lump;
-#[cfg(feature = "commands")]
+#[cfg(feature = "replay")]
 pub mod lumps;
-#[cfg(feature = "commands")]
+#[cfg(feature = "replay")]
 pub mod pieces;
-#[cfg(feature = "commands")]
+#[cfg(feature = "replay")]
 pub mod sample;

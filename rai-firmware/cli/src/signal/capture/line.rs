@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 use flate2::read::MultiGzDecoder;
 
+#[cfg(feature = "commands")]
 use crate::serial;
 use crate::signal::recording::packed_by;
 
@@ -29,6 +30,7 @@ const GRACE: Duration = Duration::from_secs(2);
 const LONGEST_S: f64 = 8.64e6;
 
 /// Bit rate without another choice: that of the module's own port.
+#[cfg(feature = "commands")]
 const BIT_RATE: &str = "115200";
 
 /// Bytes of a source, unpacked.
@@ -87,16 +89,10 @@ impl Bytes {
             let stream = TcpStream::connect(address).context("does not answer")?;
             return Self::unpacked(Line::new(spawn(stream), limit, Some(SILENCE)), name, cut);
         }
-        let port = name.strip_prefix("serial:");
-        let (path, rate) =
-            port.map_or((name, BIT_RATE), |port| port.rsplit_once('@').unwrap_or((port, BIT_RATE)));
-        if port.is_some() || serial::is_port(Path::new(path)) {
-            check_limit(limit)?;
-            let rate = rate.parse().with_context(|| format!("{rate} is no bit rate"))?;
-            let (port, _) = serial::listen(Path::new(path), rate)?;
+        if let Some(port) = port(name, limit)? {
             return Self::unpacked(Line::new(spawn(port), limit, Some(SILENCE)), name, cut);
         }
-        let path = Path::new(path);
+        let path = Path::new(name);
         ensure!(!path.is_dir(), "cannot be read: it is a folder");
         Self::unpacked(File::open(path).context("cannot be read")?, name, cut)
     }
@@ -199,6 +195,28 @@ impl Read for Series {
             self.open = Some(open.map_err(|error| Error::other(format!("{name}: {error:#}")))?);
         }
     }
+}
+
+/// Opens a serial port, `serial:path` or the path of one, with `@rate` or without; `None` for another
+/// source.
+#[cfg(feature = "commands")]
+fn port(name: &str, limit: Option<Duration>) -> Result<Option<Box<dyn Read + Send>>> {
+    let port = name.strip_prefix("serial:");
+    let (path, rate) =
+        port.map_or((name, BIT_RATE), |port| port.rsplit_once('@').unwrap_or((port, BIT_RATE)));
+    if port.is_none() && !serial::is_port(Path::new(path)) {
+        return Ok(None);
+    }
+    check_limit(limit)?;
+    let rate = rate.parse().with_context(|| format!("{rate} is no bit rate"))?;
+    let (port, _) = serial::listen(Path::new(path), rate)?;
+    Ok(Some(port))
+}
+
+/// Opens no port: a replay without the command reads files.
+#[cfg(not(feature = "commands"))]
+fn port(_: &str, _: Option<Duration>) -> Result<Option<std::io::Empty>> {
+    Ok(None)
 }
 
 fn check_limit(limit: Option<Duration>) -> Result<()> {
