@@ -67,7 +67,7 @@ pub mod signal;
 pub mod campaign;
 #[cfg(feature = "commands")]
 pub mod command_line;
-#[cfg(feature = "commands")]
+#[cfg(feature = "replay")]
 pub mod configure;
 #[cfg(feature = "commands")]
 pub mod evaluate;

@@ -4,9 +4,8 @@ use std::io::{Read as _, Write as _};
 use std::net::TcpListener;
 use std::thread::JoinHandle;
 
-use super::receivers::Receiver;
-use super::ubx::{self, ACK_ACK, ACK_NAK, CFG_MSG, CFG_VALSET, MON_VER};
 use super::*;
+use crate::configure::ubx::{self, ACK_ACK, ACK_NAK, CFG_MSG, CFG_VALSET, MON_VER};
 
 /// A GNSS receiver that refuses some commands, and talks between its answers.
 fn receiver(

@@ -26,7 +26,8 @@ const CONTENTS: usize = 8;
 /// Number of bytes above which a figure is a sentence, in smaller letters.
 const SENTENCE: usize = 24;
 
-const STYLE: &str = include_str!("page.css");
+/// Style of every page.
+pub const STYLE: &str = include_str!("page.css");
 
 impl Page {
     /// Returns an empty page with a title and a sentence below it.

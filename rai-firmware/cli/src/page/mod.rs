@@ -8,6 +8,7 @@
 //! | error against protection level, epoch by epoch (Stanford diagram) | [`stanford`] |
 //! | colours, and their difference for every reader | [`palette`] |
 //! | one self-contained HTML page | [`html`] |
+//! | the state of a running module, for a page that shows it live | [`live`] |
 //! | the report of `replay`, `run` and `demo`: what happened when, and why | [`report`] |
 //! | epochs that a picture needs, out of any number | [`thinned`] |
 //!
@@ -20,6 +21,7 @@ pub mod bars;
 pub mod canvas;
 pub mod chart;
 pub mod html;
+pub mod live;
 pub mod palette;
 pub mod report;
 pub mod skyplot;

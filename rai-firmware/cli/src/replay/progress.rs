@@ -10,6 +10,7 @@ pub(super) struct Progress {
     bar: ProgressBar,
 }
 
+#[cfg_attr(not(feature = "commands"), expect(clippy::unused_self, reason = "there is nothing to show"))]
 impl Progress {
     /// Begins; shows `place`, in which the module runs.
     #[cfg(feature = "commands")]

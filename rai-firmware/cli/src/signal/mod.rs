@@ -12,6 +12,7 @@
 //! | [`fault`] | steps, ramps, shifts of a constellation, outages, clock jumps, around any source |
 //! | [`encode`] | raw epochs and ephemerides to RTCM 3, UBX and SBF |
 //! | [`lump`], [`lumps`], [`pieces`] | bytes of one epoch, a source of them, and the frames in them |
+//! | [`sort`] | what a file holds, by its content |
 //! | [`advice`] | what an input holds, what of it is not read, and what is missing |
 //! | [`corrected`](mod@corrected) | ranges as the module corrects them |
 //! | [`checksum`] | checksums of frames and sentences |
@@ -40,3 +41,5 @@ pub mod lumps;
 pub mod pieces;
 #[cfg(feature = "replay")]
 pub mod sample;
+#[cfg(feature = "replay")]
+pub mod sort;

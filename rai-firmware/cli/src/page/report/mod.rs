@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`Journal`] | what happened, in bounded memory: epochs, satellites, events |
 //! | [`Facts`] | what the caller knows: source, command, settings |
-//! | `reasons` | reasons of verdicts in words |
+//! | `reasons`, `plain` | reasons of verdicts in words; the result in plain words |
 //! | `tables`, `pictures` | the page without its script |
 //! | `data`, `code` | the values, in few bytes, for the script |
 //!
@@ -21,6 +21,7 @@ mod epochs;
 mod facts;
 mod journal;
 mod pictures;
+mod plain;
 mod reasons;
 mod satellites;
 mod tables;
@@ -39,10 +40,14 @@ pub use journal::{Happened, Journal};
 pub use reasons::explanation;
 
 /// Script of the page, behind its values.
-const AFTER_THE_VALUES: &str = concat!("</script>\n<script>\n", include_str!("report.js"), "</script>\n");
+const AFTER_THE_VALUES: &str =
+    concat!("</script>\n<script>\n", include_str!("report.js"), include_str!("start.js"), "</script>\n");
+
+/// The function that makes the script's parts of a report, for a page of another maker.
+pub const SCRIPT: &str = include_str!("report.js");
 
 /// Style of the parts that the script makes.
-const STYLE: &str = include_str!("report.css");
+pub const STYLE: &str = include_str!("report.css");
 
 /// Width of the pictures over time, pixels.
 const WIDTH_PX: u32 = 960;
@@ -78,6 +83,7 @@ pub fn write(journal: &Journal, facts: &Facts, folder: &Path) -> Result<PathBuf>
 /// Returns the page up to the values for its script.
 fn before_the_values(journal: &Journal, facts: &Facts) -> Result<Page> {
     let mut page = Page::new(&facts.title, &facts.summary);
+    page.raw(&format!("<p class=\"plain\">{}</p>\n", super::html::escaped(&plain::words(journal))));
     page.figures(&facts.figures);
     tables::facts(&mut page, journal, facts);
     tables::reasons(&mut page, journal);

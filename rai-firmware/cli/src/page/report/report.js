@@ -1,7 +1,8 @@
 // Script of the report: pictures over time that zoom together. It is part of this project and has its licence
 // (MIT OR Apache-2.0); it uses no library. The page works without it: it then shows the same values as SVG.
 "use strict";
-const report = () => {
+// A page that shows one report after another gives a signal, which ends what this one listens to.
+const report = (signal) => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const root = document.documentElement;
   if (!data.n) return;
@@ -781,16 +782,8 @@ const report = () => {
     places(cursor);
   };
   new ResizeObserver(() => { if (rows[0].frame.clientWidth !== width) size(); }).observe(live);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { readColours(); size(); });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { readColours(); size(); }, { signal });
   width = rows[0].frame.clientWidth;
   zoom(...whole);
   root.dataset.ready = String(Math.round(performance.now()));
 };
-try {
-  report();
-} catch (error) {
-  // An old browser: the pictures without script are still there.
-  document.documentElement.classList.remove("live");
-  for (const id of ["live", "sky", "now"]) document.getElementById(id)?.replaceChildren();
-  console.error(error);
-}

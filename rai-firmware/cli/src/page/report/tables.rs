@@ -57,7 +57,7 @@ pub(super) fn facts(page: &mut Page, journal: &Journal, facts: &Facts) {
 }
 
 /// Returns a duration in hours, minutes and seconds.
-fn duration(seconds: f64) -> String {
+pub(super) fn duration(seconds: f64) -> String {
     let whole = seconds as u64;
     match whole {
         0..60 => format!("{seconds:.1} s"),
@@ -70,7 +70,7 @@ fn duration(seconds: f64) -> String {
 const DAY_S: f64 = 86_400.0;
 
 /// Returns the time of an event: date and time, or seconds.
-fn clock(journal: &Journal, time_s: f64) -> String {
+pub(super) fn clock(journal: &Journal, time_s: f64) -> String {
     start_ms(journal).map_or_else(
         || format!("{time_s:.1}"),
         |start_ms| {

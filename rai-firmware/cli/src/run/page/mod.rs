@@ -20,7 +20,6 @@
 mod digest;
 mod request;
 mod server;
-mod state;
 mod text;
 
 use std::sync::{Arc, Mutex, PoisonError};
@@ -29,10 +28,10 @@ use anyhow::Result;
 use mio::Waker;
 use raim_firmware::receiver::Receiver;
 
-use self::state::State;
 use super::Plan;
 use super::pin::Pin;
 use super::share::Back;
+use crate::page::live::State;
 use crate::run::words::say;
 use crate::satellites::Watcher;
 use crate::sentence;
@@ -52,8 +51,8 @@ impl Page {
     /// If the address cannot be used.
     pub(super) fn serve(address: &str, plan: &Plan, back: Option<Arc<Back>>) -> Result<Self> {
         let settings = plan.settings.iter().map(|(key, value)| format!("{key}={value}")).collect();
-        let state = Arc::new(Mutex::new(State::new(plan.input.to_string(), settings, back)));
-        let (own, waker) = server::start(&with_host(address), plan.clients, Arc::clone(&state))?;
+        let state = Arc::new(Mutex::new(State::new(plan.input.to_string(), settings)));
+        let (own, waker) = server::start(&with_host(address), plan.clients, Arc::clone(&state), back)?;
         say!("page: http://{own}/");
         Ok(Self { watcher: Watcher::new(), state, waker })
     }

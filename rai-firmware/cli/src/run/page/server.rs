@@ -18,8 +18,9 @@ use mio::net::{TcpListener, TcpStream};
 use mio::{Events, Interest, Poll, Token, Waker};
 
 use super::request::{self, Asked, REQUEST_BYTES, Request};
-use super::state::State;
 use super::text::{self, Html};
+use crate::page::live::{self, State};
+use crate::run::share::Back;
 use crate::run::words::say;
 
 /// Longest time of a request, and of an answer of which nothing is taken.
@@ -43,6 +44,7 @@ pub(super) fn start(
     address: &str,
     most: usize,
     state: Arc<Mutex<State>>,
+    back: Option<Arc<Back>>,
 ) -> Result<(SocketAddr, Arc<Waker>)> {
     let listener = std::net::TcpListener::bind(address)?;
     listener.set_nonblocking(true)?;
@@ -55,6 +57,7 @@ pub(super) fn start(
         is_local: own.ip().is_loopback(),
         html: Html::new(),
         state,
+        back,
         most,
         connections: Vec::new(),
         next: FIRST,
@@ -147,6 +150,8 @@ struct Server {
     is_local: bool,
     html: Html,
     state: Arc<Mutex<State>>,
+    /// The way from other programs to the receiver.
+    back: Option<Arc<Back>>,
     most: usize,
     connections: Vec<Connection>,
     next: usize,
@@ -241,7 +246,7 @@ impl Server {
 
     /// Reads from a connection, and answers its request once it is complete.
     fn serve(&mut self, token: Token) {
-        let Self { connections, html, state, is_local, .. } = self;
+        let Self { connections, html, state, back, is_local, .. } = self;
         connections.retain_mut(|connection| {
             if connection.token != token {
                 return true;
@@ -250,7 +255,7 @@ impl Server {
                 return false;
             }
             if !connection.is_page && !connection.has_answer {
-                answer(connection, html, state, *is_local);
+                answer(connection, html, state, back.as_deref(), *is_local);
             }
             connection.flush().is_ok()
         });
@@ -267,7 +272,7 @@ impl Server {
             return;
         }
         self.beaten = Instant::now();
-        let event = event("state", &text::state(&state));
+        let event = event("state", &live::json(&state));
         drop(state);
         for connection in self.connections.iter_mut().filter(|connection| connection.is_page) {
             connection.tell(&event);
@@ -276,7 +281,13 @@ impl Server {
 }
 
 /// Answers a request, if it is complete.
-fn answer(connection: &mut Connection, html: &Html, state: &Mutex<State>, is_local: bool) {
+fn answer(
+    connection: &mut Connection,
+    html: &Html,
+    state: &Mutex<State>,
+    back: Option<&Back>,
+    is_local: bool,
+) {
     const TEXT: &str = "text/plain; charset=utf-8";
     let state = || state.lock().unwrap_or_else(PoisonError::into_inner);
     let (asked, is_head) = match request::read(&connection.request, is_local) {
@@ -292,7 +303,7 @@ fn answer(connection: &mut Connection, html: &Html, state: &Mutex<State>, is_loc
             let head = format!("{}\r\n", request::head("200 OK", "text/event-stream; charset=utf-8", html));
             let (past, now) = {
                 let state = state();
-                (state.past(), text::state(&state))
+                (state.past(), live::json(&state))
             };
             connection.is_page = true;
             connection.tell(head.as_bytes());
@@ -301,8 +312,10 @@ fn answer(connection: &mut Connection, html: &Html, state: &Mutex<State>, is_loc
         }
         Asked::Events => ("200 OK", "text/event-stream; charset=utf-8", String::new()),
         Asked::Page => ("200 OK", "text/html; charset=utf-8", html.page.clone()),
-        Asked::State => ("200 OK", "application/json", format!("{}\n", text::state(&state()))),
-        Asked::Metrics => ("200 OK", "text/plain; version=0.0.4; charset=utf-8", text::metrics(&state())),
+        Asked::State => ("200 OK", "application/json", format!("{}\n", live::json(&state()))),
+        Asked::Metrics => {
+            ("200 OK", "text/plain; version=0.0.4; charset=utf-8", text::metrics(&state(), back))
+        }
         Asked::Health => {
             let state = state();
             let status = if state.is_healthy() { "200 OK" } else { "503 Service Unavailable" };

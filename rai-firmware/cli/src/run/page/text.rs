@@ -2,19 +2,14 @@
 
 use std::fmt::Write as _;
 
-use serde_json::{Value, json};
-
 use super::digest;
-use super::state::State;
-use crate::page::palette;
+use crate::page::live::{self, State};
+use crate::run::share::Back;
 
-const SCRIPT: &str = include_str!("live.js");
-const BODY: &str = include_str!("live.html");
-
-/// Returns the style: that of every page, the colours, and that of this one.
-fn style() -> String {
-    [include_str!("../../page/page.css"), &palette::style(), include_str!("live.css")].concat()
-}
+/// The script: the pictures, and the events that they show.
+const SCRIPT: &str = concat!(include_str!("../../page/live/live.js"), include_str!("events.js"));
+/// What the page has below its pictures, because a server is behind it.
+const FOOT: &str = include_str!("foot.html");
 
 /// The page, and the policy that allows its style and its script and nothing else.
 #[derive(Debug)]
@@ -25,7 +20,7 @@ pub(super) struct Html {
 
 impl Html {
     pub(super) fn new() -> Self {
-        let style = style();
+        let style = live::style();
         let policy = format!(
             "default-src 'none'; script-src {}; style-src {}; connect-src 'self'; base-uri 'none'; form-action 'none'; \
              frame-ancestors 'none'",
@@ -35,69 +30,15 @@ impl Html {
         let page = format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>RAI</title>\n\
-             <style>{style}</style>\n</head>\n<body>\n{BODY}<script>{SCRIPT}</script>\n</body>\n</html>\n"
+             <style>{style}</style>\n</head>\n<body>\n<main>\n{}{FOOT}</main>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
+            live::BODY
         );
         Self { page, policy }
     }
 }
 
-/// Returns the state as the page and `/state.json` have it.
-pub(super) fn state(state: &State) -> Value {
-    let said = state.said.as_ref();
-    let level = |of: fn(&crate::sentence::State) -> Option<f64>| said.and_then(|said| of(&said.state));
-    let position = said.and_then(|said| said.position);
-    let satellites: Vec<Value> = state.satellites.iter().map(satellite).collect();
-    json!({
-        "state": state.word(),
-        "reason": state.reason(),
-        "explanation": state.explanation(),
-        "pin": state.pin_is_high,
-        "has_ranges": !state.lacks_ranges,
-        "verdicts": state.verdicts,
-        "utc_s": said.and_then(|said| said.state.time_s),
-        "age_s": state.age().map(|age| rounded(age.as_secs_f64(), 3)),
-        "tracked": said.map(|said| said.state.tracked),
-        "used": said.map(|said| said.state.used),
-        "dof": said.and_then(|said| said.state.dof),
-        "statistic": level(|said| said.statistic),
-        "threshold": level(|said| said.threshold),
-        "hpl_m": level(|said| said.hpl_m),
-        "vpl_m": level(|said| said.vpl_m),
-        "hal_m": level(|said| said.hal_m),
-        "val_m": level(|said| said.val_m),
-        "latitude_deg": position.map(|place| rounded(place.latitude_rad.to_degrees(), 7)),
-        "longitude_deg": position.map(|place| rounded(place.longitude_rad.to_degrees(), 7)),
-        "height_m": position.map(|place| rounded(place.height_m, 1)),
-        "excluded": said.map(|said| {
-            said.excluded.iter().map(|excluded| excluded.satellite.to_string()).collect::<Vec<_>>()
-        }),
-        "satellites": satellites,
-        "input": state.input,
-        "settings": state.settings,
-        "version": env!("CARGO_PKG_VERSION"),
-    })
-}
-
-fn satellite(seen: &crate::satellites::Seen) -> Value {
-    let degrees = |angle: Option<f64>| angle.map(|angle| rounded(angle.to_degrees(), 1));
-    json!({
-        "name": seen.satellite.to_string(),
-        "azimuth_deg": degrees(seen.azimuth_rad),
-        "elevation_deg": degrees(seen.elevation_rad),
-        "cn0_dbhz": seen.cn0_dbhz.map(|value| rounded(value, 1)),
-        "residual_m": seen.residual_m.map(|value| rounded(value, 2)),
-        "sigma_m": seen.sigma_m.map(|value| rounded(value, 2)),
-        "fate": seen.fate.words(),
-    })
-}
-
-fn rounded(value: f64, digits: i32) -> f64 {
-    let scale = 10_f64.powi(digits);
-    (value * scale).round() / scale
-}
-
 /// Returns the metrics, in the text format of Prometheus, version 0.0.4.
-pub(super) fn metrics(state: &State) -> String {
+pub(super) fn metrics(state: &State, back: Option<&Back>) -> String {
     let mut text = String::new();
     let mut gauge = |name: &str, help: &str, value: Option<f64>| {
         if let Some(value) = value {
@@ -135,7 +76,7 @@ pub(super) fn metrics(state: &State) -> String {
     for (name, count) in &state.counters {
         let _ = writeln!(text, "rai_events_total{{name=\"{name}\"}} {count}");
     }
-    if let Some([passed, refused]) = state.back.as_ref().map(|back| back.counts()) {
+    if let Some([passed, refused]) = back.map(Back::counts) {
         text.push_str(
             "# HELP rai_share_bytes_total Bytes of other programs for the receiver.\n\
              # TYPE rai_share_bytes_total counter\n",

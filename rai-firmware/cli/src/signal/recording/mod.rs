@@ -164,6 +164,14 @@ impl Recording {
     }
 }
 
+/// Returns true for a RINEX file of ephemerides, false for one of observations, and `None` for any
+/// other file.
+pub fn is_navigation(path: &Path) -> Option<bool> {
+    let mut lines = file::open(path).ok()?;
+    let header = Header::read(&mut lines, &mut Skipped::default()).ok()?;
+    Some(header.kind == Kind::Navigation)
+}
+
 /// Returns the names of files for a message.
 fn names(files: &[PathBuf]) -> String {
     files.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")

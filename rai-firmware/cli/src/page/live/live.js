@@ -1,10 +1,11 @@
-// Script of the page of the running module. It is part of this project and has its licence (MIT OR Apache-2.0); it uses
-// no library, and asks nobody but the module.
+// Script of a page that shows a running module. It is part of this project and has its licence (MIT OR Apache-2.0); it
+// uses no library.
 "use strict";
-const live = () => {
+// A page that shows something else later gives a signal, which ends what this one listens to.
+const live = (signal) => {
   const at = (id) => document.getElementById(id);
-  const PAST = 600, SILENT_MS = 3500;
-  let past = [], changes = [], heard = 0, last = null;
+  const PAST = 600;
+  let past = [], changes = [], last = null;
 
   const svg = (name, attributes, text) => {
     const element = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -159,25 +160,15 @@ const live = () => {
     sky(now);
     const settings = now.settings.length ? `settings ${now.settings.join(" ")}` : "settings as at start";
     at("source").textContent = `${now.input}; ${settings}`;
-    at("version").textContent = `· rai ${now.version}`;
+    if (at("version")) at("version").textContent = `· rai ${now.version}`;
   };
   const lost = () => {
     banner("no connection", "the module does not answer: its last verdict is of the past", "");
   };
-  const source = new EventSource("events");
-  source.addEventListener("past", (event) => {
-    const data = JSON.parse(event.data);
-    [past, changes, last] = [data.past, data.changes, null];
+  const begin = (before) => {
+    [past, changes, last] = [before.past, before.changes, null];
     history();
-  });
-  source.addEventListener("state", (event) => {
-    heard = Date.now();
-    take(JSON.parse(event.data));
-  });
-  source.addEventListener("error", lost);
-  setInterval(() => {
-    if (heard && Date.now() - heard > SILENT_MS) lost();
-  }, 250);
-  addEventListener("resize", () => last && levels(last));
+  };
+  addEventListener("resize", () => last && levels(last), { signal });
+  return { begin, take, lost };
 };
-live();

@@ -1,12 +1,10 @@
 //! The state of the module as the page shows it, and what it was before.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use super::super::share::Back;
 use crate::page::Verdict;
 use crate::page::report::explanation;
 use crate::satellites::Seen;
@@ -19,23 +17,27 @@ const CHANGES: usize = 100;
 /// Time after which the epoch loop counts as hung.
 const HUNG: Duration = Duration::from_secs(3);
 
-/// The state, which the epoch loop writes and the server reads.
+/// The state of a module, with its past.
 #[derive(Debug)]
-pub(super) struct State {
-    pub(super) input: String,
-    pub(super) settings: Vec<String>,
-    /// The way from other programs to the receiver.
-    pub(super) back: Option<Arc<Back>>,
-    pub(super) said: Option<EpochOutput>,
-    pub(super) pin_is_high: bool,
-    pub(super) satellites: Vec<Seen>,
-    pub(super) counters: Vec<(&'static str, u32)>,
+pub struct State {
+    /// Where the bytes come from.
+    pub input: String,
+    /// Settings, as `KEY=VALUE`.
+    pub settings: Vec<String>,
+    /// The last output.
+    pub said: Option<EpochOutput>,
+    /// Level of the pin.
+    pub pin_is_high: bool,
+    /// Satellites of the last epoch; none during a silence.
+    pub satellites: Vec<Seen>,
+    /// Counters of the module.
+    pub counters: Vec<(&'static str, u32)>,
     /// Number of verdicts so far.
-    pub(super) verdicts: u64,
+    pub verdicts: u64,
     /// True while the receiver sends messages and no ranges any more.
-    pub(super) lacks_ranges: bool,
+    pub lacks_ranges: bool,
     /// True once the service has ended.
-    pub(super) has_ended: bool,
+    pub has_ended: bool,
     judged: Option<Instant>,
     alive: Instant,
     past: VecDeque<Value>,
@@ -43,11 +45,11 @@ pub(super) struct State {
 }
 
 impl State {
-    pub(super) fn new(input: String, settings: Vec<String>, back: Option<Arc<Back>>) -> Self {
+    /// Returns the state before the first epoch.
+    pub fn new(input: String, settings: Vec<String>) -> Self {
         Self {
             input,
             settings,
-            back,
             said: None,
             pin_is_high: false,
             satellites: Vec::new(),
@@ -63,13 +65,13 @@ impl State {
     }
 
     /// Notes that the epoch loop comes round.
-    pub(super) fn live(&mut self, pin_is_high: bool) {
+    pub fn live(&mut self, pin_is_high: bool) {
         self.alive = Instant::now();
         self.pin_is_high = pin_is_high;
     }
 
     /// Takes a verdict; returns true if it is another than that before.
-    pub(super) fn take(&mut self, said: EpochOutput, satellites: Option<Vec<Seen>>) -> bool {
+    pub fn take(&mut self, said: EpochOutput, satellites: Option<Vec<Seen>>) -> bool {
         let (word, reason) = (self.word(), self.reason().to_owned());
         let is_first = self.said.is_none();
         self.verdicts += 1;
@@ -99,18 +101,20 @@ impl State {
 
     /// Returns the state in a word. Before the first verdict, and if the loop hangs, the position is
     /// unavailable.
-    pub(super) fn word(&self) -> &'static str {
+    pub fn word(&self) -> &'static str {
         match &self.said {
             Some(said) if self.alive.elapsed() < HUNG => Verdict::from_letter(said.state.state).word(),
             _ => "unavailable",
         }
     }
 
-    pub(super) fn reason(&self) -> &str {
+    /// Returns the reason, in the module's word.
+    pub fn reason(&self) -> &str {
         self.said.as_ref().map_or("", |said| &said.state.reason)
     }
 
-    pub(super) fn explanation(&self) -> &'static str {
+    /// Returns the reason in words.
+    pub fn explanation(&self) -> &'static str {
         match &self.said {
             _ if self.alive.elapsed() >= HUNG => "the module does not come round",
             Some(said) if self.lacks_ranges && said.state.reason == "STALE" => {
@@ -122,12 +126,12 @@ impl State {
     }
 
     /// Returns the time since the last verdict.
-    pub(super) fn age(&self) -> Option<Duration> {
+    pub fn age(&self) -> Option<Duration> {
         self.judged.map(|judged| judged.elapsed())
     }
 
     /// Returns true while the loop runs and the receiver is heard.
-    pub(super) fn is_healthy(&self) -> bool {
+    pub fn is_healthy(&self) -> bool {
         self.alive.elapsed() < HUNG
             && self
                 .said
@@ -136,7 +140,7 @@ impl State {
     }
 
     /// Returns the past for a new page: verdicts, and changes of the state.
-    pub(super) fn past(&self) -> Value {
+    pub fn past(&self) -> Value {
         json!({"past": self.past, "changes": self.changes})
     }
 }

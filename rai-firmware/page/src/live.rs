@@ -1,0 +1,75 @@
+//! The module on a receiver's port, as `rai run` has it: bytes with their times in, its state out.
+
+use std::io::{Read as _, stdin};
+
+use anyhow::{Context as _, Result};
+use raim::page::live::{State, json};
+use raim::replay::{check_answers, command_for};
+use raim::satellites::Watcher;
+use raim::sentence::{self, command};
+use raim_firmware::pin::MemoryPin;
+use raim_firmware::receiver::{Boot, Receiver};
+
+/// A running module.
+pub(crate) struct Live {
+    receiver: Receiver<MemoryPin>,
+    watcher: Watcher,
+    state: State,
+    said: Vec<u8>,
+}
+
+impl Live {
+    /// Starts a module with settings, as `KEY=VALUE`, on an input of this name.
+    ///
+    /// # Errors
+    /// A setting is refused.
+    pub(crate) fn start(name: &str, settings: &[&str]) -> Result<Self> {
+        let boot = Boot::on_host("page");
+        let mut receiver = Receiver::new(MemoryPin::default(), boot).context("the module cannot start")?;
+        let setup: Vec<String> = settings.iter().map(|text| command_for(text)).collect::<Result<_>>()?;
+        let mut answers = Vec::new();
+        for body in &setup {
+            receiver.command(command(body).as_bytes(), &mut answers);
+        }
+        check_answers(&setup, &sentence::sentences(&answers)?)?;
+        let state = State::new(name.to_owned(), settings.iter().map(|text| (*text).to_owned()).collect());
+        Ok(Self { receiver, watcher: Watcher::new(), state, said: Vec::new() })
+    }
+
+    /// Takes the bytes on standard input; returns true after a verdict.
+    pub(crate) fn hear(&mut self, came_ms: u64) -> bool {
+        let mut bytes = Vec::new();
+        if stdin().read_to_end(&mut bytes).is_err() {
+            return false;
+        }
+        self.watcher.hear(&bytes, came_ms);
+        self.receiver.gnss(&bytes, came_ms, &mut self.said);
+        self.note()
+    }
+
+    /// Takes the time; returns true after a verdict.
+    pub(crate) fn tick(&mut self, now_ms: u64) -> bool {
+        self.receiver.tick(now_ms, &mut self.said);
+        self.note()
+    }
+
+    /// Returns the number of frames so far.
+    pub(crate) fn frames(&self) -> u32 {
+        self.receiver.frames()
+    }
+
+    /// Notes what the module said, and prints the state after a verdict.
+    fn note(&mut self) -> bool {
+        let said = std::mem::take(&mut self.said);
+        let outputs = sentence::sentences(&said).and_then(|text| sentence::epochs(&text)).unwrap_or_default();
+        self.state.live(self.receiver.pin().high);
+        for output in &outputs {
+            let satellites = output.state.has_epoch().then(|| self.watcher.view(&self.receiver).satellites);
+            self.state.take(output.clone(), satellites);
+        }
+        if !outputs.is_empty() {
+            println!("{}", json(&self.state));
+        }
+        !outputs.is_empty()
+    }
+}
