@@ -7,7 +7,7 @@
 //! | `page settings` | every setting with its text, as JSON |
 //! | `page sample` | nothing: it writes the sample |
 //! | `page steps RECEIVER WIRE` | commands for the receiver, as JSON |
-//! | `page live NAME SETTING…` | nothing: it starts the live module |
+//! | `page live NAME RATE SETTING…` | the state, as JSON: it starts the live module |
 
 use std::path::Path;
 
@@ -45,7 +45,7 @@ pub(crate) fn dispatch() -> Result<Option<Live>> {
         ["page", "settings"] => println!("{}", settings::all()),
         ["page", "sample"] => std::fs::write(Path::new(sample::NAME), sample::bytes()?)?,
         ["page", "steps", receiver, wire] => println!("{}", settings::steps(receiver, wire)?),
-        ["page", "live", name, settings @ ..] => return Live::start(name, settings).map(Some),
+        ["page", "live", name, rate, settings @ ..] => return Live::start(name, rate, settings).map(Some),
         ["page", ..] => bail!("the page has no such command"),
         _ => {
             let CommandLine { command: Command::Replay(arguments) } = exit::arguments();

@@ -15,7 +15,7 @@
 //! | question | answer |
 //! |---|---|
 //! | target | `wasm32-wasip1`: its files are those of the standard library, whose twenty calls `wasi.js` answers from the dropped files. On `wasm32-unknown-unknown` every reader of files would need a second form, and the chart library measures its letters by the window of a page, which a worker does not have |
-//! | bindings | four exports without parameters or with one number; everything else is text in files. `wasm-bindgen` would bring a build tool for these four |
+//! | bindings | five exports without parameters or with one number; everything else is text in files. `wasm-bindgen` would bring a build tool for these five |
 //! | threads | one worker per judgement; ending it is how a judgement is cancelled |
 //!
 //! Assumes that the page gives each file a name without a folder. The program has no access to
@@ -68,6 +68,14 @@ pub extern "C" fn hear(came_ms: f64) -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn tick(now_ms: f64) -> i32 {
     with_live(|live| live.tick(now_ms as u64))
+}
+
+/// Returns the rate at which the live module wants its port to be read, bit/s.
+// SAFETY: as for `run`.
+#[allow(unsafe_code, reason = "the name by which the page calls it")]
+#[unsafe(no_mangle)]
+pub extern "C" fn rate() -> i32 {
+    LIVE.with_borrow(|live| live.as_ref().map_or(0, |live| live.baud().cast_signed()))
 }
 
 /// Returns the number of frames that the live module has read: none at a wrong rate.

@@ -7,6 +7,7 @@ use raim::page::live::{State, json};
 use raim::replay::{check_answers, command_for};
 use raim::satellites::Watcher;
 use raim::sentence::{self, command};
+use raim_firmware::bit_rate::{BitRate, RATES};
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 
@@ -16,14 +17,22 @@ pub(crate) struct Live {
     watcher: Watcher,
     state: State,
     said: Vec<u8>,
+    rate: BitRate,
+    /// Rate at which the port must be read, bit/s.
+    baud: u32,
+    /// The same if a person has fixed it.
+    fixed: Option<u32>,
 }
 
 impl Live {
-    /// Starts a module with settings, as `KEY=VALUE`, on an input of this name.
+    /// Starts a module with settings, as `KEY=VALUE`, on a port of this name and rate, and prints its
+    /// state. The rate `AUTO` is found as on the board.
     ///
     /// # Errors
-    /// A setting is refused.
-    pub(crate) fn start(name: &str, settings: &[&str]) -> Result<Self> {
+    /// A setting is refused, or the rate is no number.
+    pub(crate) fn start(name: &str, rate: &str, settings: &[&str]) -> Result<Self> {
+        let fixed =
+            (rate != "AUTO").then(|| rate.parse()).transpose().context("the rate must be a number")?;
         let boot = Boot::on_host("page");
         let mut receiver = Receiver::new(MemoryPin::default(), boot).context("the module cannot start")?;
         let setup: Vec<String> = settings.iter().map(|text| command_for(text)).collect::<Result<_>>()?;
@@ -33,7 +42,10 @@ impl Live {
         }
         check_answers(&setup, &sentence::sentences(&answers)?)?;
         let state = State::new(name.to_owned(), settings.iter().map(|text| (*text).to_owned()).collect());
-        Ok(Self { receiver, watcher: Watcher::new(), state, said: Vec::new() })
+        println!("{}", json(&state));
+        let baud = fixed.unwrap_or(RATES[0]);
+        let (watcher, rate) = (Watcher::new(), BitRate::new());
+        Ok(Self { receiver, watcher, state, said: Vec::new(), rate, baud, fixed })
     }
 
     /// Takes the bytes on standard input; returns true after a verdict.
@@ -44,6 +56,8 @@ impl Live {
         }
         self.watcher.hear(&bytes, came_ms);
         self.receiver.gnss(&bytes, came_ms, &mut self.said);
+        self.rate.hear(came_ms);
+        self.baud = self.rate.next(self.receiver.frames(), self.fixed).unwrap_or(self.baud);
         self.note()
     }
 
@@ -51,6 +65,11 @@ impl Live {
     pub(crate) fn tick(&mut self, now_ms: u64) -> bool {
         self.receiver.tick(now_ms, &mut self.said);
         self.note()
+    }
+
+    /// Returns the rate at which the port must be read, bit/s.
+    pub(crate) const fn baud(&self) -> u32 {
+        self.baud
     }
 
     /// Returns the number of frames so far.

@@ -8,6 +8,7 @@
 //! | named firmware images | are within their limits and fit the chip |
 //! | `rai` as a program and as a Debian package | prints its version; `dpkg-deb` and `lintian` read the package |
 //! | `rai`, static | asks for no library and no loader; replays as `rai` does, here or emulated |
+//! | `rai.html` | size; names no address; its policy has the hashes of its own parts |
 //! | Python wheel | installed into a fresh environment, imported |
 //! | bill of materials, `SHA256SUMS` | every file is listed |
 //!
@@ -24,6 +25,7 @@ mod elf;
 mod files;
 mod manual;
 mod packages;
+mod page;
 mod sbom;
 mod statics;
 mod wheel;
@@ -99,7 +101,7 @@ impl Built {
 /// A part of the release: its name, and its build into a folder.
 type Part = (&'static str, fn(&Path) -> Result<Built>);
 
-const PARTS: [Part; 9] = [
+const PARTS: [Part; 10] = [
     ("packages", of_packages),
     ("header", header),
     ("C archives", |out| archives::build(out).map(Built::of)),
@@ -109,6 +111,7 @@ const PARTS: [Part; 9] = [
     ("Python wheel", wheel::build),
     ("rai, static, x86-64", |out| statics::build(&statics::X86_64, out)),
     ("rai, static, aarch64", |out| statics::build(&statics::AARCH64, out)),
+    ("page for a browser", page::build),
 ];
 
 fn main() -> ExitCode {

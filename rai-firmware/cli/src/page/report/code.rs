@@ -45,7 +45,7 @@ pub(super) fn value(code: i16) -> Option<f64> {
 ///
 /// # Errors
 /// The writer's own.
-pub(super) fn base64(bytes: impl IntoIterator<Item = u8>, out: &mut impl Write) -> io::Result<()> {
+pub fn base64(bytes: impl IntoIterator<Item = u8>, out: &mut impl Write) -> io::Result<()> {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut bytes = bytes.into_iter();
     while let Some(first) = bytes.next() {

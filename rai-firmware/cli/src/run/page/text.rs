@@ -30,7 +30,7 @@ impl Html {
         let page = format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>RAI</title>\n\
-             <style>{style}</style>\n</head>\n<body>\n<main>\n{}{FOOT}</main>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
+             <style>{style}</style>\n</head>\n<body>\n<main>\n<h1>Receiver integrity</h1>\n{}{FOOT}</main>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
             live::BODY
         );
         Self { page, policy }
