@@ -49,7 +49,9 @@ const page = async () => {
     const lines = error.split("\n").filter((line) => line.trim());
     const last = lines.findLast((line) => line.startsWith("error: ")) ?? lines.at(-1) ?? "";
     const text = last.replace(/^error: /, "");
-    return text.charAt(0).toUpperCase() + text.slice(1) + (/[.?!]$/.test(text) ? "" : ".");
+    // The name of a file keeps its letters.
+    const begins = /^[a-z]+ /.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text;
+    return begins + (/[.?!]$/.test(begins) ? "" : ".");
   };
 
   // ---- Recording ----------------------------------------------------------------------------------------------------
@@ -82,6 +84,7 @@ const page = async () => {
     clear();
     at("share").value = 0;
     at("counts").textContent = `reading ${files.map((file) => file.name).join(", ")}`;
+    delete at("work").dataset.first;
     show("work", true);
     document.body.dataset.state = "working";
     (await worker).postMessage({ kind: "judge", id, files: unique(files), options: options() });
@@ -121,11 +124,12 @@ const page = async () => {
   // Shows the report of the program: its body without its title, in this page's own style.
   const show_report = async (result) => {
     // The policy allows no style in a document, only by this script. A quote in a text is escaped, so that this is a tag's.
-    const text = (await result.outputs.report.text()).replaceAll(' style="', ' data-style="');
+    const whole = await result.outputs.report.text();
+    const text = whole.replace(/<style>[^<]*<\/style>/g, "").replaceAll(' style="', ' data-style="');
     const made = new DOMParser().parseFromString(text, "text/html");
     const main = made.querySelector("main");
     const plain = main.querySelector(".plain")?.textContent ?? "";
-    for (const one of main.querySelectorAll("h1, .lead, .plain, style, script:not([type])")) one.remove();
+    for (const one of main.querySelectorAll("h1, .lead, .plain, script:not([type])")) one.remove();
     at("report").replaceChildren(...[...main.childNodes].map((one) => document.adoptNode(one)));
     for (const one of at("report").querySelectorAll("[data-style]")) one.style.cssText = one.dataset.style;
     const counts = tallied(result.out);

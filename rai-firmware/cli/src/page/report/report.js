@@ -781,7 +781,9 @@ const report = (signal) => {
     for (const row of rows) row.draw();
     places(cursor);
   };
-  new ResizeObserver(() => { if (rows[0].frame.clientWidth !== width) size(); }).observe(live);
+  // A page that hides the report leaves it no width, and a picture of no width has circles of a negative radius.
+  const measure = () => { if (![0, width].includes(rows[0].frame.clientWidth)) size(); };
+  new ResizeObserver(measure).observe(live);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { readColours(); size(); }, { signal });
   width = rows[0].frame.clientWidth;
   zoom(...whole);
