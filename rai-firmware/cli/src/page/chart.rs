@@ -10,6 +10,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::canvas::{Area, Ground, INK, Mark, NARROW_PX, TEXT_PX, heading, heading_px, svg, text};
+use super::decades::Decades;
 
 /// Scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,8 +67,8 @@ impl Axis {
             _ if low > high => 0.1..1.0,
             // Whole powers of ten, so that at least two of them have labels.
             Scale::Logarithmic => {
-                let (floor, ceiling) = (low.log10().floor(), (high * 1.05).log10().ceil());
-                10_f64.powf(floor) * EDGE..10_f64.powf(ceiling.max(floor + 1.0))
+                let (floor, ceiling) = (libm::log10(low).floor(), libm::log10(high * 1.05).ceil());
+                libm::exp10(floor) * EDGE..libm::exp10(ceiling.max(floor + 1.0))
             }
             Scale::Linear => {
                 let air = if high > low { 0.06 * (high - low) } else { 1.0 };
@@ -142,13 +143,13 @@ impl LineChart {
         match (self.x.scale, self.y.scale) {
             (Scale::Linear, Scale::Linear) => self.plot(area, top, x.clone(), y.clone(), (x, y)),
             (Scale::Linear, Scale::Logarithmic) => {
-                self.plot(area, top, x.clone(), y.clone().log_scale(), (x, y))
+                self.plot(area, top, x.clone(), Decades::from(y.clone()), (x, y))
             }
             (Scale::Logarithmic, Scale::Linear) => {
-                self.plot(area, top, x.clone().log_scale(), y.clone(), (x, y))
+                self.plot(area, top, Decades::from(x.clone()), y.clone(), (x, y))
             }
             (Scale::Logarithmic, Scale::Logarithmic) => {
-                self.plot(area, top, x.clone().log_scale(), y.clone().log_scale(), (x, y))
+                self.plot(area, top, Decades::from(x.clone()), Decades::from(y.clone()), (x, y))
             }
         }
     }

@@ -58,7 +58,7 @@ fn diagram(
     let pairs: Vec<(Verdict, f64, f64)> = pairs.collect();
     let largest_m = pairs.iter().map(|&(_, error_m, bound_m)| error_m.max(bound_m));
     let largest_m = largest_m.filter(|metres| metres.is_finite()).chain(limit_m).fold(1.0, f64::max);
-    let end_m = 10_f64.powf((largest_m * 1.2).log10().ceil());
+    let end_m = libm::exp10(libm::log10(largest_m * 1.2).ceil());
     let line = |name: &str, colour, mark, points| Series { name: name.to_owned(), colour, mark, points };
     let diagonal = vec![(LEAST_M, LEAST_M), (end_m, end_m)];
     let mut series = vec![line("error = level", INK, Mark::Line, diagonal)];

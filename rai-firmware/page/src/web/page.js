@@ -257,7 +257,7 @@ const page = async () => {
     judge([new File([file], "sample.rtcm3")]);
   };
   at("sample").addEventListener("click", () => sample(""));
-  at("faulty").addEventListener("click", () => sample("{FAULT}"));
+  at("faulty").addEventListener("click", () => sample("G06:+80@20..40"));
   at("cancel").addEventListener("click", cancel);
 
   // ---- Output -------------------------------------------------------------------------------------------------------

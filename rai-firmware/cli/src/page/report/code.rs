@@ -26,7 +26,7 @@ pub(super) fn coded(value: Option<f64>) -> i16 {
         return 0;
     }
     // The conversion saturates, so that an infinite value has the largest code.
-    let code = (((magnitude / LEAST).log10() * PER_DECADE).round() as i16).saturating_add(1);
+    let code = ((libm::log10(magnitude / LEAST) * PER_DECADE).round() as i16).saturating_add(1);
     let code = if magnitude >= 1e8 { i16::MAX } else { code };
     if value < 0.0 { -code } else { code }
 }
