@@ -4,6 +4,7 @@
 //! object after another, each followed by a zero byte.
 
 use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::PathBuf;
 use std::process::{ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
@@ -26,6 +27,8 @@ pub struct Browser {
     session: Option<String>,
     /// Messages of the page's console.
     pub complaints: Vec<String>,
+    /// Addresses that the page has asked for.
+    pub requests: Vec<String>,
     _daemon: Daemon,
     _folder: TempDir,
 }
@@ -42,14 +45,30 @@ impl Browser {
     ///
     /// # Errors
     /// If the browser does not start or does not answer.
-    pub fn open(name: &str, address: &str, (width, height): (u32, u32)) -> Result<Self> {
+    pub fn open(name: &str, address: &str, size: (u32, u32)) -> Result<Self> {
+        Self::open_in(name, address, size, "light", &[])
+    }
+
+    /// Opens an address in a window of this size, in pixels, and in a colour scheme, `light` or
+    /// `dark`, with further arguments of the browser.
+    ///
+    /// # Errors
+    /// As for [`Browser::open`].
+    pub fn open_in(
+        name: &str,
+        address: &str,
+        (width, height): (u32, u32),
+        scheme: &str,
+        more: &[&str],
+    ) -> Result<Self> {
         let folder = TempDir::new()?;
         // The shell puts the pipes where the browser expects them: orders on 3, answers on 4.
         let script = format!(
             "exec {name} --headless --no-sandbox --disable-gpu --disable-quic --no-first-run \
              --disable-background-networking --disable-component-update --disable-sync \
-             --remote-debugging-pipe --user-data-dir={} about:blank 3<&0 4>&1 </dev/null >/dev/null 2>&1",
-            folder.path().display()
+             --remote-debugging-pipe --user-data-dir={} {} about:blank 3<&0 4>&1 </dev/null >/dev/null 2>&1",
+            folder.path().display(),
+            more.join(" ")
         );
         let mut command = Command::new("sh");
         command.args(["-c", &script]).stdin(Stdio::piped()).stdout(Stdio::piped());
@@ -70,6 +89,7 @@ impl Browser {
             number: 0,
             session: None,
             complaints: Vec::new(),
+            requests: Vec::new(),
             _daemon: Daemon(child),
             _folder: folder,
         };
@@ -81,12 +101,18 @@ impl Browser {
         browser.order("Runtime.enable", &json!({}))?;
         let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600});
         browser.order("Emulation.setDeviceMetricsOverride", &size)?;
+        let features = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
+        browser.order("Emulation.setEmulatedMedia", &features)?;
+        browser.order("Network.enable", &json!({}))?;
         browser.order("Page.navigate", &json!({"url": address}))?;
         Ok(browser)
     }
 
     /// Gives an order, and returns its result.
-    fn order(&mut self, method: &str, parameters: &Value) -> Result<Value> {
+    ///
+    /// # Errors
+    /// If the browser does not answer, or refuses.
+    pub fn order(&mut self, method: &str, parameters: &Value) -> Result<Value> {
         self.number += 1;
         let mut order = json!({"id": self.number, "method": method, "params": parameters});
         if let Some(session) = &self.session {
@@ -107,15 +133,29 @@ impl Browser {
             if ["Log.entryAdded", "Runtime.exceptionThrown"].iter().any(|name| answer["method"] == *name) {
                 self.complaints.push(answer["params"].to_string());
             }
+            if answer["method"] == "Network.requestWillBeSent" {
+                self.requests.push(answer["params"]["request"]["url"].as_str().unwrap_or("").to_owned());
+            }
         }
     }
 
-    /// Returns the value of an expression in the page.
+    /// Gives files to the element of a selector, as a person chooses them.
+    ///
+    /// # Errors
+    /// If there is no such element, or the browser does not answer.
+    pub fn choose(&mut self, selector: &str, files: &[PathBuf]) -> Result<()> {
+        let expression = format!("document.querySelector({})", json!(selector));
+        let element = self.order("Runtime.evaluate", &json!({"expression": expression}))?;
+        let parameters = json!({"files": files, "objectId": element["result"]["objectId"]});
+        self.order("DOM.setFileInputFiles", &parameters).map(drop)
+    }
+
+    /// Returns the value of an expression in the page, or of what it promises.
     ///
     /// # Errors
     /// If the browser does not answer.
     pub fn value(&mut self, expression: &str) -> Result<Value> {
-        let parameters = json!({"expression": expression, "returnByValue": true});
+        let parameters = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
         Ok(self.order("Runtime.evaluate", &parameters)?["result"]["value"].clone())
     }
 

@@ -48,7 +48,9 @@ const page = async () => {
   const sentence = (error) => {
     const lines = error.split("\n").filter((line) => line.trim());
     const last = lines.findLast((line) => line.startsWith("error: ")) ?? lines.at(-1) ?? "";
-    const text = last.replace(/^error: /, "");
+    // What is an option on a computer is another file here.
+    let text = last.replace(/^error: /, "").replaceAll(" by --nav", ", dropped beside it").replaceAll("with --nav", "beside it");
+    if (/ is empty$|; it is [^:]*$/.test(text)) text += ". Drop what a receiver sent (UBX, SBF or RTCM 3), or RINEX observations with their navigation file";
     // The name of a file keeps its letters.
     const begins = /^[a-z]+ /.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text;
     return begins + (/[.?!]$/.test(begins) ? "" : ".");
@@ -216,9 +218,10 @@ const page = async () => {
         value.placeholder = one.start || "off";
         value.spellcheck = false;
       }
-      const range = one.ranges.length ? ` ${one.ranges.join(", ")}${one.unit ? ` ${one.unit}` : ""}.` : one.unit ? ` In ${one.unit}.` : "";
+      const unit = one.unit ? ` ${one.unit}` : "";
+      const range = one.ranges.length ? ` From ${one.ranges.join(", ")}${unit}.` : unit ? ` In${unit}.` : "";
       const words = one.words.length && !is_word ? ` Words: ${one.words.join(", ")}.` : "";
-      cells[2].textContent = `${one.text.replace(/`/g, "")}${range}${words} Such as ${one.example}.`;
+      cells[2].textContent = `${one.text.replace(/`|<[^>]*>/g, "")}.${range}${words} Such as ${one.example}.`;
       return row;
     }));
     mark();
@@ -351,6 +354,7 @@ const page = async () => {
     const end = new AbortController();
     screen = { end, view: live(end.signal) };
     show("now-live", true);
+    show("open", false);
     show("result", false);
     listener = await thread(watch);
     listener.postMessage({ kind: "live", name: "the receiver at this computer", rate: chosen_rate, settings: changed(), now: steady() });
@@ -372,6 +376,7 @@ const page = async () => {
     [listener, screen] = [null, null];
     at("live-view").replaceChildren();
     show("now-live", false);
+    show("open", true);
   };
   const keep = (bytes) => {
     record.open.push(bytes);
@@ -429,7 +434,7 @@ const page = async () => {
     show("without", true);
   }
   // For tests: what the page has made.
-  window.rai = { outputs: () => outputs, judge, job: () => job };
+  window.rai = { outputs: () => outputs, files: () => chosen };
   const answer = await ask(["page", "settings"]);
   list_settings(JSON.parse(answer.out));
   document.body.dataset.ready = String(Math.round(performance.now()));

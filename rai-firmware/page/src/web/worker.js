@@ -50,8 +50,9 @@ const judge = ({ id, files: given, options }) => {
   if (arranged.code) return post({ kind: "failed", error: arranged.error, trap: arranged.trap, memory: arranged.memory });
   const { arguments: words, notes } = JSON.parse(arranged.out);
   const total = given.reduce((sum, { file }) => sum + file.size, 0) || 1, read = new Map();
-  let place = null, changed = null;
+  let place = null, changed = null, told = 0;
   const progress = (more) => {
+    told = performance.now();
     const done = [...read.values()].reduce((sum, bytes) => sum + bytes, 0);
     post({ kind: "progress", share: Math.min(1, done / total), ...more });
   };
@@ -62,6 +63,7 @@ const judge = ({ id, files: given, options }) => {
     read: (name, at) => {
       read.set(name, Math.max(read.get(name) ?? 0, at));
       place = { name, at };
+      if (performance.now() - told > EVERY_MS) progress();
     },
     wrote: (name, bytes) => name === SENTENCES && count(bytes),
     failed: (name) => { changed = name; },

@@ -8,6 +8,7 @@ mod capi;
 mod capi_bits;
 mod merged_stream;
 mod no_panic;
+mod page;
 mod parity;
 mod second_board;
 mod soak;

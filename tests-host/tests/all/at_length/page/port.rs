@@ -1,0 +1,139 @@
+//! A receiver at a serial port, which the test plays in the page itself.
+
+use std::time::Instant;
+
+use raim::replay::{Window, encode};
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::sky::raw::Simulation;
+use serde_json::json;
+
+use super::*;
+
+/// A port of the page's interface. At a wrong rate it gives other bytes.
+const PORT: &str = "
+class Port {
+  constructor() { [this.readable, this.opened, this.sent] = [null, [], []]; }
+  async open({ baudRate }) {
+    this.opened.push(baudRate);
+    this.readable = new ReadableStream({ start: (control) => { this.control = control; } });
+    this.writable = new WritableStream({ write: (bytes) => { this.sent.push(...bytes); } });
+  }
+  async close() { this.readable = null; }
+  feed(bytes) {
+    const is_wrong = this.right && this.opened.at(-1) !== this.right;
+    this.control.enqueue(Uint8Array.from(bytes, (byte) => (is_wrong ? (byte * 37 + 91) & 255 : byte)));
+  }
+  unplug() {
+    const { control } = this;
+    this.readable = null;
+    control.error(new Error('the device has been lost'));
+  }
+}
+window.port = new Port();
+Object.defineProperty(navigator, 'serial', { value: { requestPort: async () => window.port, addEventListener() {} } });
+1";
+
+/// Returns the epochs of a simulated receiver, one a second.
+fn epochs(count: u32) -> Vec<Vec<u8>> {
+    let recording = Simulation::above_xian(3600.0, count, 5).record();
+    let selection = Selection::new("GC", Frequency::Dual).unwrap();
+    encode(&recording, &selection, &[], &Window::ALL).unwrap().into_iter().map(|lump| lump.bytes).collect()
+}
+
+fn feed(browser: &mut Browser, bytes: &[u8]) {
+    browser.value(&format!("port.feed({})", json!(bytes))).unwrap();
+}
+
+fn connect(built: &Built, right: u32) -> Browser {
+    let mut browser = built.open(DESK, "light");
+    browser.value(PORT).unwrap();
+    browser.value(&format!("port.right = {right}; document.getElementById('connect').click()")).unwrap();
+    browser.wait_for("port.readable !== null", PATIENCE).unwrap();
+    browser
+}
+
+#[test]
+fn verdict_is_on_the_screen_a_tenth_of_a_second_after_an_epoch_and_stale_after_the_time_to_alert() {
+    let Some(built) = Built::new() else { return };
+    let mut browser = connect(&built, 0);
+    browser.value("document.getElementById('record').click()").unwrap();
+    let mut worst_ms = 0.0_f64;
+    for epoch in epochs(12) {
+        let due = Instant::now() + Duration::from_secs(1);
+        browser.value("document.body.dataset.delay = ''").unwrap();
+        feed(&mut browser, &epoch);
+        browser.wait_for("document.body.dataset.delay !== ''", PATIENCE).unwrap();
+        worst_ms = worst_ms.max(number(&mut browser, "document.body.dataset.delay"));
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+    }
+    println!("verdict on the screen {worst_ms:.1} ms after the bytes, at most");
+    assert!(worst_ms < 100.0, "{worst_ms} ms");
+    assert_eq!(text(&mut browser, "document.getElementById('state').textContent"), "protected");
+    assert_eq!(text(&mut browser, "document.getElementById('pin').textContent"), "integrity pin high");
+    assert!(number(&mut browser, "document.querySelectorAll('#live-view #sky .used').length") > 8.0);
+    // The commands for the receiver are shown before they are sent, and sent as they are shown.
+    browser.value("document.getElementById('configure').open = true").unwrap();
+    browser.wait_for("document.getElementById('steps').textContent !== ''", PATIENCE).unwrap();
+    let shown = text(&mut browser, "document.getElementById('steps').textContent");
+    browser.value("document.getElementById('send').click()").unwrap();
+    browser.wait_for("document.getElementById('port').textContent.endsWith('sent')", PATIENCE).unwrap();
+    let sent = text(
+        &mut browser,
+        "port.sent.map((byte) => byte.toString(16).padStart(2, '0').toUpperCase()).join(' ')",
+    );
+    assert!(sent.starts_with("B5 62 06 8A"), "{sent}");
+    let shown: String = shown
+        .lines()
+        .filter(|line| line.contains("B5 62"))
+        .map(|line| line.trim().split("   ").next().unwrap().to_owned() + " ")
+        .collect();
+    assert_eq!(shown.trim(), sent);
+    let start = Instant::now();
+    browser.value("port.unplug()").unwrap();
+    // TTA of NPA is 10 s after the last epoch.
+    browser
+        .wait_for("document.getElementById('why').textContent.startsWith('STALE')", Duration::from_secs(11))
+        .unwrap();
+    println!("STALE {:.1} s after the plug is out", start.elapsed().as_secs_f64());
+    assert_eq!(text(&mut browser, "document.getElementById('pin').textContent"), "integrity pin low");
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn a_wrong_rate_is_found_as_on_the_board() {
+    let Some(built) = Built::new() else { return };
+    let epochs = epochs(6);
+    let mut browser = connect(&built, 38_400);
+    let end = Instant::now() + Duration::from_secs(20);
+    while number(&mut browser, "port.opened.at(-1)") > 38_400.0 {
+        assert!(Instant::now() < end, "the rate is not found");
+        feed(&mut browser, &epochs[0]);
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    assert_eq!(text(&mut browser, "port.opened.join()"), "115200,38400");
+    browser.wait_for("port.readable !== null", PATIENCE).unwrap();
+    for epoch in &epochs {
+        feed(&mut browser, epoch);
+        std::thread::sleep(Duration::from_millis(1000));
+    }
+    browser.wait_for("document.getElementById('state').textContent === 'protected'", PATIENCE).unwrap();
+}
+
+#[test]
+fn a_browser_without_serial_ports_says_so_and_offers_files() {
+    let Some(built) = Built::new() else { return };
+    let mut browser = opened(
+        Browser::open_in(
+            built.browser,
+            &built.address(),
+            DESK,
+            "light",
+            &["--disable-features=Serial", "--disable-blink-features=Serial"],
+        )
+        .unwrap(),
+    );
+    assert_eq!(browser.value("'serial' in navigator").unwrap(), false);
+    assert_eq!(browser.value("document.getElementById('ports').hidden").unwrap(), true);
+    let words = text(&mut browser, "document.getElementById('without').innerText");
+    assert!(words.contains("drop the file here"), "{words}");
+}
