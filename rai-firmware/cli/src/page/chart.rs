@@ -10,6 +10,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::canvas::{Area, Ground, INK, Mark, NARROW_PX, TEXT_PX, heading, heading_px, svg, text};
+use super::dashes::dashes;
 use super::decades::Decades;
 
 /// Scale of an axis.
@@ -222,8 +223,15 @@ impl LineChart {
                         chart.draw_series(run.iter().map(cross))?;
                     }
                     Mark::Dashed => {
-                        let style = series.colour.stroke_width(2);
-                        chart.draw_series(DashedLineSeries::new(run, 7, 5, style))?;
+                        let inner = chart.plotting_area().strip_coord_spec();
+                        let (left, above) = chart.plotting_area().get_pixel_range();
+                        let place = |point: &(f64, f64)| {
+                            let (x, y) = chart.backend_coord(point);
+                            (x - left.start, y - above.start)
+                        };
+                        for dash in dashes(&run.iter().map(place).collect::<Vec<_>>(), 7.0, 5.0) {
+                            inner.draw(&PathElement::new(dash, series.colour.stroke_width(2)))?;
+                        }
                     }
                     Mark::Line | Mark::Box | Mark::Hatched | Mark::Low => {
                         chart.draw_series(LineSeries::new(run, series.colour.stroke_width(2)))?;

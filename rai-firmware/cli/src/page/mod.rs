@@ -20,6 +20,7 @@
 pub mod bars;
 pub mod canvas;
 pub mod chart;
+mod dashes;
 mod decades;
 pub mod html;
 pub mod live;

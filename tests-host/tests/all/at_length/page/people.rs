@@ -76,7 +76,7 @@ fn every_control_has_a_name_and_every_picture_a_sentence() {
     browser.value(UNFOLD).unwrap();
     browser.order("Accessibility.enable", &json!({})).unwrap();
     let tree = browser.order("Accessibility.getFullAXTree", &json!({})).unwrap();
-    let mut controls = 0;
+    let mut controls = 0_u32;
     for node in tree["nodes"].as_array().unwrap() {
         let role = node["role"]["value"].as_str().unwrap_or_default();
         let is_ignored = node["ignored"] == Value::Bool(true);
@@ -87,7 +87,11 @@ fn every_control_has_a_name_and_every_picture_a_sentence() {
         assert!(!named.trim().is_empty(), "a {role} without a name: {node}");
         controls += 1;
     }
-    assert!(controls > 60, "{controls}");
+    let settings = number(&mut browser, "document.querySelectorAll('#settings tbody tr').length");
+    assert!(
+        settings > 20.0 && f64::from(controls) > settings + 15.0,
+        "{controls} controls, {settings} settings"
+    );
 }
 
 #[test]
