@@ -16,7 +16,8 @@ pub(crate) const OPTIONS: &str = "
 ";
 
 /// All parts.
-const ALL: [Need; 5] = [Need::Chip, Need::Processors, Need::Components, Need::Emulator, Need::CCompiler];
+const ALL: [Need; 6] =
+    [Need::Chip, Need::Processors, Need::Page, Need::Components, Need::Emulator, Need::CCompiler];
 
 /// Runs the command.
 pub(crate) fn run(arguments: &mut Arguments) -> Result<()> {

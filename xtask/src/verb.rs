@@ -71,7 +71,7 @@ pub(crate) const VERBS: &[Verb] = &[
         "check",
         "Checks the rest: format, lints, documentation, packages, long tests, other processors",
         Here { run: crate::test::check, options: crate::test::OPTIONS },
-        &[Need::Chip, Need::Emulator, Need::Components, Need::Processors],
+        &[Need::Chip, Need::Emulator, Need::Components, Need::Processors, Need::Page],
     ),
     verb(
         "setup",

@@ -31,7 +31,9 @@
 //! module `command` with its arguments and a function that runs it.
 //!
 //! Without the feature `commands` the library holds only `signal` and `sentence`, which a fuzzer
-//! needs, and `satellites`, which the package for Python needs.
+//! needs, and `satellites`, which the package for Python needs. The feature `replay` adds [`replay`],
+//! [`page`] and the commands for receivers ([`configure`]), without threads, ports and terminals: what
+//! a browser can run.
 //!
 //! # References
 //!

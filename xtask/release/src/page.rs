@@ -21,9 +21,7 @@ use std::io::Write as _;
 
 use super::{Built, VERSION};
 use xtask::cargo::root;
-
-/// Target of the program.
-const TARGET: &str = "wasm32-wasip1";
+use xtask::setup::PAGE_TARGET;
 
 /// Largest size of the file, bytes.
 const MOST_BYTES: usize = 1_500_000;
@@ -36,8 +34,8 @@ const MOST_MEMORY: u32 = 256 << 20;
 /// # Errors
 /// If the program does not compile, a part of the page is missing, or the page is too large.
 pub(super) fn build(out: &Path) -> Result<Built> {
-    if rig::setup::add_target(TARGET).is_err() {
-        return Ok(Built::Missing(format!("needs the target: rustup target add {TARGET}, or --yes")));
+    if rig::setup::add_target(PAGE_TARGET).is_err() {
+        return Ok(Built::Missing(format!("needs the target: rustup target add {PAGE_TARGET}, or --yes")));
     }
     let program = fs::read(compile()?)?;
     let page = html(&program)?;
@@ -66,7 +64,7 @@ fn compile() -> Result<PathBuf> {
         "--profile",
         "page",
         "--target",
-        TARGET,
+        PAGE_TARGET,
     ]);
     // The paths of this machine do not reach the program, so that it is the same everywhere.
     let home = std::env::var("CARGO_HOME")
@@ -81,7 +79,7 @@ fn compile() -> Result<PathBuf> {
     let status = cargo.current_dir(root()).status().context("cargo cannot be run")?;
     ensure!(status.success(), "the program of the page does not compile");
     let folder = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
-    Ok(folder.join(TARGET).join("page/raim_page.wasm"))
+    Ok(folder.join(PAGE_TARGET).join("page/raim_page.wasm"))
 }
 
 /// Returns the page around a program.

@@ -38,6 +38,9 @@ pub const TARGETS: [&str; 4] = [
     "riscv32imac-unknown-none-elf",
 ];
 
+/// Target of the program of the page for a browser.
+pub const PAGE_TARGET: &str = "wasm32-wasip1";
+
 /// A part that the commands need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
@@ -45,6 +48,8 @@ pub enum Need {
     Chip,
     /// The compiler's libraries for the other processors that the module is checked for.
     Processors,
+    /// The compiler's library for the program of the page for a browser.
+    Page,
     /// clippy and rustfmt.
     Components,
     /// The emulator.
@@ -93,6 +98,10 @@ fn remedy(need: Need, machine: &Machine) -> Vec<Step> {
             &["rustup", "target", "add", TARGETS[1], TARGETS[2], TARGETS[3]],
             "install the standard libraries of Cortex-M0+, M33 and RV32, or Rust from https://rustup.rs",
         ),
+        Need::Page => toolchain(
+            &["rustup", "target", "add", PAGE_TARGET],
+            "install the standard library of wasm32-wasip1, or Rust from https://rustup.rs",
+        ),
         Need::Components => toolchain(
             &["rustup", "component", "add", "clippy", "rustfmt"],
             "install clippy and rustfmt, or Rust from https://rustup.rs",
@@ -114,6 +123,7 @@ impl Machine {
         let is_missing = |need: &&Need| match need {
             Need::Chip => !can_compile(&TARGETS[..1]),
             Need::Processors => !can_compile(&TARGETS[1..]),
+            Need::Page => !can_compile(&[PAGE_TARGET]),
             Need::Components => !has("bin/cargo-clippy") || !has("bin/rustfmt"),
             Need::Emulator => !emulator::is_there(),
             Need::CCompiler => !on_path("arm-none-eabi-gcc"),
@@ -274,13 +284,16 @@ mod tests {
 
     #[test]
     fn fresh_machine_of_debian_installs_no_package_of_the_system() {
-        let fresh = lacking(&[Need::Chip, Need::Processors, Need::Components, Need::Emulator], Packages::Apt);
-        let [Step::Run(chip), Step::Run(others), Step::Run(components), Step::Unpack] = &plan(&fresh)[..]
+        let needs = [Need::Chip, Need::Processors, Need::Page, Need::Components, Need::Emulator];
+        let fresh = lacking(&needs, Packages::Apt);
+        let [Step::Run(chip), Step::Run(others), Step::Run(page), Step::Run(components), Step::Unpack] =
+            &plan(&fresh)[..]
         else {
             panic!("{:?}", plan(&fresh))
         };
         assert_eq!(chip.join(" "), "rustup target add thumbv7em-none-eabihf");
         assert_eq!(others.join(" "), format!("rustup target add {}", TARGETS[1..].join(" ")));
+        assert_eq!(page.join(" "), "rustup target add wasm32-wasip1");
         assert_eq!(components.join(" "), "rustup component add clippy rustfmt");
     }
 

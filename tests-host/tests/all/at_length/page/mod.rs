@@ -6,9 +6,11 @@
 //! | `alone` | Does it ask or store anything? |
 //! | `wrong` | What does it say of wrong files, and how soon does it stop? |
 //! | `port` | Does it judge a receiver in time, and notice that it is gone? |
+//! | `cost` | How long does a long recording take, and how much memory? |
 //! | `people` | Can everybody read and reach it? |
 
 mod alone;
+mod cost;
 mod people;
 mod port;
 mod sentences;

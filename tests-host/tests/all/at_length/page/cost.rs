@@ -1,0 +1,59 @@
+//! Time and memory of long recordings: an hour, or as many epochs as `RAI_EPOCHS` says.
+
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+
+use raim::signal::encode::{Frequency, Selection, ubx};
+use raim::signal::sky::Fleet;
+use raim::signal::sky::raw::Simulation;
+
+use super::*;
+
+/// Longest time to the first verdict, ms.
+const FIRST_MS: f64 = 300.0;
+
+/// Most memory of the program, bytes: the browser refuses more than 256 MiB.
+const MEMORY: f64 = 256.0 * 1024.0 * 1024.0;
+
+/// Longest time for an epoch, ms: a day in 12 s is 0.14 ms, on a processor that does nothing else.
+const EPOCH_MS: f64 = 0.28;
+
+/// Writes a recording of 28 satellites of three systems on two frequencies at 1 Hz, as UBX.
+fn write(path: &Path, epochs: u32) {
+    let fleets = [Fleet::Gps31, Fleet::Galileo24, Fleet::Beidou24];
+    let satellites = fleets.into_iter().flat_map(Fleet::satellites).collect();
+    let sky = Simulation { satellites, mask_rad: 0.0, ..Simulation::above_xian(0.0, epochs, 7) };
+    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+    let mut encoder = ubx::Encoder::new(&sky.ephemerides(), selection, None).as_receiver();
+    let mut file = BufWriter::new(File::create(path).unwrap());
+    for mut epoch in sky.epochs() {
+        epoch.satellites.truncate(28);
+        file.write_all(&encoder.epoch(&epoch).unwrap()).unwrap();
+    }
+    file.flush().unwrap();
+}
+
+#[test]
+fn an_hour_takes_a_second_and_its_first_verdict_comes_at_once() {
+    let Some(built) = Built::new() else { return };
+    let epochs = std::env::var("RAI_EPOCHS").ok().and_then(|text| text.parse().ok()).unwrap_or(3600);
+    let path = built.folder.path().join("long.ubx");
+    write(&path, epochs);
+    let mut browser = built.open(DESK, "light");
+    assert_eq!(judged(&mut browser, &[path]), "done");
+    let value = |browser: &mut Browser, name: &str| {
+        number(browser, &format!("document.getElementById('work').dataset.{name}"))
+    };
+    let [took, first, memory] = ["took", "first", "memory"].map(|name| value(&mut browser, name));
+    println!(
+        "{epochs} epochs: {:.2} s, first verdict {first:.0} ms, {:.1} MiB",
+        took * 1e-3,
+        memory / f64::from(1 << 20)
+    );
+    let plain = text(&mut browser, "document.getElementById('plain').textContent");
+    assert!(plain.contains(&format!("{epochs} epochs")), "{plain}");
+    assert!(first < FIRST_MS, "{first} ms");
+    assert!(memory < MEMORY, "{memory} bytes");
+    assert!(took < f64::from(epochs) * EPOCH_MS, "{took} ms");
+    assert_eq!(browser.complaints, [""; 0]);
+}
