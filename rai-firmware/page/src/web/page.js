@@ -29,10 +29,11 @@ const page = async () => {
   };
   let worker = thread((data) => hear(data));
   const questions = new Map();
-  const ask = async (words, file) => {
-    const id = `question ${questions.size}`;
+  let asked = 0;
+  const ask = async (words, { file, files = [] } = {}) => {
+    const id = `question ${++asked}`;
     const answer = new Promise((resolve) => questions.set(id, resolve));
-    (await worker).postMessage({ kind: "ask", id, words, file });
+    (await worker).postMessage({ kind: "ask", id, words, file, files });
     return answer;
   };
 
@@ -254,7 +255,7 @@ const page = async () => {
     judge([...event.dataTransfer.files]);
   });
   const sample = async (fault) => {
-    const { code, file, error } = await ask(["page", "sample"], "sample.rtcm3");
+    const { code, file, error } = await ask(["page", "sample"], { file: "sample.rtcm3" });
     if (code) return problem(sentence(error));
     at("inject").value = fault;
     judge([new File([file], "sample.rtcm3")]);
@@ -284,7 +285,7 @@ const page = async () => {
   // ---- Receiver -----------------------------------------------------------------------------------------------------
 
   const steady = monotonic(), WIRES = { mosaic: ["COM1", "COM2", "COM3", "COM4", "USB1", "USB2"], ublox: ["UART1", "UART2", "USB"] };
-  const SILENT_MS = 3500;
+  const SILENT_MS = 3500, INPUTS = ["lead", "open", "options"];
   let port = null, listener = null, screen = null, baud = 0, kept = null, record = null, heard = 0, beat = null;
 
   // The state of the module, as soon as it comes.
@@ -354,7 +355,7 @@ const page = async () => {
     const end = new AbortController();
     screen = { end, view: live(end.signal) };
     show("now-live", true);
-    show("open", false);
+    for (const id of INPUTS) show(id, false);
     show("result", false);
     listener = await thread(watch);
     listener.postMessage({ kind: "live", name: "the receiver at this computer", rate: chosen_rate, settings: changed(), now: steady() });
@@ -376,7 +377,7 @@ const page = async () => {
     [listener, screen] = [null, null];
     at("live-view").replaceChildren();
     show("now-live", false);
-    show("open", true);
+    for (const id of INPUTS) show(id, true);
   };
   const keep = (bytes) => {
     record.open.push(bytes);
@@ -434,7 +435,7 @@ const page = async () => {
     show("without", true);
   }
   // For tests: what the page has made.
-  window.rai = { outputs: () => outputs, files: () => chosen };
+  window.rai = { outputs: () => outputs, files: () => chosen, ask };
   const answer = await ask(["page", "settings"]);
   list_settings(JSON.parse(answer.out));
   document.body.dataset.ready = String(Math.round(performance.now()));

@@ -117,9 +117,9 @@ onmessage = ({ data }) => {
       program = new WebAssembly.Module(data.bytes);
       postMessage({ kind: "ready" });
     } else if (data.kind === "ask") {
-      const files = new Map();
-      const { code, out, error, written } = run(data.words, files);
-      postMessage({ kind: "answer", id: data.id, code, out, error, file: data.file && written(data.file) });
+      const files = new Map(data.files.map(({ name, file }) => [name, file]));
+      const { code, trap, out, error, written, memory } = run(data.words, files);
+      postMessage({ kind: "answer", id: data.id, code, trap, out, error, memory, file: data.file && written(data.file) });
     } else if (data.kind === "judge") judge(data);
     else if (data.kind === "live") begin(data);
     else if (data.kind === "bytes") live?.hear(data.bytes, data.came);

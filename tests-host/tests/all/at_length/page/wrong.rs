@@ -1,6 +1,6 @@
 //! Wrong files: one sentence each that says what to do, and the page goes on.
 
-use std::io::Write as _;
+use std::io::{Read as _, Write as _};
 use std::time::Instant;
 
 use flate2::Compression;
@@ -106,4 +106,88 @@ fn huge_files_take_little_memory_and_are_cancelled_in_a_tenth_of_a_second() {
     browser.value("document.getElementById('sample').click()").unwrap();
     assert_eq!(finished(&mut browser), "done");
     assert_eq!(browser.complaints, [""; 0]);
+}
+
+/// Changes some bytes, cuts, doubles or repeats a part of each file, judges the result and counts what
+/// stopped the program. `SEEDS` are Base64, by name.
+const MUTATED: &str = "(async () => {
+  const seeds = SEEDS.map(([name, text]) => [name, Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0))]);
+  let state = 1n;
+  const random = (below) => {
+    state = (state * 6364136223846793005n + 1442695040888963407n) & 0xffffffffffffffffn;
+    return Number((state >> 33n) % BigInt(Math.max(1, below)));
+  };
+  const mutate = (bytes) => {
+    const at = random(bytes.length), length = random(400);
+    switch (random(5)) {
+      case 0: return bytes.slice(0, at);
+      case 1: return Uint8Array.from([...bytes.slice(0, at), ...bytes.slice(at + length)]);
+      case 2: return Uint8Array.from([...bytes.slice(0, at), ...bytes.slice(at, at + length), ...bytes.slice(at)]);
+      default: {
+        const copy = bytes.slice();
+        for (let count = 1 + random(20); count > 0; count--) copy[random(copy.length)] = random(3) ? random(256) : 255 * random(2);
+        return copy;
+      }
+    }
+  };
+  const stopped = [], codes = [0, 0];
+  let memory = 0;
+  for (let number = 0; number < COUNT; number++) {
+    const chosen = random(seeds.length);
+    const files = seeds.filter(([name], index) => index === chosen || name.split('.')[0] === seeds[chosen][0].split('.')[0])
+      .map(([name, bytes]) => ({ name, file: new File([mutate(bytes)], name) }));
+    const names = files.map(({ name }) => name);
+    const words = names.length === 1 ? names : ['--obs', names[0], '--nav', names[1]];
+    const answer = await rai.ask(['rai', 'replay', ...words, '--report', 'report'], { files });
+    if (answer.trap) stopped.push(`${number} ${names[0]}: ${answer.trap} ${answer.error}`);
+    codes[answer.code] += 1;
+    memory = Math.max(memory, answer.memory);
+  }
+  return JSON.stringify({ stopped, codes, memory });
+})()";
+
+/// Returns Base64 (RFC 4648, with padding).
+fn base64(bytes: &[u8]) -> String {
+    let mut text = Vec::new();
+    raim::page::report::base64(bytes.iter().copied(), &mut text).unwrap();
+    String::from_utf8(text).unwrap()
+}
+
+/// Seeds are the formats that the page reads; `RAI_MUTATED` says how many files are made of them.
+#[test]
+fn mutated_files_never_stop_the_program() {
+    let Some(built) = Built::new() else { return };
+    let mut seeds =
+        vec![("one.rtcm3", capture(5)[..12_000].to_vec()), ("packed.gz", gzip(&capture(5)[..8_000]))];
+    let shared = [
+        ("pair.obs", "data/cases/geo-inclined/geo.obs"),
+        ("pair.nav", "data/cases/geo-inclined/geo.nav"),
+        ("week.rtcm3", "data/cases/weekend-mixed.rtcm3"),
+    ];
+    seeds.extend(
+        shared.iter().filter_map(|(name, path)| Some((*name, std::fs::read(rig::shared::path(path)?).ok()?))),
+    );
+    let packed =
+        [("blocks.sbf", "data/sbf/mosaic_12s.sbf.gz"), ("frames.ubx", "data/ubx/static1hz_base.ubx.gz")];
+    seeds.extend(packed.iter().filter_map(|(name, path)| {
+        let mut bytes = Vec::new();
+        let file = std::fs::File::open(rig::shared::path(path)?).ok()?;
+        flate2::read::MultiGzDecoder::new(file).take(30_000).read_to_end(&mut bytes).ok()?;
+        Some((*name, bytes))
+    }));
+    let count = std::env::var("RAI_MUTATED").unwrap_or_else(|_| "500".to_owned());
+    let mut browser = built.open(DESK, "light");
+    let seeds: Vec<_> = seeds.iter().map(|(name, bytes)| (name, base64(bytes))).collect();
+    let script = MUTATED.replace("SEEDS", &serde_json::json!(seeds).to_string()).replace("COUNT", &count);
+    // Longer than the browser's answer may take.
+    browser
+        .value(&format!("window.mutated = null; {script}.then((text) => {{ window.mutated = text; }}); 1"))
+        .unwrap();
+    browser.wait_for("window.mutated !== null", Duration::from_hours(2)).unwrap();
+    let said = text(&mut browser, "window.mutated");
+    println!("{count} files: {said}");
+    let said: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(said["stopped"], serde_json::json!([]));
+    assert!(said["codes"][0].as_u64() > Some(0) && said["codes"][1].as_u64() > Some(0), "{said}");
+    assert!(said["memory"].as_u64() < Some(64 << 20), "{said}");
 }
