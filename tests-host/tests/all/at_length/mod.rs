@@ -11,3 +11,4 @@ mod no_panic;
 mod parity;
 mod second_board;
 mod soak;
+mod zephyr_sample;
