@@ -55,4 +55,3 @@ mod ubx;
 mod vectors;
 mod velocity;
 mod week_end;
-mod zephyr_sample;

@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
 use pico_args::Arguments;
-use xtask::cargo::root;
+use xtask::cargo::{command, root, spawn};
 use xtask::setup::{self, Need};
 
 use counts::Counts;
@@ -71,6 +71,9 @@ fn run(verb: &'static str, steps: &'static [Step], arguments: &mut Arguments) ->
     }
     let logs = root().join("target").join(verb);
     fs::create_dir_all(&logs).with_context(|| logs.display().to_string())?;
+    // The steps on the chip need it, and the tests all that it is made of: otherwise they would wait for one another's
+    // build. What goes wrong here, the steps report.
+    let _ = spawn(&mut command(&["build", "--package=rig"]));
     println!("{} steps; their output is in {}", steps.len(), logs.display());
     let outcomes = Mutex::new(Vec::new());
     let walk = |lane: Lane| {
@@ -122,11 +125,10 @@ fn child(step: &Step, options: Options, log: &Path) -> Result<Done> {
     let file = File::create(log).with_context(|| log.display().to_string())?;
     // Not the path of the running file: a build may have replaced it.
     let program = std::env::args_os().next().context("this program has no name")?;
-    let mut command = Command::new(program);
-    command.args(["test", "--step", step.name]);
-    command.args(options.bless.then_some("--bless")).args(options.all.then_some("--all"));
-    let status =
-        command.stdout(file.try_clone()?).stderr(file).status().context("a step cannot be started")?;
+    let mut child = Command::new(program);
+    child.args(["test", "--step", step.name]);
+    child.args(options.bless.then_some("--bless")).args(options.all.then_some("--all"));
+    let status = child.stdout(file.try_clone()?).stderr(file).status().context("a step cannot be started")?;
     ensure!(status.success(), "see {}", log.display());
     let text = fs::read_to_string(log).unwrap_or_default();
     let needs = text.lines().rev().find_map(|line| line.strip_prefix(SKIPPED));

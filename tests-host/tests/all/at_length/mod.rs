@@ -12,3 +12,4 @@ mod page;
 mod parity;
 mod second_board;
 mod soak;
+mod zephyr_sample;
