@@ -25,7 +25,7 @@ use rig::skip;
 use tempfile::TempDir;
 
 /// Longest wait for the page itself, on a computer that does something else meanwhile.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 
 /// Window of a desk, pixels.
 const DESK: (u32, u32) = (1280, 900);

@@ -114,7 +114,7 @@ fn a_wrong_rate_is_found_as_on_the_board() {
     browser.wait_for("port.readable !== null", PATIENCE).unwrap();
     for epoch in &epochs {
         feed(&mut browser, epoch);
-        std::thread::sleep(Duration::from_millis(1000));
+        std::thread::sleep(Duration::from_secs(1));
     }
     browser.wait_for("document.getElementById('state').textContent === 'protected'", PATIENCE).unwrap();
 }

@@ -34,6 +34,9 @@ fn rinex(letter: char) -> Vec<u8> {
         .into_bytes()
 }
 
+/// Name and content of a file.
+type File<'f> = (&'f str, Vec<u8>);
+
 #[test]
 fn every_wrong_file_gets_a_sentence_that_says_what_to_do() {
     let Some(built) = Built::new() else { return };
@@ -44,7 +47,7 @@ fn every_wrong_file_gets_a_sentence_that_says_what_to_do() {
         })
         .collect();
     let packed = gzip(&capture(5));
-    let all: [(&[(&str, Vec<u8>)], &str); 8] = [
+    let all: [(&[File], &str); 8] = [
         (&[("empty.ubx", Vec::new())], "empty.ubx: is empty. Drop what a receiver sent"),
         (
             &[("photo.jpg", b"\xFF\xD8\xFF\xE0\0\x10JFIF".to_vec())],
