@@ -122,3 +122,10 @@ fn number(browser: &mut Browser, expression: &str) -> f64 {
 fn name(path: &Path) -> String {
     path.file_name().unwrap().to_string_lossy().into_owned()
 }
+
+/// Builds the program `rai`; returns its path.
+fn program() -> PathBuf {
+    let status = cargo(&["build", "--quiet", "-p", "raim", "--bin", "rai"]).status().unwrap();
+    assert!(status.success());
+    root().join("target/debug/rai")
+}

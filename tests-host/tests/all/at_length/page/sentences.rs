@@ -1,8 +1,5 @@
 //! Sentences, table and report, beside those of the program `rai` on the same files.
 
-use std::path::PathBuf;
-use std::process::Command;
-
 use oracle::browser::Browser;
 use rig::shared;
 
@@ -56,16 +53,10 @@ fn compare(browser: &mut Browser, rai: &Path, files: &[PathBuf]) {
     }
 }
 
-fn rai() -> PathBuf {
-    let status = cargo(&["build", "--quiet", "-p", "raim", "--bin", "rai"]).status().unwrap();
-    assert!(status.success());
-    root().join("target/debug/rai")
-}
-
 #[test]
 fn page_says_of_the_sample_what_the_program_says_with_and_without_a_fault() {
     let Some(built) = Built::new() else { return };
-    let (rai, mut browser) = (rai(), built.open(DESK, "light"));
+    let (rai, mut browser) = (program(), built.open(DESK, "light"));
     let sample = built.file("sample.rtcm3", b"");
     for (button, want) in
         [("sample", "all the time, in 60 epochs."), ("faulty", "left out: G06 (in 20 epochs).")]
@@ -94,7 +85,7 @@ fn page_says_of_the_sample_what_the_program_says_with_and_without_a_fault() {
 #[test]
 fn page_says_of_every_recording_what_the_program_says() {
     let Some(built) = Built::new() else { return };
-    let (rai, mut browser) = (rai(), built.open(DESK, "light"));
+    let (rai, mut browser) = (program(), built.open(DESK, "light"));
     for files in RECORDINGS {
         let Some(files) = files
             .iter()
