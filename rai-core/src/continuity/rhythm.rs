@@ -10,9 +10,10 @@
 //! another receiver if  off > 20 ms  and the position is not where the receiver can be expected
 //! ```
 //!
-//! `T` must be a part of a second or a number of seconds, and [`LEAST`] epochs must have kept it. A
-//! receiver that restarts may change its part of the second. It is then where it can be expected
-//! ([`super::reach`]), and its new rhythm is learned.
+//! `T` must be a part of a second or a number of seconds, and [`LEAST`] epochs must have kept it.
+//! Receivers of other rates, such as one epoch in 0.7 s, have no rhythm. A receiver that restarts
+//! may change its part of the second. It is then where it can be expected ([`super::reach`]), and
+//! its new rhythm is learned.
 //!
 //! The first receiver is known again by both: its rhythm and its place. Until then no position is
 //! protected. [`super::Continuity::forget`] ends this too, and so does the age of the anchor.
@@ -27,13 +28,10 @@ const SAME_S: f32 = 0.02;
 /// Number of epochs that must have kept the rhythm.
 const LEAST: u8 = 10;
 
-/// Largest departure of `n T` from a whole number.
-const REGULAR: f32 = 0.05;
-
 /// Times of the epochs of a receiver, relative to each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rhythm {
-    /// Shortest time between two protected epochs, s.
+    /// Shortest time between two protected epochs, s; NaN if it does not fit a second.
     step_s: f32,
     /// Number of epochs that kept the rhythm, up to [`LEAST`].
     kept: u8,
@@ -55,7 +53,7 @@ impl Rhythm {
             self.kept += u8::from(self.kept < LEAST);
             return false;
         }
-        let is_off = self.is_off(elapsed_s);
+        let is_off = departure_s(elapsed_s, self.step_s) > SAME_S;
         if self.is_other || is_off && self.kept >= LEAST {
             self.is_other = self.is_other && is_off || !is_expected();
         }
@@ -63,23 +61,23 @@ impl Rhythm {
             if is_off {
                 self.kept = 0;
             }
-            if is_off || elapsed_s < self.step_s {
-                self.step_s = elapsed_s;
+            // NaN is not at most the new one, so that any step that fits a second takes its place.
+            if is_off || !(self.step_s <= elapsed_s) {
+                // To 1 % of the step: 33 ms are 1/30 s, and 60 ms are not 1/17 s.
+                let is_regular = 2.0 * departure_s(elapsed_s, elapsed_s) <= SAME_S * elapsed_s;
+                self.step_s = if is_regular { elapsed_s } else { f32::NAN };
             }
         }
         self.is_other
     }
+}
 
-    /// Returns true if an epoch does not keep the rhythm, or if there is none.
-    fn is_off(self, elapsed_s: f32) -> bool {
-        let per_second = whole(1.0 / self.step_s).max(1.0);
-        let off = |time_s: f32| {
-            let count = time_s * per_second;
-            (count - whole(count)).abs()
-        };
-        // NaN fails these comparisons, so that it is off.
-        !(off(self.step_s) <= REGULAR && off(elapsed_s) <= SAME_S * per_second)
-    }
+/// Returns the departure of `Δt` from a multiple of `1/n`, with the `n` of a step, s.
+#[inline(never)]
+fn departure_s(elapsed_s: f32, step_s: f32) -> f32 {
+    let per_second = whole(1.0 / step_s).max(1.0);
+    let count = elapsed_s * per_second;
+    (count - whole(count)).abs() / per_second
 }
 
 /// Returns the nearest whole number of a positive one.

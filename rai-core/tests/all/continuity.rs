@@ -426,8 +426,21 @@ fn receiver_that_restarts_where_it_can_be_expected_is_the_same() {
 }
 
 #[test]
+fn receiver_whose_step_does_not_fit_a_second_is_never_another() {
+    for step_s in [0.06, 0.08, 0.15, 0.3, 0.4, 0.7, 1.5, 2.5] {
+        for gap in [2, 7, 31, 333] {
+            let mut epochs: std::vec::Vec<(f64, Said)> =
+                (0..60).map(|index| (step_s * f64::from(index), HERE)).collect();
+            let north_m = 40.0 + 500.0 * step_s * f64::from(gap);
+            epochs.extend((0..100).map(|index| (step_s * f64::from(60 + gap + index), north(north_m))));
+            assert!(!series(&epochs).contains(&JUMP), "{step_s} s, gap of {gap} epochs");
+        }
+    }
+}
+
+#[test]
 fn fast_receiver_in_a_gap_of_any_length_keeps_its_rhythm() {
-    for hertz in [1.0, 4.0, 5.0, 10.0, 20.0, 30.0] {
+    for hertz in [1.0, 3.0, 4.0, 5.0, 7.0, 10.0, 12.0, 18.0, 20.0, 30.0] {
         for gap in [2, 7, 31, 599] {
             let time_s = |index: i32| (1e3 * f64::from(index) / hertz).round() * 1e-3;
             let mut epochs: std::vec::Vec<(f64, Said)> = (0..60).map(|index| (time_s(index), HERE)).collect();
