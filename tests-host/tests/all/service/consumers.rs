@@ -216,7 +216,7 @@ while True:
 print(json.dumps(out, default=str))
 ";
 
-/// Returns a Python program that listens for MAVLink at a free port, its output, and the port.
+/// Returns a Python program that listens for `MAVLink` at a free port, its output, and the port.
 fn listening(python: &Path, script: &str) -> (Child, std::io::BufReader<ChildStdout>, u16) {
     let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let mut listener = Command::new(python)

@@ -44,11 +44,15 @@ fn an_hour_takes_little_more_than_on_a_computer_and_its_first_verdict_comes_at_o
     let path = built.folder.path().join("long.ubx");
     write(&path, epochs);
     let mut browser = built.open(DESK, "light");
-    assert_eq!(judged(&mut browser, &[path]), "done");
-    let value = |browser: &mut Browser, name: &str| {
-        number(browser, &format!("document.getElementById('work').dataset.{name}"))
-    };
-    let [took, first, memory] = ["took", "first", "memory"].map(|name| value(&mut browser, name));
+    // The least of three, because the computer does something else meanwhile.
+    let (mut took, mut first, mut memory) = (f64::INFINITY, f64::INFINITY, 0.0_f64);
+    for _ in 0..3 {
+        assert_eq!(judged(&mut browser, std::slice::from_ref(&path)), "done");
+        let mut value =
+            |name: &str| number(&mut browser, &format!("document.getElementById('work').dataset.{name}"));
+        (took, first) = (took.min(value("took")), first.min(value("first")));
+        memory = memory.max(value("memory"));
+    }
     println!(
         "{epochs} epochs: {:.2} s, first verdict {first:.0} ms, {:.1} MiB",
         took * 1e-3,
