@@ -173,6 +173,7 @@ pub enum Code {
     Both5,
 }
 
+#[cfg(feature = "cnav")]
 impl Code {
     /// All codes, in order.
     const ALL: [Self; 6] = [Self::Other, Self::Ca, Self::L2c, Self::I5, Self::Q5, Self::Both5];
@@ -240,10 +241,8 @@ impl RawSignal {
     }
 
     /// Returns the code.
+    #[cfg(feature = "cnav")]
     pub(crate) fn code(&self) -> Code {
-        if !cfg!(feature = "cnav") {
-            return Code::Other;
-        }
         let number = usize::from(self.cn0 >> STRENGTH_BITS);
         Code::ALL.get(number).copied().unwrap_or(Code::Other)
     }
@@ -337,6 +336,7 @@ mod tests {
         }
     }
 
+    #[cfg(feature = "cnav")]
     #[test]
     fn the_code_and_the_strength_do_not_touch_each_other() {
         for code in Code::ALL {
