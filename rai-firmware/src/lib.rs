@@ -54,6 +54,7 @@
 //! | feature | adds |
 //! |---|---|
 //! | `sbf` | blocks of Septentrio receivers, beside `ubx`, which it needs for the navigation bits |
+//! | `cnav` | what L2C and L5 of GPS and QZSS say of their signals: delays and health; the setting `L5` |
 //! | `ubx`, `glonass`, `mavlink` | messages of u-blox receivers with their reports of jamming and spoofing, orbits of GLONASS, messages for autopilots |
 //! | `araim`, `searches`, `tables`, `policies` | `METHOD,SEPARATION` and `ISM`; the methods of the papers; thresholds for all committed probabilities; `POLICY,T2` and `TOP` |
 //! | `past` | alerts `CLOCK`, `TRACK` and the verdict `SIGMAS`; the velocity |

@@ -11,7 +11,7 @@
 //!
 //! A signal takes 16 bytes, and an epoch of 64 satellites 3.5 KiB. Carrier to noise density has
 //! steps of 1/16 dB-Hz and Doppler steps of 1/1024 Hz, which represent every value of the formats
-//! exactly. Values that no module uses, such as the receiver's sigma and its lock time, are not
+//! exactly. In builds that read CNAV, the bits above the density hold the code ([`Code`]). Values that no module uses, such as the receiver's sigma and its lock time, are not
 //! stored. References: [IS-GPS-200] 3.3.1.1, [BDS-SIS-B1I] 4.1, [GLO-ICD] 3.3.1.1.
 //!
 //! [IS-GPS-200]: crate#references
@@ -155,6 +155,30 @@ impl Carrier {
     }
 }
 
+/// Code of a signal of GPS or QZSS, as far as CNAV has a delay of its own for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Code {
+    /// Another code, such as P(Y), or an unknown one.
+    Other,
+    /// C/A on L1.
+    Ca,
+    /// The civil code on L2.
+    L2c,
+    /// The component of L5 with data.
+    I5,
+    /// The component of L5 without data.
+    Q5,
+    /// Both components of L5.
+    Both5,
+}
+
+#[cfg(feature = "cnav")]
+impl Code {
+    /// All codes, in order.
+    const ALL: [Self; 6] = [Self::Other, Self::Ca, Self::L2c, Self::I5, Self::Q5, Self::Both5];
+}
+
 /// One code range of one satellite, with its Doppler frequency and strength.
 ///
 /// It is packed, because padding would otherwise waste a seventh of an epoch.
@@ -166,7 +190,7 @@ pub struct RawSignal {
     /// Doppler frequency in steps of 1/1024 Hz; [`NO_DOPPLER`] if it is unknown.
     doppler: i32,
     /// Carrier to noise density in steps of 1/16 dB-Hz; 0 if it is unknown, [`CODELESS`] if it has
-    /// no meaning.
+    /// no meaning. Above [`STRENGTH`] the code.
     cn0: u16,
     /// Carrier of the signal.
     pub carrier: Carrier,
@@ -174,8 +198,14 @@ pub struct RawSignal {
 
 const _: () = assert!(size_of::<RawSignal>() == 16 && size_of::<RawSatellite>() == 56);
 
+/// Number of bits below the code.
+const STRENGTH_BITS: u32 = 12;
+
+/// Bits of the carrier to noise density.
+const STRENGTH: u16 = if cfg!(feature = "cnav") { (1 << STRENGTH_BITS) - 1 } else { u16::MAX };
+
 /// Stored strength of a signal that is tracked without its code.
-const CODELESS: u16 = u16::MAX;
+const CODELESS: u16 = STRENGTH;
 
 /// Stored Doppler frequency that is unknown.
 const NO_DOPPLER: i32 = i32::MIN;
@@ -187,17 +217,34 @@ impl RawSignal {
     }
 
     /// Sets the carrier to noise density, to 1/16 dB-Hz; a value that is not positive counts as
-    /// unknown.
+    /// unknown. No receiver reports 255 dB-Hz or more, for which there is no room.
     #[must_use]
     pub const fn with_cn0_dbhz(self, cn0_dbhz: f32) -> Self {
-        Self { cn0: (cn0_dbhz * 16.0 + 0.5) as u16, ..self }
+        let steps = (cn0_dbhz * 16.0 + 0.5) as u16 & STRENGTH;
+        Self { cn0: self.cn0 & !STRENGTH | steps, ..self }
     }
 
     /// Marks a signal that the receiver tracks without its code, with the help of another signal.
     /// Its own carrier to noise density then has no meaning.
     #[must_use]
     pub const fn codeless(self) -> Self {
-        Self { cn0: CODELESS, ..self }
+        Self { cn0: self.cn0 & !STRENGTH | CODELESS, ..self }
+    }
+
+    /// Sets the code. A build that does not read CNAV ignores it.
+    #[must_use]
+    pub const fn with_code(self, code: Code) -> Self {
+        if !cfg!(feature = "cnav") {
+            return self;
+        }
+        Self { cn0: self.cn0 & STRENGTH | (code as u16) << STRENGTH_BITS, ..self }
+    }
+
+    /// Returns the code.
+    #[cfg(feature = "cnav")]
+    pub(crate) fn code(&self) -> Code {
+        let number = usize::from(self.cn0 >> STRENGTH_BITS);
+        Code::ALL.get(number).copied().unwrap_or(Code::Other)
     }
 
     /// Sets the Doppler frequency, positive when approaching, to 1/1024 Hz (0.2 mm/s). A value
@@ -210,12 +257,13 @@ impl RawSignal {
 
     /// Returns the carrier to noise density, dB-Hz.
     pub const fn cn0_dbhz(&self) -> Option<f32> {
-        if matches!(self.cn0, 0 | CODELESS) { None } else { Some(self.cn0 as f32 / 16.0) }
+        let strength = self.cn0 & STRENGTH;
+        if matches!(strength, 0 | CODELESS) { None } else { Some(strength as f32 / 16.0) }
     }
 
     /// Returns true if the signal's own carrier to noise density has no meaning.
     pub const fn is_codeless(&self) -> bool {
-        self.cn0 == CODELESS
+        self.cn0 & STRENGTH == CODELESS
     }
 
     /// Returns the Doppler frequency, Hz, positive when approaching.
@@ -285,6 +333,26 @@ mod tests {
         let nothing = BARE.with_cn0_dbhz(0.0).with_doppler_hz(f32::NAN);
         for signal in [BARE, nothing] {
             assert_eq!((signal.cn0_dbhz(), signal.doppler_hz()), (None, None));
+        }
+    }
+
+    #[cfg(feature = "cnav")]
+    #[test]
+    fn the_code_and_the_strength_do_not_touch_each_other() {
+        for code in Code::ALL {
+            for (signal, want) in [
+                (BARE, None),
+                (BARE.with_cn0_dbhz(63.9375), Some(63.9375)),
+                (BARE.codeless(), None),
+                (BARE.with_cn0_dbhz(255.0), Some(255.0)),
+            ] {
+                let have = signal.with_code(code);
+                assert_eq!((have.code(), have.cn0_dbhz()), (code, want));
+                assert_eq!(have.is_codeless(), signal.is_codeless());
+                let again = have.with_cn0_dbhz(40.0);
+                assert_eq!((again.code(), again.cn0_dbhz()), (code, Some(40.0)));
+                assert_eq!(have.codeless().code(), code);
+            }
         }
     }
 

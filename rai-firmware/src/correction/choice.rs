@@ -29,7 +29,7 @@ use raim_core::internals::numeric::sqrt;
 use raim_core::internals::weighting::noise_factor_from_cn0;
 
 use super::{difference_m, root_of_squares, sum_m};
-use crate::ephemeris::Ephemeris;
+use crate::ephemeris::{Ephemeris, Word};
 use crate::raw::{Band, RawSignal};
 
 /// The chosen range of a satellite, corrected for group delays.
@@ -41,7 +41,8 @@ pub struct Choice {
     pub noise_gain: f32,
     /// Ratio of the noise of its weakest signal to that of a strong signal.
     pub weakness: f32,
-    /// Standard deviation of a group delay that is not broadcast, m; 0 if it is broadcast.
+    /// Standard deviation of a group delay that is not broadcast, or that CNAV corrects, m; 0 for
+    /// another one.
     pub uncalibrated_m: f32,
     /// Carriers of the range. If there is only the first, the range still has the ionospheric
     /// delay.
@@ -122,15 +123,32 @@ impl Choices {
 /// strength of a signal without a report. It is infinite if the receiver never reports strength, so
 /// that all signals count as strong.
 pub fn choose(signals: &[RawSignal], ephemeris: &Ephemeris, mask_dbhz: f32, unsaid_dbhz: f32) -> Choices {
+    choose_by(signals, ephemeris, Word::NOTHING, mask_dbhz, unsaid_dbhz)
+}
+
+/// Works like [`choose`], with what CNAV says of the satellite.
+pub(super) fn choose_by(
+    signals: &[RawSignal],
+    ephemeris: &Ephemeris,
+    word: Word<'_>,
+    mask_dbhz: f32,
+    unsaid_dbhz: f32,
+) -> Choices {
     let is_usable = |signal: &&RawSignal| {
         let band = signal.carrier.band;
+        // A test that is always true would still change the code of an image without CNAV.
+        #[cfg(feature = "cnav")]
+        if !word.serves(band) {
+            return false;
+        }
         ephemeris.serves(band) && signal.cn0_dbhz().is_none_or(|strength_dbhz| strength_dbhz >= mask_dbhz)
     };
     // Most pairs and bands belong to other systems; these bits skip them cheaply.
     let bands = signals.iter().fold(0_u16, |bands, signal| bands | bit(signal.carrier.band));
     let find = |band| signals.iter().find(|signal| signal.carrier.band == band).filter(is_usable);
-    let pair = |pair: &Pair| combine(find(pair.first)?, find(pair.second)?, pair, ephemeris, unsaid_dbhz);
-    let single = |&band: &Band| alone(find(band)?, ephemeris, unsaid_dbhz);
+    let pair =
+        |pair: &Pair| combine(find(pair.first)?, find(pair.second)?, pair, ephemeris, word, unsaid_dbhz);
+    let single = |&band: &Band| alone(find(band)?, ephemeris, word, unsaid_dbhz);
     Choices {
         pair: PAIRS.iter().filter(|pair| pair.bands & !bands == 0).find_map(pair),
         single: SINGLES.iter().filter(|band| bit(**band) & bands != 0).find_map(single),
@@ -148,10 +166,11 @@ fn combine(
     second: &RawSignal,
     pair: &Pair,
     ephemeris: &Ephemeris,
+    word: Word<'_>,
     unsaid_dbhz: f32,
 ) -> Option<Choice> {
     let (delay_first, delay_second) =
-        (ephemeris.group_delay(pair.first)?, ephemeris.group_delay(pair.second)?);
+        (ephemeris.delay_of(pair.first, first, word)?, ephemeris.delay_of(pair.second, second, word)?);
     // k_a P_a + (1 − k_a) P_b = P_b + k_a (P_a − P_b): the added part is small, so that single
     // precision holds it.
     let delay_s = delay_second.seconds() + pair.share * (delay_first.seconds() - delay_second.seconds());
@@ -177,8 +196,8 @@ fn combine(
 }
 
 /// Returns the range of one signal.
-fn alone(signal: &RawSignal, ephemeris: &Ephemeris, unsaid_dbhz: f32) -> Option<Choice> {
-    let delay = ephemeris.group_delay(signal.carrier.band)?;
+fn alone(signal: &RawSignal, ephemeris: &Ephemeris, word: Word<'_>, unsaid_dbhz: f32) -> Option<Choice> {
+    let delay = ephemeris.delay_of(signal.carrier.band, signal, word)?;
     Some(Choice {
         bands: (signal.carrier.band, None),
         range_m: sum_m(signal.range_m, 0, -LIGHT_M_S * delay.seconds()),

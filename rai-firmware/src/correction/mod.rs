@@ -33,6 +33,8 @@ use raim_core::satellite::SatelliteId;
 
 use crate::counters::{count, counters};
 use crate::ephemeris::{self, EphemerisError, Store, coordinates_m, nearest, scaled};
+#[cfg(feature = "cnav")]
+use crate::raw::Band;
 use crate::raw::{RawEpoch, RawSatellite, RawSignal};
 use crate::settings::Systems;
 use crate::time::GpsTime;
@@ -47,6 +49,7 @@ mod site;
 mod twins;
 
 pub use atmosphere::{Klobuchar, Place, Slant, Troposphere};
+use choice::choose_by;
 pub use choice::{Choice, Choices, SINGLES, choose, ionosphere_free};
 pub use frequency::{Preference, Ranges};
 pub use raim_single::CAPACITY;
@@ -95,6 +98,9 @@ pub struct Located {
     promised_m: [f32; 2],
     /// Edition of its ephemeris among those that were received.
     edition: u32,
+    /// True if the satellite calls its L5 out of service.
+    #[cfg(feature = "cnav")]
+    l5_is_out: bool,
 }
 
 impl Located {
@@ -137,6 +143,14 @@ impl Located {
     /// Returns a number that changes with the ephemeris.
     pub(crate) const fn edition(&self) -> u32 {
         self.edition
+    }
+
+    /// Returns true if its range contains an L5 that the satellite calls out of service.
+    #[cfg(feature = "cnav")]
+    pub(crate) fn uses_unhealthy_l5(&self, ranges: Ranges) -> bool {
+        let has_l5 =
+            |(choice, _): (&Choice, f32)| choice.bands.0 == Band::L5 || choice.bands.1 == Some(Band::L5);
+        self.l5_is_out && self.range(ranges).is_some_and(has_l5)
     }
 
     /// Returns the chosen range, and the broadcast sigma of orbit and clock, m.
@@ -314,9 +328,11 @@ fn locate_one(
     sky: &mut Sky,
 ) -> Result<Placed, EphemerisError> {
     let (ephemeris, edition) = store.get_edition(satellite.satellite, time)?;
-    let choices = choose(&satellite.signals, ephemeris, mask_dbhz, unsaid_dbhz);
+    let word = store.word(satellite.satellite);
+    let choices = choose_by(&satellite.signals, ephemeris, word, mask_dbhz, unsaid_dbhz);
     let Some(choice) = choices.preferred() else {
-        let is_served = |signal: &RawSignal| ephemeris.serves(signal.carrier.band);
+        let is_served =
+            |signal: &RawSignal| ephemeris.serves(signal.carrier.band) && word.serves(signal.carrier.band);
         return if satellite.signals.iter().any(is_served) {
             Ok(Placed::WithoutSignal)
         } else {
@@ -337,6 +353,8 @@ fn locate_one(
         choices,
         promised_m,
         edition,
+        #[cfg(feature = "cnav")]
+        l5_is_out: word.l5_is_out,
     });
     Ok(match pushed {
         Ok(()) => Placed::Yes,

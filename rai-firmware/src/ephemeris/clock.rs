@@ -9,6 +9,7 @@
 //! | message | clock refers to | `τ` |
 //! |---|---|---|
 //! | GPS LNAV | L1/L2 | L1: `TGD`, L2: `γ_12 TGD`, L5: `TGD` (the inter-signal correction is in CNAV only: uncalibrated) |
+//! | GPS, QZSS CNAV | L1/L2 | L1 C/A, L2C, L5: `TGD − ISC` ([`super::cnav`]), in place of those of LNAV |
 //! | QZSS LNAV | L1/L2C | as GPS; 0 if the satellite does not know `TGD` (uncalibrated) |
 //! | Galileo F/NAV | E1/E5a | E1: `BGD_a`, E5a: `γ_15a BGD_a`, E5b: unknown |
 //! | Galileo I/NAV | E1/E5b | E1: `BGD_b`, E5b: `γ_15b BGD_b`, E5a: `BGD_b + (γ_15a − 1) BGD_a` |
@@ -24,6 +25,10 @@
 //! | B2a and B2b from B3I | 1.4 | the same |
 //! | L5 from L1 | 1.1 | 14 satellites |
 //!
+//! After the corrections of CNAV, ranges of L1 C/A and L5 keep 0.35 m rms (7 satellites), those of
+//! L1 C/A and L2C 0.16 m (11 satellites), free of the ionosphere and compared with those of P(Y) at
+//! one station. Without them it is 1.6 m and 0.55 m.
+//!
 //! The ionosphere-free pair that the clock refers to then has no delay, and every other pair has
 //! the right one ([`crate::correction::choose`]).
 //!
@@ -37,10 +42,11 @@
 
 use raim_core::internals::weighting::UNCALIBRATED_DELAY_M;
 
+use super::cnav::Word;
 use super::elapsed::Elapsed;
 use super::fixed::{mul_high, nearest_i32};
 use super::{Ephemeris, Source};
-use crate::raw::Band;
+use crate::raw::{Band, RawSignal};
 
 /// Delay of a band at the antenna, relative to the satellite's clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,21 +55,42 @@ pub enum GroupDelay {
     Known(f32),
     /// Best delay that the message allows, s; the error is some nanoseconds.
     Uncalibrated(f32),
+    /// Delay of L1 or L2 by an inter-signal correction, s.
+    #[cfg(feature = "cnav")]
+    Corrected(f32),
+    /// Delay of L5 by an inter-signal correction, s.
+    #[cfg(feature = "cnav")]
+    CorrectedL5(f32),
 }
+
+/// Standard deviation of a corrected delay of L1 C/A or L2C, m.
+#[cfg(feature = "cnav")]
+const OF_L1_AND_L2_M: f32 = 0.067;
+
+/// Standard deviation of a corrected delay of L5, m.
+#[cfg(feature = "cnav")]
+const OF_L5_M: f32 = 0.25;
 
 impl GroupDelay {
     /// Returns the delay, s.
     pub const fn seconds(self) -> f32 {
         match self {
             Self::Known(delay_s) | Self::Uncalibrated(delay_s) => delay_s,
+            #[cfg(feature = "cnav")]
+            Self::Corrected(delay_s) | Self::CorrectedL5(delay_s) => delay_s,
         }
     }
 
-    /// Returns the standard deviation of a delay that is not broadcast, m; 0 for a known delay.
+    /// Returns the standard deviation of a delay that is not broadcast or was corrected, m; 0 for a
+    /// known delay.
     pub const fn uncalibrated_m(self) -> f32 {
         match self {
             Self::Known(_) => 0.0,
             Self::Uncalibrated(_) => UNCALIBRATED_DELAY_M,
+            #[cfg(feature = "cnav")]
+            Self::Corrected(_) => OF_L1_AND_L2_M,
+            #[cfg(feature = "cnav")]
+            Self::CorrectedL5(_) => OF_L5_M,
         }
     }
 }
@@ -116,7 +143,12 @@ impl Clock {
 }
 
 impl Ephemeris {
-    /// Returns the delay of a band, or `None` if the band belongs to another system or this message
+    /// Returns the delay of a signal on a band: that of CNAV if it is known, else that of the band.
+    pub(crate) fn delay_of(&self, band: Band, signal: &RawSignal, word: Word<'_>) -> Option<GroupDelay> {
+        word.delay(signal).or_else(|| self.group_delay(band))
+    }
+
+    /// Returns the delay of a band by its own message, or `None` if the band belongs to another system or this message
     /// cannot relate it to its clock.
     pub fn group_delay(&self, band: Band) -> Option<GroupDelay> {
         use GroupDelay::{Known, Uncalibrated};

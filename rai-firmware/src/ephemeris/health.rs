@@ -6,6 +6,8 @@
 //! | GPS LNAV: alert flag of a subframe 1 to 3 | no accuracy is promised: closes the set | 1019 has none: not raised |
 //! | GPS, QZSS, `BeiDou`: URA or URAI 15 | no accuracy is promised: closes the set | always there |
 //! | QZSS LNAV, 1044: health (6 bits, without the last) not 0 | closes all signals of the satellite | always there |
+//! | GPS, QZSS CNAV: alert flag of any frame | closes all signals of the satellite until its next frame | not raised |
+//! | GPS, QZSS CNAV: L1, L2, L5 health of type 10 is 1 | closes that signal; L5 only under `L5,HEALTHY` and ARAIM's presets of ICAO | good for L1 and L2; L5 is closed where only a healthy one is used |
 //! | Galileo I/NAV, 1046: `E1B` or `E5b` HS not 0 | closes that signal | the worst HS that any message of the satellite reports |
 //! | Galileo F/NAV, 1045: `E5a` HS not 0 | closes `E5a` | the worst HS that any message of the satellite reports |
 //! | Galileo I/NAV, F/NAV, 1045, 1046: DVS of any signal is 1 | closes all signals of the satellite | the other message's DVS counts alone |

@@ -34,6 +34,7 @@
 mod accuracy;
 mod broadcast;
 mod clock;
+mod cnav;
 mod elapsed;
 mod fixed;
 #[cfg(feature = "glonass")]
@@ -63,11 +64,14 @@ use crate::time::GpsTime;
 use crate::time::WEEK_MS;
 use clock::Clock;
 
+pub(crate) use cnav::Word;
 pub(crate) use fixed::{mul_high, nearest, scaled, times_power_of_two};
 
 pub use accuracy::{galileo_sisa_m, glonass_accuracy_m, ura_m};
 pub use broadcast::{Broadcast, BroadcastError};
 pub use clock::GroupDelay;
+#[cfg(feature = "cnav")]
+pub use cnav::{CnavContent, CnavFrame, SignalDelays};
 pub use elapsed::Elapsed;
 pub use health::Health;
 pub use kepler::Kepler;

@@ -4,6 +4,8 @@ use raim_core::frame::Ecef;
 use raim_core::satellite::Constellation;
 
 use super::suspicion::SelfReport;
+#[cfg(feature = "cnav")]
+use crate::ephemeris::CnavFrame;
 use crate::ephemeris::Ephemeris;
 use crate::raw::RawEpoch;
 use crate::time::GpsTime;
@@ -24,6 +26,9 @@ pub enum Event<'a> {
     /// Coefficients `α0…α3, β0…β3` of the ionosphere from the satellites of GPS or `BeiDou`, each
     /// for the model of its system.
     Ionosphere(Constellation, [f64; 8]),
+    /// What a frame of CNAV says of the signals of its satellite.
+    #[cfg(feature = "cnav")]
+    Cnav(CnavFrame),
     /// Report of the receiver on its own signals.
     SelfReport(SelfReport),
     /// Evidence that the ranges of an epoch are not all from one antenna at one instant.

@@ -9,6 +9,8 @@ use super::Measured;
 #[cfg(feature = "ubx")]
 use super::suspicion::SelfReport;
 use crate::ephemeris::Broadcast;
+#[cfg(feature = "cnav")]
+use crate::ephemeris::CnavFrame;
 #[cfg(feature = "glonass")]
 use crate::ephemeris::StateBroadcast;
 use crate::time::GpsTime;
@@ -37,6 +39,9 @@ pub(super) enum Message<'a> {
     /// Coefficients of the ionosphere with their system, and GPS time minus UTC, s.
     #[cfg(feature = "ubx")]
     Corrections(Option<(Constellation, [f64; 8])>, Option<u8>),
+    /// What a frame of CNAV says of the signals of its satellite.
+    #[cfg(feature = "cnav")]
+    Cnav(CnavFrame),
     /// Report of the receiver on its own signals.
     #[cfg(feature = "ubx")]
     SelfReport(SelfReport),

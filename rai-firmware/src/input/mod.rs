@@ -283,6 +283,8 @@ impl Input {
                         tell(Event::Ionosphere(constellation, coefficients));
                     }
                 }
+                #[cfg(feature = "cnav")]
+                Some(Message::Cnav(frame)) => tell(Event::Cnav(frame)),
                 #[cfg(feature = "ubx")]
                 Some(Message::SelfReport(report)) => tell(Event::SelfReport(report)),
                 None => {}

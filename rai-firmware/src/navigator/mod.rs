@@ -23,6 +23,8 @@ use raim_single::{Monitor, MonitorMemory, Workspace};
 
 use crate::correction::horizon::coordinates_m;
 use crate::correction::{CAPACITY, Located, Preference, Ranges, Sky, Tally, View, locate_within};
+#[cfg(feature = "cnav")]
+use crate::ephemeris::CnavFrame;
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::known_place::is_elsewhere;
 use crate::output::Places;
@@ -118,6 +120,33 @@ impl Navigator {
         now: Option<GpsTime>,
     ) {
         self.ionosphere.hear(constellation, coefficients, now);
+    }
+
+    /// Stores what a frame of CNAV says, which came at `now_ms` by the module's own clock.
+    #[cfg(feature = "cnav")]
+    #[inline(never)]
+    pub fn hear_cnav(&mut self, frame: &CnavFrame, now_ms: u64) {
+        self.store.hear_cnav(frame, now_ms);
+    }
+
+    /// Takes the time of an epoch by the module's own clock, and the use of L5. If the use has
+    /// changed, learning begins anew, because other ranges are used.
+    #[cfg(feature = "cnav")]
+    fn prepare(&mut self, came_ms: u64, configuration: &Configuration) {
+        if self.store.prepare(came_ms, configuration.needs_healthy_l5()) {
+            self.monitor.forget_residuals();
+        }
+    }
+
+    /// Returns the number of satellites of the last epoch whose L5 is in use although they call it
+    /// out of service.
+    #[cfg(feature = "cnav")]
+    pub(crate) fn unhealthy_l5(&self) -> u8 {
+        let Some((ranges, _)) = self.learned else { return 0 };
+        let used = &self.report().used;
+        let is_used =
+            |located: &&Located| located.uses_unhealthy_l5(ranges) && used.contains(&located.satellite());
+        self.room.sky.iter().filter(is_used).count() as u8
     }
 
     /// Sets the alert that overrides all verdicts, or removes it.

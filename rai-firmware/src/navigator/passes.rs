@@ -48,6 +48,8 @@ impl Navigator {
         came_ms: u64,
         configuration: &Configuration,
     ) -> &mut Report<CAPACITY> {
+        #[cfg(feature = "cnav")]
+        self.prepare(came_ms, configuration);
         let without_orbit = self.look_up(raw, configuration);
         let mut guess = self.monitor.start();
         let mut is_rough = is_unknown(guess);

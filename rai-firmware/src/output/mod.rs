@@ -107,11 +107,27 @@ pub struct Statement<'r, const N: usize> {
     pub interference: Interference,
     /// Hash of the settings in force.
     pub settings_hash: u32,
+    /// Number of satellites whose L5 is in use although they call it unhealthy.
+    #[cfg(feature = "cnav")]
+    pub unhealthy_l5: u8,
     /// Satellites in view; `None` if they are not known.
     pub in_view: Option<InView<'r>>,
 }
 
 impl<const N: usize> Statement<'_, N> {
+    /// Returns the number of satellites whose L5 is in use although they call it unhealthy.
+    #[cfg(feature = "cnav")]
+    const fn unhealthy_l5(&self) -> u8 {
+        self.unhealthy_l5
+    }
+
+    /// Returns 0: a build without CNAV does not know.
+    #[cfg(not(feature = "cnav"))]
+    #[allow(clippy::unused_self, reason = "as in a build with CNAV")]
+    const fn unhealthy_l5(&self) -> u8 {
+        0
+    }
+
     /// Returns true if the position must not be used.
     fn is_alert(&self) -> bool {
         matches!(self.report.verdict, Verdict::Alert(_))

@@ -254,6 +254,8 @@ impl<P: OutputPin> EpochLoop<P> {
             Event::Ionosphere(constellation, coefficients) => {
                 self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
             }
+            #[cfg(feature = "cnav")]
+            Event::Cnav(frame) => self.navigator.hear_cnav(frame, now_ms),
             Event::Rivalry(rivalry) => {
                 self.rivals.hear(*rivalry);
                 self.drive_pin(false);
@@ -312,6 +314,8 @@ impl<P: OutputPin> EpochLoop<P> {
             motion: self.navigator.velocity().map(Motion::of),
             interference: Interference::of(&self.interference),
             settings_hash: self.publisher.settings_hash(),
+            #[cfg(feature = "cnav")]
+            unhealthy_l5: self.navigator.unhealthy_l5(),
             in_view: cfg!(feature = "gsv").then_some(InView {
                 raw,
                 satellites: &self.navigator,

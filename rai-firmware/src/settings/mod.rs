@@ -27,6 +27,8 @@ use raim_single::CAPACITY;
 mod fields;
 mod ionosphere;
 mod kinds;
+#[cfg(feature = "cnav")]
+mod l5;
 mod line;
 mod number;
 mod order;
@@ -46,6 +48,8 @@ mod word;
 mod words;
 
 pub use kinds::{Baud, Frequencies, Heights, Levels, Noise, Recovery, SpoofFlag, Systems};
+#[cfg(feature = "cnav")]
+pub use l5::L5;
 pub use line::MAX_LINE;
 pub(crate) use number::hexadecimal;
 pub use number::{decimal, scientific};
@@ -151,6 +155,17 @@ impl Configuration {
     /// Returns a warning if ARAIM does not monitor satellite faults.
     fn warning_of_promises(&self) -> Option<&'static str> {
         self.promises.leaves_faults_unwatched().then_some("faults so unlikely are not watched for")
+    }
+
+    /// Returns true if L5 is used only where the satellite calls it healthy: by `L5,HEALTHY`, and
+    /// for ARAIM by the presets of ICAO, whose probabilities are promised for healthy signals alone.
+    #[cfg(feature = "cnav")]
+    pub(crate) fn needs_healthy_l5(&self) -> bool {
+        #[cfg(feature = "araim")]
+        if self.method == raim_core::monitor::Method::Araim && self.promises.is_of_icao() {
+            return true;
+        }
+        self.l5 == L5::Healthy
     }
 
     /// Returns the strategy of the core's monitor.

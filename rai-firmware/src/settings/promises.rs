@@ -83,6 +83,12 @@ impl Promises {
         Self { preset, own: [None; OVERRIDES] }
     }
 
+    /// Returns true for the presets of ICAO, whatever a command has overridden.
+    #[cfg(all(feature = "araim", feature = "cnav"))]
+    pub(super) const fn is_of_icao(&self) -> bool {
+        matches!(self.preset, Preset::Icao | Preset::IcaoAirborne)
+    }
+
     /// Returns the integrity parameters for the core.
     pub fn ism(&self) -> Ism {
         let mut ism = self.preset.ism();

@@ -27,6 +27,8 @@ use raim_core::requirements::Requirements;
 
 use super::ionosphere;
 use super::kinds::{Baud, Frequencies, Heights, Levels, Noise, Recovery, SpoofFlag, Systems};
+#[cfg(feature = "cnav")]
+use super::l5::L5;
 use super::place::{HEIGHT_M, PLACE_SIGMA_M, Place};
 use super::promises::{Preset, Promises};
 use super::row::settings;
@@ -368,6 +370,18 @@ settings! {
         warning: nothing,
         example: "55.49,8.45,63.2,1",
         text: "Place of a fixed antenna: latitude, longitude, height above the ellipsoid and standard deviation, which counts as at least 3 m. Its height adds a row to those of the satellites, unless `HEIGHTAID` sets one. A position that is farther from the place than its level and 5.33 standard deviations is not promised (`PLACE`). `OFF` for an antenna that may move",
+    }
+    #[cfg(feature = "cnav")]
+    "L5" HealthOfL5 {
+        l5: L5 = L5::Tracked,
+        ranges: &[],
+        unit: "",
+        fields: "`L5` and its word; no field at all at start",
+        promise: true,
+        phase: Apart,
+        warning: nothing,
+        example: "HEALTHY",
+        text: "Use of L5 of GPS and QZSS: `TRACKED` wherever the receiver measures it, `HEALTHY` only where the satellite's own CNAV calls it healthy, which no GPS satellite does yet; GPS then falls back to L1/L2 or L1. `SEPARATION` with a preset `ICAO` or `ICAO-AIR` is always as `HEALTHY`. Alerts of CNAV, and its health of L1 and L2, count always",
     }
     #[cfg(test)]
     "TOY" Toy {

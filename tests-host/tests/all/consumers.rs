@@ -74,6 +74,7 @@ fn told(
         motion,
         interference: Interference { jamming: 2, spoofing: 1, ..Interference::default() },
         settings_hash: 0,
+        unhealthy_l5: 0,
         in_view: None,
     };
     let mut bytes = Vec::new();

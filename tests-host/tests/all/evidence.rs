@@ -61,6 +61,13 @@ const GMSD7: &str = "real/gmsd7_2012.rtcm3.gz";
 const F9P: &str = "real/f9p_sfrbx.ubx";
 /// A mosaic, with all its blocks.
 const MOSAIC: &str = "sbf/mosaic_12s.sbf.gz";
+/// Ranges and bits of an X20P on foot.
+const X20P: &str = "real/x20p_walk.ubx.gz";
+/// Frames of L2C and L5 of a Septentrio, without their blocks; `cnav::recorded` puts them into
+/// blocks of `pysbf2`'s layout.
+const SEPTENTRIO: Evidence = Program("frames of a Septentrio receiver; layout pysbf2");
+/// Fields at the places of GNSS-SDR and of an independent reader; `cnav::recorded` compares them.
+const GNSS_SDR: Evidence = Program("GNSS-SDR");
 /// Streams of the same program as SBF; `sbf::streams` judges them as their UBX.
 const SBF_STREAMS: Evidence = Program("independent SBF writer, read back by RTKLIB");
 /// Streams that another program wrote and RTKLIB and `pyubx2` read back; `ubx::streams` compares
@@ -73,7 +80,7 @@ const PYUBX2: Evidence = Program("pyubx2");
 /// RTKLIB's `convbin` gives the same values for the same bits; `ubx::rtklib` compares them.
 const RTKLIB: Evidence = Program("RTKLIB");
 
-const ROWS: [(Rule, &str, Evidence); 103] = [
+const ROWS: [(Rule, &str, Evidence); 119] = [
     (Rtcm(1005), "1005", Program("example frame of RTCM 10403.3, 4.2")),
     (Rtcm(1006), "1006", Recorded(F9R)),
     (Rtcm(1013), "1013", Program("pyrtcm")),
@@ -113,6 +120,10 @@ const ROWS: [(Rule, &str, Evidence); 103] = [
     (Ubx(0x01, 0x62), "NAV-PL", PYUBX2),
     (Sbf(4027), "SBF 4027", Recorded(MOSAIC)),
     (Sbf(4017), "SBF 4017", Recorded(MOSAIC)),
+    (Sbf(4018), "SBF 4018", SEPTENTRIO),
+    (Sbf(4019), "SBF 4019", SEPTENTRIO),
+    (Sbf(4067), "SBF 4067", Unconfirmed),
+    (Sbf(4068), "SBF 4068", Unconfirmed),
     (Sbf(4022), "SBF 4022", SBF_STREAMS),
     (Sbf(4023), "SBF 4023", Recorded(MOSAIC)),
     (Sbf(4026), "SBF 4026", Recorded(MOSAIC)),
@@ -132,6 +143,10 @@ const ROWS: [(Rule, &str, Evidence); 103] = [
     (Sbf(4011), "SBF 4011", Unconfirmed),
     (Field("flags of RFStatus and GALAuthStatus"), "flags of RFStatus and GALAuthStatus", Unconfirmed),
     (Bits(0, 0), "GPS LNAV", Recorded(F9P)),
+    (Bits(0, 3), "GPS CNAV under signal 3", Unconfirmed),
+    (Bits(0, 4), "GPS CNAV of L2C", Recorded(X20P)),
+    (Bits(0, 6), "GPS CNAV of L5", Recorded(X20P)),
+    (Bits(0, 7), "GPS CNAV under signal 7", Unconfirmed),
     (Bits(2, 0), "Galileo I/NAV under signal 0", Unconfirmed),
     (Bits(2, 1), "Galileo I/NAV", Recorded(F9P)),
     (Bits(2, 3), "Galileo F/NAV", STREAMS),
@@ -145,12 +160,18 @@ const ROWS: [(Rule, &str, Evidence); 103] = [
     (Bits(3, 4), "BeiDou D1 of B3I", Unconfirmed),
     (Bits(3, 10), "BeiDou D2 of B3I", Unconfirmed),
     (Bits(5, 0), "QZSS LNAV", STREAMS),
+    (Bits(5, 4), "QZSS CNAV under signal 4", Unconfirmed),
+    (Bits(5, 5), "QZSS CNAV under signal 5", Unconfirmed),
+    (Bits(5, 8), "QZSS CNAV under signal 8", Unconfirmed),
+    (Bits(5, 9), "QZSS CNAV under signal 9", Unconfirmed),
     (Bits(6, 0), "GLONASS strings of L1", Recorded(F9P)),
     (Bits(6, 2), "GLONASS strings of L2", Recorded(F9P)),
     (Flag("GPS LNAV, 1019: SV health (6 bits) not 0"), "SV health of GPS", RTKLIB),
     (Flag("GPS LNAV: alert flag of a subframe 1 to 3"), "alert flag of LNAV", Unconfirmed),
     (Flag("GPS, QZSS, `BeiDou`: URA or URAI 15"), "URA, URAI", RTKLIB),
     (Flag("QZSS LNAV, 1044: health (6 bits, without the last) not 0"), "health of QZSS", STREAMS),
+    (Flag("GPS, QZSS CNAV: alert flag of any frame"), "alert flag of CNAV", GNSS_SDR),
+    (Flag("GPS, QZSS CNAV: L1, L2, L5 health of type 10 is 1"), "health of CNAV", Recorded(X20P)),
     (Flag("Galileo I/NAV, 1046: `E1B` or `E5b` HS not 0"), "HS of I/NAV", RTKLIB),
     (Flag("Galileo F/NAV, 1045: `E5a` HS not 0"), "HS of F/NAV", STREAMS),
     (Flag("Galileo I/NAV, F/NAV, 1045, 1046: DVS of any signal is 1"), "DVS", STREAMS),
@@ -162,6 +183,8 @@ const ROWS: [(Rule, &str, Evidence); 103] = [
     (Field("parity of GPS LNAV"), "parity of GPS LNAV", Recorded("cases/lnav-as-sent.ubx")),
     (Field("CRC of Galileo I/NAV"), "CRC of Galileo I/NAV", Recorded(F9P)),
     (Field("CRC of Galileo F/NAV"), "CRC of Galileo F/NAV", STREAMS),
+    (Field("CRC of CNAV"), "CRC of CNAV", Recorded(X20P)),
+    (Field("inter-signal corrections of CNAV"), "inter-signal corrections of CNAV", Recorded(X20P)),
     (Field("parity of BeiDou"), "parity of BeiDou", Recorded(F9P)),
     (Field("parity of GLONASS"), "parity of GLONASS", Recorded(F9P)),
     (Field("orbital elements"), "orbital elements", RTKLIB),
@@ -219,7 +242,7 @@ fn every_message_that_is_read_has_a_row() {
         is_read(&sbf::block(number, noon, &body))
     };
     let read: BTreeSet<u16> = (0..8192)
-        .filter(|number| [0, 17, 20, 28].iter().any(|source| is_read_from(*number, *source)))
+        .filter(|number| [0, 3, 4, 7, 17, 20, 26, 28].iter().any(|source| is_read_from(*number, *source)))
         .collect();
     assert_eq!(rules(|rule| if let Sbf(number) = rule { Some(number) } else { None }), read);
     let is_read_with = |system, signal, words: usize| {
@@ -335,6 +358,8 @@ fn recorded_devices_send_the_messages_and_nothing_of_them_is_refused() {
         if file == MOSAIC {
             (want[4], want[6]) = (12, 16);
         }
+        // Galileo satellites renewed their sets during the walk.
+        want[7] = if file == X20P { 8 } else { 0 };
         assert_eq!(refused(input.counters()), want, "{file}: {:?}", input.counters());
     }
 }

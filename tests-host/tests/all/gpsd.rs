@@ -84,6 +84,7 @@ fn sentences_at(report: &Report<64>, time: GpsTime) -> Vec<u8> {
         motion: Some(Motion { east_m_s: 3.0, north_m_s: 4.0, up_m_s: 0.0, sigma_m_s: 0.1 }),
         interference: Interference::default(),
         settings_hash: 0,
+        unhealthy_l5: 0,
         in_view: None,
     };
     write_epoch(&statement, Schedule::AT_START.due(0), &mut bytes).expect("a vector takes all");

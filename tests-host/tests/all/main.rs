@@ -14,6 +14,7 @@ mod campaign;
 mod capture;
 mod clock_tree;
 mod cmake;
+mod cnav;
 mod consumers;
 mod dashboard;
 mod demo;

@@ -52,6 +52,7 @@ impl Corrector {
         input.feed(bytes, 0, |event| match event {
             Event::Ephemeris(ephemeris) => drop(store.insert(ephemeris, *now)),
             Event::Redated(present) => store.redate(present),
+            Event::Cnav(frame) => store.hear_cnav(&frame, 0),
             Event::Epoch(raw, _) => {
                 *now = Some(raw.time);
                 locate(raw, store, SIGNAL_MASK_DBHZ, Systems::AT_START, tally, sky);

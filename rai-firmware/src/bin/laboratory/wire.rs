@@ -132,6 +132,7 @@ pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
         motion: Some(Motion { east_m_s: 12.0, north_m_s: -7.5, up_m_s: 0.25, sigma_m_s: 0.05 }),
         interference: Interference::default(),
         settings_hash: 0x1234_5678,
+        unhealthy_l5: 0,
         in_view: None,
     };
     let due = configuration.outputs.due(0);

@@ -65,8 +65,10 @@ use raim_core::frame::Ecef;
 use raim_core::internals::numeric::sqrt;
 use raim_core::satellite::{Constellation, SatelliteId};
 
+#[cfg(feature = "cnav")]
+use super::cnav::{Cnav, CnavFrame};
 use super::sight::{Elevation, HORIZON, Sight, Skyline};
-use super::{Ephemeris, EphemerisError, Source, difference_m, scaled};
+use super::{Ephemeris, EphemerisError, Source, Word, difference_m, scaled};
 use crate::counters::count;
 use crate::time::GpsTime;
 
@@ -143,6 +145,8 @@ pub struct Store {
     displaced: u32,
     /// Number of the present period since the week began, modulo 256.
     period: u8,
+    #[cfg(feature = "cnav")]
+    cnav: Cnav,
 }
 
 impl Store {
@@ -159,7 +163,34 @@ impl Store {
             skyline: None,
             displaced: 0,
             period: 0,
+            #[cfg(feature = "cnav")]
+            cnav: Cnav::new(),
         }
+    }
+
+    /// Stores what a frame of CNAV says, which came at `now_ms` by the module's own clock.
+    #[cfg(feature = "cnav")]
+    pub fn hear_cnav(&mut self, frame: &CnavFrame, now_ms: u64) {
+        self.cnav.hear(frame, now_ms);
+    }
+
+    /// Takes the time by the module's own clock, and whether L5 is used only where it is called
+    /// healthy. Returns true if that has changed.
+    #[cfg(feature = "cnav")]
+    pub(crate) fn prepare(&mut self, now_ms: u64, needs_healthy_l5: bool) -> bool {
+        self.cnav.prepare(now_ms, needs_healthy_l5)
+    }
+
+    /// Returns what CNAV says of a satellite.
+    #[cfg(feature = "cnav")]
+    pub(crate) fn word(&self, satellite: SatelliteId) -> Word<'_> {
+        self.cnav.word(satellite)
+    }
+
+    /// Returns a word that says nothing.
+    #[cfg(not(feature = "cnav"))]
+    pub(crate) const fn word(&self, _: SatelliteId) -> Word<'_> {
+        Word::NOTHING
     }
 
     /// Offers an ephemeris. `now` is the time of the last epoch, if there was one.

@@ -15,6 +15,7 @@
 //! | I/NAV ([`galileo`]) | Galileo E1, E5b | 8 | the 120 bits of the even part in four words, 8 unused bits, the odd part likewise |
 //! | F/NAV ([`galileo`]) | Galileo E5a | 8 | 244 bits from the first word's highest bit on |
 //! | D1, D2 ([`beidou`]) | `BeiDou` B1I, B2I, B3I | 10 | each word 2 unused bits, 30 bits |
+//! | CNAV (`cnav`) | GPS, QZSS L2C, L5 | 10 | 300 bits from the first word's highest bit on |
 //! | GLONASS ([`glonass`]) | L1, L2 | 3 | 85 bits from the first word's highest bit on |
 //!
 //! `D29*` and `D30*` are the last two bits of the word before, as broadcast. If `D30*` is 1, the
@@ -26,6 +27,8 @@
 //! format that brings it. `toy.rs` is the smallest.
 
 mod beidou;
+#[cfg(feature = "cnav")]
+mod cnav;
 mod galileo;
 #[cfg(feature = "glonass")]
 mod glonass;
@@ -53,6 +56,8 @@ use sizes::Sizes;
 // One row for each navigation message.
 messages! {
     lnav::Lnav,
+    #[cfg(feature = "cnav")]
+    cnav::Cnav,
     galileo::Inav,
     galileo::Fnav,
     beidou::D1,

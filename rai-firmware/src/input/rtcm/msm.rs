@@ -209,7 +209,8 @@ impl Msm<'_> {
         let (rough, fine) = row.rough.zip(self.layout.fine(cell)).ok_or(Unused::Range)?;
         let channel = if self.system == System::Glonass { row.channel } else { 0 };
         let carrier = Carrier { band, channel };
-        let range = RawSignal::new(carrier, range_m(rough + fine));
+        let range =
+            RawSignal::new(carrier, range_m(rough + fine)).with_code(signals::code(self.system, signal));
         let signal = if signals::is_codeless(self.system, signal) {
             range.codeless()
         } else {

@@ -1,7 +1,7 @@
-//! Bands of the signals of an MSM.
+//! Bands and codes of the signals of an MSM.
 
 use crate::input::system::System;
-use crate::raw::Band;
+use crate::raw::{Band, Code};
 
 /// Returns the band of a signal by its position in the signal mask of an MSM, from 1; `None` for
 /// unused signals.
@@ -33,9 +33,21 @@ pub(super) const fn band(system: System, signal: u8) -> Option<Band> {
 
 /// Returns true if the broadcast clock refers to this signal, but not to another code of the same
 /// band: P and Y on L1. Each GPS satellite delays C/A differently from them, by up to a metre, and
-/// no message contains this delay.
+/// RTCM does not contain this delay.
 pub(super) const fn is_reference(system: System, signal: u8) -> bool {
     matches!((system, signal), (System::Gps, 3 | 4))
+}
+
+/// Returns the code of a signal of GPS or QZSS.
+pub(super) const fn code(system: System, signal: u8) -> Code {
+    match (system, signal) {
+        (System::Gps | System::Qzss, 2) => Code::Ca,
+        (System::Gps | System::Qzss, 15..=17) => Code::L2c,
+        (System::Gps | System::Qzss, 22) => Code::I5,
+        (System::Gps | System::Qzss, 23) => Code::Q5,
+        (System::Gps | System::Qzss, 24) => Code::Both5,
+        _ => Code::Other,
+    }
 }
 
 /// Returns true if receivers track the code without knowing it: P and Y of GPS. The strength that

@@ -221,7 +221,7 @@ impl Observed {
             return None;
         }
         // At most 37 bits, which a double holds.
-        let raw = RawSignal::new(carrier, self.range_mm as f64 * 1e-3);
+        let raw = RawSignal::new(carrier, self.range_mm as f64 * 1e-3).with_code(self.signal.code(system));
         let raw = match self.cn0 {
             _ if self.signal.is_codeless() => raw.codeless(),
             UNKNOWN => raw,

@@ -9,7 +9,8 @@
 //! | `MeasEpoch` 4027 | ranges of an epoch ([`mod@meas_epoch`]) |
 //! | `Meas3Ranges` 4109 | compressed ranges, which are not read; [`Counters::meas3_only`] counts them if `MeasEpoch` is missing |
 //! | `GPSRawCA` 4017, `QZSRawL1CA` 4066, `GALRawFNAV` 4022, `GALRawINAV` 4023, `GLORawCA` 4026, `BDSRaw` 4047 | navigation bits ([`raw_bits`]), which [`super::navigation`] reads |
-//! | `GPSRawL2C` 4018, `GPSRawL5` 4019, `QZSRawL2C` 4067, `QZSRawL5` 4068, `GEORawL1` 4020 | navigation bits that are only counted |
+//! | `GPSRawL2C` 4018, `GPSRawL5` 4019, `QZSRawL2C` 4067, `QZSRawL5` 4068 | the same, in builds with `cnav` |
+//! | `GEORawL1` 4020 | navigation bits that are only counted |
 //! | `GPSNav` 5891, `GALNav` 4002, `BDSNav` 4081, `GLONav` 4004 | ephemerides that the receiver decoded ([`decoded`]) |
 //! | `GPSIon` 5893, `BDSIon` 4120, `GPSUtc` 5894, `GALUtc` 4031 | ionosphere and leap seconds that the receiver decoded |
 //! | `RFStatus` 4092, `GALAuthStatus` 4245, DOP 4001, `RAIMStatistics` 4011 | the receiver's own judgement ([`judgement`]) |

@@ -14,9 +14,10 @@
 //! | `GALRawINAV` 4023 | 8 | 114 of the even part, without its tail, then 120 of the odd part | I/NAV |
 //! | `GLORawCA` 4026 | 3 | 85 | GLONASS strings |
 //! | `BDSRaw` 4047 | 10 | 300 | D2 of geostationary satellites, D1 of all others |
-//! | `GPSRawL2C` 4018, `GPSRawL5` 4019, `QZSRawL2C` 4067, `QZSRawL5` 4068, `GEORawL1` 4020 | | | not read |
+//! | `GPSRawL2C` 4018, `GPSRawL5` 4019, `QZSRawL2C` 4067, `QZSRawL5` 4068 | 10 | 300 | CNAV, in builds with `cnav` |
+//! | `GEORawL1` 4020 | | | not read |
 //!
-//! F/NAV and GLONASS strings are in the normal order of [`crate::input::navigation`]. The words of
+//! F/NAV, CNAV and GLONASS strings are in the normal order of [`crate::input::navigation`]. The words of
 //! LNAV have upright data and their parity `⊕ D30*`, but no bits of the word before. Bit 31 of
 //! normal order is `D29* ⊕ D30*`, and the parity of both has the same inversion:
 //!
@@ -59,6 +60,10 @@ pub(super) fn read<'a>(
         4022 => (System::Galileo, Kind::Fnav, 8),
         4023 => (System::Galileo, Kind::Inav, 8),
         4047 => (System::Beidou, Kind::D1, 10),
+        #[cfg(feature = "cnav")]
+        4018 | 4019 => (System::Gps, Kind::Cnav, 10),
+        #[cfg(feature = "cnav")]
+        4067 | 4068 => (System::Qzss, Kind::Cnav, 10),
         #[cfg(feature = "glonass")]
         4026 => (System::Glonass, Kind::Glonass, 3),
         _ => return Err(Unread::BitsOther),
@@ -68,6 +73,8 @@ pub(super) fn read<'a>(
     // E5a, E5b and both together; the newer signals of BeiDou have blocks of their own.
     match (number, block.u8(17) & 31) {
         (4022, 20 | 22) | (4023, 17 | 21 | 22) | (4047, 28..=30) | (4017 | 4026 | 4066, _) => {}
+        #[cfg(feature = "cnav")]
+        (4018, 3) | (4019, 4) | (4067, 7) | (4068, 26) => {}
         _ => return Err(Unread::BitsOther),
     }
     let satellite = match signals::numbered(block.u8(14)) {

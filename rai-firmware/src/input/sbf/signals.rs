@@ -16,7 +16,7 @@
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
 
 use crate::input::system::System;
-use crate::raw::{Band, Carrier};
+use crate::raw::{Band, Carrier, Code};
 
 /// A signal, with all that its number says.
 #[derive(Clone, Copy, Debug)]
@@ -90,6 +90,17 @@ impl Signal {
             34 => Some(const { of(236) }),
             39 => Some(const { of(230) }),
             _ => None,
+        }
+    }
+
+    /// Returns the code, of a signal of GPS or QZSS. Of L5 receivers measure the component without
+    /// data.
+    pub(super) const fn code(self, system: System) -> Code {
+        match (system, self.number) {
+            (System::Gps, 0) | (System::Qzss, 6) => Code::Ca,
+            (System::Gps, 3) | (System::Qzss, 7) => Code::L2c,
+            (System::Gps, 4) | (System::Qzss, 26) => Code::Q5,
+            _ => Code::Other,
         }
     }
 

@@ -29,7 +29,7 @@ use crate::counters::count;
 use crate::input::protocol::Measurements;
 use crate::input::system::System;
 use crate::input::{Counters, Unread};
-use crate::raw::{Band, Carrier, RawSignal};
+use crate::raw::{Band, Carrier, Code, RawSignal};
 use crate::time::GpsTime;
 
 /// Bytes before the measurements.
@@ -184,6 +184,7 @@ fn read(measurement: &[u8], offset_m: f64, counters: &mut Counters) -> Option<(S
         return None;
     }
     let signal = RawSignal::new(carrier, range_m - offset_m)
+        .with_code(code(system, signal))
         .with_cn0_dbhz(f32::from(cn0_dbhz))
         .with_doppler_hz(f32::from_le_bytes([d0, d1, d2, d3]));
     Some((satellite, signal))
@@ -224,5 +225,16 @@ const fn carrier(system: System, signal: u8, channel: u8) -> Option<Carrier> {
         System::Glonass if channel > 13 => None,
         System::Glonass => Some(Carrier { band, channel: channel.cast_signed() - 7 }),
         _ => Some(Carrier::of(band)),
+    }
+}
+
+/// Returns the code of a signal of GPS or QZSS.
+const fn code(system: System, signal: u8) -> Code {
+    match (system, signal) {
+        (System::Gps | System::Qzss, 0) => Code::Ca,
+        (System::Gps, 3 | 4) | (System::Qzss, 4 | 5) => Code::L2c,
+        (System::Gps, 6) | (System::Qzss, 8) => Code::I5,
+        (System::Gps, 7) | (System::Qzss, 9) => Code::Q5,
+        _ => Code::Other,
     }
 }

@@ -13,12 +13,13 @@
 //! | Galileo E1 (0, 1), E5b (5, 6) | 8 or 9 | I/NAV |
 //! | Galileo E5a (3, 4) | 8 or 9 | F/NAV |
 //! | `BeiDou` B1I, B2I, B3I (0 to 4, 10) | 10 | D2 of geostationary satellites, D1 of all others |
+//! | GPS L2C (3, 4), L5 (6, 7); QZSS L2C (4, 5), L5 (8, 9) | 10 | CNAV, in builds with `cnav` |
 //! | GLONASS L1, L2 (0, 2) | 4, of which the last identifies the frame | GLONASS strings |
 //!
 //! The receiver sends the words in the normal order of [`crate::input::navigation`]. For LNAV it
 //! complements all 32 bits of a word whose `D30*` is 1.
 //!
-//! All other messages (CNAV, `BeiDou`'s newer messages, SBAS) only increment a counter.
+//! All other messages (`BeiDou`'s newer messages, SBAS) only increment a counter.
 //!
 //! Reference: [UBX-F9] RXM-SFRBX.
 //!
@@ -49,6 +50,8 @@ pub(super) fn read<'a>(
     let kind = match (system, signal, many) {
         // A frame of L1S has another length under the same number.
         (System::Gps, 0, _) | (System::Qzss, 0, 10) => Kind::Lnav,
+        #[cfg(feature = "cnav")]
+        (System::Gps, 3 | 4 | 6 | 7, 10) | (System::Qzss, 4 | 5 | 8 | 9, 10) => Kind::Cnav,
         (System::Galileo, 0 | 1 | 5 | 6, _) => Kind::Inav,
         (System::Galileo, 3 | 4, _) => Kind::Fnav,
         // Frames of newer signals have other lengths under the same numbers.

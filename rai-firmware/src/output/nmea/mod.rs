@@ -113,7 +113,7 @@ pub fn write_epoch<W: Write, const N: usize>(
         proprietary::write_height(height, time, out)?;
     }
     if cfg!(feature = "ubx") {
-        proprietary::write_evidence(&statement.interference, time, out)?;
+        proprietary::write_evidence(&statement.interference, statement.unhealthy_l5(), time, out)?;
     }
     #[cfg(feature = "gsv")]
     if let Some(view) = statement.in_view.filter(|_| due.has(Item::Gsv)) {

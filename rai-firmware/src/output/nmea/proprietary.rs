@@ -6,7 +6,7 @@
 //! | `PRAIX` | time, number of exclusions, satellite, w-test, bias |
 //! | `PRAIM` | time, monitored modes, probability of unmonitored faults, EMT, σ of the height (URE instead of URA), mode that dominates the vertical level, share of the risk |
 //! | `PRAIH` | time, use of the known height, known height minus that of the satellites alone |
-//! | `PRAIE` | time, authenticated signals, frame of the receiver's levels, its three levels, coefficient and power of ten of its risk |
+//! | `PRAIE` | time, authenticated signals, frame of the receiver's levels, its three levels, coefficient and power of ten of its risk; then, if there are any, the number of satellites whose unhealthy L5 is in use |
 //! | `PRAIN` | time, hash of the settings, NIC, jamming, spoofing |
 //! | `PRAIL` | bytes lost at the GNSS port and at the host port, frames refused, epochs late; since start |
 //! | `PRAIV` | version, git, reset cause, self-test |
@@ -169,14 +169,16 @@ pub(super) fn write_height<W: Write>(
 }
 
 /// Writes `PRAIE`: the number of authenticated signals and the protection levels that the receiver
-/// reports. Nothing is written if it reports neither.
+/// reports, and the number of satellites whose unhealthy L5 is in use. Nothing is written if there is
+/// none of it.
 pub(super) fn write_evidence<W: Write>(
     interference: &Interference,
+    unhealthy_l5: u8,
     time: TimeOfDay,
     out: &mut W,
 ) -> Result<(), W::Error> {
     let Interference { authenticated, levels, .. } = *interference;
-    if authenticated.is_none() && levels.is_none() {
+    if authenticated.is_none() && levels.is_none() && unhealthy_l5 == 0 {
         return Ok(());
     }
     let mut sentence = Sentence::new("PRAIE");
@@ -194,6 +196,9 @@ pub(super) fn write_evidence<W: Write>(
                 sentence.empty();
             }
         }
+    }
+    if unhealthy_l5 > 0 {
+        sentence.integer(unhealthy_l5.into(), 1);
     }
     write_sentence(&mut sentence, out)
 }

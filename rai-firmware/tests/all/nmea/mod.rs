@@ -49,6 +49,7 @@ fn statement<'r>(report: &'r Report<CAPACITY>, requirements: &'r Requirements) -
         motion: None,
         interference: Interference { jamming: 1, spoofing: 0, ..Interference::default() },
         settings_hash: 0x0123_ABCD,
+        unhealthy_l5: 0,
         in_view: None,
     }
 }

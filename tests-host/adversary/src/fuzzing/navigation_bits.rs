@@ -12,19 +12,20 @@
 
 use raim::signal::encode::ubx::{self, Form};
 use raim_core::satellite::{Constellation, SatelliteId};
-use raim_firmware::ephemeris::{Ephemeris, EphemerisError};
+use raim_firmware::ephemeris::{CnavContent, Ephemeris, EphemerisError};
 use raim_firmware::input::{Counters, Event, Input};
 
 use super::tape::Tape;
 
 /// Messages with their signal: form, system, UBX's number of the signal, highest satellite.
-pub(super) const MESSAGES: [(Form, Constellation, u8, u8); 6] = [
+pub(super) const MESSAGES: [(Form, Constellation, u8, u8); 7] = [
     (Form::Lnav, Constellation::Gps, 0, 32),
     (Form::Inav, Constellation::Galileo, 1, 36),
     (Form::Fnav, Constellation::Galileo, 3, 36),
     (Form::Beidou, Constellation::Beidou, 0, 63),
     (Form::Beidou, Constellation::Beidou, 1, 5),
     (Form::Glonass, Constellation::Glonass, 0, 24),
+    (Form::Cnav, Constellation::Gps, 7, 32),
 ];
 
 /// An epoch without satellites, 2020-06-25 12:00:00. It carries the week and 18 leap seconds.
@@ -82,7 +83,11 @@ impl Module {
         let (keeps_parities, pause_ms) = (how >> 3 & 3 == 3, u64::from(how >> 5) * 1000);
         let number = tape.byte() % highest + 1;
         let satellite = SatelliteId::new(constellation, number).expect("from 1");
-        let words: Vec<u32> = (0..form.words()).map(|_| tape.word()).collect();
+        let mut words: Vec<u32> = (0..form.words()).map(|_| tape.word()).collect();
+        if let (Form::Cnav, Some(first)) = (form, words.first_mut()) {
+            // Bits 8 to 13 name the satellite.
+            *first = *first & !(63 << 18) | u32::from(number) << 18;
+        }
         let words = if keeps_parities { words } else { form.sealed(&words).expect("as many as it has") };
         self.now_ms += pause_ms;
         let before = *self.input.counters();
@@ -110,6 +115,12 @@ fn check(event: &Event<'_>, satellite: SatelliteId) {
             let units = [-30, -27, -24, -24, 11, 14, 16, 16].map(|exponent| 2f64.powi(exponent));
             let steps = coefficients.iter().zip(units).map(|(coefficient, unit)| coefficient / unit);
             assert!(steps.into_iter().all(|step| (-128.0..128.0).contains(&step)), "{coefficients:?}");
+        }
+        Event::Cnav(frame) => {
+            assert_eq!(frame.satellite, satellite);
+            if let CnavContent::Delays(delays) = frame.content {
+                assert!(delays.steps.iter().all(|steps| (-4096..4096).contains(steps)), "{delays:?}");
+            }
         }
         _ => panic!("not in these bits: {event:?}"),
     }

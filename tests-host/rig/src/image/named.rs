@@ -51,7 +51,7 @@ pub const NAMED: [Named; 4] = [
     Named {
         name: "fast",
         content: "everything",
-        features: "whole,gsv,sbf,satellites-48",
+        features: "whole,gsv,sbf,cnav,satellites-48",
         compiled_for: CompiledFor::Speed,
         satellites: 48,
         stack_bytes: 10 * 1024,
@@ -60,7 +60,7 @@ pub const NAMED: [Named; 4] = [
     },
     Named {
         name: "whole",
-        content: "everything except `GSV` and SBF",
+        content: "everything except `GSV`, SBF and CNAV",
         features: "whole,satellites-32",
         compiled_for: CompiledFor::Size,
         satellites: 32,

@@ -192,8 +192,9 @@ fn systems_satellites_and_signals_that_are_none_are_counted() {
     {
         assert_eq!(frame(system, satellite, 0).satellites_unknown, 1, "{system} {satellite}");
     }
-    // CNAV on L2C has ten words, too.
-    assert_eq!(frame(0, 1, 3).subframes_other, 1);
+    // CNAV on L2C has ten words, too, and these have a right CRC. L1C is not read.
+    assert_eq!(frame(0, 1, 3).subframes_malformed, 1);
+    assert_eq!(frame(0, 1, 12).subframes_other, 1);
     let of =
         |system, satellite, signal| said(&epoch_of(&[measurement(2.2e7, [system, satellite, signal])])).1;
     assert_eq!(of(7, 1, 0).observations_other, 1);

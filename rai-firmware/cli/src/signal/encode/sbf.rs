@@ -3,7 +3,7 @@
 //! | UBX | SBF |
 //! |---|---|
 //! | RXM-RAWX | `MeasEpoch`: a satellite's first signal as type 1, its others as type 2 |
-//! | RXM-SFRBX | `GPSRawCA`, `QZSRawL1CA`, `GALRawINAV`, `GALRawFNAV`, `BDSRaw`, `GLORawCA` |
+//! | RXM-SFRBX | `GPSRawCA`, `GPSRawL2C`, `GPSRawL5`, `QZSRawL1CA`, `QZSRawL2C`, `QZSRawL5`, `GALRawINAV`, `GALRawFNAV`, `BDSRaw`, `GLORawCA` |
 //!
 //! All other messages are left out. Ranges are rounded to 1 mm, C/N0 to 0.25 dB-Hz. Reference:
 //! [SBF].
@@ -188,6 +188,10 @@ fn raw_bits(payload: &[u8], time: GpsTime) -> Option<Vec<u8>> {
     let (number_of_block, words) = match (system, source) {
         (0, 0) => (4017, words.iter().map(|word| word & 0x3FFF_FFFF).collect()),
         (5, 6) => (4066, words.iter().map(|word| word & 0x3FFF_FFFF).collect()),
+        (0, 3) => (4018, words),
+        (0, 4) => (4019, words),
+        (5, 7) => (4067, words),
+        (5, 26) => (4068, words),
         (2, 20) => (4022, words),
         (2, _) => (4023, spliced(&words, &[(0, 114), (128, 120)])),
         (3, 28..=30) => {

@@ -87,6 +87,7 @@ pub(super) fn wire() {
         Carrier::frequency_hz as fn(_) -> _,
         RawSignal::new as fn(_, _) -> _,
         RawSignal::with_cn0_dbhz as fn(_, _) -> _,
+        RawSignal::with_code as fn(_, _) -> _,
         RawSignal::codeless as fn(_) -> _,
         RawSignal::is_codeless as fn(_) -> _,
         RawSignal::with_doppler_hz as fn(_, _) -> _,

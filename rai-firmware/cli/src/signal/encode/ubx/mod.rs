@@ -12,10 +12,13 @@
 //! | `BeiDou` ephemeris | D1 subframes 1 to 3 or D2 pages 1 to 10 ([`beidou`]) |
 //! | GLONASS ephemeris | strings 1 to 4 ([`glonass`]) |
 //!
+//! Frames of CNAV ([`cnav_words`]) are for callers that add them.
+//!
 //! References: u-blox F9 HPG 1.32 interface description, RXM-RAWX and RXM-SFRBX.
 
 mod beidou;
 mod bits;
+mod cnav;
 mod galileo;
 mod glonass;
 mod lnav;
@@ -33,6 +36,7 @@ use crate::signal::measurement::{
     Ephemeris, MeasuredEpoch, MeasuredSatellite, MeasuredSignal, TimedEphemeris,
 };
 
+pub use cnav::{CnavMessage, cnav_words};
 pub use lnav::IonosphereAndUtc;
 pub use sealing::Form;
 

@@ -3,7 +3,7 @@
 use anyhow::{Result, ensure};
 
 use super::bits::Row;
-use super::{beidou, galileo, glonass, lnav};
+use super::{beidou, cnav, galileo, glonass, lnav};
 
 /// Form of a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,16 +18,18 @@ pub enum Form {
     Beidou,
     /// A string of GLONASS.
     Glonass,
+    /// A frame of CNAV. It keeps the number of its satellite.
+    Cnav,
 }
 
 impl Form {
     /// All forms.
-    pub const ALL: [Self; 5] = [Self::Lnav, Self::Inav, Self::Fnav, Self::Beidou, Self::Glonass];
+    pub const ALL: [Self; 6] = [Self::Lnav, Self::Inav, Self::Fnav, Self::Beidou, Self::Glonass, Self::Cnav];
 
     /// Returns the number of words of 32 bits that a receiver sends.
     pub const fn words(self) -> usize {
         match self {
-            Self::Lnav | Self::Beidou => 10,
+            Self::Lnav | Self::Beidou | Self::Cnav => 10,
             Self::Inav | Self::Fnav => 8,
             Self::Glonass => 4,
         }
@@ -52,6 +54,7 @@ impl Form {
                     Row::default().unsigned(0b111_0001_0010, 11)?.then(&content.of_word(0, 26, 4)[11..]);
                 beidou::words(row.then(&Content(&words[1..]).each(22, 8, 0)))
             }
+            Self::Cnav => cnav::sealed(Row::default().unsigned(0x8B, 8)?.then(&content.of(8..276))),
             Self::Glonass => glonass::words(Row::default().unsigned(0, 1)?.then(&content.of(1..77))),
         }
     }
