@@ -26,6 +26,8 @@ use raim_single::CAPACITY;
 
 mod fields;
 mod ionosphere;
+#[cfg(feature = "osnma")]
+mod keys;
 mod kinds;
 mod line;
 mod number;
@@ -45,6 +47,8 @@ mod value;
 mod word;
 mod words;
 
+#[cfg(feature = "osnma")]
+pub use keys::{Authentication, PublicKey, TreeRoot};
 pub use kinds::{Baud, Frequencies, Heights, Levels, Noise, Recovery, SpoofFlag, Systems};
 pub use line::MAX_LINE;
 pub(crate) use number::hexadecimal;
