@@ -1,6 +1,6 @@
 //! The reasons of a verdict: each has a word, which `PRAIS` reports, and a code, which the C library
 //! reports. One table declares all three, so that a reason without a word or a code does not
-//! compile.
+//! compile. One that small builds lack has its feature in brackets.
 
 use core::ffi::CStr;
 
@@ -8,7 +8,7 @@ use crate::report::Verdict;
 
 macro_rules! reasons {
     ($($(#[$about:meta])* $state:ident $letter:literal {
-        $($(#[$when:meta])* $reason:ident = $code:literal $word:literal,)+
+        $($(#[$when:meta])* $([$feature:literal])? $reason:ident = $code:literal $word:literal,)+
     })+) => {
         $(
             $(#[$about])*
@@ -16,14 +16,14 @@ macro_rules! reasons {
             #[cfg_attr(feature = "defmt", derive(defmt::Format))]
             #[non_exhaustive]
             pub enum $state {
-                $($(#[$when])* $reason,)+
+                $($(#[$when])* $(#[cfg(feature = $feature)])? $reason,)+
             }
         )+
 
         impl Verdict {
             /// Every verdict that there is in this version, in the order of the codes' declaration.
             pub fn all() -> impl Iterator<Item = Self> {
-                [$($(Self::$state($state::$reason),)+)+].into_iter()
+                [$($($(#[cfg(feature = $feature)])? Self::$state($state::$reason),)+)+].into_iter()
             }
 
             /// Returns the word of the reason: `OK`, `FAULT`, `NOFIX`.
@@ -35,14 +35,14 @@ macro_rules! reasons {
             #[doc(hidden)]
             pub const fn words(self) -> (&'static str, &'static str) {
                 match self {
-                    $($(Self::$state($state::$reason) => ($letter, $word),)+)+
+                    $($($(#[cfg(feature = $feature)])? Self::$state($state::$reason) => ($letter, $word),)+)+
                 }
             }
 
             /// Returns the code of the reason, as the C library reports it. 0 is the code of none.
             pub const fn code(self) -> u8 {
                 match self {
-                    $($(Self::$state($state::$reason) => $code,)+)+
+                    $($($(#[cfg(feature = $feature)])? Self::$state($state::$reason) => $code,)+)+
                 }
             }
 
@@ -50,7 +50,7 @@ macro_rules! reasons {
             #[doc(hidden)]
             pub const fn word_of(code: u8) -> Option<&'static CStr> {
                 match code {
-                    $($($code => Some(const { terminated(concat!($word, "\0")) }),)+)+
+                    $($($(#[cfg(feature = $feature)])? $code => Some(const { terminated(concat!($word, "\0")) }),)+)+
                     _ => None,
                 }
             }
@@ -101,6 +101,14 @@ reasons! {
         Source = 38 "SOURCE",
         /// The GNSS receiver reports counterfeit signals. The firmware sets this reason.
         Spoofed = 36 "SPOOFED",
+        /// More than one satellite sent navigation data that its system did not make. The firmware sets
+        /// this reason.
+        ["authentication"]
+        Forged = 41 "AUTH",
+        /// The time of the epoch differs from a trusted one by more than its bound: the signals are
+        /// recorded. The firmware sets this reason.
+        ["authentication"]
+        Replayed = 42 "REPLAY",
     }
 
     /// Reason why a position has no integrity.
@@ -143,6 +151,10 @@ reasons! {
         /// After an unexpected restart the settings are those at start, and the user has not confirmed
         /// them. Or a command has changed a setting that a promise depends on.
         Settings = 76 "SETTINGS",
+        /// Fewer than four satellites with proved ephemerides were used, although the settings demand
+        /// them. The firmware sets this reason.
+        ["authentication"]
+        Unproved = 80 "UNPROVED",
     }
 }
 

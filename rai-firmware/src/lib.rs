@@ -62,6 +62,7 @@
 //! | `aiding` | `CLOCKAID`, `NOISE,AUTO` at rest, `PLACE`, `HEIGHTAID` |
 //! | `signs` | detection of two receivers that take turns, copied ranges, bands that disagree, strengths that are alike |
 //! | `sentences` | `GNS`, `VTG`, `ZDA`, `GSA`, `GST`, `GBS` |
+//! | `osnma` | `KEY`, `ROOT`, `AUTH`, `TRUST`: authenticated ephemerides of Galileo |
 //! | `gsv` | `GSV` |
 //! | `log` | the log of a board |
 //!
@@ -131,7 +132,12 @@
 //! | `NMEA-0183` | National Marine Electronics Association, *NMEA 0183, standard for interfacing marine electronic devices*, version 4.11, 2018 |
 //! | `OS-SDD` | European Union, *Galileo open service, service definition document*, version 1.3, 2023 |
 //! | `OS-SIS-ICD` | European Union, *European GNSS (Galileo) open service signal-in-space interface control document* |
+//! | `FIPS-180-4` | NIST FIPS 180-4, *Secure hash standard*, 2015 |
+//! | `FIPS-186-5` | NIST FIPS 186-5, *Digital signature standard*, 2023 |
+//! | `OSNMA-ICD` | European Union, *Galileo open service navigation message authentication (OSNMA) signal-in-space interface control document*, issue 1.1, 2023 |
+//! | `OSNMA-RG` | European Union, *Galileo OSNMA receiver guidelines*, issue 1.3, 2024 |
 //! | `RM0090` | STMicroelectronics, RM0090, *STM32F405/415, STM32F407/417, STM32F427/437 and STM32F429/439 advanced Arm-based 32-bit MCUs*, reference manual |
+//! | `Renes2016` | J. Renes, C. Costello and L. Batina, *Complete addition formulas for prime order elliptic curves*, EUROCRYPT 2016 |
 //! | `RTCM-10403.3` | RTCM Special Committee 104, RTCM 10403.3, *Differential GNSS (Global Navigation Satellite Systems) services, version 3*, 2016, with amendments |
 //! | `SBF` | Septentrio, *mosaic-X5 reference guide, applicable to version 4.14 of the firmware*, 2023, chapter 4, *SBF reference* |
 //! | `Saastamoinen1972` | J. Saastamoinen, *Atmospheric correction for the troposphere and stratosphere in radio ranging of satellites*, in *The use of artificial satellites for geodesy*, AGU Geophysical Monograph 15 (1972) 247–251 |
@@ -162,6 +168,9 @@ mod known_place;
 mod median;
 #[doc(hidden)]
 pub mod navigator;
+#[cfg(feature = "osnma")]
+#[doc(hidden)]
+pub mod osnma;
 pub mod outlet;
 #[doc(hidden)]
 pub mod output;

@@ -14,6 +14,8 @@ use raim_core::report::Verdict;
 use crate::output::Statement;
 #[cfg(feature = "mavlink")]
 use crate::output::mavlink::Sender;
+#[cfg(feature = "osnma")]
+use crate::output::nmea::AuthenticationReport;
 use crate::output::nmea::{Losses, TimeOfDay, write_epoch, write_losses, write_without_epoch};
 use crate::output::schedule::{Item, Schedule};
 use crate::settings::Configuration;
@@ -74,6 +76,19 @@ impl Publisher {
     pub fn reconfigured(&mut self, settings_hash: u32) {
         self.settings_hash = settings_hash;
         self.settings_due_ms = 0;
+    }
+
+    /// Takes what is known of the authentication, for the messages of this epoch.
+    #[cfg(feature = "osnma")]
+    pub(crate) fn authenticated(&mut self, report: Option<&AuthenticationReport>, is_off: bool) {
+        #[cfg(not(feature = "mavlink"))]
+        let _ = (report, is_off);
+        #[cfg(feature = "mavlink")]
+        {
+            const DISABLED: u8 = 4;
+            self.sender.authentication =
+                if is_off { Some(DISABLED) } else { report.map(AuthenticationReport::state) };
+        }
     }
 
     /// Returns the hash of the settings in force.

@@ -49,7 +49,7 @@
  * against an older header. Such changes are a field that moved, a size that grew, and a constant
  * with a new meaning.
  */
-#define RAI_ABI_VERSION 2
+#define RAI_ABI_VERSION 3
 
 /**
  * Bytes of a counter's name, with the NUL at its end.
@@ -209,7 +209,7 @@
 /**
  * Words of eight bytes of a receiver, enough on every processor.
  */
-#define RAI_RECEIVER_WORDS 6656
+#define RAI_RECEIVER_WORDS 8448
 #endif
 
 /**
@@ -298,6 +298,16 @@
 #define RAI_REASON_TRACK 40
 
 /**
+ * Alert: satellites sent navigation data that their system did not make.
+ */
+#define RAI_REASON_AUTH 41
+
+/**
+ * Alert: the time of the signals is not the trusted one.
+ */
+#define RAI_REASON_REPLAY 42
+
+/**
  * Unavailable: too few satellites for a position, or the fix did not converge.
  */
 #define RAI_REASON_NOFIX 64
@@ -377,6 +387,11 @@
  * after an exclusion hardly agree.
  */
 #define RAI_REASON_SIGMAS 79
+
+/**
+ * Unavailable: fewer than four satellites with proved ephemerides were used.
+ */
+#define RAI_REASON_UNPROVED 80
 
 /**
  * Global Positioning System.

@@ -40,6 +40,10 @@ pub const RAI_REASON_SOURCE: u8 = 38;
 pub const RAI_REASON_CLOCK: u8 = 39;
 /// Alert: the motion of the position contradicts its measured velocity.
 pub const RAI_REASON_TRACK: u8 = 40;
+/// Alert: satellites sent navigation data that their system did not make.
+pub const RAI_REASON_AUTH: u8 = 41;
+/// Alert: the time of the signals is not the trusted one.
+pub const RAI_REASON_REPLAY: u8 = 42;
 /// Unavailable: too few satellites for a position, or the fix did not converge.
 pub const RAI_REASON_NOFIX: u8 = 64;
 /// Unavailable: no redundancy to test the position with.
@@ -73,6 +77,8 @@ pub const RAI_REASON_ACCURACY: u8 = 78;
 /// Unavailable: the residuals of the last minute contradict the sigmas, or the satellites left
 /// after an exclusion hardly agree.
 pub const RAI_REASON_SIGMAS: u8 = 79;
+/// Unavailable: fewer than four satellites with proved ephemerides were used.
+pub const RAI_REASON_UNPROVED: u8 = 80;
 
 fn text(reason: u8) -> &'static CStr {
     Verdict::word_of(reason).unwrap_or(c"?")

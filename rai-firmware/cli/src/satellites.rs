@@ -271,7 +271,12 @@ fn left_out(
     }
     match orbit {
         Some(EphemerisError::Unhealthy) => return Fate::Unhealthy,
-        Some(EphemerisError::Missing | EphemerisError::Stale | EphemerisError::Disputed) => {
+        Some(
+            EphemerisError::Missing
+            | EphemerisError::Stale
+            | EphemerisError::Disputed
+            | EphemerisError::Unproved,
+        ) => {
             return Fate::NoOrbit;
         }
         Some(EphemerisError::TravelTime) | None => {}

@@ -58,6 +58,8 @@ use raim_core::internals::numeric::bounds::is_within;
 use raim_core::satellite::SatelliteId;
 
 use crate::counters::{count, counters};
+#[cfg(feature = "osnma")]
+use crate::osnma::Seal;
 use crate::raw::Band;
 use crate::time::GpsTime;
 #[cfg(feature = "glonass")]
@@ -80,6 +82,8 @@ pub use orbit::Orbit;
 pub use source::Source;
 #[cfg(feature = "glonass")]
 pub use state_vector::{StateBroadcast, StateVector};
+#[cfg(feature = "osnma")]
+pub(crate) use store::Demand;
 pub use store::{CAPACITY, Insertion, Store};
 
 /// Reason for which a satellite has no position now.
@@ -95,6 +99,9 @@ pub enum EphemerisError {
     TravelTime,
     /// The last two sets contradict each other, and no third set has decided between them.
     Disputed,
+    /// The set is false, or not proved although the settings demand it.
+    #[cfg(feature = "osnma")]
+    Unproved,
 }
 
 impl fmt::Display for EphemerisError {
@@ -105,6 +112,8 @@ impl fmt::Display for EphemerisError {
             Self::Stale => "stale ephemeris",
             Self::TravelTime => "travel time out of bounds",
             Self::Disputed => "ephemeris disputed",
+            #[cfg(feature = "osnma")]
+            Self::Unproved => "ephemeris false or not proved",
         })
     }
 }
@@ -124,6 +133,8 @@ counters! {
         travel_time_out_of_bounds,
         /// See [`EphemerisError::Disputed`].
         ephemeris_disputed,
+        /// See [`EphemerisError::Unproved`].
+        ["osnma"] ephemeris_unproved,
     }
 }
 
@@ -141,6 +152,8 @@ impl Refusals {
             EphemerisError::Stale => &mut self.ephemeris_stale,
             EphemerisError::TravelTime => &mut self.travel_time_out_of_bounds,
             EphemerisError::Disputed => &mut self.ephemeris_disputed,
+            #[cfg(feature = "osnma")]
+            EphemerisError::Unproved => &mut self.ephemeris_unproved,
         });
     }
 }
@@ -224,6 +237,9 @@ pub struct Ephemeris {
     satellite: SatelliteId,
     source: Source,
     origin: Origin,
+    /// What is known of the words that it was read from.
+    #[cfg(feature = "osnma")]
+    seal: Seal,
 }
 
 impl PartialEq for Ephemeris {
@@ -254,6 +270,8 @@ impl Ephemeris {
             satellite: broadcast.satellite,
             source: broadcast.source,
             origin: Origin::Relayed,
+            #[cfg(feature = "osnma")]
+            seal: Seal::NONE,
         })
     }
 
@@ -279,6 +297,8 @@ impl Ephemeris {
             satellite: broadcast.satellite,
             source,
             origin: Origin::Relayed,
+            #[cfg(feature = "osnma")]
+            seal: Seal::NONE,
         })
     }
 
@@ -307,6 +327,13 @@ impl Ephemeris {
     #[must_use]
     pub(crate) const fn of(self, origin: Origin) -> Self {
         Self { origin, ..self }
+    }
+
+    /// Returns the same ephemeris with what is known of its words.
+    #[cfg(feature = "osnma")]
+    #[must_use]
+    pub(crate) const fn sealed(self, seal: Seal) -> Self {
+        Self { seal, ..self }
     }
 
     /// Moves the reference time to the same second of another week, because orbit and clock depend

@@ -7,12 +7,12 @@ use crate::ephemeris::times_power_of_two;
 
 /// Bits of a page.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bits<'a>(pub(super) &'a [u8]);
+pub(crate) struct Bits<'a>(pub(crate) &'a [u8]);
 
 impl Bits<'_> {
     /// Returns an unsigned field of 1 to 32 bits.
     #[inline]
-    pub(super) fn unsigned(self, start: usize, width: usize) -> u32 {
+    pub(crate) fn unsigned(self, start: usize, width: usize) -> u32 {
         // Most fields are within four bytes, which the processor loads at once.
         let four = self.0.get(start / 8..).and_then(|from| from.first_chunk());
         match four {
@@ -33,39 +33,39 @@ impl Bits<'_> {
     }
 
     /// Returns a field in two's complement.
-    pub(super) fn signed(self, start: usize, width: usize) -> i32 {
+    pub(crate) fn signed(self, start: usize, width: usize) -> i32 {
         extend(self.unsigned(start, width), width)
     }
 
     /// Returns a field whose first bit is the sign and whose others are the magnitude, as in
     /// GLONASS.
-    pub(super) fn sign_magnitude(self, start: usize, width: usize) -> i32 {
+    pub(crate) fn sign_magnitude(self, start: usize, width: usize) -> i32 {
         let magnitude = self.unsigned(start + 1, width - 1).cast_signed();
         if self.is_set(start) { -magnitude } else { magnitude }
     }
 
     /// Returns `sign_magnitude` in units of `2^exponent`.
-    pub(super) fn magnitude(self, start: usize, width: usize, exponent: i32) -> f64 {
+    pub(crate) fn magnitude(self, start: usize, width: usize, exponent: i32) -> f64 {
         times_power_of_two(f64::from(self.sign_magnitude(start, width)), exponent)
     }
 
     /// Returns a single bit.
-    pub(super) fn is_set(self, position: usize) -> bool {
+    pub(crate) fn is_set(self, position: usize) -> bool {
         self.unsigned(position, 1) == 1
     }
 
     /// Returns an unsigned field of at most 8 bits.
-    pub(super) fn small(self, start: usize, width: usize) -> u8 {
+    pub(crate) fn small(self, start: usize, width: usize) -> u8 {
         self.unsigned(start, width) as u8
     }
 
     /// Returns `signed` in units of `2^exponent`.
-    pub(super) fn scaled(self, start: usize, width: usize, exponent: i32) -> f64 {
+    pub(crate) fn scaled(self, start: usize, width: usize, exponent: i32) -> f64 {
         times_power_of_two(f64::from(self.signed(start, width)), exponent)
     }
 
     /// Returns eight consecutive coefficients of eight bits, in Klobuchar's units: `α0…α3, β0…β3`.
-    pub(super) fn klobuchar(self, start: usize) -> [f64; 8] {
+    pub(crate) fn klobuchar(self, start: usize) -> [f64; 8] {
         const EXPONENTS: [i32; 8] = [-30, -27, -24, -24, 11, 14, 16, 16];
         let mut offset = start;
         EXPONENTS.map(|exponent| {
@@ -77,7 +77,7 @@ impl Bits<'_> {
 }
 
 /// Joins a field in two's complement whose upper part is on another page.
-pub(super) const fn joined(upper: i32, lower: u32, lower_width: usize) -> i32 {
+pub(crate) const fn joined(upper: i32, lower: u32, lower_width: usize) -> i32 {
     upper << lower_width | lower.cast_signed()
 }
 
@@ -89,18 +89,18 @@ const fn extend(field: u32, width: usize) -> i32 {
 
 /// Page that fields are appended to, most significant bit first; bits that do not fit are dropped.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Packed<const BYTES: usize> {
-    pub(super) bytes: [u8; BYTES],
+pub(crate) struct Packed<const BYTES: usize> {
+    pub(crate) bytes: [u8; BYTES],
     bits: usize,
 }
 
 impl<const BYTES: usize> Packed<BYTES> {
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { bytes: [0; BYTES], bits: 0 }
     }
 
     /// Appends the low `width` bits of `field`, at most 32.
-    pub(super) fn push(&mut self, field: u32, width: usize) {
+    pub(crate) fn push(&mut self, field: u32, width: usize) {
         self.bits = append(&mut self.bytes, self.bits, field, width);
     }
 }

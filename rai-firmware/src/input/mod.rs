@@ -52,7 +52,7 @@
 //! valid.
 
 mod assembly;
-mod bits;
+pub(crate) mod bits;
 mod calendar;
 mod chain;
 mod counters;
@@ -86,7 +86,11 @@ use raim_core::frame::Ecef;
 use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::counters::count;
+#[cfg(feature = "osnma")]
+use crate::ephemeris::Source as MessageSource;
 use crate::ephemeris::{BroadcastError, Ephemeris, Origin};
+#[cfg(feature = "osnma")]
+use crate::osnma::{Authentication, Seal};
 use crate::raw::RawSignal;
 use crate::time::GpsTime;
 
@@ -224,6 +228,18 @@ impl Input {
         self.preference.hears_others()
     }
 
+    /// Returns the authentication of Galileo's words.
+    #[cfg(feature = "osnma")]
+    pub(crate) const fn authentication(&self) -> &Authentication {
+        &self.memory.shared.navigation.authentication
+    }
+
+    /// Returns the same, to work on.
+    #[cfg(feature = "osnma")]
+    pub(crate) const fn authentication_mut(&mut self) -> &mut Authentication {
+        &mut self.memory.shared.navigation.authentication
+    }
+
     /// Returns the counters of received and unused input.
     pub fn counters(&self) -> &Counters {
         &self.counters
@@ -255,7 +271,20 @@ impl Input {
                     }
                 }
                 Some(Message::Broadcast(broadcast)) => {
-                    learn(&|| Ephemeris::new(&broadcast), origin, calendar, assembly, counters, tell);
+                    #[cfg(feature = "osnma")]
+                    let seal = match (origin, broadcast.source) {
+                        (Origin::Bits, MessageSource::GalileoInav) => {
+                            memory.shared.navigation.authentication.seal_of(broadcast.satellite.number())
+                        }
+                        _ => Seal::default(),
+                    };
+                    let read = || {
+                        let ephemeris = Ephemeris::new(&broadcast);
+                        #[cfg(feature = "osnma")]
+                        let ephemeris = ephemeris.map(|ephemeris| ephemeris.sealed(seal));
+                        ephemeris
+                    };
+                    learn(&read, origin, calendar, assembly, counters, tell);
                 }
                 #[cfg(feature = "glonass")]
                 Some(Message::State(state)) => {

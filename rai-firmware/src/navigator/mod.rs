@@ -25,8 +25,12 @@ use crate::correction::horizon::coordinates_m;
 use crate::correction::{CAPACITY, Located, Preference, Ranges, Sky, Tally, View, locate_within};
 #[cfg(feature = "cnav")]
 use crate::ephemeris::CnavFrame;
+#[cfg(feature = "osnma")]
+use crate::ephemeris::Demand;
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::known_place::is_elsewhere;
+#[cfg(feature = "osnma")]
+use crate::osnma::Seal;
 use crate::output::Places;
 use crate::rates::{RateTally, Rates};
 use crate::raw::RawEpoch;
@@ -97,6 +101,26 @@ impl Navigator {
     /// Stores an ephemeris that was received at `now`.
     pub fn learn(&mut self, ephemeris: Ephemeris, now: Option<GpsTime>) -> Insertion {
         self.store.insert(ephemeris, now)
+    }
+
+    /// Sets what is demanded of the sets in use.
+    #[cfg(feature = "osnma")]
+    pub(crate) const fn demand(&mut self, demand: Demand) {
+        self.store.demand(demand);
+    }
+
+    /// Takes the verdict on the words of a satellite of Galileo.
+    #[cfg(feature = "osnma")]
+    pub(crate) fn take_verdict(&mut self, number: u8, seal: Seal) {
+        if let Some(satellite) = SatelliteId::new(Constellation::Galileo, number) {
+            self.store.take_verdict(satellite, seal);
+        }
+    }
+
+    /// Discards all verdicts.
+    #[cfg(feature = "osnma")]
+    pub(crate) fn forget_verdicts(&mut self) {
+        self.store.forget_verdicts();
     }
 
     /// Corrects the week of ephemerides that were stored before the week of the present was known

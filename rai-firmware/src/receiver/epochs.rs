@@ -12,11 +12,19 @@ use super::lateness::Lateness;
 use super::meaning::{agree, is_sign};
 use super::rivals::Rivals;
 use super::strengths::Strengths;
+#[cfg(feature = "osnma")]
+use super::trusted::Trusted;
+#[cfg(feature = "osnma")]
+use super::work::enough_are_proved;
 use crate::counters::{count, counters};
 use crate::ephemeris::{Ephemeris, Insertion};
 use crate::input::{Event, Suspicions};
 use crate::known_place::{HostHeight, aiding_of};
 use crate::navigator::Navigator;
+#[cfg(feature = "osnma")]
+use crate::osnma::{Keys, Summary};
+#[cfg(feature = "osnma")]
+use crate::output::nmea::TimeOfDay;
 use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
 use crate::output::{InView, Interference, Motion, Statement};
 use crate::publisher::Publisher;
@@ -78,7 +86,7 @@ pub(super) struct EpochLoop<P> {
     pub(super) pin: P,
     pub(super) navigator: Navigator,
     pub(super) configuration: Configuration,
-    publisher: Publisher,
+    pub(super) publisher: Publisher,
     /// Hash of the settings that a promise depends on. If it changes, a standing promise is taken
     /// back.
     promise_hash: u32,
@@ -107,6 +115,14 @@ pub(super) struct EpochLoop<P> {
     rivals: Rivals,
     /// GPS time minus UTC, s; the value of the image until the input states another.
     pub(super) gps_minus_utc_s: u8,
+    /// Time that the host has given.
+    #[cfg(feature = "osnma")]
+    pub(super) trusted: Option<Trusted>,
+    /// Keys in force, and what is known by them.
+    #[cfg(feature = "osnma")]
+    pub(super) keys: Keys,
+    #[cfg(feature = "osnma")]
+    pub(super) authentication: Option<Summary>,
 }
 
 impl<P: OutputPin> EpochLoop<P> {
@@ -144,6 +160,12 @@ impl<P: OutputPin> EpochLoop<P> {
             host_height: None,
             rivals: Rivals::NONE,
             gps_minus_utc_s: GPS_MINUS_UTC_S,
+            #[cfg(feature = "osnma")]
+            trusted: None,
+            #[cfg(feature = "osnma")]
+            keys: Keys::NONE,
+            #[cfg(feature = "osnma")]
+            authentication: None,
         }
     }
 
@@ -223,7 +245,13 @@ impl<P: OutputPin> EpochLoop<P> {
                     count(&mut self.verdicts.strengths_alike);
                     self.sign_ms = Some(now_ms);
                 }
-                self.navigator.distrust(self.distrust(now_ms));
+                #[cfg(feature = "osnma")]
+                self.demand(now_ms);
+                #[cfg(feature = "osnma")]
+                let reason = self.forged(raw.time, *came_ms).or_else(|| self.distrust(now_ms));
+                #[cfg(not(feature = "osnma"))]
+                let reason = self.distrust(now_ms);
+                self.navigator.distrust(reason);
                 let height = self.known_height(*came_ms);
                 self.navigator.know_height(height);
                 self.rivals.age();
@@ -233,6 +261,10 @@ impl<P: OutputPin> EpochLoop<P> {
                     Verdict::Alert(_) => report.verdict,
                     _ if !self.is_sound => Verdict::Unavailable(Unavailable::SelfTest),
                     _ if !self.is_confirmed => Verdict::Unavailable(Unavailable::Settings),
+                    #[cfg(feature = "osnma")]
+                    Verdict::Protected(_) if !enough_are_proved(&self.configuration, report) => {
+                        Verdict::Unavailable(Unavailable::Unproved)
+                    }
                     verdict => verdict,
                 };
                 if is_sign(report) {
@@ -289,6 +321,12 @@ impl<P: OutputPin> EpochLoop<P> {
         let time = raw.time;
         let verdict = self.navigator.report().verdict;
         self.drive_pin(matches!(verdict, Verdict::Protected(_)));
+        #[cfg(feature = "osnma")]
+        {
+            let time = TimeOfDay::new(time, self.gps_minus_utc_s);
+            let written = self.tell_authentication(time, due_ms, host);
+            self.sent(written.is_ok());
+        }
         let report = self.navigator.report();
         self.last_verdict = Some(verdict);
         self.has_report = true;

@@ -44,6 +44,10 @@ mod meaning;
 mod rivals;
 mod statistics;
 mod strengths;
+#[cfg(feature = "osnma")]
+mod trusted;
+#[cfg(feature = "osnma")]
+mod work;
 
 use core::mem::MaybeUninit;
 
@@ -58,11 +62,15 @@ use raim_single::ValidatedRequirements;
 pub use self::boot::Boot;
 pub use self::epochs::Verdicts;
 use self::epochs::{EpochLoop, requirements_at_start};
+#[cfg(feature = "osnma")]
+use self::trusted::Trusted;
 use crate::board::{PortLosses, SEALED_BYTES};
 use crate::correction::CAPACITY;
 use crate::counters::count_many;
 use crate::input::{Input, LeapSecond, Suspicion};
 use crate::known_place::HostHeight;
+#[cfg(feature = "osnma")]
+use crate::osnma::Summary;
 use crate::output::nmea::{write_answer, write_counters, write_refusal, write_version};
 use crate::settings::{Action, CommandPort, Configuration, Heard, Order, Refusal, Unsealed};
 
@@ -94,6 +102,9 @@ pub struct Receiver<P> {
     /// True if the settings have changed since they were sealed.
     is_unsealed: bool,
     reset_requested: bool,
+    /// When the authentication has worked last, ms.
+    #[cfg(feature = "osnma")]
+    worked_ms: u64,
 }
 
 impl<P: OutputPin> Receiver<P> {
@@ -134,6 +145,8 @@ impl<P: OutputPin> Receiver<P> {
             losses: PortLosses::NONE,
             is_unsealed: true,
             reset_requested: false,
+            #[cfg(feature = "osnma")]
+            worked_ms: 0,
         }
     }
 
@@ -160,6 +173,8 @@ impl<P: OutputPin> Receiver<P> {
             _ if after_power_on => {}
             Unsealed::Settings(settings) => {
                 self.epochs.configuration = settings;
+                #[cfg(feature = "osnma")]
+                self.rekey();
                 // At start there is no verdict to withdraw.
                 let _ = self.epochs.reconfigure();
             }
@@ -246,6 +261,8 @@ impl<P: OutputPin> Receiver<P> {
         }
         confirm(input, epochs);
         judged |= epochs.tick(now_ms, input.hears_others(), host);
+        #[cfg(feature = "osnma")]
+        self.authenticate(now_ms);
         let losses = self.losses_to_say();
         self.epochs.repeat(now_ms, &losses, host);
         judged
@@ -313,6 +330,8 @@ impl<P: OutputPin> Receiver<P> {
         let written = match action {
             Action::Reconfigured => {
                 self.is_unsealed = true;
+                #[cfg(feature = "osnma")]
+                self.rekey();
                 if self.epochs.reconfigure() { self.epochs.take_back(host) } else { Ok(()) }
             }
             Action::Order(Order::Confirm) => {
@@ -339,6 +358,11 @@ impl<P: OutputPin> Receiver<P> {
             }
             Action::Order(Order::Height(height_m, sigma_m)) => {
                 self.epochs.host_height = Some(HostHeight { height_m, sigma_m, came_ms: self.now_ms });
+                Ok(())
+            }
+            #[cfg(feature = "osnma")]
+            Action::Order(Order::Trust(utc_s, bound_s)) => {
+                self.epochs.trusted = Some(Trusted { utc_s, bound_s, came_ms: self.now_ms });
                 Ok(())
             }
             Action::Order(Order::Reset) => {
@@ -383,6 +407,12 @@ impl<P: OutputPin> Receiver<P> {
     /// Returns GPS time minus UTC as received, with its source and time.
     pub fn leap_second(&self) -> Option<LeapSecond> {
         self.input.leap_second()
+    }
+
+    /// Returns what is known of the navigation data of Galileo; `None` without a key.
+    #[cfg(feature = "osnma")]
+    pub fn authentication(&self) -> Option<&Summary> {
+        self.epochs.authentication.as_ref()
     }
 
     /// Returns the settings in force.

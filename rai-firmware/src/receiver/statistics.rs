@@ -26,6 +26,12 @@ impl<P: OutputPin> Receiver<P> {
         self.statistics_from(0)
     }
 
+    /// Returns the counter of the authentication with this number.
+    #[cfg(feature = "osnma")]
+    fn authentication_counter(&self, number: &mut usize) -> Option<(&'static str, u32)> {
+        self.input.authentication().tally().at(number)
+    }
+
     pub(super) fn statistics_from(&self, first: usize) -> impl Iterator<Item = (&'static str, u32)> {
         (first..).map_while(|number| self.statistic(number))
     }
@@ -39,7 +45,7 @@ impl<P: OutputPin> Receiver<P> {
             self.epochs.sigma_check.map(|mean| ("sigma_check_pct", libm::round(mean * 100.0) as u32));
         let tally = self.epochs.navigator.tally();
         let verdict = self.epochs.verdicts.at(number);
-        verdict
+        let found = verdict
             .or_else(|| match sigma_check {
                 Some((name, percent)) => at(&[name], &[percent], number),
                 None => None,
@@ -49,7 +55,9 @@ impl<P: OutputPin> Receiver<P> {
             .or_else(|| tally.ephemerides.at(number))
             .or_else(|| at(&["ephemerides_displaced"], &[self.epochs.navigator.displaced()], number))
             .or_else(|| tally.ranges.at(number))
-            .or_else(|| self.epochs.navigator.rate_tally().at(number))
-            .or_else(|| self.commands.counter(*number))
+            .or_else(|| self.epochs.navigator.rate_tally().at(number));
+        #[cfg(feature = "osnma")]
+        let found = found.or_else(|| self.authentication_counter(number));
+        found.or_else(|| self.commands.counter(*number))
     }
 }

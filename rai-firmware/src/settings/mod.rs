@@ -26,6 +26,8 @@ use raim_single::CAPACITY;
 
 mod fields;
 mod ionosphere;
+#[cfg(feature = "osnma")]
+mod keys;
 mod kinds;
 #[cfg(feature = "cnav")]
 mod l5;
@@ -47,6 +49,8 @@ mod value;
 mod word;
 mod words;
 
+#[cfg(feature = "osnma")]
+pub use keys::{Authentication, PublicKey, TreeRoot};
 pub use kinds::{Baud, Frequencies, Heights, Levels, Noise, Recovery, SpoofFlag, Systems};
 #[cfg(feature = "cnav")]
 pub use l5::L5;

@@ -160,6 +160,8 @@ fn obey<W: Write>(
                 Order::Confirm | Order::Forget | Order::Week(_) | Order::Height(..) | Order::Reset => {
                     write_answer(line.key(), line.values(), None, host)
                 }
+                #[cfg(feature = "osnma")]
+                Order::Trust(..) => write_answer(line.key(), line.values(), None, host),
                 Order::Statistics | Order::SelfTest => Ok(()),
             };
             Heard { action: Some(Action::Order(order)), refusal: None, answered }

@@ -26,6 +26,8 @@ use raim_core::monitor::Method;
 use raim_core::requirements::Requirements;
 
 use super::ionosphere;
+#[cfg(feature = "osnma")]
+use super::keys::{Authentication, PublicKey, TreeRoot};
 use super::kinds::{Baud, Frequencies, Heights, Levels, Noise, Recovery, SpoofFlag, Systems};
 #[cfg(feature = "cnav")]
 use super::l5::L5;
@@ -382,6 +384,42 @@ settings! {
         warning: nothing,
         example: "HEALTHY",
         text: "Use of L5 of GPS and QZSS: `TRACKED` wherever the receiver measures it, `HEALTHY` only where the satellite's own CNAV calls it healthy, which no GPS satellite does yet; GPS then falls back to L1/L2 or L1. `SEPARATION` with a preset `ICAO` or `ICAO-AIR` is always as `HEALTHY`. Alerts of CNAV, and its health of L1 and L2, count always",
+    }
+    #[cfg(feature = "osnma")]
+    "KEY" OwnKey {
+        own_key: Option<PublicKey> = None,
+        ranges: &[(1.0, 15.0)],
+        unit: "",
+        fields: "none if it is off; else `KEY`, the number and four bytes behind the first in hexadecimal digits",
+        promise: true,
+        phase: Apart,
+        warning: nothing,
+        example: "1,0374A925CFA0FF1805E5C5A58FDBA31BF0145D5B5BE2F062D3F8BB2EE98F0F6DB0",
+        text: "Public key of OSNMA: its number (PKID) and the point of P-256 in 33 bytes, compressed, in hexadecimal digits, in one field or several. The GNSS Service Centre publishes it; the module brings none. A command discards all verdicts",
+    }
+    #[cfg(feature = "osnma")]
+    "ROOT" OwnRoot {
+        own_root: Option<TreeRoot> = None,
+        ranges: &[],
+        unit: "",
+        fields: "none if it is off; else `ROOT` and the first four bytes",
+        promise: true,
+        phase: Apart,
+        warning: nothing,
+        example: "832E15EDE55655EAC6E399A539477B7C034CCE24C3C93FFC904ACD9BF842F04E",
+        text: "Root of the Merkle tree of OSNMA, 32 bytes in hexadecimal digits, which proves new keys and the system's alert. Without it a new key takes a new `KEY`",
+    }
+    #[cfg(feature = "osnma")]
+    "AUTH" Authenticated {
+        authentication: Authentication = Authentication::Say,
+        ranges: &[],
+        unit: "",
+        fields: "none if it is `SAY`; else `AUTH` and the word",
+        promise: true,
+        phase: Apart,
+        warning: nothing,
+        example: "PREFER",
+        text: "What follows from OSNMA: `OFF` checks nothing; `SAY` reports (`PRAIO`); `PREFER` leaves out a satellite whose ephemeris is false, and alerts (`AUTH`) if that or a wrong key concerns two satellites within 5 minutes; `ONLY` also leaves out each Galileo satellite whose ephemeris is not proved, and promises nothing with fewer than four that are (`UNPROVED`). Proved takes a time by `TRUST`. It authenticates ephemerides, not the position",
     }
     #[cfg(test)]
     "TOY" Toy {

@@ -10,6 +10,7 @@ mod frequency;
 mod nmea;
 mod orbit_reference;
 mod orbits;
+mod osnma;
 mod rtcm;
 mod single_frequency;
 mod walker;

@@ -37,6 +37,7 @@ mod memory_routines;
 mod moving_receiver;
 mod no_panic;
 mod open_epochs;
+mod osnma;
 mod own_evidence;
 mod pin_in_time;
 mod precision;

@@ -26,7 +26,14 @@ pub fn setting(text: &str) -> Result<(String, String)> {
         return match Order::read(&key, std::iter::empty()) {
             Some(Ok(Order::Confirm | Order::Forget)) => Ok((key, String::new())),
             Some(
-                Ok(Order::Statistics | Order::SelfTest | Order::Week(_) | Order::Height(..) | Order::Reset)
+                Ok(
+                    Order::Statistics
+                    | Order::SelfTest
+                    | Order::Week(_)
+                    | Order::Height(..)
+                    | Order::Trust(..)
+                    | Order::Reset,
+                )
                 | Err(_),
             ) => bail!("{key} is a command and no setting, such as HAL=40"),
             None => bail!("`{text}` must be KEY=VALUE, such as HAL=40, or CONFIRM or FORGET"),

@@ -17,6 +17,8 @@
 #[cfg(target_os = "none")]
 mod answer;
 #[cfg(target_os = "none")]
+mod authentication;
+#[cfg(target_os = "none")]
 mod copies;
 #[cfg(target_os = "none")]
 mod epochs;

@@ -21,6 +21,7 @@ use raim_core::requirements::Requirements;
 use raim_single::{CAPACITY, stages};
 
 use crate::answer::Answers;
+use crate::authentication::authenticate;
 use crate::copies;
 use crate::epochs::{epoch, point};
 use crate::precision::Precision;
@@ -64,6 +65,7 @@ fn run_in<T: Precision>(
         14 => answers.write(0, &copies::compare()),
         15 => answers.write(0, &roots::compare()),
         16 => judge_in_a_thread(input, answers, stages::process_sixteen_in),
+        18 => authenticate(input, stopwatch, answers),
         17 => judge_in_a_thread(input, answers, stages::process_in),
         _ => None,
     }

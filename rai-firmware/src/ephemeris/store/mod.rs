@@ -70,6 +70,8 @@ use super::cnav::{Cnav, CnavFrame};
 use super::sight::{Elevation, HORIZON, Sight, Skyline};
 use super::{Ephemeris, EphemerisError, Source, Word, difference_m, scaled};
 use crate::counters::count;
+#[cfg(feature = "osnma")]
+use crate::osnma::{Proof, Seal, Verdict};
 use crate::time::GpsTime;
 
 /// Number of satellites that the store holds, as many as a raw epoch.
@@ -90,7 +92,33 @@ const PERIOD_POWER: u32 = 19;
 /// Number of periods after which a third set may decide against the known one.
 const DECIDED_AFTER: u8 = 2;
 
-const _: () = assert!(size_of::<Entry>() <= 144);
+// A verdict of the authentication takes a word more.
+const _: () = assert!(size_of::<Entry>() <= if cfg!(feature = "osnma") { 152 } else { 144 });
+
+/// What is demanded of a set.
+#[cfg(feature = "osnma")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Demand {
+    #[default]
+    Nothing,
+    /// That it is not false.
+    NotFalse,
+    /// That it is proved, if it is of Galileo: by a tag of any kind, by one with a later key, or by none
+    /// that counts.
+    Proved(Proof),
+}
+
+#[cfg(feature = "osnma")]
+impl Demand {
+    fn is_met_by(self, ephemeris: &Ephemeris) -> bool {
+        match self {
+            Self::Nothing => true,
+            Self::NotFalse => ephemeris.seal.verdict != Verdict::False,
+            Self::Proved(_) if ephemeris.satellite.constellation() != Constellation::Galileo => true,
+            Self::Proved(proof) => ephemeris.seal.is_proved(proof),
+        }
+    }
+}
 
 /// Outcome of offering an ephemeris.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,6 +175,8 @@ pub struct Store {
     period: u8,
     #[cfg(feature = "cnav")]
     cnav: Cnav,
+    #[cfg(feature = "osnma")]
+    demand: Demand,
 }
 
 impl Store {
@@ -165,6 +195,8 @@ impl Store {
             period: 0,
             #[cfg(feature = "cnav")]
             cnav: Cnav::new(),
+            #[cfg(feature = "osnma")]
+            demand: Demand::Nothing,
         }
     }
 
@@ -191,6 +223,32 @@ impl Store {
     #[cfg(not(feature = "cnav"))]
     pub(crate) const fn word(&self, _: SatelliteId) -> Word<'_> {
         Word::NOTHING
+    }
+
+    /// Sets what is demanded of the sets in use.
+    #[cfg(feature = "osnma")]
+    pub(crate) const fn demand(&mut self, demand: Demand) {
+        self.demand = demand;
+    }
+
+    /// Takes the verdict on the words of a satellite, if they are those of the known set.
+    #[cfg(feature = "osnma")]
+    pub(crate) fn take_verdict(&mut self, satellite: SatelliteId, seal: Seal) {
+        let known = self.entries.iter_mut().map(|entry| &mut entry.ephemeris);
+        let rivals = self.rivals.iter_mut().map(|rival| &mut rival.ephemeris);
+        for ephemeris in known.chain(rivals).filter(|ephemeris| ephemeris.satellite == satellite) {
+            if ephemeris.seal.version.is_some() && ephemeris.seal.version == seal.version {
+                ephemeris.seal = seal;
+            }
+        }
+    }
+
+    /// Discards all verdicts.
+    #[cfg(feature = "osnma")]
+    pub(crate) fn forget_verdicts(&mut self) {
+        let known = self.entries.iter_mut().map(|entry| &mut entry.ephemeris);
+        let rivals = self.rivals.iter_mut().map(|rival| &mut rival.ephemeris);
+        known.chain(rivals).for_each(|ephemeris| ephemeris.seal = Seal::NONE);
     }
 
     /// Offers an ephemeris. `now` is the time of the last epoch, if there was one.
@@ -316,6 +374,10 @@ impl Store {
         let entry = self.entries.iter().find(|entry| entry.ephemeris.satellite == satellite);
         let entry = entry.ok_or(EphemerisError::Missing)?;
         entry.ephemeris.usable_at(time)?;
+        #[cfg(feature = "osnma")]
+        if !self.demand.is_met_by(&entry.ephemeris) {
+            return Err(EphemerisError::Unproved);
+        }
         if entry.is_disputed { Err(EphemerisError::Disputed) } else { Ok((&entry.ephemeris, entry.edition)) }
     }
 

@@ -73,3 +73,87 @@ fn bits_that_are_out_of_date_outrank_nothing() {
     assert_eq!(store.insert(set(0.0).of(Origin::Bits), Some(later)), Insertion::Kept);
     assert_eq!(store.get(current.satellite(), later), Ok(&current));
 }
+
+#[cfg(feature = "osnma")]
+mod authentication {
+    use core::num::NonZeroU8;
+
+    use super::*;
+
+    fn seal(version: u8, verdict: Verdict) -> Seal {
+        Seal { version: NonZeroU8::new(version), verdict }
+    }
+
+    /// Returns a set of E07 from words of a version.
+    fn of_galileo(ahead_sc: f64, version: u8, verdict: Verdict) -> Ephemeris {
+        let mut set = set(ahead_sc).of(Origin::Bits).sealed(seal(version, verdict));
+        set.satellite = SatelliteId::new(Constellation::Galileo, 7).expect("a satellite");
+        set.source = Source::GalileoInav;
+        set
+    }
+
+    const DEMANDS: [Demand; 5] = [
+        Demand::Nothing,
+        Demand::NotFalse,
+        Demand::Proved(Proof::All),
+        Demand::Proved(Proof::Slow),
+        Demand::Proved(Proof::None),
+    ];
+
+    /// Returns for each demand whether the set is in use.
+    fn used(store: &mut Store, satellite: SatelliteId) -> [bool; 5] {
+        DEMANDS.map(|demand| {
+            store.demand(demand);
+            match store.get(satellite, TOE) {
+                Ok(_) => true,
+                Err(error) => {
+                    assert_eq!(error, EphemerisError::Unproved);
+                    false
+                }
+            }
+        })
+    }
+
+    #[test]
+    fn sets_are_used_by_their_verdict_and_what_is_demanded() {
+        let mut store = Store::new();
+        let set = of_galileo(0.0, 3, Verdict::Unproved);
+        store.insert(set, Some(TOE));
+        for (verdict, want) in [
+            (Verdict::Unproved, [true, true, false, false, false]),
+            (Verdict::False, [true, false, false, false, false]),
+            (Verdict::Proved, [true, true, true, false, false]),
+            (Verdict::ProvedLater, [true, true, true, true, false]),
+        ] {
+            store.take_verdict(set.satellite, seal(3, verdict));
+            assert_eq!(used(&mut store, set.satellite), want, "{verdict:?}");
+            // A verdict on other words changes nothing, nor does one on words that are not known.
+            store.take_verdict(set.satellite, seal(4, Verdict::False));
+            store.take_verdict(set.satellite, Seal { version: None, verdict: Verdict::False });
+            assert_eq!(used(&mut store, set.satellite), want, "{verdict:?}");
+        }
+        store.forget_verdicts();
+        store.take_verdict(set.satellite, seal(3, Verdict::Proved));
+        assert_eq!(used(&mut store, set.satellite), [true, true, false, false, false], "forgotten");
+    }
+
+    #[test]
+    fn the_next_set_has_a_verdict_of_its_own() {
+        let mut store = Store::new();
+        store.insert(of_galileo(0.0, 3, Verdict::Proved), Some(TOE));
+        let next = of_galileo(0.01 * ASTRAY_SC, 4, Verdict::Unproved);
+        assert_eq!(store.insert(next, Some(TOE)), Insertion::Taken);
+        assert_eq!(used(&mut store, next.satellite), [true, true, false, false, false]);
+        // Of the same orbit, from other words.
+        let same = of_galileo(0.01 * ASTRAY_SC, 5, Verdict::False);
+        assert_eq!(store.insert(same, Some(TOE)), Insertion::Taken);
+        assert_eq!(used(&mut store, next.satellite), [true, false, false, false, false]);
+    }
+
+    #[test]
+    fn nothing_is_demanded_of_other_systems() {
+        let mut store = Store::new();
+        store.insert(set(0.0), Some(TOE));
+        assert_eq!(used(&mut store, set(0.0).satellite()), [true; 5]);
+    }
+}

@@ -23,6 +23,8 @@
 use raim_core::satellite::SatelliteId;
 
 use super::Refusal;
+#[cfg(feature = "osnma")]
+use super::Transmission;
 use super::leap::Announcement;
 use super::message::{NavigationMessage, Reader};
 use crate::ephemeris::{Broadcast, Health, Source, galileo_sisa_m};
@@ -68,6 +70,13 @@ impl NavigationMessage for Inav {
         /// Words 1 to 4.
         const WITH_ISSUE: u16 = 0b1111;
         let word = inav_word(reader.words()?)?;
+        #[cfg(feature = "osnma")]
+        {
+            let bits = authentication_bits(reader.words()?);
+            let &Transmission { satellite, is_e1, .. } = reader.transmission;
+            // Before the set is read, so that its verdict is that of these words.
+            reader.authentication.hear(satellite.number(), &word, bits, is_e1, reader.now_ms);
+        }
         match kind(Bits(&word)) {
             kind @ 1..=5 => reader.complete(kind - 1, &word, WITH_ISSUE, inav_ephemeris),
             6 => Ok(Some(Message::Corrections(None, reader.leap_s(&utc(Bits(&word)))))),
@@ -114,6 +123,14 @@ fn inav_word(words: &[u32; Inav::WORDS]) -> Result<[u8; Inav::PAGE_BYTES], Refus
     append(&mut word, page, 2, 112);
     append(&mut word, page, 130, 16);
     Ok(word.bytes)
+}
+
+/// Returns the forty bits for authentication of an I/NAV page. E5b has others there.
+#[cfg(feature = "osnma")]
+fn authentication_bits(words: &[u32; Inav::WORDS]) -> [u8; 5] {
+    let mut bits = Packed::new();
+    append(&mut bits, Bits(&bytes_of(words)), 146, 40);
+    bits.bytes
 }
 
 /// Returns the front of an F/NAV page of 238 bits and a tail.

@@ -47,6 +47,8 @@ pub(super) trait NavigationMessage {
 pub(super) struct Reader<'r> {
     pub(super) transmission: &'r Transmission<'r>,
     pub(super) pages: &'r mut Pages,
+    #[cfg(feature = "osnma")]
+    pub(super) authentication: &'r mut crate::osnma::Authentication,
     pub(super) calendar: &'r Calendar,
     pub(super) now_ms: u64,
 }

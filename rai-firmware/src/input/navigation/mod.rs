@@ -73,19 +73,29 @@ pub(super) struct Transmission<'a> {
     pub(super) satellite: SatelliteId,
     pub(super) kind: Kind,
     pub(super) words: &'a [u32],
+    /// True if the signal is E1 of Galileo, whose pages carry bits for authentication.
+    #[cfg(feature = "osnma")]
+    pub(super) is_e1: bool,
 }
 
 /// Incomplete navigation messages.
 #[derive(Debug)]
 pub(super) struct Navigation {
     pages: Pages,
+    /// Authentication of Galileo's words.
+    #[cfg(feature = "osnma")]
+    pub(super) authentication: crate::osnma::Authentication,
 }
 
 impl Navigation {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub(super) const fn new() -> Self {
-        Self { pages: Pages::new() }
+        Self {
+            pages: Pages::new(),
+            #[cfg(feature = "osnma")]
+            authentication: crate::osnma::Authentication::switched(false),
+        }
     }
 
     /// Returns the number of incomplete sets that were discarded.
@@ -101,7 +111,14 @@ impl Navigation {
         now_ms: u64,
         calendar: &Calendar,
     ) -> Result<Option<Message<'a>>, Unread> {
-        let mut reader = Reader { transmission, pages: &mut self.pages, calendar, now_ms };
+        let mut reader = Reader {
+            transmission,
+            pages: &mut self.pages,
+            #[cfg(feature = "osnma")]
+            authentication: &mut self.authentication,
+            calendar,
+            now_ms,
+        };
         transmission.kind.read(&mut reader)
     }
 }

@@ -82,9 +82,12 @@ impl Set<'_> {
         if u32::from(*self.present) & complete != complete {
             return None;
         }
-        let places = self.bytes.chunks_exact(self.page_bytes.max(1));
+        let pages = (0..self.pages).filter_map(|index| {
+            let start = index * self.page_bytes;
+            self.bytes.get(start..start + self.page_bytes).map(Bits)
+        });
         // This never fails, because the capacity is that of the largest set.
-        Some(places.take(self.pages).map(Bits).fold(Vec::new(), |mut pages, page| {
+        Some(pages.fold(Vec::new(), |mut pages, page| {
             let _ = pages.push(page);
             pages
         }))

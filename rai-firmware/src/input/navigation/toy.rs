@@ -60,7 +60,17 @@ mod tests {
             words: &[u32],
         ) -> Result<Option<Message<'static>>, Unread> {
             let satellite = SatelliteId::new(Constellation::Galileo, satellite).expect("a satellite");
-            self.navigation.read(&Transmission { satellite, kind, words }, self.now_ms, &Calendar::new())
+            self.navigation.read(
+                &Transmission {
+                    satellite,
+                    kind,
+                    words,
+                    #[cfg(feature = "osnma")]
+                    is_e1: false,
+                },
+                self.now_ms,
+                &Calendar::new(),
+            )
         }
 
         fn page(&mut self, satellite: u8, number: u8) -> Result<Option<Message<'static>>, Unread> {

@@ -97,7 +97,14 @@ pub(super) fn read<'a>(
     }
     let kind = if kind == Kind::D1 { beidou_kind(satellite) } else { kind };
     let words = words.get(..count).unwrap_or_default();
-    navigation.read(&Transmission { satellite, kind, words }, now_ms, calendar)
+    let transmission = Transmission {
+        satellite,
+        kind,
+        words,
+        #[cfg(feature = "osnma")]
+        is_e1: block.u8(17) & 31 == 17,
+    };
+    navigation.read(&transmission, now_ms, calendar)
 }
 
 /// Adds to each word of LNAV what its parity covers of the word before.

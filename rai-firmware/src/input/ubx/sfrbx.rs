@@ -67,5 +67,12 @@ pub(super) fn read<'a>(
         count += 1;
     }
     let words = words.get(..count).unwrap_or_default();
-    navigation.read(&Transmission { satellite, kind, words }, now_ms, calendar)
+    let transmission = Transmission {
+        satellite,
+        kind,
+        words,
+        #[cfg(feature = "osnma")]
+        is_e1: signal < 2,
+    };
+    navigation.read(&transmission, now_ms, calendar)
 }

@@ -14,8 +14,10 @@
 //!
 //! `GNSS_INTEGRITY` carries the protection levels in `raim_hfom` and `raim_vfom`, rounded up to a
 //! centimetre. Its layout follows the dialect [`DIALECT`], which will change; only [`dialect`]
-//! depends on it. The authentication state is `OK` while the receiver reports an authenticated
-//! signal, otherwise `UNKNOWN`. The integrity state is `OK` in a protected epoch, `FAILED` in an alert
+//! depends on it. The authentication state is that of the module's own authentication of ephemerides,
+//! if it has a key: initialising until the first proof, `OK` with four satellites proved, an error if
+//! one is false, disabled under `AUTH,OFF`. Without a key it is `OK` while the receiver reports an
+//! authenticated signal, otherwise `UNKNOWN`. The integrity state is `OK` in a protected epoch, `FAILED` in an alert
 //! and `UNKNOWN` in an unavailable epoch, in which nothing has failed. Unless the epoch is
 //! protected, both levels are invalid.
 //!
@@ -47,6 +49,10 @@ const GPS_EPOCH_UNIX_MS: u64 = 315_964_800_000;
 /// Invalid figure of `GNSS_INTEGRITY`.
 const INVALID: u64 = 65_535;
 
+/// States of `GNSS_INTEGRITY`: of anything, and of the authentication.
+const UNKNOWN: u64 = 0;
+const AUTHENTICATED: u64 = 3;
+
 /// Unknown quality of `GNSS_INTEGRITY`.
 const UNKNOWN_QUALITY: u64 = 255;
 
@@ -64,6 +70,9 @@ const FIX_3D: u64 = 3;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sender {
     sequence: u8,
+    /// State of the module's own authentication, if there is one.
+    #[cfg(feature = "osnma")]
+    pub(crate) authentication: Option<u8>,
 }
 
 impl Sender {
@@ -85,7 +94,10 @@ impl Sender {
             self.send(&gps_input(statement), out)?;
         }
         if due.has(Item::GnssIntegrity) {
-            self.send(&gnss_integrity(verdict, statement.levels_m(), statement.interference), out)?;
+            let authentication = self.authentication(statement.interference);
+            let message =
+                gnss_integrity(verdict, statement.levels_m(), statement.interference, authentication);
+            self.send(&message, out)?;
         }
         Ok(())
     }
@@ -106,9 +118,19 @@ impl Sender {
             )?;
         }
         if due.has(Item::GnssIntegrity) {
-            self.send(&gnss_integrity(verdict, (None, None), Interference::default()), out)?;
+            let message = gnss_integrity(verdict, (None, None), Interference::default(), UNKNOWN);
+            self.send(&message, out)?;
         }
         Ok(())
+    }
+
+    /// Returns the state of the authentication: that of the module, or else of the receiver.
+    fn authentication(self, interference: Interference) -> u64 {
+        #[cfg(feature = "osnma")]
+        if let Some(state) = self.authentication {
+            return u64::from(state);
+        }
+        if interference.authenticated > Some(0) { AUTHENTICATED } else { UNKNOWN }
     }
 
     fn send<W: Write>(&mut self, frame: &Frame, out: &mut W) -> Result<(), W::Error> {
@@ -143,9 +165,8 @@ fn gnss_integrity(
     verdict: Verdict,
     levels_m: (Option<f64>, Option<f64>),
     interference: Interference,
+    authentication: u64,
 ) -> Frame {
-    const UNKNOWN: u64 = 0;
-    const AUTHENTICATED: u64 = 3;
     const OK: u64 = 2;
     const FAILED: u64 = 3;
     const SOFTWARE_ERROR: u64 = 4;
@@ -165,7 +186,7 @@ fn gnss_integrity(
             figure(levels_m.0),
             figure(levels_m.1),
             0,
-            if interference.authenticated > Some(0) { AUTHENTICATED } else { UNKNOWN },
+            authentication,
             u64::from(interference.jamming),
             u64::from(interference.spoofing),
             state,

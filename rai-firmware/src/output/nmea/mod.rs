@@ -57,6 +57,8 @@ use super::Statement;
 use super::schedule::{Due, Item};
 use crate::time::GpsTime;
 
+#[cfg(feature = "osnma")]
+mod authentication;
 mod digits;
 mod flow;
 #[cfg(feature = "gsv")]
@@ -67,6 +69,8 @@ mod sentence;
 mod standard;
 mod time;
 
+#[cfg(feature = "osnma")]
+pub(crate) use authentication::{AuthenticationReport, write_authentication};
 pub(crate) use flow::{Flow, write_flow};
 pub use proprietary::{Losses, write_answer, write_counters, write_losses, write_refusal, write_version};
 pub use sentence::{MAX_LENGTH, Sentence, write_sentence};

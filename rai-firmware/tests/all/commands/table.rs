@@ -248,9 +248,9 @@ fn table_of_fields() -> String {
     let mut next = 1;
     for &setting in Setting::ALL {
         let count = fields(&Configuration::at_start(), setting).len();
-        let last = next + count.saturating_sub(1);
+        let last = (next + count).saturating_sub(1);
         let numbers = match count {
-            0 => format!("from {next} on"),
+            0 => "then".to_owned(),
             1 => format!("{next}"),
             2 => format!("{next}, {last}"),
             _ => format!("{next} to {last}"),

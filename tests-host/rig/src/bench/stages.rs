@@ -100,7 +100,7 @@ pub fn cycles() -> Result<(String, Cycles)> {
 }
 
 fn cases() -> Result<Vec<Case>> {
-    let mut cases = Vec::new();
+    let mut cases = authentication();
     for constellations in [1, 2] {
         for count in SIZES {
             cases.extend(tests(count, constellations, Scalar::Single)?);
@@ -130,6 +130,27 @@ fn run(cases: &[Case], machine: Machine) -> Result<Vec<Answer>> {
     let measured = cases.iter().map(last).collect::<Result<_>>()?;
     anyhow::ensure!(answers.next().is_none(), "more answers than epochs");
     Ok(measured)
+}
+
+/// Pages of a sky that a key of the tests has signed, behind that key.
+const SIGNED: &[u8] = include_bytes!("../../../vectors/osnma_pages.bin");
+
+/// Returns the slices of the authentication, none of which may exceed 60,000 instructions.
+fn authentication() -> Vec<Case> {
+    let case = |number: u8, name: &str, target| Case {
+        name: format!("OSNMA: {name}"),
+        stage: Stage::Authenticate,
+        scalar: Scalar::Single,
+        input: [&[number], SIGNED].concat(),
+        target: Some(target),
+        epochs: 1,
+    };
+    vec![
+        case(0, "largest slice", 60_000),
+        case(1, "largest slice with a tag", 30_000),
+        case(2, "largest slice with steps of the chain", 60_000),
+        case(3, "page", 20_000),
+    ]
 }
 
 /// Encodes starting point and epoch.

@@ -51,7 +51,7 @@ pub const NAMED: [Named; 4] = [
     Named {
         name: "fast",
         content: "everything",
-        features: "whole,gsv,sbf,cnav,satellites-48",
+        features: "whole,gsv,sbf,cnav,osnma,satellites-48",
         compiled_for: CompiledFor::Speed,
         satellites: 48,
         stack_bytes: 10 * 1024,
@@ -60,7 +60,7 @@ pub const NAMED: [Named; 4] = [
     },
     Named {
         name: "whole",
-        content: "everything except `GSV`, SBF and CNAV",
+        content: "everything except `GSV`, SBF, CNAV and OSNMA",
         features: "whole,satellites-32",
         compiled_for: CompiledFor::Size,
         satellites: 32,
@@ -70,8 +70,8 @@ pub const NAMED: [Named; 4] = [
     },
     Named {
         name: "signed",
-        content: "`whole` with SBF",
-        features: "whole,sbf,satellites-32",
+        content: "`whole` with SBF and OSNMA",
+        features: "whole,sbf,osnma,satellites-32",
         compiled_for: CompiledFor::Size,
         satellites: 32,
         stack_bytes: 37 * 256,

@@ -67,6 +67,8 @@ pub enum Stage {
     JudgeSixteenInAThread = 16,
     /// The same for as many satellites as the image holds.
     JudgeInAThread = 17,
+    /// Slices of the authentication over the pages of a signed sky.
+    Authenticate = 18,
 }
 
 /// Scalar type of the core.

@@ -1,7 +1,7 @@
 //! Reasons of verdicts in words, as `INTERFACES.md` explains them.
 
 /// Reasons, each with its explanation.
-const REASONS: [(&str, &str); 28] = [
+const REASONS: [(&str, &str); 31] = [
     ("OK", "all satellites agree"),
     ("EXCLUDED", "the remaining satellites agree after an exclusion"),
     ("FAULT", "a fault was detected and not isolated"),
@@ -13,6 +13,8 @@ const REASONS: [(&str, &str); 28] = [
     ("CLOCK", "the receiver clock moved otherwise than its measured drift"),
     ("TRACK", "the position moved otherwise than its measured velocity"),
     ("SPOOFED", "the receiver is sure that signals are counterfeit"),
+    ("AUTH", "satellites sent navigation data that their system did not make"),
+    ("REPLAY", "the time of the signals is not that of TRUST"),
     ("NOFIX", "too few satellites for a position, or no convergence"),
     ("REDUNDANCY", "the position has no redundancy that could test it"),
     ("GEOMETRY", "the geometry is singular, or a satellite that moves the position cannot be tested"),
@@ -29,6 +31,7 @@ const REASONS: [(&str, &str); 28] = [
         "SIGMAS",
         "the residuals of the last minute contradict the sigmas, or the satellites left after an exclusion hardly agree",
     ),
+    ("UNPROVED", "fewer than four satellites with proved ephemerides, which AUTH,ONLY demands"),
     ("EPHEMERIS", "ranges arrived without orbits"),
     ("SELFTEST", "the self-test computed a wrong result"),
     ("SETTINGS", "settings were lost by a restart, or a command has changed one that a promise rests on"),

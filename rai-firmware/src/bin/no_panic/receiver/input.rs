@@ -3,6 +3,7 @@
 use embedded_io::Write;
 use raim_firmware::division;
 use raim_firmware::input::{Counters, Input, Suspicion, Suspicions};
+use raim_firmware::osnma::{Osnma, Tally, Verdict};
 use raim_firmware::outlet::Outlet;
 use raim_firmware::output::Interference;
 use raim_firmware::raw::{Band, Carrier, RawEpoch, RawSignal};
@@ -51,6 +52,20 @@ pub(super) fn bytes() {
         GpsTime::later_by_weeks as fn(_, _) -> _,
         time::glonass_time as fn(_, _, _) -> _,
         division::divided as fn(_, _) -> _,
+    );
+}
+
+pub(super) fn authentication() {
+    reach!(
+        Osnma::<36, 16, 72>::new as fn() -> _,
+        Osnma::<36, 16, 72>::hear as fn(_, _, _, _, _, _),
+        Osnma::<36, 16, 72>::work as fn(_, _, _) -> _,
+        Osnma::<36, 16, 72>::seal_of as fn(_, _) -> _,
+        Osnma::<36, 16, 72>::summary as fn(_, _, _) -> _,
+        Osnma::<36, 16, 72>::tally as fn(_) -> _,
+        Osnma::<36, 16, 72>::forget_keys as fn(_),
+        Verdict::is_proved as fn(_) -> _,
+        (|tally| exhaust(Tally::iter(tally))) as fn(_),
     );
 }
 

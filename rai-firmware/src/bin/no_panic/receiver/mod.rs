@@ -9,6 +9,7 @@ mod whole;
 /// Reaches all functions.
 pub fn reach_all() {
     input::bytes();
+    input::authentication();
     input::wire();
     orbits::ephemerides();
     orbits::corrections();

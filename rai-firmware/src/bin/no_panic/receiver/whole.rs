@@ -23,6 +23,7 @@ pub(super) fn the_loop() {
         Receiver::<Pin>::restore as fn(_, _, _),
         Receiver::<Pin>::seal as fn(_, _),
         Receiver::<Pin>::interrupt as fn(_),
+        Receiver::<Pin>::authentication as fn(_) -> _,
         Receiver::<Pin>::frames as fn(_) -> _,
         <BitRate as Default>::default as fn() -> _,
         BitRate::new as fn() -> _,

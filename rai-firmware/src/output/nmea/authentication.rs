@@ -1,0 +1,82 @@
+//! `PRAIO`: what is known of the navigation data of Galileo.
+//!
+//! | field | content |
+//! |---|---|
+//! | 1 | time |
+//! | 2 | state, as [`word`] says it |
+//! | 3, 4 | number of the public key, and of the chain in force |
+//! | 5, 6, 7 | satellites in view whose ephemerides are proved, unproved, false |
+//! | 8 | age of the oldest proof, s |
+//! | 9 | bound of the trusted time, s |
+//!
+//! The sentence comes before those of its epoch, and only while a key is set.
+
+use embedded_io::Write;
+
+use super::{Sentence, TimeOfDay, write_sentence};
+use crate::osnma::{Proof, State, Summary};
+
+/// What is known, and what it is worth.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AuthenticationReport {
+    pub(crate) summary: Summary,
+    /// Tags that are proof.
+    pub(crate) proof: Proof,
+    /// Bound of the trusted time, s.
+    pub(crate) bound_s: Option<f64>,
+}
+
+impl AuthenticationReport {
+    /// Returns the word of the state.
+    fn word(&self) -> &'static str {
+        match (self.summary.state, self.proof) {
+            _ if self.summary.is_alarm => "FALSE",
+            (State::NoKey, _) => "NOKEY",
+            (State::Waiting, _) => "WAIT",
+            (State::OtherKey, _) => "OTHERKEY",
+            (State::Unsupported, _) => "UNSUPPORTED",
+            (State::Running, Proof::None) => "UNDATED",
+            (State::Running, Proof::Slow) => "LATER",
+            (State::Running, Proof::All) => "DATED",
+            (State::DontUse, _) => "DONTUSE",
+            (State::Stopped, _) => "STOPPED",
+        }
+    }
+
+    /// Returns the state for autopilots: 1 until the first proof, 2 false, 3 four satellites proved.
+    #[cfg(feature = "mavlink")]
+    pub(crate) fn state(&self) -> u8 {
+        let Summary { state, proved, false_, is_alarm, .. } = self.summary;
+        match state {
+            _ if is_alarm || false_ > 0 => 2,
+            State::Running if proved >= 4 && self.proof != Proof::None => 3,
+            State::Running if proved == 0 => 1,
+            State::Waiting => 1,
+            _ => 0,
+        }
+    }
+}
+
+/// Writes `PRAIO`.
+pub(crate) fn write_authentication<W: Write>(
+    report: &AuthenticationReport,
+    time: TimeOfDay,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let summary = &report.summary;
+    let mut sentence = Sentence::new("PRAIO");
+    sentence.time(Some(time)).text(report.word());
+    match summary.key_and_chain {
+        Some((key, chain)) => sentence.integer(key.into(), 1).integer(chain.into(), 1),
+        None => sentence.empty().empty(),
+    };
+    for count in [summary.proved, summary.unproved, summary.false_] {
+        sentence.integer(count.into(), 1);
+    }
+    match summary.oldest_proof_s {
+        Some(age_s) => sentence.integer(age_s, 1),
+        None => sentence.empty(),
+    };
+    sentence.optional(report.bound_s, 1, 7);
+    write_sentence(&mut sentence, out)
+}
