@@ -66,7 +66,9 @@ fn counters(source: &str) -> impl Iterator<Item = &str> {
     let lines = blocks.flat_map(str::lines).map(str::trim).filter(|line| !line.starts_with("//"));
     let is_no_field =
         |text: &&str| text.starts_with("cmd_") || ["sigma_check_pct", "ephemerides_displaced"].contains(text);
-    lines.filter_map(|line| line.strip_suffix(',')).chain(source.split('"').filter(is_no_field))
+    // A counter of a feature has that in front: `["osnma"] tags,`.
+    let names = lines.filter_map(|line| line.strip_suffix(',')?.split(' ').next_back());
+    names.chain(source.split('"').filter(is_no_field))
 }
 
 /// Returns the texts with which a command is refused, without those that carry a value.
@@ -75,12 +77,15 @@ fn refusals(source: &str) -> impl Iterator<Item = &str> {
     arms.filter(|(name, _)| !name.contains('{')).filter_map(|(_, text)| text.strip_suffix("\","))
 }
 
-/// Returns the first cell of each row in the tables of a section, if it is in code type.
+/// Returns the names in code type in the first cell of each row in the tables of a section.
 fn rows<'t>(document: &'t str, heading: &str) -> BTreeSet<&'t str> {
     let sections =
         document.split("\n#").filter(|section| section.trim_start_matches('#').starts_with(heading));
     let rows = sections.flat_map(str::lines).filter_map(|line| line.strip_prefix("| `"));
-    rows.filter_map(|row| row.split('`').next()).collect()
+    rows.filter_map(|row| row.split(" |").next())
+        .flat_map(|cell| cell.split('`').step_by(2))
+        .filter(|name| !name.is_empty())
+        .collect()
 }
 
 #[test]

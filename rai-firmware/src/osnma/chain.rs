@@ -18,8 +18,8 @@ use super::hash::sha256;
 /// Largest number of steps from one right key to the next: a week.
 const LONGEST: u32 = WEEK;
 
-/// Number of steps of a slice, 3,500 instructions each.
-pub(super) const STEPS: u32 = 14;
+/// Number of steps of a slice, at most 4,900 instructions each.
+pub(super) const STEPS: u32 = 11;
 
 /// Properties of a chain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -29,6 +29,12 @@ impl Bench {
         while self.osnma.work(&self.keys, self.now_ms) != Worked::Nothing {}
     }
 
+    fn hear_all(&mut self, pages: &[Page]) {
+        for page in pages {
+            self.hear(page);
+        }
+    }
+
     /// Takes pages; returns the time from the first to the end of the page with which `when` is true,
     /// s.
     fn until(&mut self, pages: &[Page], when: impl Fn(&Self) -> bool) -> Option<u32> {
@@ -71,7 +77,7 @@ fn a_signed_sky_is_proved_and_nothing_in_it_is_wrong() {
     // A subframe until the time is known, two for the blocks of the root key, one for the keys of the
     // tags.
     assert!(first_four(&mut bench, &pages) <= Some(120));
-    pages.iter().for_each(|page| bench.hear(page));
+    bench.hear_all(&pages);
     assert_eq!(bench.wrong(), 0);
     assert_eq!(bench.summary().state, State::Running);
     assert_eq!((bench.summary().proved, bench.summary().key_and_chain), (6, Some((1, 0))));
@@ -82,7 +88,7 @@ fn a_signed_sky_is_proved_and_nothing_in_it_is_wrong() {
     };
     assert!(bench.until(&pages, all_later).is_some());
     assert_eq!(bench.wrong(), 0);
-    pages.iter().for_each(|page| bench.hear(page));
+    bench.hear_all(&pages);
     let counts = ["osnma_orbits_right", "osnma_times_right", "osnma_slow_right", "osnma_sequences_right"];
     assert!(counts.iter().all(|name| bench.count(name) > 80), "{:?}", bench.osnma.tally());
 }
@@ -100,11 +106,11 @@ fn one_bit_that_was_changed_is_false_within_a_minute_of_its_subframe() {
             page.word[bit / 8] ^= 0x80 >> (bit % 8);
         }
         let (before, behind) = pages.split_at(15 * 6 * 4);
-        before.iter().for_each(|page| bench.hear(page));
+        bench.hear_all(before);
         // The subframe that the tags are about, theirs, and that of the key.
         let is_false = |bench: &Bench| bench.verdict(11) == Verdict::False;
         assert!(is_false(&bench) || bench.until(behind, is_false) <= Some(60), "word {word}");
-        behind.iter().for_each(|page| bench.hear(page));
+        bench.hear_all(behind);
         assert!(is_false(&bench), "word {word}");
         let others = system.satellites.iter().filter(|satellite| **satellite != 11);
         assert!(others.into_iter().all(|satellite| bench.verdict(*satellite).is_proved()), "word {word}");
@@ -123,7 +129,7 @@ fn two_satellites_with_false_words_are_an_alarm_and_true_words_end_it() {
     }
     assert!(bench.until(&pages[..15 * 6 * 12], |bench| bench.summary().is_alarm).is_some());
     assert_eq!(bench.summary().false_, 2);
-    pages[15 * 6 * 12..].iter().for_each(|page| bench.hear(page));
+    bench.hear_all(&pages[15 * 6 * 12..]);
     assert_eq!((bench.summary().false_, bench.summary().proved), (0, 6));
     assert!(!bench.summary().is_alarm);
 }
@@ -221,7 +227,7 @@ fn keys_of_another_chain_are_an_alarm_from_two_satellites_and_none_from_one() {
         for (page, lie) in pages.iter_mut().zip(&theirs).filter(|(page, _)| lying.contains(&page.satellite)) {
             page.bits[1..].copy_from_slice(&lie.bits[1..]);
         }
-        pages.iter().for_each(|page| bench.hear(page));
+        bench.hear_all(&pages);
         assert_eq!(bench.summary().is_alarm, want, "{liars} satellites");
         assert!(bench.count("osnma_keys_wrong") > 0 && bench.summary().proved == 6);
         assert_eq!((bench.summary().false_, bench.count("osnma_orbits_wrong")), (0, 0));
@@ -232,17 +238,17 @@ fn keys_of_another_chain_are_an_alarm_from_two_satellites_and_none_from_one() {
 fn a_header_that_forbids_use_ends_the_checks() {
     let mut system = System::new(10);
     let mut bench = Bench::new(system.public());
-    system.pages(START..START + 6).iter().for_each(|page| bench.hear(page));
+    bench.hear_all(&system.pages(START..START + 6));
     assert_eq!((bench.summary().state, bench.summary().proved), (State::Running, 6));
     // The chain is revoked.
     system.header = 0b1100_0110;
     system.sign();
-    system.pages(START + 6..START + 12).iter().for_each(|page| bench.hear(page));
+    bench.hear_all(&system.pages(START + 6..START + 12));
     assert_eq!((bench.summary().state, bench.summary().proved), (State::DontUse, 0));
     // The alert of the system.
     system.header = 0b1100_1110;
     system.sign();
-    system.pages(START + 12..START + 18).iter().for_each(|page| bench.hear(page));
+    bench.hear_all(&system.pages(START + 12..START + 18));
     assert_eq!(bench.summary().state, State::Stopped);
 }
 
@@ -256,7 +262,7 @@ fn a_changed_header_is_not_believed() {
         page.bits[0] = 0b1100_0110;
     }
     assert!(first_four(&mut bench, &pages) <= Some(180));
-    pages.iter().for_each(|page| bench.hear(page));
+    bench.hear_all(&pages);
     assert_eq!((bench.summary().state, bench.wrong()), (State::Running, 0));
 }
 
@@ -275,11 +281,14 @@ fn lost_pages_lose_tags_and_make_nothing_wrong() {
     let mut bench = Bench::new(system.public());
     let mut zeros = pages.clone();
     zeros.iter_mut().filter(|page| page.begin_s % 210 == 57).for_each(|page| page.bits = [0; 5]);
-    zeros.iter().for_each(|page| bench.hear(page));
+    bench.hear_all(&zeros);
     assert_eq!((bench.wrong(), bench.summary().proved), (0, 6));
     // Every page twice.
     let mut bench = Bench::new(system.public());
-    pages.iter().for_each(|page| (0..2).for_each(|_| bench.hear(page)));
+    for page in &pages {
+        bench.hear(page);
+        bench.hear(page);
+    }
     assert_eq!((bench.wrong(), bench.summary().proved), (0, 6));
 }
 

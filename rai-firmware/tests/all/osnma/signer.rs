@@ -266,7 +266,7 @@ impl System {
 }
 
 fn gst(subframe: u32) -> [u8; 4] {
-    ((subframe / 20_160) << 20 | subframe % 20_160 * 30).to_be_bytes()
+    ((subframe / 20_160) << 20 | (subframe % 20_160 * 30)).to_be_bytes()
 }
 
 fn code(key: &[u8], message: &[u8]) -> Vec<u8> {

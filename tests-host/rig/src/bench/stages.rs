@@ -147,7 +147,7 @@ fn authentication() -> Vec<Case> {
     };
     vec![
         case(0, "largest slice", 60_000),
-        case(1, "largest slice with a tag", 30_000),
+        case(1, "largest slice with a tag", 60_000),
         case(2, "largest slice with steps of the chain", 60_000),
         case(3, "page", 20_000),
     ]
