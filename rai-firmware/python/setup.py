@@ -24,7 +24,7 @@ class WithLibrary(build_py):
     def run(self):
         super().run()
         command = ["cargo", "rustc", "--locked", "--release", "--package", "rai-capi", "--lib", "--crate-type", "cdylib"]
-        command += ["--features", "gsv,cnav,watcher"]
+        command += ["--features", "gsv,cnav,osnma,watcher"]
         if shutil.which("cargo") is None:
             sys.exit("raim is compiled from Rust: install Rust from https://rustup.rs first")
         subprocess.run(command, cwd=HERE, check=True)

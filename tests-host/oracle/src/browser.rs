@@ -146,6 +146,8 @@ impl Browser {
     pub fn choose(&mut self, selector: &str, files: &[PathBuf]) -> Result<()> {
         let expression = format!("document.querySelector({})", json!(selector));
         let element = self.order("Runtime.evaluate", &json!({"expression": expression}))?;
+        // A browser reads no path with `..` in it.
+        let files: Vec<_> = files.iter().map(std::fs::canonicalize).collect::<Result<_, _>>()?;
         let parameters = json!({"files": files, "objectId": element["result"]["objectId"]});
         self.order("DOM.setFileInputFiles", &parameters).map(drop)
     }

@@ -73,7 +73,7 @@ impl Page {
     fn turned(mut self, bit: usize) -> Self {
         let place = if bit < 112 { bit + 2 } else { bit - 112 + 122 };
         self.bytes[place / 8] ^= 0x80 >> (place % 8);
-        let covered = self.bits(0, 114) as u128;
+        let covered = self.bits(0, 114);
         let odd = self.bits(120, 82);
         // Four zeros, 114 and 82 bits: 200 bits, which 128 do not hold.
         let mut bits: Vec<bool> = vec![false; 4];
@@ -173,7 +173,7 @@ impl Found {
 type Large = Osnma<36, 80, 320>;
 
 fn found<const S: usize, const R: usize, const L: usize>(
-    mut osnma: Box<Osnma<S, R, L>>,
+    osnma: &mut Osnma<S, R, L>,
     keys: &Keys,
     pages: &[Page],
 ) -> Found {
@@ -198,8 +198,8 @@ fn found<const S: usize, const R: usize, const L: usize>(
 
 /// Checks that nothing was wrong, with the room of the largest image and with more.
 fn all_right(keys: &Keys, pages: &[Page]) -> Found {
-    let image = found(Box::new(raim_firmware::osnma::Authentication::new()), keys, pages);
-    let large = found(Box::new(Large::new()), keys, pages);
+    let image = found(&mut Box::new(raim_firmware::osnma::Authentication::new()), keys, pages);
+    let large = found(&mut Box::new(Large::new()), keys, pages);
     for found in [&image, &large] {
         let wrong: u32 =
             found.counts.iter().filter(|(name, _)| name.ends_with("_wrong")).map(|(_, count)| count).sum();
@@ -265,7 +265,9 @@ impl Module {
     fn new(settings: &[&str]) -> Self {
         let receiver = Receiver::new(MemoryPin::default(), Boot::on_host("osnma")).expect("a receiver");
         let mut module = Self { receiver, said: Vec::new() };
-        settings.iter().for_each(|setting| module.obey(setting));
+        for setting in settings {
+            module.obey(setting);
+        }
         module
     }
 

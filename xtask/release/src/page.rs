@@ -8,6 +8,7 @@
 //! The policy in the file allows its own style, its own script, WebAssembly and the thread that the
 //! script starts. It allows no request, so that a promise of the page does not rest on its script.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -127,7 +128,7 @@ fn words() -> Result<String> {
         let [_, word, meaning, _] = row.split('|').map(str::trim).collect::<Vec<_>>()[..] else {
             bail!("a row of `Words` has other columns: {row}")
         };
-        list += &format!("<dt>{}</dt><dd>{}</dd>\n", plain(word), plain(meaning));
+        let _ = writeln!(list, "<dt>{}</dt><dd>{}</dd>", plain(word), plain(meaning));
     }
     ensure!(list.matches("<dt>").count() > 10, "README explains fewer words than ten");
     Ok(list)

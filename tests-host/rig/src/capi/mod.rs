@@ -81,7 +81,7 @@ pub fn library(kind: Kind, features: &str) -> anyhow::Result<PathBuf> {
 }
 
 /// Features of the library of a host: all that the module can do.
-pub const WHOLE: &str = "whole,satellites-48";
+pub const WHOLE: &str = "whole,cnav,osnma,satellites-48";
 
 /// Builds the library of a board's processor, as it ships, and returns its path.
 ///

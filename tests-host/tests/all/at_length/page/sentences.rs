@@ -94,7 +94,8 @@ fn page_says_of_every_recording_what_the_program_says() {
         else {
             return;
         };
-        assert_eq!(judged(&mut browser, &files), "done", "{files:?}");
+        let state = judged(&mut browser, &files);
+        assert_eq!(state, "done", "{files:?}: {}", text(&mut browser, "document.body.innerText"));
         compare(&mut browser, &rai, &files);
         println!(
             "{}: {:.2} s, {:.1} MiB",
