@@ -57,6 +57,10 @@
 //! **State vectors** are integrated, and the part that the next epochs share is stored
 //! ([`Store::advance`]).
 
+#[cfg(feature = "osnma")]
+mod proof;
+mod signals;
+
 use core::cmp::Reverse;
 
 use heapless::Vec;
@@ -66,13 +70,13 @@ use raim_core::internals::numeric::sqrt;
 use raim_core::satellite::{Constellation, SatelliteId};
 
 #[cfg(feature = "cnav")]
-use super::cnav::{Cnav, CnavFrame};
+use super::cnav::Cnav;
 use super::sight::{Elevation, HORIZON, Sight, Skyline};
-use super::{Ephemeris, EphemerisError, Source, Word, difference_m, scaled};
+use super::{Ephemeris, EphemerisError, Source, difference_m, scaled};
 use crate::counters::count;
-#[cfg(feature = "osnma")]
-use crate::osnma::{Proof, Seal, Verdict};
 use crate::time::GpsTime;
+#[cfg(feature = "osnma")]
+pub(crate) use proof::Demand;
 
 /// Number of satellites that the store holds, as many as a raw epoch.
 pub const CAPACITY: usize = crate::raw::EPOCH_CAPACITY;
@@ -94,31 +98,6 @@ const DECIDED_AFTER: u8 = 2;
 
 // A verdict of the authentication takes a word more.
 const _: () = assert!(size_of::<Entry>() <= if cfg!(feature = "osnma") { 152 } else { 144 });
-
-/// What is demanded of a set.
-#[cfg(feature = "osnma")]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Demand {
-    #[default]
-    Nothing,
-    /// That it is not false.
-    NotFalse,
-    /// That it is proved, if it is of Galileo: by a tag of any kind, by one with a later key, or by none
-    /// that counts.
-    Proved(Proof),
-}
-
-#[cfg(feature = "osnma")]
-impl Demand {
-    fn is_met_by(self, ephemeris: &Ephemeris) -> bool {
-        match self {
-            Self::Nothing => true,
-            Self::NotFalse => ephemeris.seal.verdict != Verdict::False,
-            Self::Proved(_) if ephemeris.satellite.constellation() != Constellation::Galileo => true,
-            Self::Proved(proof) => ephemeris.seal.is_proved(proof),
-        }
-    }
-}
 
 /// Outcome of offering an ephemeris.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,57 +177,6 @@ impl Store {
             #[cfg(feature = "osnma")]
             demand: Demand::Nothing,
         }
-    }
-
-    /// Stores what a frame of CNAV says, which came at `now_ms` by the module's own clock.
-    #[cfg(feature = "cnav")]
-    pub fn hear_cnav(&mut self, frame: &CnavFrame, now_ms: u64) {
-        self.cnav.hear(frame, now_ms);
-    }
-
-    /// Takes the time by the module's own clock, and whether L5 is used only where it is called
-    /// healthy. Returns true if that has changed.
-    #[cfg(feature = "cnav")]
-    pub(crate) fn prepare(&mut self, now_ms: u64, needs_healthy_l5: bool) -> bool {
-        self.cnav.prepare(now_ms, needs_healthy_l5)
-    }
-
-    /// Returns what CNAV says of a satellite.
-    #[cfg(feature = "cnav")]
-    pub(crate) fn word(&self, satellite: SatelliteId) -> Word<'_> {
-        self.cnav.word(satellite)
-    }
-
-    /// Returns a word that says nothing.
-    #[cfg(not(feature = "cnav"))]
-    pub(crate) const fn word(&self, _: SatelliteId) -> Word<'_> {
-        Word::NOTHING
-    }
-
-    /// Sets what is demanded of the sets in use.
-    #[cfg(feature = "osnma")]
-    pub(crate) const fn demand(&mut self, demand: Demand) {
-        self.demand = demand;
-    }
-
-    /// Takes the verdict on the words of a satellite, if they are those of the known set.
-    #[cfg(feature = "osnma")]
-    pub(crate) fn take_verdict(&mut self, satellite: SatelliteId, seal: Seal) {
-        let known = self.entries.iter_mut().map(|entry| &mut entry.ephemeris);
-        let rivals = self.rivals.iter_mut().map(|rival| &mut rival.ephemeris);
-        for ephemeris in known.chain(rivals).filter(|ephemeris| ephemeris.satellite == satellite) {
-            if ephemeris.seal.version.is_some() && ephemeris.seal.version == seal.version {
-                ephemeris.seal = seal;
-            }
-        }
-    }
-
-    /// Discards all verdicts.
-    #[cfg(feature = "osnma")]
-    pub(crate) fn forget_verdicts(&mut self) {
-        let known = self.entries.iter_mut().map(|entry| &mut entry.ephemeris);
-        let rivals = self.rivals.iter_mut().map(|rival| &mut rival.ephemeris);
-        known.chain(rivals).for_each(|ephemeris| ephemeris.seal = Seal::NONE);
     }
 
     /// Offers an ephemeris. `now` is the time of the last epoch, if there was one.

@@ -79,6 +79,7 @@ mod authentication {
     use core::num::NonZeroU8;
 
     use super::*;
+    use crate::osnma::{Proof, Seal, Verdict};
 
     fn seal(version: u8, verdict: Verdict) -> Seal {
         Seal { version: NonZeroU8::new(version), verdict }
