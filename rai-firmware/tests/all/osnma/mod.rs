@@ -292,6 +292,61 @@ fn lost_pages_lose_tags_and_make_nothing_wrong() {
     assert_eq!((bench.wrong(), bench.summary().proved), (0, 6));
 }
 
+/// Flexible slots that the sender did not mean say nothing, neither of the sender nor of others.
+#[test]
+fn flexible_tags_of_a_message_whose_sequence_is_wrong_are_not_checked() {
+    let system = System::new(16);
+    let mut bench = Bench::new(system.public());
+    let mut pages = system.pages(START..START + 16);
+    for page in pages.iter_mut().filter(|page| page.satellite == 2 && page.begin_s % 30 == 3) {
+        // The second page has the sequence and the first bits of the tag behind it, which is flexible.
+        page.bits[2] ^= 0x10;
+        page.bits[4] ^= 0x01;
+    }
+    bench.hear_all(&pages);
+    assert!(bench.count("osnma_sequences_wrong") > 5, "{:?}", bench.osnma.tally());
+    assert_eq!(bench.count("osnma_orbits_wrong"), 0);
+    assert_eq!((bench.summary().proved, bench.summary().false_), (6, 0));
+}
+
+/// Returns the slices of eight subframes in which a satellite states a time that is so much later,
+/// behind eight genuine ones.
+fn slices_with_a_clock(system: &System, ahead_s: u32) -> u32 {
+    let mut bench = Bench::new(system.public());
+    let pages = system.pages(START..START + 16);
+    let (genuine, stated) = pages.split_at(15 * 6 * 8);
+    bench.hear_all(genuine);
+    assert_eq!(bench.summary().proved, 6);
+    let mut slices = 0;
+    for page in stated {
+        let mut word = u128::from_be_bytes(page.word);
+        if page.satellite == 2 && page.word[0] >> 2 == 5 {
+            // Bits 85 to 104 of word 5 are the time of week, s.
+            word += u128::from(ahead_s) << 23;
+        }
+        let now_ms = u64::from(page.begin_s - 30 * ROOT + 2) * 1000;
+        bench.osnma.hear(page.satellite, &word.to_be_bytes(), page.bits, true, now_ms);
+        while bench.osnma.work(&bench.keys, now_ms) != Worked::Nothing {
+            slices += 1;
+        }
+        bench.now_ms = now_ms;
+    }
+    assert!(bench.summary().proved >= 5);
+    assert_eq!(bench.summary().false_, 0);
+    slices
+}
+
+/// The chain is followed only as far as the module's clock has run since the newest key.
+#[test]
+fn a_satellite_that_states_a_later_time_costs_no_thousands_of_steps() {
+    let system = System::new(17);
+    let honest = slices_with_a_clock(&system, 0);
+    for ahead_s in [60, 3_600, 150_000] {
+        let have = slices_with_a_clock(&system, ahead_s);
+        assert!(have < honest + 100, "{have} slices instead of {honest}, {ahead_s} s ahead");
+    }
+}
+
 /// Callers that tick ten times a second get four slices a tick.
 #[test]
 fn four_slices_ten_times_a_second_prove_four_satellites_in_three_minutes() {
