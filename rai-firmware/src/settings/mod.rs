@@ -161,6 +161,14 @@ impl Configuration {
         self.promises.leaves_faults_unwatched().then_some("faults so unlikely are not watched for")
     }
 
+    /// Returns a warning if ephemerides are to be proved and nothing can prove them.
+    #[cfg(feature = "osnma")]
+    fn warning_of_keys(&self) -> Option<&'static str> {
+        let is_keyless = self.own_key.is_none() && self.own_root.is_none();
+        (is_keyless && self.authentication >= Authentication::Prefer)
+            .then_some("nothing is proved or false without KEY or ROOT")
+    }
+
     /// Returns true if L5 is used only where the satellite calls it healthy: by `L5,HEALTHY`, and
     /// for ARAIM by the presets of ICAO, whose probabilities are promised for healthy signals alone.
     #[cfg(feature = "cnav")]

@@ -417,7 +417,7 @@ settings! {
         fields: "none if it is `SAY`; else `AUTH` and the word",
         promise: true,
         phase: Apart,
-        warning: nothing,
+        warning: Configuration::warning_of_keys,
         example: "PREFER",
         text: "What follows from OSNMA: `OFF` checks nothing; `SAY` reports (`PRAIO`); `PREFER` leaves out a satellite whose ephemeris is false, and alerts (`AUTH`) if that or a wrong key concerns two satellites within 5 minutes; `ONLY` also leaves out each Galileo satellite whose ephemeris is not proved, and promises nothing with fewer than four that are (`UNPROVED`). Proved takes a time by `TRUST`. It authenticates ephemerides, not the position",
     }

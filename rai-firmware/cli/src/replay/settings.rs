@@ -62,8 +62,8 @@ pub fn command_for(text: &str) -> Result<String> {
     Ok(if value.is_empty() { key } else { format!("{key},{value}") })
 }
 
-/// Returns what a refusal leaves open, to be said behind it: the nearest key, or the values that the
-/// key takes.
+/// Returns what a refusal leaves open, to be said behind it: the nearest key, the values that the
+/// key takes, or an example.
 pub(crate) fn advice(key: &str, why: &str) -> String {
     if why == "unknown key" {
         let distance = |other: &Setting| differences(&key.to_uppercase(), other.key());
@@ -81,7 +81,7 @@ pub(crate) fn advice(key: &str, why: &str) -> String {
     if why == "unknown value" && !documentation.words.is_empty() {
         return format!("; it takes {}", documentation.words.join(", "));
     }
-    String::new()
+    format!("; for example {}={}", setting.key(), documentation.example)
 }
 
 /// Returns the number of letters to insert, remove or change between two words (Levenshtein).

@@ -276,6 +276,17 @@ fn promise_that_nothing_fails_is_obeyed_with_a_warning() {
 }
 
 #[test]
+fn proof_without_a_key_is_demanded_with_a_warning() {
+    let mut module = Module::new();
+    for (word, is_warned) in [("OFF", false), ("SAY", false), ("PREFER", true), ("ONLY", true)] {
+        let warning = if is_warned { ",WARN,nothing is proved or false without KEY or ROOT" } else { "" };
+        assert_eq!(module.ask(&format!("PRAIC,AUTH,{word}")), [format!("PRAIA,AUTH,{word},OK{warning}")]);
+    }
+    module.ask("PRAIC,ROOT,832E15EDE55655EAC6E399A539477B7C034CCE24C3C93FFC904ACD9BF842F04E");
+    assert_eq!(module.ask("PRAIC,AUTH,ONLY"), ["PRAIA,AUTH,ONLY,OK"]);
+}
+
+#[test]
 fn a_key_without_a_value_answers_what_is_in_force() {
     let mut module = Module::new();
     let at_start = [
