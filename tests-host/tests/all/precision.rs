@@ -7,7 +7,7 @@
 //!
 //! Both take the same corrected ranges and are independent from there on, each starting from its
 //! own last position. Orbits and clocks, integers in either, have their own double-precision
-//! reference (`rai-firmware/tests/all/orbit_reference.rs`).
+//! reference (`tests-host/tests/module/orbit_reference.rs`).
 
 use raim::replay::{self, Window};
 use raim::signal::encode::{Frequency, Selection};

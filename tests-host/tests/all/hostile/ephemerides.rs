@@ -1,7 +1,7 @@
 //! Orbits and clocks that are impossible, must not be used, or change.
 //!
 //! The messages have no numbers for an eccentricity of 1 or for a NaN: the field of the
-//! eccentricity ends below 0.5, and all fields are integers. `rai-firmware/tests/all/ephemeris.rs`
+//! eccentricity ends below 0.5, and all fields are integers. `tests-host/tests/module/ephemeris.rs`
 //! tests the check behind the messages with those; here the nearest possible values are sent.
 
 use raim::signal::checksum::rtcm_frame;

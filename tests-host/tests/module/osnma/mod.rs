@@ -385,7 +385,7 @@ fn the_pages_that_are_measured_are_signed_here() {
         bytes.extend(page.word);
         bytes.extend(page.bits);
     }
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests-host/vectors/osnma_pages.bin");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/vectors/osnma_pages.bin");
     if std::env::var_os("RAI_BLESS").is_some() {
         std::fs::write(path, &bytes).expect("the file is written");
     }

@@ -151,7 +151,7 @@ const ROW: &str = r#"
 
 /// Compiles a table of one row; returns the compiler's messages on failure.
 fn compiled(row: &str) -> Result<(), String> {
-    let macros = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/settings/row.rs");
+    let macros = Path::new(env!("CARGO_MANIFEST_DIR")).join("../rai-firmware/src/settings/row.rs");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("row");
     fs::create_dir_all(&folder).expect("a folder for what is tried");
     let source = folder.join("lib.rs");
