@@ -126,7 +126,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
         source: "DO-229, DO-316",
         text: "Horizontal exclusion level and horizontal uncertainty level",
         module: "rai-core/src/integrity/raim/exclusion_levels.rs",
-        command: "cargo test -p raim-core --test all exclusion_levels",
+        command: "cargo test -p raim-core --test all -- exclusion_levels",
         standing: Partly(
             "the core computes the exclusion level for whoever asks (`cargo xtask evaluate`); no sentence carries it, and \
              there is no uncertainty level",
@@ -164,7 +164,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
         source: "DO-229, DO-316",
         text: "A mask of 5 degrees or less",
         module: "rai-firmware/src/settings/table.rs",
-        command: "cargo test -p raim-firmware --test all commands",
+        command: "cargo test -p tests-host --test module -- commands",
         standing: Met,
     },
     Requirement {

@@ -49,24 +49,21 @@ fn every_command_names_something_that_can_be_run() {
             ["cargo", "xtask", "attack", name] => ATTACKS.iter().any(|known| known.name == name),
             ["cargo", "xtask", "campaign", file] => top().join(file).is_file(),
             ["cargo", "xtask", verb, ..] => verbs.contains(&format!("verb(\"{verb}\",")),
-            ["cargo", "test", "-p", "tests-host", "--test", "all", "--", module, ..] => {
-                is_test("tests-host", module)
+            ["cargo", "test", "-p", package, "--test", program, "--", module, ..] => {
+                is_test(package, program, module)
             }
-            ["cargo", "test", "-p", "raim-firmware", "--test", "all", module] => {
-                is_test("rai-firmware", module)
-            }
-            ["cargo", "test", "-p", "raim-core", "--test", "all", module] => is_test("rai-core", module),
             _ => false,
         };
         assert!(can_be_run, "`{command}` names nothing that can be run");
     }
 }
 
-/// Returns true if the tests of a package have a module of that name.
-fn is_test(package: &str, module: &str) -> bool {
-    let all = top().join(package).join("tests/all");
+/// Returns true if a test program of a package has a module of that name.
+fn is_test(package: &str, program: &str, module: &str) -> bool {
+    let folder = if package == "raim-core" { "rai-core" } else { package };
+    let program = top().join(folder).join("tests").join(program);
     let is_in = |folder: &Path| {
         folder.join(format!("{module}.rs")).is_file() || folder.join(module).join("mod.rs").is_file()
     };
-    is_in(&all) || is_in(&all.join("at_length"))
+    is_in(&program) || is_in(&program.join("at_length"))
 }
