@@ -1,32 +1,33 @@
 //! The proof that nothing panics, by the linker: an image that links only if no panic is reachable.
 //!
-//! The image passes out pointers to every public function of [`raim_core`], in both precisions, and
-//! of the library [`raim_firmware`]. The compiler must therefore translate them for all arguments.
-//! The panic handler calls a symbol that exists nowhere. Any bounds check, unwrap or division that
-//! optimisation leaves would call the handler. If the image links, none is left.
+//! The image passes out pointers to every function of the documented interface of [`raim_core`], in
+//! both precisions, and of [`raim_firmware`]. The compiler must therefore translate them, and all
+//! that they call, for all arguments. The panic handler calls a symbol that exists nowhere. Any
+//! bounds check, unwrap or division that optimisation leaves would call the handler. If the image
+//! links, none is left.
 //!
 //! The proof holds for this compiler, the profile `firmware` (fat link-time optimisation, one
 //! codegen unit) and this target, which are those of the shipped image. It does not cover the
 //! board's own files, overflow (which wraps in this profile), derived `Debug` and `Clone`, or a
 //! stack that is too deep.
 //!
-//! `rig::no_panic` builds it, names the functions that prevent linking, and compares the
-//! lists here with the sources.
+//! `rig::no_panic` builds it, names the functions that prevent linking, compares the lists here
+//! with the sources, and proves the shipped images and the library for C likewise.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![deny(unsafe_code)]
 #![allow(unreachable_pub)] // A binary's modules have no outside.
 
 #[cfg(target_os = "none")]
-mod handler;
+mod core;
 #[cfg(target_os = "none")]
-mod integrity;
+mod handler;
 #[cfg(target_os = "none")]
 mod receiver;
 
 /// Passes functions out, so that they may be called with any arguments.
 #[cfg(target_os = "none")]
 macro_rules! reach {
-    ($($function:expr),+ $(,)?) => { $( core::hint::black_box($function); )+ };
+    ($($function:expr),+ $(,)?) => { $( ::core::hint::black_box($function); )+ };
 }
 #[cfg(target_os = "none")]
 pub(crate) use reach;
@@ -35,7 +36,7 @@ pub(crate) use reach;
 #[cfg(target_os = "none")]
 pub fn exhaust(elements: impl Iterator) {
     elements.for_each(|element| {
-        core::hint::black_box(&element);
+        ::core::hint::black_box(&element);
     });
 }
 
@@ -46,9 +47,9 @@ mod image {
 
     #[entry]
     fn main() -> ! {
-        crate::integrity::reach_all::<f32>();
-        crate::integrity::reach_all::<f64>();
-        crate::integrity::reach_what_has_no_precision();
+        crate::core::monitor::<f32>();
+        crate::core::monitor::<f64>();
+        crate::core::values();
         crate::receiver::reach_all();
         loop {
             cortex_m::asm::wfi();

@@ -1,8 +1,9 @@
-//! Check that every public function is part of the proof.
+//! Check that every function of the documented interface is part of the proof.
 //!
 //! The sources are read as text, as rustfmt formats them: an item begins in the first column, a
-//! method in the fifth. From the root of a library its modules are followed. Each public function
-//! gives the name that a list must contain:
+//! method in the fifth. From the root of a library its public modules are followed. What is hidden
+//! from the documentation promises nothing to anybody: it is proved where an image runs it. Each
+//! public function gives the name that a list must contain:
 //!
 //! | in the sources | in the list |
 //! |---|---|
@@ -27,7 +28,9 @@ use anyhow::Context;
 pub fn missing(library: &Path, list: &str) -> anyhow::Result<Vec<String>> {
     let mut found = Found::default();
     let folder = library.parent().context("the library has no folder")?;
-    follow(library, folder, "crate", &mut found)?;
+    for module in modules(&read(library)?).filter(|module| module.is_public) {
+        follow(module.name, folder, "crate", &mut found)?;
+    }
     Ok(not_in(list, &found.functions()))
 }
 
@@ -83,6 +86,9 @@ fn without_visibility(line: &str) -> &str {
 /// Attribute before an implementation that only a host has.
 const OF_HOST: &str = "#[cfg(not(target_os = \"none\"))]";
 
+/// Attribute before what the documentation does not show.
+const HIDDEN: &str = "#[doc(hidden)]";
+
 /// Names under which a list may contain a public function.
 type Names = Vec<String>;
 
@@ -95,21 +101,34 @@ fn not_in(list: &str, functions: &[Names]) -> Vec<String> {
 }
 
 /// Collects the public functions of a module and of those below it.
-fn follow(file: &Path, below: &Path, module: &str, found: &mut Found) -> anyhow::Result<()> {
-    let text = fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))?;
-    found.read(&text, module);
+fn follow(name: &str, folder: &Path, above: &str, found: &mut Found) -> anyhow::Result<()> {
+    let flat = folder.join(format!("{name}.rs"));
+    let below = folder.join(name);
+    let text = read(&if flat.exists() { flat } else { below.join("mod.rs") })?;
+    let path = format!("{above}::{name}");
+    found.read(&text, &path);
     // A module may be declared twice, once for each setting of a feature.
-    let modules: BTreeSet<&str> = text.lines().filter_map(module_declared).collect();
-    for name in modules {
-        let flat = below.join(format!("{name}.rs"));
-        let file = if flat.exists() { flat } else { below.join(name).join("mod.rs") };
-        follow(&file, &below.join(name), &format!("{module}::{name}"), found)?;
-    }
-    Ok(())
+    let names: BTreeSet<&str> = modules(&text).map(|module| module.name).collect();
+    names.into_iter().try_for_each(|name| follow(name, &below, &path, found))
 }
 
-fn module_declared(line: &str) -> Option<&str> {
-    line.strip_prefix("pub ").unwrap_or(line).strip_prefix("mod ")?.strip_suffix(';')
+fn read(file: &Path) -> anyhow::Result<String> {
+    fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))
+}
+
+/// A module that a file declares and that the documentation shows.
+struct Module<'a> {
+    name: &'a str,
+    is_public: bool,
+}
+
+fn modules(text: &str) -> impl Iterator<Item = Module<'_>> {
+    let attributes = std::iter::once("").chain(text.lines());
+    text.lines().zip(attributes).filter(|&(_, before)| before != HIDDEN).filter_map(|(line, _)| {
+        let declared = line.strip_prefix("pub ");
+        let name = declared.unwrap_or(line).strip_prefix("mod ")?.strip_suffix(';')?;
+        Some(Module { name, is_public: declared.is_some() })
+    })
 }
 
 fn functions_of(code: &str, module: &str) -> Vec<Function> {
@@ -123,8 +142,9 @@ fn functions_of(code: &str, module: &str) -> Vec<Function> {
         } else if line == "}" {
             (owner, is_of_host) = (None, false);
         }
+        let is_hidden = attribute.trim_start() == HIDDEN;
         attribute = line;
-        if is_of_host {
+        if is_of_host || is_hidden {
             continue;
         }
         let names = match &owner {
@@ -233,6 +253,16 @@ mod tests {
     #[test]
     fn whatever_is_public_is_missing_from_an_empty_list() {
         assert_eq!(missing_from(""), ["snapshot::solve", "Snapshot::new", "<Fix as Display>::fmt"]);
+    }
+
+    #[test]
+    fn what_the_documentation_hides_promises_nothing() {
+        let root = "pub mod epoch;\n#[doc(hidden)]\npub mod rates;\nmod median;\n";
+        let shown: Vec<(&str, bool)> = modules(root).map(|module| (module.name, module.is_public)).collect();
+        assert_eq!(shown, [("epoch", true), ("median", false)]);
+        let source =
+            "impl Epoch {\n    #[doc(hidden)]\n    pub fn view(&self) {}\n    pub fn push(&mut self) {}\n}\n";
+        assert_eq!(not_in("", &functions(source, "crate")), ["Epoch::push"]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Proof by the linker that no panic is reachable, and the places that violate it.
 //!
-//! The image `no_panic` of `rai-firmware` contains every public function of `rai-core` and of the
+//! The image `no_panic` of `rai-firmware` contains the documented interface of `rai-core` and of the
 //! firmware's library, compiled for any arguments, and a panic handler that calls an undefined
 //! symbol. It is linked with the compiler, the profile and the target of the shipped image. The
 //! linker only warns of undefined symbols, so that one link both decides and shows the callers:
@@ -36,8 +36,8 @@ use crate::image::{self, CompiledFor, NAMED, Named};
 /// Symbol that the panic handler of the image calls.
 pub const SYMBOL: &str = "rai_a_panic_is_reachable_here";
 
-/// Image of every public function of the two libraries.
-pub const EVERY_FUNCTION: &str = "no_panic";
+/// Image of the documented interface of the two libraries.
+pub const INTERFACE: &str = "no_panic";
 
 /// Image of one function that panics, which must be found.
 pub const ONE_PANIC: &str = "reachable_panic";
@@ -53,7 +53,7 @@ pub const TOLERATED: [&str; 1] = ["rai-firmware/src/board/arm/log.rs"];
 /// If a panic is reachable, with each place; or if an image does not compile.
 pub fn prove() -> anyhow::Result<()> {
     for compiled_for in CompiledFor::ALL {
-        prove_library(EVERY_FUNCTION, compiled_for)?;
+        prove_library(INTERFACE, compiled_for)?;
     }
     NAMED.iter().try_for_each(prove_image)?;
     refuse(&StaticLibrary::build()?.offences(&[])?)
@@ -70,7 +70,7 @@ pub fn prove_image(named: &Named) -> anyhow::Result<()> {
         .with_context(|| format!("image `{}`", named.name))
 }
 
-/// Links an image whose panic handler calls [`SYMBOL`]: [`EVERY_FUNCTION`] or [`ONE_PANIC`].
+/// Links an image whose panic handler calls [`SYMBOL`]: [`INTERFACE`] or [`ONE_PANIC`].
 ///
 /// # Errors
 /// As [`prove`].

@@ -22,12 +22,12 @@ impl embedded_io::ErrorType for Host {
 
 impl Write for Host {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, Self::Error> {
-        core::hint::black_box(bytes);
-        core::hint::black_box(self.0)
+        ::core::hint::black_box(bytes);
+        ::core::hint::black_box(self.0)
     }
 
     fn flush(&mut self) -> Result<(), Self::Error> {
-        core::hint::black_box(self.0).map(drop)
+        ::core::hint::black_box(self.0).map(drop)
     }
 }
 
@@ -40,11 +40,11 @@ impl digital::ErrorType for Pin {
 
 impl OutputPin for Pin {
     fn set_low(&mut self) -> Result<(), Self::Error> {
-        core::hint::black_box(self.0)
+        ::core::hint::black_box(self.0)
     }
 
     fn set_high(&mut self) -> Result<(), Self::Error> {
-        core::hint::black_box(self.0)
+        ::core::hint::black_box(self.0)
     }
 }
 
@@ -63,16 +63,16 @@ impl Board for AnyBoard {
     type Host = Host;
 
     fn clock_error_ppm(&self) -> u32 {
-        core::hint::black_box(self.number as u32)
+        ::core::hint::black_box(self.number as u32)
     }
 
     fn gnss(&mut self, chunk: &mut [u8]) -> Taken {
-        core::hint::black_box(chunk);
-        core::hint::black_box(self.taken)
+        ::core::hint::black_box(chunk);
+        ::core::hint::black_box(self.taken)
     }
 
     fn command(&mut self) -> Option<u8> {
-        core::hint::black_box(None)
+        ::core::hint::black_box(None)
     }
 
     fn host(&mut self) -> &mut Host {
@@ -80,44 +80,44 @@ impl Board for AnyBoard {
     }
 
     fn host_room(&self) -> usize {
-        core::hint::black_box(self.number) as usize
+        ::core::hint::black_box(self.number) as usize
     }
 
     fn now_ms(&self) -> u64 {
-        core::hint::black_box(self.number)
+        ::core::hint::black_box(self.number)
     }
 
     fn now_ticks(&self) -> u64 {
-        core::hint::black_box(self.number)
+        ::core::hint::black_box(self.number)
     }
 
     fn driven_ticks(&self, _: &Pin) -> u64 {
-        core::hint::black_box(self.number)
+        ::core::hint::black_box(self.number)
     }
 
     fn losses(&self) -> PortLosses {
-        core::hint::black_box(self.losses)
+        ::core::hint::black_box(self.losses)
     }
 
     fn feed_watchdog(&mut self) {}
 
     fn sleep(&mut self) -> Option<u64> {
-        core::hint::black_box(None)
+        ::core::hint::black_box(None)
     }
 
     fn reset_cause(&self) -> ResetCause {
-        core::hint::black_box(self.cause)
+        ::core::hint::black_box(self.cause)
     }
 
     fn sealed(&mut self) -> &mut [u8; SEALED_BYTES] {
-        core::hint::black_box(&mut self.sealed)
+        ::core::hint::black_box(&mut self.sealed)
     }
 
     fn set_gnss_rate(&mut self, baud: u32) {
-        core::hint::black_box(baud);
+        ::core::hint::black_box(baud);
     }
 
     fn note(&mut self, note: Note) {
-        core::hint::black_box(note);
+        ::core::hint::black_box(note);
     }
 }
