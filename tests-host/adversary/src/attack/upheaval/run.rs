@@ -31,6 +31,9 @@ const QUIET_EPOCHS: u32 = 150;
 /// Seconds of agreement after a leap of the clock.
 const AGREEMENT_S: f64 = 30.0;
 
+/// Largest distance between two fixes of one place, m. Scenes at different places are at least 100 m apart.
+const SAME_PLACE_M: f64 = 50.0;
+
 /// Healthy epochs after `FORGET`: each scene has a clock of its own, which may leap, and half a
 /// minute must agree after that.
 const FORGOTTEN_EPOCHS: u32 = 45;
@@ -135,7 +138,7 @@ impl Run {
     }
 
     /// Checks that healthy epochs are promised, unless the levels or the satellites do not meet the
-    /// settings.
+    /// settings, or the receiver stays where it leapt to: that is an alert for an hour.
     fn expect_promise(&mut self, when: &str, is_forgotten: bool) {
         const EXCUSES: [&str; 7] = ["HPL", "VPL", "EMT", "ACCURACY", "RISK", "REDUNDANCY", "GEOMETRY"];
         let last = self.oracle.last_reason.clone();
@@ -143,8 +146,15 @@ impl Run {
         let last_deg = self.places_deg.last().copied().unwrap_or_default();
         let longest_m = self.places_deg.iter().map(|place| way_m(*place, last_deg)).fold(0.0, f64::max);
         let is_on_its_way = longest_m > self.oracle.max_speed_m_s * (quiet_s - AGREEMENT_S);
+        let place = Scene::quiet(last_deg, 0).site().position;
+        let is_back =
+            self.oracle.promised_place().is_none_or(|before| place.distance_m(before) < SAME_PLACE_M);
         let is_excused = EXCUSES.contains(&last.as_str())
-            || !is_forgotten && (self.was_ahead || last == "JUMP" || is_on_its_way && last == "RECOVERING");
+            || !is_forgotten
+                && (self.was_ahead
+                    || last == "JUMP"
+                    || !is_back && last == "TRACK"
+                    || is_on_its_way && last == "RECOVERING");
         if !self.oracle.has_promised_last && !is_excused {
             self.oracle.find(Finding::Lost, self.victim.now_s(), &format!("{last} {when}"));
         }
