@@ -67,6 +67,7 @@ fn the_linearised_epoch<T: Real>() {
         Workspace::<T, N>::equations as fn(_) -> _,
         Workspace::<T, N>::equations_mut as fn(_) -> _,
         Workspace::<T, N>::solve as fn(_) -> _,
+        Workspace::<T, N>::w_test as fn(_, _) -> _,
         Workspace::<T, N>::copy_of::<N> as fn(_, _) -> _,
         Snapshot::<T, N>::leave_out as fn(_, _) -> _,
         Snapshot::<T, N>::take_back as fn(_, _) -> _,
