@@ -19,6 +19,7 @@
 
 use crate::bit_rate::BitRate;
 use crate::board::{Board, Note, PortLosses};
+use crate::observer::Observer;
 use crate::receiver::Receiver;
 use crate::timed_ring::Taken;
 
@@ -73,14 +74,14 @@ impl EpochLoop {
     }
 
     /// Runs passes until the host orders a reset.
-    pub fn run<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
+    pub fn run<B: Board, O: Observer>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin, O>) {
         while !receiver.reset_requested() {
             self.pass(board, receiver);
         }
     }
 
     /// Runs one pass.
-    pub fn pass<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
+    pub fn pass<B: Board, O: Observer>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin, O>) {
         self.take_gnss(board, receiver);
         take_command(board, receiver);
         self.set_rate(board, receiver);
@@ -96,7 +97,7 @@ impl EpochLoop {
     }
 
     /// Hands one chunk of GNSS bytes to the receiver.
-    fn take_gnss<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
+    fn take_gnss<B: Board, O: Observer>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin, O>) {
         let start_ticks = board.now_ticks();
         match board.gnss(&mut self.chunk) {
             Taken::Nothing => self.silent_until_ticks = start_ticks,
@@ -117,7 +118,7 @@ impl EpochLoop {
         }
     }
 
-    fn close<B: Board>(&mut self, board: &mut B, receiver: &Receiver<B::Pin>) {
+    fn close<B: Board, O: Observer>(&mut self, board: &mut B, receiver: &Receiver<B::Pin, O>) {
         if self.epochs.is_multiple_of(EPOCHS_PER_HIGH_WATER) {
             board.note(Note::HighWater);
         }
@@ -130,7 +131,7 @@ impl EpochLoop {
 
     /// Sets another rate of the GNSS port, if a command requires it or no frame is valid at this
     /// rate.
-    fn set_rate<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
+    fn set_rate<B: Board, O: Observer>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin, O>) {
         if let Some(baud) = self.rate.next(receiver.frames(), receiver.configuration().bit_rate.rate()) {
             board.set_gnss_rate(baud);
             board.note(Note::GnssRate(baud));
@@ -138,7 +139,7 @@ impl EpochLoop {
         }
     }
 
-    fn note_losses<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
+    fn note_losses<B: Board, O: Observer>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin, O>) {
         let losses = board.losses();
         if losses != self.losses {
             receiver.note_losses(&losses);
@@ -150,7 +151,7 @@ impl EpochLoop {
 
 /// Advances the receiver's time. The receiver may then report without a new byte: a silent line, or
 /// an epoch that a damaged frame had delayed.
-fn look_at_clock<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
+fn look_at_clock<B: Board, O: Observer>(board: &mut B, receiver: &mut Receiver<B::Pin, O>) {
     let now_ms = board.now_ms();
     if receiver.tick(now_ms, board.host()) {
         board.note(Note::Stale(receiver.last_verdict()));
@@ -162,7 +163,7 @@ fn look_at_clock<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
 /// sentences of an epoch.
 // Not inlined, so that its stack frame is gone while an epoch is judged.
 #[inline(never)]
-fn take_command<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
+fn take_command<B: Board, O: Observer>(board: &mut B, receiver: &mut Receiver<B::Pin, O>) {
     if receiver.has_more_to_say() {
         if may_answer(board, receiver) {
             receiver.go_on(board.host());
@@ -182,6 +183,6 @@ fn take_command<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
 }
 
 /// Returns true if a long answer can continue now.
-fn may_answer<B: Board>(board: &B, receiver: &Receiver<B::Pin>) -> bool {
+fn may_answer<B: Board, O: Observer>(board: &B, receiver: &Receiver<B::Pin, O>) -> bool {
     receiver.has_more_to_say() && board.host_room() >= RESERVE_BYTES
 }

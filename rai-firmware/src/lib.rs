@@ -65,6 +65,7 @@
 //! | `osnma` | `KEY`, `ROOT`, `AUTH`, `TRUST`: authenticated ephemerides of Galileo |
 //! | `gsv` | `GSV` |
 //! | `log` | the log of a board |
+//! | `observer` | an account of each judged epoch, satellite by satellite, for a program on a computer ([`observer`]); off at start |
 //!
 //! Commands that need a missing feature are refused with `not in this build`. `stm32f405` and
 //! `mps2-an500` are the boards; only they need the crates of a Cortex-M.
@@ -168,6 +169,7 @@ mod known_place;
 mod median;
 #[doc(hidden)]
 pub mod navigator;
+pub mod observer;
 #[cfg(feature = "osnma")]
 #[doc(hidden)]
 pub mod osnma;

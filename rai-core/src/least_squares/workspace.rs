@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use super::{RowFit, Snapshot, SnapshotError, Solved};
 use crate::least_squares::equations::LinearEpoch;
 use crate::numeric::real::Real;
+use crate::numeric::space::dot;
 
 /// Memory for at most `N` equations and their solution. It is reused from epoch to epoch, so that
 /// nothing large is moved.
@@ -61,6 +62,20 @@ impl<T: Real, const N: usize> Workspace<T, N> {
         self.equations.copy_from(snapshot.rows, snapshot.references)?;
         self.solved = *snapshot.solved;
         Some(self.lend())
+    }
+
+    /// Returns a residual of the last solution over its standard deviation, dimensionless: the
+    /// w-test of a row that takes part, and the same for a row that is left out, whose residual is
+    /// its difference to the prediction by the others. `None` if nothing else tests the row.
+    pub fn w_test(&self, index: usize) -> Option<T> {
+        let (row, fit) = self.equations.rows().get(index).zip(self.fits.get(index))?;
+        if row.weight > T::zero() {
+            return Some(fit.w_test()).filter(|_| fit.test_weight > T::zero());
+        }
+        let estimate = &self.solved.estimate;
+        let is_predicted = row.clock.is_none_or(|clock| estimate.determines(clock));
+        let predicted = estimate.level_variance(row) + dot(&fit.centred, &fit.gain);
+        is_predicted.then(|| fit.residual / (row.sigma * row.sigma + predicted).sqrt_approx())
     }
 
     /// Solves the equations in place without fits. Returns the correction of the position, east,

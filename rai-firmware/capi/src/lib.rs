@@ -47,7 +47,7 @@
 //! | `searches` | `RAI_METHOD_SIMULTANEOUS` to `RAI_METHOD_RANSAC` |
 //! | `araim` | `RAI_METHOD_SEPARATION` |
 //! | `whole` | all of the above |
-//! | `watcher` | on a computer: the satellites of an epoch one by one, for Python; not in the header and not part of `whole` |
+//! | `watcher` | on a computer: the receiver keeps its account of the satellites of an epoch, for Python; not in the header and not part of `whole` |
 //! | `satellites-32`, `satellites-48` | at most 32 or 48 satellites in an epoch; without both 16, in less memory |
 //!
 //! `cargo xtask bench` prints the flash of each feature, and the memory of the objects.

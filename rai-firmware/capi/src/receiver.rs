@@ -14,6 +14,8 @@ use crate::status::*;
 use crate::storage::{RAI_RECEIVER_SIZE, RAI_RECEIVER_WORDS};
 use crate::text::{Lines, rai_text_t, words};
 use crate::verdict::{RAI_REASON_NONE, RAI_STATE_NONE, rai_verdict_t, state_of};
+#[cfg(feature = "watcher")]
+use crate::watcher::Watch;
 
 /// Memory of a receiver. Its contents are private to the library; only its size and alignment
 /// matter.
@@ -23,14 +25,23 @@ pub struct rai_receiver_t {
     pub opaque: [u64; RAI_RECEIVER_WORDS],
 }
 
-type Stored = Object<Receiver<MemoryPin>, 2>;
+#[cfg(not(feature = "watcher"))]
+type Module = Receiver<MemoryPin>;
+#[cfg(feature = "watcher")]
+type Module = Receiver<MemoryPin, Watch>;
+
+type Stored = Object<Module, 2>;
 
 /// Makes a receiver in place, behind an exclusive reference, so that it is not on the stack first.
 #[inline(never)]
-fn make(place: &mut MaybeUninit<Receiver<MemoryPin>>) -> Result<(), rai_status_t> {
+fn make(place: &mut MaybeUninit<Module>) -> Result<(), rai_status_t> {
     let mut boot = Boot::on_host("library");
     boot.clock_error_ppm = Boot::WITHOUT_CRYSTAL_PPM;
-    Receiver::place(place, MemoryPin::default(), boot).map(|_| ()).map_err(refusal_of)
+    #[cfg(not(feature = "watcher"))]
+    let placed = Receiver::place(place, MemoryPin::default(), boot);
+    #[cfg(feature = "watcher")]
+    let placed = Receiver::place_observed(place, MemoryPin::default(), Watch::new(), boot);
+    placed.map(|_| ()).map_err(refusal_of)
 }
 
 /// Returns the receiver behind a handle.
@@ -38,15 +49,15 @@ fn make(place: &mut MaybeUninit<Receiver<MemoryPin>>) -> Result<(), rai_status_t
 /// # Safety
 /// As for `Stored::at`.
 #[allow(unsafe_code)]
-pub(crate) unsafe fn at<'a>(
-    handle: *const rai_receiver_t,
-) -> Result<&'a mut Receiver<MemoryPin>, rai_status_t> {
+pub(crate) unsafe fn at<'a>(handle: *const rai_receiver_t) -> Result<&'a mut Module, rai_status_t> {
     // SAFETY: guaranteed by the caller.
     unsafe { Stored::at(handle.cast_mut().cast()) }
 }
 
+// A receiver that is watched is larger: its program takes as much as `rai_receiver_size` states.
 const _: () = assert!(
-    size_of::<Stored>() <= RAI_RECEIVER_SIZE && align_of::<Stored>() <= align_of::<rai_receiver_t>(),
+    (cfg!(feature = "watcher") || size_of::<Stored>() <= RAI_RECEIVER_SIZE)
+        && align_of::<Stored>() <= align_of::<rai_receiver_t>(),
     "the receiver has outgrown RAI_RECEIVER_SIZE: raise it, and RAI_ABI_VERSION with it"
 );
 
@@ -81,7 +92,7 @@ pub unsafe extern "C" fn rai_receiver_init(
         // SAFETY: guaranteed by the caller; all of the result is written.
         unsafe {
             Stored::room(memory.cast(), length)?.fill(
-                |place: *mut Receiver<MemoryPin>| make(&mut *place.cast()),
+                |place: *mut Module| make(&mut *place.cast()),
                 |receiver| {
                     receiver.greet(&mut lines);
                     Ok(())
@@ -257,7 +268,7 @@ pub unsafe extern "C" fn rai_receiver_report(
     status_of(receiver.and_then(|receiver| unsafe { give(verdict, &said_last(receiver)) }))
 }
 
-fn said_last(receiver: &Receiver<MemoryPin>) -> rai_verdict_t {
+fn said_last(receiver: &Module) -> rai_verdict_t {
     match (receiver.last_report(), receiver.last_verdict()) {
         (Some(report), _) => rai_verdict_t::of(report),
         (None, Some(verdict)) => rai_verdict_t::without_position(verdict),

@@ -1,16 +1,40 @@
 //! Satellites of an epoch, one by one, for a program on a computer: the package for Python.
 //!
-//! A watcher reads the bytes that a receiver reads, because the receiver reports verdicts and not
-//! satellites. It is not part of the header, and it allocates, because only a computer runs it.
+//! The receiver stores the account of its last epoch ([`raim_firmware::observer`]). It is not part
+//! of the header, because a microcontroller has no memory for it.
 
 use core::mem::MaybeUninit;
 
-use raim::satellites::{Fate, Seen, Watcher};
+use heapless::Vec;
+use raim_core::Verdict;
+use raim_firmware::observer::{Account, Fate, Judged, Observer};
+use raim_firmware::raw::EPOCH_CAPACITY;
 
-use crate::pointer::{places, slice, status_of};
+use crate::pointer::{places, status_of};
 use crate::receiver::{at, rai_receiver_t};
 use crate::residual::counted;
-use crate::status::{RAI_STATUS_NULL, RAI_STATUS_SHORT, rai_status_t};
+use crate::status::{RAI_STATUS_SHORT, rai_status_t};
+
+/// Accounts of the satellites of the last epoch, in the order of their names.
+#[derive(Debug)]
+pub(crate) struct Watch(Vec<Account, EPOCH_CAPACITY>);
+
+impl Watch {
+    pub(crate) const fn new() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl Observer for Watch {
+    fn epoch(&mut self, judged: &Judged<'_>) {
+        self.0 = judged.accounts().take(EPOCH_CAPACITY).collect();
+        self.0.sort_unstable_by_key(|account| account.satellite);
+    }
+
+    fn without_epoch(&mut self, _: Verdict) {
+        self.0.clear();
+    }
+}
 
 /// A satellite of an epoch. Unknown values are NaN.
 #[repr(C)]
@@ -39,92 +63,51 @@ pub struct rai_seen_t {
 }
 
 impl rai_seen_t {
-    fn of(seen: &Seen) -> Self {
-        let (letter, number) = seen.satellite.name();
+    fn of(account: &Account) -> Self {
+        let (letter, number) = account.satellite.name();
         let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
         Self {
-            azimuth_rad: known(seen.azimuth_rad),
-            elevation_rad: known(seen.elevation_rad),
-            cn0_dbhz: known(seen.cn0_dbhz),
-            residual_m: known(seen.residual_m),
-            sigma_m: known(seen.sigma_m),
-            w_test: known(seen.w_test),
+            azimuth_rad: known(account.azimuth_rad),
+            elevation_rad: known(account.elevation_rad),
+            cn0_dbhz: known(account.cn0_dbhz),
+            residual_m: known(account.residual_m),
+            sigma_m: known(account.sigma_m),
+            w_test: known(account.w_test),
             // The letters are ASCII.
             system: letter as u8,
             number,
-            fate: seen.fate as u8,
+            fate: account.fate as u8,
             reserved: [0; 5],
         }
     }
 }
 
-/// Returns a watcher before the first byte; `rai_watcher_free` releases it.
-#[unsafe(no_mangle)]
-pub extern "C" fn rai_watcher_make() -> *mut Watcher {
-    Box::into_raw(Box::new(Watcher::new()))
-}
-
-/// Releases a watcher.
+/// Writes the satellites of the epoch that the receiver has judged last, and their number to
+/// `count`; none after a silence. Refuses a `capacity` below the number of satellites; 64 are
+/// always enough.
 ///
 /// # Safety
-/// `watcher` is null or comes from `rai_watcher_make`, and is not used afterwards.
+/// As for `rai_receiver_residuals`.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn rai_watcher_free(watcher: *mut Watcher) {
-    if !watcher.is_null() {
-        // SAFETY: guaranteed by the caller.
-        drop(unsafe { Box::from_raw(watcher) });
-    }
-}
-
-/// Takes the bytes that the receiver takes next.
-///
-/// # Safety
-/// `watcher` is null or comes from `rai_watcher_make`, and is not used elsewhere during the call.
-/// `bytes` is null or points to `count` bytes.
-#[allow(unsafe_code)]
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn rai_watcher_hear(
-    watcher: *mut Watcher,
-    bytes: *const u8,
-    count: usize,
-    now_ms: u64,
-) -> rai_status_t {
-    // SAFETY: guaranteed by the caller.
-    let (watcher, bytes) = unsafe { (watcher.as_mut(), slice(bytes, count)) };
-    status_of(watcher.ok_or(RAI_STATUS_NULL).and_then(|watcher| {
-        watcher.hear(bytes?, now_ms);
-        Ok(())
-    }))
-}
-
-/// Writes the satellites of the epoch that the receiver has just judged, and their number to
-/// `count`. Refuses a `capacity` below the number of satellites; 64 are always enough.
-///
-/// # Safety
-/// As for `rai_watcher_hear` and `rai_receiver_residuals`.
-#[allow(unsafe_code)]
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn rai_watcher_view(
-    watcher: *mut Watcher,
+pub unsafe extern "C" fn rai_receiver_satellites(
     receiver: *const rai_receiver_t,
     seen: *mut rai_seen_t,
     capacity: usize,
     count: *mut usize,
 ) -> rai_status_t {
     // SAFETY: guaranteed by the caller.
-    let (watcher, receiver, places) =
-        unsafe { (watcher.as_mut(), at(receiver), places::<rai_seen_t>(seen, capacity)) };
+    let (receiver, places) = unsafe { (at(receiver), places::<rai_seen_t>(seen, capacity)) };
     let write = || {
-        let (watcher, receiver, places) = (watcher.ok_or(RAI_STATUS_NULL)?, receiver?, places?);
-        let satellites = watcher.view(receiver).satellites;
-        if places.len() < satellites.len() {
+        let (receiver, places) = (receiver?, places?);
+        let Watch(accounts) = receiver.observer();
+        if places.len() < accounts.len() {
             return Err(RAI_STATUS_SHORT);
         }
-        places.iter_mut().zip(&satellites).for_each(|(place, one): (&mut MaybeUninit<_>, _)| {
+        places.iter_mut().zip(accounts).for_each(|(place, one): (&mut MaybeUninit<_>, _)| {
             place.write(rai_seen_t::of(one));
         });
-        Ok(satellites.len())
+        Ok(accounts.len())
     };
     // SAFETY: guaranteed by the caller.
     status_of(unsafe { counted(count, write) })

@@ -5,7 +5,7 @@ use std::io::{Read as _, stdin};
 use anyhow::{Context as _, Result};
 use raim::page::live::{State, json};
 use raim::replay::{check_answers, command_for};
-use raim::satellites::Watcher;
+use raim::satellites::{Views, views_of};
 use raim::sentence::{self, command};
 use raim_firmware::bit_rate::{BitRate, RATES};
 use raim_firmware::pin::MemoryPin;
@@ -13,8 +13,7 @@ use raim_firmware::receiver::{Boot, Receiver};
 
 /// A running module.
 pub(crate) struct Live {
-    receiver: Receiver<MemoryPin>,
-    watcher: Watcher,
+    receiver: Receiver<MemoryPin, Views>,
     state: State,
     said: Vec<u8>,
     rate: BitRate,
@@ -34,7 +33,8 @@ impl Live {
         let fixed =
             (rate != "AUTO").then(|| rate.parse()).transpose().context("the rate must be a number")?;
         let boot = Boot::on_host("page");
-        let mut receiver = Receiver::new(MemoryPin::default(), boot).context("the module cannot start")?;
+        let mut receiver = Receiver::observed(MemoryPin::default(), Views::new(true), boot)
+            .context("the module cannot start")?;
         let setup: Vec<String> = settings.iter().map(|text| command_for(text)).collect::<Result<_>>()?;
         let mut answers = Vec::new();
         for body in &setup {
@@ -44,8 +44,7 @@ impl Live {
         let state = State::new(name.to_owned(), settings.iter().map(|text| (*text).to_owned()).collect());
         println!("{}", json(&state));
         let baud = fixed.unwrap_or(RATES[0]);
-        let (watcher, rate) = (Watcher::new(), BitRate::new());
-        Ok(Self { receiver, watcher, state, said: Vec::new(), rate, baud, fixed })
+        Ok(Self { receiver, state, said: Vec::new(), rate: BitRate::new(), baud, fixed })
     }
 
     /// Takes the bytes on standard input; returns true after a verdict.
@@ -54,7 +53,6 @@ impl Live {
         if stdin().read_to_end(&mut bytes).is_err() {
             return false;
         }
-        self.watcher.hear(&bytes, came_ms);
         self.receiver.gnss(&bytes, came_ms, &mut self.said);
         self.rate.hear(came_ms);
         self.baud = self.rate.next(self.receiver.frames(), self.fixed).unwrap_or(self.baud);
@@ -82,9 +80,9 @@ impl Live {
         let said = std::mem::take(&mut self.said);
         let outputs = sentence::sentences(&said).and_then(|text| sentence::epochs(&text)).unwrap_or_default();
         self.state.live(self.receiver.pin().high);
-        for output in &outputs {
-            let satellites = output.state.has_epoch().then(|| self.watcher.view(&self.receiver).satellites);
-            self.state.take(output.clone(), satellites);
+        let views = self.receiver.observer_mut().take();
+        for (output, view) in outputs.iter().zip(views_of(&outputs, &views)) {
+            self.state.take(output.clone(), view.map(|view| view.satellites.clone()));
         }
         if !outputs.is_empty() {
             println!("{}", json(&self.state));

@@ -140,10 +140,7 @@ _FUNCTIONS = {
     "rai_receiver_report": (_STATUS, [c_void_p, POINTER(Verdict)]),
     "rai_receiver_accuracy": (_STATUS, [c_void_p, POINTER(Accuracy)]),
     "rai_receiver_velocity": (_STATUS, [c_void_p, POINTER(Velocity)]),
-    "rai_watcher_make": (c_void_p, []),
-    "rai_watcher_free": (None, [c_void_p]),
-    "rai_watcher_hear": (_STATUS, [c_void_p, c_char_p, c_size_t, c_uint64]),
-    "rai_watcher_view": (_STATUS, [c_void_p, c_void_p, POINTER(Seen), c_size_t, POINTER(c_size_t)]),
+    "rai_receiver_satellites": (_STATUS, [c_void_p, POINTER(Seen), c_size_t, POINTER(c_size_t)]),
     "rai_fate_text": (c_void_p, [c_uint8, POINTER(c_size_t)]),
     "rai_receiver_counter": (_STATUS, [c_void_p, c_size_t, POINTER(Counter)]),
 }

@@ -11,7 +11,6 @@ import dataclasses
 import gzip
 import math
 import os
-import weakref
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -61,7 +60,7 @@ def replay(path: str | os.PathLike[str], settings: Mapping[str, str] | None = No
     name = os.fspath(path)
     with gzip.open(name) if name.endswith(".gz") else open(name, "rb") as file:
         data = file.read()
-    module = _Module(settings or {}, watches=False)
+    module = _Module(settings or {})
     times = [(end, row["time_s"]) for end, row, _ in _pass(module, data, []) if not math.isnan(row["time_s"])]
     module = _Module(settings or {})
     rows = list(_pass(module, data, _arrivals(times)))
@@ -112,7 +111,7 @@ def _pass(module: _Module, data: bytes, arrivals: list[tuple[int, int]]):
 class _Module:
     """A receiver of the C interface."""
 
-    def __init__(self, settings: Mapping[str, str], watches: bool = True):
+    def __init__(self, settings: Mapping[str, str]):
         self.sentences: list[str] = []
         self._room = ctypes.create_string_buffer(16384)
         self._text = c.Text(ctypes.addressof(self._room), len(self._room), 0, 0)
@@ -120,8 +119,6 @@ class _Module:
         self._judged = ctypes.c_uint8()
         self._verdict, self._accuracy, self._velocity = c.Verdict(), c.Accuracy(), c.Velocity()
         self._seen, self._count = (c.Seen * c.MAX_SEEN)(), ctypes.c_size_t()
-        self._watcher = LIBRARY.rai_watcher_make() if watches else None
-        weakref.finalize(self, LIBRARY.rai_watcher_free, self._watcher)
         demand(LIBRARY.rai_receiver_init(self._memory, ctypes.sizeof(self._memory), self._text))
         self._said()
         for key, values in settings.items():
@@ -140,8 +137,6 @@ class _Module:
         return len(chunk), list(self._verdicts())
 
     def _gnss(self, chunk: bytes, now_ms: int) -> None:
-        if self._watcher:
-            demand(LIBRARY.rai_watcher_hear(self._watcher, chunk, len(chunk), now_ms))
         demand(LIBRARY.rai_receiver_gnss(self._memory, chunk, len(chunk), now_ms, self._text, self._judged))
 
     def tick(self, now_ms: int):
@@ -189,9 +184,7 @@ class _Module:
         return row
 
     def _satellites(self) -> list[dict[str, object]]:
-        if not self._watcher or not self._verdict.tracked:
-            return []
-        demand(LIBRARY.rai_watcher_view(self._watcher, self._memory, self._seen, c.MAX_SEEN, self._count))
+        demand(LIBRARY.rai_receiver_satellites(self._memory, self._seen, c.MAX_SEEN, self._count))
         return [
             {
                 "satellite": f"{known.system.decode()}{known.number:02}",

@@ -43,15 +43,19 @@ use horizon::Horizon;
 mod atmosphere;
 mod bands;
 mod choice;
+mod fate;
 mod frequency;
 pub(crate) mod horizon;
+mod notes;
 mod site;
 mod twins;
 
 pub use atmosphere::{Klobuchar, Place, Slant, Troposphere};
 use choice::choose_by;
 pub use choice::{Choice, Choices, SINGLES, choose, ionosphere_free};
+pub use fate::Fate;
 pub use frequency::{Preference, Ranges};
+use notes::{Mark, Notes};
 pub use raim_single::CAPACITY;
 pub use site::Site;
 
@@ -76,13 +80,27 @@ counters! {
     }
 }
 
-/// Counters of unused satellites since start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Counters of unused satellites since start, and notes on those of the last epoch.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Satellites without a usable ephemeris.
     pub ephemerides: ephemeris::Refusals,
     /// Satellites refused for another reason.
     pub ranges: Refusals,
+    pub(crate) notes: Notes,
+}
+
+impl Tally {
+    /// Returns the state to which [`Self::restore`] returns.
+    pub(crate) fn mark(&self) -> (Refusals, Mark) {
+        (self.ranges, self.notes.mark())
+    }
+
+    /// Forgets the refusals after a mark, because they do not count.
+    pub(crate) fn restore(&mut self, (ranges, notes): (Refusals, Mark)) {
+        self.ranges = ranges;
+        self.notes.truncate(notes);
+    }
 }
 
 /// A satellite with a known position. Its ranges lack only the corrections that depend on the
@@ -255,6 +273,7 @@ pub(crate) fn locate_within(
     sky: &mut Sky,
 ) {
     sky.clear();
+    tally.notes.clear();
     let mut crowd = Crowd { view, seen: 0 };
     // If a receiver reports strength for some signals, one without a report counts as just at the
     // mask.
@@ -265,19 +284,33 @@ pub(crate) fn locate_within(
         let (letter, _) = satellite.satellite.name();
         if !systems.contains(letter) {
             count(&mut tally.ranges.system_left_out);
+            tally.notes.refuse(satellite.satellite, Fate::SystemLeftOut);
             continue;
         }
         match locate_one(satellite, raw.time, store, (mask_dbhz, unsaid_dbhz), &mut crowd, sky) {
             Ok(Placed::Yes) => {}
             Ok(Placed::Instead) => count(&mut tally.ranges.below_mask),
-            Ok(Placed::Full) => count(&mut tally.ranges.epoch_full),
-            Ok(Placed::WithoutSignal) => count(&mut tally.ranges.signal_unusable),
-            Err(reason) => tally.ephemerides.count(reason),
+            Ok(Placed::Full) => {
+                count(&mut tally.ranges.epoch_full);
+                tally.notes.refuse(satellite.satellite, Fate::EpochFull);
+            }
+            Ok(Placed::WithoutSignal) => {
+                count(&mut tally.ranges.signal_unusable);
+                tally.notes.refuse(satellite.satellite, Fate::SignalUnusable);
+            }
+            Err(reason) => {
+                tally.ephemerides.count(reason);
+                tally.notes.refuse(satellite.satellite, reason);
+            }
         }
     }
+    // Those that others have replaced.
+    tally.notes.refuse_missing(raw, sky, Fate::BelowMask);
     if cfg!(feature = "signs") {
         twins::remove_twins(sky, &mut tally.ranges.satellite_twice);
+        tally.notes.refuse_missing(raw, sky, Fate::Twice);
         bands::remove_apart(sky, &mut tally.ranges.bands_apart);
+        tally.notes.refuse_missing(raw, sky, Fate::BandsApart);
     }
 }
 

@@ -17,7 +17,7 @@ use raim_core::satellite::Constellation;
 use super::atmosphere::{Klobuchar, Place, Troposphere};
 use super::frequency::Ranges;
 use super::horizon::Horizon;
-use super::{CAPACITY, Choice, Located, Refusals, Sky, root_of_squares, sum_m};
+use super::{CAPACITY, Choice, Fate, Located, Sky, Tally, root_of_squares, sum_m};
 use crate::counters::count;
 use crate::raw::Band;
 use crate::time::GpsTime;
@@ -91,13 +91,15 @@ impl Site {
 
     /// Builds the epoch of this site; satellites left out are counted by reason.
     #[inline(never)]
-    pub fn correct(&self, sky: &Sky, refusals: &mut Refusals, epoch: &mut Epoch<CAPACITY>) {
+    pub fn correct(&self, sky: &Sky, tally: &mut Tally, epoch: &mut Epoch<CAPACITY>) {
         epoch.restart(self.time.to_s());
+        let Tally { ranges: refusals, notes, .. } = tally;
         let usual = Usual::of(sky, self.ranges);
         let ionosphere = self.ionosphere_of(sky);
         for located in sky {
             let Some(corrected) = self.observe(located, self.ranges, &usual, ionosphere) else {
                 count(&mut refusals.below_mask);
+                notes.refuse(located.satellite, Fate::BelowMask);
                 continue;
             };
             let observation = Observation {
@@ -117,6 +119,7 @@ impl Site {
                     // A number of the range, its position or its sigma.
                     _ => &mut refusals.range_implausible,
                 });
+                notes.refuse(located.satellite, error);
             }
         }
     }

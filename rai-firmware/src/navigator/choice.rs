@@ -49,7 +49,7 @@ impl Navigator {
 
     /// Compares the levels of both kinds of ranges.
     fn compare(&mut self, point: Ecef, time: GpsTime, configuration: &Configuration) {
-        let (mut preference, refusals) = (self.preference, self.tally.ranges);
+        let (mut preference, before) = (self.preference, self.tally.mark());
         preference.weigh(self.monitor.noise(time.to_s()), |ranges, noise| {
             self.correct_about(point, time, ranges, configuration);
             let Room { epoch, memory, .. } = &mut self.room;
@@ -59,6 +59,7 @@ impl Navigator {
             Some((levels.hpl_m / configuration.hal_m).max(vertical) as f32)
         });
         // Refusals of a set that is not used do not count.
-        (self.preference, self.tally.ranges) = (preference, refusals);
+        self.preference = preference;
+        self.tally.restore(before);
     }
 }

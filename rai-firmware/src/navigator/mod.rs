@@ -21,6 +21,8 @@ use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_single::{Monitor, MonitorMemory, Workspace};
 
+#[cfg(feature = "observer")]
+use crate::correction::Fate;
 use crate::correction::horizon::coordinates_m;
 use crate::correction::{CAPACITY, Located, Preference, Ranges, Sky, Tally, View, locate_within};
 #[cfg(feature = "cnav")]
@@ -34,6 +36,8 @@ use crate::osnma::Seal;
 use crate::output::Places;
 use crate::rates::{RateTally, Rates};
 use crate::raw::RawEpoch;
+#[cfg(feature = "observer")]
+use crate::raw::RawSatellite;
 use crate::settings::{Configuration, Place, Systems};
 use crate::time::GpsTime;
 
@@ -300,6 +304,7 @@ impl Navigator {
         let Room { sky, epoch, memory } = &mut self.room;
         // From here on the sigmas are those of the judgement.
         epoch.change_noise(memory.outcome().noise());
+        self.tally.notes.measure(memory.workspace());
         if let Some(reason) = self.distrusted {
             memory.outcome_mut().override_alert(reason);
         }
@@ -330,6 +335,41 @@ impl Navigator {
         }
         report.tracked = raw.satellites.len().min(255) as u8;
         report
+    }
+}
+
+/// The parts of an account.
+#[cfg(feature = "observer")]
+impl Navigator {
+    /// Returns the use of a satellite of the last epoch, or the reason why it is not used.
+    pub(crate) fn fate_of(&self, satellite: SatelliteId) -> Fate {
+        let report = self.report();
+        match self.tally.notes.refusal(satellite) {
+            // Without a position there is no elevation.
+            Some(Fate::BelowMask) if report.solution.is_none() => Fate::NoPosition,
+            Some(fate) => fate,
+            None if report.used.contains(&satellite) => Fate::Used,
+            None if report.solution.is_none() => Fate::NoPosition,
+            None if report.excluded.iter().any(|suspect| suspect.satellite == satellite) => Fate::Excluded,
+            None if report.excluded_constellations >> (satellite.constellation() as u8) & 1 != 0 => {
+                Fate::SystemExcluded
+            }
+            None => Fate::Excluded,
+        }
+    }
+
+    /// Returns the position of a satellite of the last epoch, whether or not it is used.
+    pub(crate) fn position_of(&self, raw: &RawSatellite, time: GpsTime) -> Option<Ecef> {
+        let of_orbit = || {
+            let ephemeris = self.store.get(raw.satellite, time).ok()?;
+            Some(ephemeris.at(time, raw.signals.first()?.range_m).ok()?.position)
+        };
+        self.place_of(raw.satellite).or_else(of_orbit)
+    }
+
+    /// Returns the w-test of a range by its index in the last epoch, dimensionless.
+    pub(crate) fn w_test(&self, index: usize) -> Option<f64> {
+        self.tally.notes.w_test(index)
     }
 }
 

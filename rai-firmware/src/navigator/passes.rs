@@ -59,7 +59,7 @@ impl Navigator {
         let ranges = self.ranges(guess, raw.time, configuration);
         self.learn_anew_of((ranges, configuration.systems));
         self.learn_anew_with_model(ranges);
-        let before = self.tally.ranges;
+        let before = self.tally.mark();
         let mut known = Vec::<SatelliteId, MAX_EXCLUDED>::new();
         let mut searches = 0;
         // All passes share the range rates, which differ by less than 1 m/s at points a few
@@ -87,10 +87,10 @@ impl Navigator {
             let search = if settled { Search::Known(&known) } else { Search::Anew };
             guess = found.unwrap_or_else(|| self.coarse_position(raw.time));
             // Refusals at the less accurate point do not count.
-            self.tally.ranges = before;
+            self.tally.restore(before);
             self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
         }
-        let refused_a_range = self.tally.ranges.range_implausible != before.range_implausible;
+        let refused_a_range = self.tally.ranges.range_implausible != before.0.range_implausible;
         self.conclude(raw, came_ms, configuration.place.as_ref(), refused_a_range, without_orbit)
     }
 
@@ -145,7 +145,7 @@ impl Navigator {
         let site =
             Site::new(point, time, configuration.mask_rad(), klobuchar).with_ranges(ranges).weighted_by(ism);
         let Room { sky, epoch, .. } = &mut self.room;
-        site.correct(sky, &mut self.tally.ranges, epoch);
+        site.correct(sky, &mut self.tally, epoch);
         // The forecast of a clock may need one more row.
         let has_room = epoch.observations().len() + 1 < CAPACITY;
         if let Some(height) = self

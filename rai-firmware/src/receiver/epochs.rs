@@ -21,6 +21,7 @@ use crate::ephemeris::{Ephemeris, Insertion};
 use crate::input::{Event, Suspicions};
 use crate::known_place::{HostHeight, aiding_of};
 use crate::navigator::Navigator;
+use crate::observer::{Judged, Observer};
 #[cfg(feature = "osnma")]
 use crate::osnma::{Keys, Summary};
 #[cfg(feature = "osnma")]
@@ -82,8 +83,9 @@ pub(super) fn requirements_at_start() -> Result<ValidatedRequirements, MonitorEr
 
 /// State of the module behind the input, and the reaction to each event.
 #[derive(Debug)]
-pub(super) struct EpochLoop<P> {
+pub(super) struct EpochLoop<P, O> {
     pub(super) pin: P,
+    pub(super) observer: O,
     pub(super) navigator: Navigator,
     pub(super) configuration: Configuration,
     pub(super) publisher: Publisher,
@@ -125,7 +127,7 @@ pub(super) struct EpochLoop<P> {
     pub(super) authentication: Option<Summary>,
 }
 
-impl<P: OutputPin> EpochLoop<P> {
+impl<P: OutputPin, O: Observer> EpochLoop<P, O> {
     /// Returns the state before the first event. The caller has tried to set the pin
     /// low; `pin_failures` is the number of failed attempts.
     ///
@@ -134,12 +136,14 @@ impl<P: OutputPin> EpochLoop<P> {
     #[inline(always)]
     pub(super) fn new(
         pin: P,
+        observer: O,
         pin_failures: u32,
         requirements: ValidatedRequirements,
         clock_error_ppm: u32,
     ) -> Self {
         Self {
             pin,
+            observer,
             navigator: Navigator::of(requirements),
             configuration: AT_START,
             publisher: Publisher::new(AT_START.hash()),
@@ -362,6 +366,7 @@ impl<P: OutputPin> EpochLoop<P> {
         };
         let written = self.publisher.tell(&statement, &self.configuration.outputs, host);
         self.sent(written.is_ok());
+        self.observer.epoch(&Judged::new(raw, &self.navigator));
     }
 
     #[inline(never)]
@@ -424,7 +429,10 @@ impl<P: OutputPin> EpochLoop<P> {
 
     fn tell_without_epoch<W: Write>(&mut self, verdict: Verdict, host: &mut W) -> Result<(), W::Error> {
         let (publisher, configuration) = (&mut self.publisher, &self.configuration);
-        publisher.tell_without_epoch(verdict, self.last_time, self.gps_minus_utc_s, configuration, host)
+        let written =
+            publisher.tell_without_epoch(verdict, self.last_time, self.gps_minus_utc_s, configuration, host);
+        self.observer.without_epoch(verdict);
+        written
     }
 
     /// Runs the known-answer tests.

@@ -69,6 +69,7 @@ use crate::correction::CAPACITY;
 use crate::counters::count_many;
 use crate::input::{Input, LeapSecond, Suspicion};
 use crate::known_place::HostHeight;
+use crate::observer::Observer;
 #[cfg(feature = "osnma")]
 use crate::osnma::Summary;
 use crate::output::nmea::{write_answer, write_counters, write_refusal, write_version};
@@ -85,13 +86,13 @@ const PAUSE_MS: u64 = 100;
 /// Reading costs a tenth of judging, so that a module that is behind catches up by reading only.
 pub const LAG_MS: u64 = 40;
 
-/// The module: everything except the hardware.
+/// The module: everything except the hardware. `O` observes its verdicts.
 #[derive(Debug)]
-pub struct Receiver<P> {
+pub struct Receiver<P, O = ()> {
     boot: Boot,
     input: Input,
     commands: CommandPort,
-    epochs: EpochLoop<P>,
+    epochs: EpochLoop<P, O>,
     last_byte_ms: Option<u64>,
     /// Latest time that a caller has passed, ms.
     now_ms: u64,
@@ -114,7 +115,7 @@ impl<P: OutputPin> Receiver<P> {
     /// [`MonitorError`] if the thresholds of the requirements at start are not in the tables.
     pub fn new(mut pin: P, boot: Boot) -> Result<Self, MonitorError> {
         let pin_failures = u32::from(pin.set_low().is_err());
-        Ok(Self::of(pin, pin_failures, requirements_at_start()?, boot))
+        Ok(Self::of(pin, (), pin_failures, requirements_at_start()?, boot))
     }
 
     /// Works like [`Self::new`], but builds the module in its final place, with less stack.
@@ -124,19 +125,47 @@ impl<P: OutputPin> Receiver<P> {
     pub fn place(place: &mut MaybeUninit<Self>, mut pin: P, boot: Boot) -> Result<&mut Self, MonitorError> {
         let pin_failures = u32::from(pin.set_low().is_err());
         let requirements = requirements_at_start()?;
-        Ok(place.write(Self::of(pin, pin_failures, requirements, boot)))
+        Ok(place.write(Self::of(pin, (), pin_failures, requirements, boot)))
+    }
+}
+
+impl<P: OutputPin, O: Observer> Receiver<P, O> {
+    /// Works like [`Receiver::new`], with an observer.
+    ///
+    /// # Errors
+    /// As [`Receiver::new`].
+    #[cfg(feature = "observer")]
+    pub fn observed(mut pin: P, observer: O, boot: Boot) -> Result<Self, MonitorError> {
+        let pin_failures = u32::from(pin.set_low().is_err());
+        Ok(Self::of(pin, observer, pin_failures, requirements_at_start()?, boot))
+    }
+
+    /// Works like [`Receiver::place`], with an observer.
+    ///
+    /// # Errors
+    /// As [`Receiver::place`].
+    #[cfg(feature = "observer")]
+    pub fn place_observed(
+        place: &mut MaybeUninit<Self>,
+        mut pin: P,
+        observer: O,
+        boot: Boot,
+    ) -> Result<&mut Self, MonitorError> {
+        let pin_failures = u32::from(pin.set_low().is_err());
+        let requirements = requirements_at_start()?;
+        Ok(place.write(Self::of(pin, observer, pin_failures, requirements, boot)))
     }
 
     /// Returns a module whose pin the caller has tried to set low. `pin_failures` is the number of
     /// failed attempts.
     #[allow(clippy::inline_always, reason = "large values are built in their final place")]
     #[inline(always)]
-    fn of(pin: P, pin_failures: u32, requirements: ValidatedRequirements, boot: Boot) -> Self {
+    fn of(pin: P, observer: O, pin_failures: u32, requirements: ValidatedRequirements, boot: Boot) -> Self {
         // Built in one expression, so that large parts are written directly to their final place.
         Self {
             input: Input::new(),
             commands: CommandPort::new(),
-            epochs: EpochLoop::new(pin, pin_failures, requirements, boot.clock_error_ppm),
+            epochs: EpochLoop::new(pin, observer, pin_failures, requirements, boot.clock_error_ppm),
             boot,
             last_byte_ms: None,
             now_ms: 0,
@@ -424,10 +453,22 @@ impl<P: OutputPin> Receiver<P> {
     pub fn pin(&self) -> &P {
         &self.epochs.pin
     }
+
+    /// Returns the observer.
+    #[cfg(feature = "observer")]
+    pub fn observer(&self) -> &O {
+        &self.epochs.observer
+    }
+
+    /// Returns the observer, for example to take what it has stored.
+    #[cfg(feature = "observer")]
+    pub fn observer_mut(&mut self) -> &mut O {
+        &mut self.epochs.observer
+    }
 }
 
 /// Confirms the last epoch whose ranges agreed with orbits.
-fn confirm<P>(input: &mut Input, epochs: &mut EpochLoop<P>) {
+fn confirm<P, O>(input: &mut Input, epochs: &mut EpochLoop<P, O>) {
     if let Some((time, came_ms)) = epochs.agreed.take() {
         input.confirm(time, came_ms);
     }

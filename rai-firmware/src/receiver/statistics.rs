@@ -7,7 +7,7 @@ use crate::board::PortLosses;
 use crate::counters::at;
 use crate::output::nmea::Losses;
 
-impl<P: OutputPin> Receiver<P> {
+impl<P: OutputPin, O> Receiver<P, O> {
     pub(super) fn losses_to_say(&self) -> Losses {
         let wire = self.input.counters();
         let PortLosses { gnss_bytes_lost, gnss_bytes_dropped, command_bytes_lost, .. } = self.losses;

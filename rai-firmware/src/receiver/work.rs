@@ -21,6 +21,7 @@ use super::Receiver;
 use super::epochs::EpochLoop;
 use crate::correction::CAPACITY;
 use crate::ephemeris::Demand;
+use crate::observer::Observer;
 use crate::osnma::{Keys, Proof, Worked};
 use crate::output::nmea::{AuthenticationReport, TimeOfDay, write_authentication};
 use crate::settings::{Authentication, Configuration};
@@ -45,7 +46,7 @@ const LEAST_PROVED: usize = 4;
 /// Time between two looks at the summary if nothing was done, ms.
 const SUMMARY_MS: u64 = 1000;
 
-impl<P: OutputPin> Receiver<P> {
+impl<P: OutputPin, O: Observer> Receiver<P, O> {
     /// Does slices of the authentication if it is their turn.
     #[inline(never)]
     pub(super) fn authenticate(&mut self, now_ms: u64) {
@@ -100,7 +101,7 @@ impl<P: OutputPin> Receiver<P> {
     }
 }
 
-impl<P: OutputPin> EpochLoop<P> {
+impl<P: OutputPin, O: Observer> EpochLoop<P, O> {
     /// Returns the tags that are proof.
     fn proof(&self, now_ms: u64) -> Proof {
         self.trusted.map_or(Proof::None, |trusted| trusted.proof(now_ms))

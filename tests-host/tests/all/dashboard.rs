@@ -6,7 +6,7 @@ use raim::monitor::keys::Key;
 use raim::monitor::source::{self, Choice, Message, News};
 use raim::monitor::speed::{Control, Speed};
 use raim::monitor::{Dashboard, draw};
-use raim::satellites::{Fate, Seen};
+use raim::satellites::{Account, Fate};
 use raim::signal::checksum::nmea_line;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::fault::{Injector, satellite};
@@ -55,16 +55,17 @@ fn story() -> Dashboard {
         .into_iter()
         .filter_map(|(system, number, elevation_rad, azimuth_rad)| {
             let is_excluded = system == Constellation::Beidou;
-            Some(Seen {
-                satellite: SatelliteId::new(system, number)?,
-                azimuth_rad: Some(azimuth_rad),
-                elevation_rad: Some(elevation_rad),
-                cn0_dbhz: Some(44.5),
-                residual_m: Some(if is_excluded { 81.2 } else { -0.7 }),
-                sigma_m: Some(2.0),
-                w_test: Some(0.1),
-                fate: if is_excluded { Fate::Excluded } else { Fate::Used },
-            })
+            let mut account = Account::of(
+                SatelliteId::new(system, number)?,
+                if is_excluded { Fate::Excluded } else { Fate::Used },
+            );
+            account.azimuth_rad = Some(azimuth_rad);
+            account.elevation_rad = Some(elevation_rad);
+            account.cn0_dbhz = Some(44.5);
+            account.residual_m = Some(if is_excluded { 81.2 } else { -0.7 });
+            account.sigma_m = Some(2.0);
+            account.w_test = Some(0.1);
+            Some(account)
         })
         .collect();
     dashboard.take(&Message { lines: Vec::new(), pin: Some(false), satellites: Some(satellites) });

@@ -86,7 +86,7 @@ impl Pair {
 fn corrected(raw: &RawEpoch, store: &Store, site: &Site) -> Epoch<CAPACITY> {
     let (mut tally, mut sky, mut epoch) = (Tally::default(), Sky::new(), Epoch::new(0.0));
     locate(raw, store, 0.0, Systems::AT_START, &mut tally, &mut sky);
-    site.correct(&sky, &mut tally.ranges, &mut epoch);
+    site.correct(&sky, &mut tally, &mut epoch);
     epoch
 }
 

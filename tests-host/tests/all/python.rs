@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use raim::replay::{self, Lump, Window};
-use raim::satellites::{HEADING, Watcher};
+use raim::satellites::{HEADING, Views, row};
 use raim::signal::encode::{Frequency, Selection};
 use raim::signal::sky::raw::Simulation;
 use raim_firmware::pin::MemoryPin;
@@ -51,17 +51,16 @@ fn with_recording(python: &Path, out: &Path) -> Command {
 /// Returns the table of satellites that `rai replay --satellites` writes for a recording, with a
 /// mask that leaves some out.
 fn satellites(lumps: &[Lump]) -> String {
-    let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("test")).expect("a module");
+    let (pin, boot) = (MemoryPin::default(), Boot::on_host("test"));
+    let mut receiver = Receiver::observed(pin, Views::new(true), boot).expect("a module");
     receiver.set("MASK", Some("25"), &mut Vec::new()).expect("a setting");
-    let mut watcher = Watcher::new();
     let mut table = format!("{HEADING}\n");
     for lump in lumps {
         let now_ms = lump.elapsed_ms();
-        watcher.hear(&lump.bytes, now_ms);
-        if receiver.gnss(&lump.bytes, now_ms, &mut Vec::new()) {
-            let view = watcher.view(&receiver);
+        receiver.gnss(&lump.bytes, now_ms, &mut Vec::new());
+        for view in receiver.observer_mut().take() {
             let time = view.time.expect("an epoch");
-            view.satellites.iter().for_each(|seen| table += &(seen.row(time) + "\n"));
+            view.satellites.iter().for_each(|account| table += &(row(account, time) + "\n"));
         }
     }
     table

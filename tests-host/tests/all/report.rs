@@ -8,7 +8,7 @@ use std::process::Command;
 use raim::page::report::{self, Facts, Happened, Journal, explanation};
 use raim::page::timeline::Incident;
 use raim::replay::{Lump, Pace, Playback};
-use raim::satellites::{Fate, Seen, View};
+use raim::satellites::{Account, Fate, View};
 use raim::sentence::{self, EpochOutput};
 use raim::signal::checksum::nmea_line;
 use raim::signal::encode::{Encoder, Frequency, Selection};
@@ -77,6 +77,23 @@ fn journal(epochs: &[(EpochOutput, View)]) -> Journal {
     journal
 }
 
+/// Fates that the module counts, with their counters.
+const COUNTED: [(Fate, &str); 13] = [
+    (Fate::BelowMask, "below_mask"),
+    (Fate::SignalUnusable, "signal_unusable"),
+    (Fate::SystemLeftOut, "system_left_out"),
+    (Fate::EphemerisMissing, "ephemeris_missing"),
+    (Fate::EphemerisStale, "ephemeris_stale"),
+    (Fate::EphemerisDisputed, "ephemeris_disputed"),
+    (Fate::EphemerisUnproved, "ephemeris_unproved"),
+    (Fate::Unhealthy, "satellite_unhealthy"),
+    (Fate::TravelTime, "travel_time_out_of_bounds"),
+    (Fate::RangeImplausible, "range_implausible"),
+    (Fate::BandsApart, "bands_apart"),
+    (Fate::Twice, "satellite_twice"),
+    (Fate::EpochFull, "epoch_full"),
+];
+
 /// The module counts what it leaves out, by reason and without names. The names must add up to its
 /// counts.
 #[test]
@@ -89,10 +106,10 @@ fn satellites_that_are_not_used_add_up_to_the_counters_of_the_module() {
             .sum()
     };
     let counter = |name: &str| counters.get(name).copied().unwrap_or(0);
-    assert!(have(Fate::OtherSystem) > 0 && have(Fate::Low) > 0);
-    assert_eq!(have(Fate::OtherSystem), counter("system_left_out"));
-    assert_eq!(have(Fate::Low), counter("below_mask"));
-    assert_eq!(have(Fate::NoOrbit), counter("ephemeris_missing"));
+    assert!(have(Fate::SystemLeftOut) > 0 && have(Fate::BelowMask) > 0);
+    for (fate, name) in COUNTED {
+        assert_eq!(have(fate), counter(name), "{name}");
+    }
     for (output, view) in &epochs {
         let of = |fate: Fate| view.satellites.iter().filter(|seen| seen.fate == fate).count();
         assert_eq!(of(Fate::Used), output.state.used as usize);
@@ -115,7 +132,7 @@ fn residuals_and_w_tests_are_those_of_the_sentences() {
             excluded += 1;
         }
         // SSE/dof is the square of the statistic.
-        let squares = |seen: &Seen| (seen.residual_m.unwrap() / seen.sigma_m.unwrap()).powi(2);
+        let squares = |seen: &Account| (seen.residual_m.unwrap() / seen.sigma_m.unwrap()).powi(2);
         let sse: f64 = view.satellites.iter().filter(|seen| seen.fate == Fate::Used).map(squares).sum();
         let state = &output.state;
         let have = (sse / f64::from(state.dof.unwrap())).sqrt();
@@ -133,9 +150,9 @@ fn the_worst_satellite_is_that_of_the_module() {
     while let Some((_, said)) = playback.advance().unwrap() {
         let line = said.of_epoch.lines().find(|line| line.contains("GBS,")).unwrap().to_owned();
         let fields: Vec<&str> = line.split(',').collect();
-        let used: Vec<Seen> =
+        let used: Vec<Account> =
             said.view.unwrap().satellites.into_iter().filter(|seen| seen.fate == Fate::Used).collect();
-        let size = |seen: &Seen| seen.w_test.unwrap_or(0.0).abs();
+        let size = |seen: &Account| seen.w_test.unwrap_or(0.0).abs();
         let worst = used.iter().max_by(|one, other| size(one).total_cmp(&size(other))).unwrap();
         let number: u8 = fields[5].parse().unwrap();
         assert_eq!(worst.satellite.name().1, number, "{line} {worst:?}");
@@ -258,16 +275,14 @@ fn day() -> Journal {
     let mut journal = Journal::default();
     let satellite = |number: u8, second: u32| {
         let turn = f64::from(second) * 1e-4 + f64::from(number);
-        Seen {
-            satellite: SatelliteId::new(Constellation::Gps, number).unwrap(),
-            azimuth_rad: Some(turn.rem_euclid(std::f64::consts::TAU)),
-            elevation_rad: Some(0.8 + 0.5 * turn.sin()),
-            cn0_dbhz: Some(42.0 + 6.0 * turn.sin()),
-            residual_m: Some((f64::from(second) * 0.1 + f64::from(number)).sin()),
-            sigma_m: Some(2.0),
-            w_test: Some(0.5),
-            fate: Fate::Used,
-        }
+        let mut account = Account::of(SatelliteId::new(Constellation::Gps, number).unwrap(), Fate::Used);
+        account.azimuth_rad = Some(turn.rem_euclid(std::f64::consts::TAU));
+        account.elevation_rad = Some(0.8 + 0.5 * turn.sin());
+        account.cn0_dbhz = Some(42.0 + 6.0 * turn.sin());
+        account.residual_m = Some((f64::from(second) * 0.1 + f64::from(number)).sin());
+        account.sigma_m = Some(2.0);
+        account.w_test = Some(0.5);
+        account
     };
     for second in 0..86_400 {
         let (hour, minute) = (second / 3600, second / 60 % 60);

@@ -41,7 +41,7 @@ fn cost(sky: &Sky, ranges: Ranges, noise: f32) -> f64 {
     let monitor = Monitor::new(Requirements::non_precision_approach()).unwrap();
     let mut epoch = Epoch::new(0.0);
     let site = Site::new(receiver(), TOE, NO_MASK_RAD, Klobuchar::new(CALM)).with_ranges(ranges);
-    site.correct(sky, &mut Tally::default().ranges, &mut epoch);
+    site.correct(sky, &mut Tally::default(), &mut epoch);
     let levels = raim_single::levels(&monitor, &epoch, receiver(), noise, &mut MonitorMemory::new()).unwrap();
     (levels.hpl_m / 40.0).max(levels.vpl_m / 50.0)
 }
@@ -155,10 +155,10 @@ fn a_signal_below_the_mask_is_not_used_and_a_weak_one_weighs_less() {
     let (unknown, _) = sky(|_, range_m| vec![RawSignal::new(Carrier::of(Band::L1), range_m)], 28.0);
     assert_eq!((at_mask.len(), unknown.len()), (strong.len(), strong.len()));
     let sigma_m = |sky: &Sky| {
-        let mut refusals = Tally::default().ranges;
+        let mut tally = Tally::default();
         let site = Site::new(receiver(), TOE, NO_MASK_RAD, Klobuchar::new(CALM));
         let mut epoch = Epoch::new(0.0);
-        site.correct(sky, &mut refusals, &mut epoch);
+        site.correct(sky, &mut tally, &mut epoch);
         epoch.observations().iter().map(|observation| observation.sigma_m).collect::<Vec<_>>()
     };
     let (weak_m, strong_m) = (sigma_m(&at_mask), sigma_m(&strong));

@@ -4,9 +4,9 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use raim_core::internals::integrity::raim::isolation::parity::correlation;
-use raim_core::internals::least_squares::Snapshot;
 use raim_core::internals::least_squares::downdate::{ExclusionSet, NormalisedRows, testable_rows};
-use raim_core::internals::least_squares::equations::LinearEpoch;
+use raim_core::internals::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::internals::least_squares::{Snapshot, Workspace};
 use raim_core::internals::numeric::real::Real;
 use raim_core::satellite::Constellation;
 
@@ -89,8 +89,52 @@ fn parity_matrix(ranges: &[Range], dense: &Dense) -> DMatrix<f64> {
     left.columns(count - dense.dof, dense.dof).transpose()
 }
 
+/// Returns the w-test of a range by a solution without the set: of its own residual, or of its
+/// difference to the prediction. `None` if nothing else tests it.
+fn dense_w_test(ranges: &[Range], set: &[usize], dense: &Dense, index: usize) -> Option<f64> {
+    let range = ranges[index];
+    if !set.contains(&index) {
+        let place = (0..index).filter(|before| !set.contains(before)).count();
+        let redundancy = dense.projection[(place, place)];
+        return (redundancy > 1e-9).then(|| dense.residuals_m[place] / (range.sigma_m * redundancy.sqrt()));
+    }
+    let kept = (0..ranges.len()).filter(|index| !set.contains(index));
+    let mut clocks: Vec<_> = kept.map(|index| ranges[index].constellation).collect();
+    clocks.sort_unstable();
+    clocks.dedup();
+    let clock = clocks.iter().position(|clock| *clock == range.constellation)?;
+    let design = DVector::from_fn(3 + clocks.len(), |column, _| match column {
+        0..3 => -range.line_of_sight[column],
+        _ => f64::from(u8::from(column - 3 == clock)),
+    });
+    let residual_m = range.residual_m - design.dot(&dense.unknowns_m);
+    let variance_m2 = range.sigma_m.powi(2) + (&dense.covariance_m2 * &design).dot(&design);
+    Some(residual_m / variance_m2.sqrt())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn a_w_test_is_that_of_the_dense_solution_in_use_or_left_out((ranges, set) in ranges_and_set()) {
+        let Some(dense) = oracle::solve_without(&ranges, &set).filter(well_conditioned) else {
+            return Ok(());
+        };
+        let mut epoch = LinearEpoch::<f64, MAX_ROWS>::new();
+        for range in &ranges {
+            let line_of_sight = Vector3::from(range.line_of_sight);
+            epoch.satellite(range.constellation, line_of_sight, range.residual_m, range.sigma_m).unwrap();
+        }
+        set.iter().for_each(|index| epoch.leave_out(*index));
+        let mut workspace = Workspace::of(epoch);
+        prop_assert!(workspace.solve().is_ok());
+        for index in 0..ranges.len() {
+            match (workspace.w_test(index), dense_w_test(&ranges, &set, &dense, index)) {
+                (Some(have), Some(want)) => assert_close("w", have, want, 1e-6, 1e-6),
+                (have, want) => prop_assert_eq!(have, want),
+            }
+        }
+    }
 
     #[test]
     fn leaving_a_set_out_equals_solving_without_it((ranges, set) in ranges_and_set()) {

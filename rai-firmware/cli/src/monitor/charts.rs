@@ -9,7 +9,7 @@ use ratatui::widgets::canvas::{Canvas, Circle, Context};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
 
 use super::Dashboard;
-use crate::satellites::{Fate, Seen};
+use crate::satellites::{Account, Fate};
 
 /// Decades in which the levels are drawn, m; levels below 1 m are drawn at 1 m.
 const DECADES: [&str; 5] = ["1 m", "10", "100", "1 km", "10"];
@@ -95,8 +95,8 @@ fn states(dashboard: &Dashboard, width: usize) -> Line<'static> {
 /// Draws the sky: zenith in the middle, horizon at the rim, north up, east to the right.
 pub(super) fn sky(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     let block = Block::bordered().title(" Sky ");
-    let is_placed = |seen: &&Seen| seen.elevation_rad.is_some_and(|elevation_rad| elevation_rad >= 0.0);
-    let placed: Vec<&Seen> = dashboard.satellites.iter().filter(is_placed).collect();
+    let is_placed = |seen: &&Account| seen.elevation_rad.is_some_and(|elevation_rad| elevation_rad >= 0.0);
+    let placed: Vec<&Account> = dashboard.satellites.iter().filter(is_placed).collect();
     if placed.is_empty() {
         let text = "no orbits come with the sentences;\nwatch a capture or --demo to see the sky";
         frame.render_widget(Paragraph::new(text).block(block), area);
@@ -123,11 +123,11 @@ pub(super) fn sky(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
 }
 
 /// Draws a satellite by its name: red and with a mark if it is excluded, dim if it is not used.
-fn place(context: &mut Context<'_>, seen: &Seen) {
+fn place(context: &mut Context<'_>, seen: &Account) {
     let (Some(azimuth_rad), Some(elevation_rad)) = (seen.azimuth_rad, seen.elevation_rad) else { return };
     let radius = 1.0 - elevation_rad / std::f64::consts::FRAC_PI_2;
     let (text, colour) = match seen.fate {
-        Fate::Excluded => (format!("{}!", seen.satellite), Color::Red),
+        Fate::Excluded | Fate::SystemExcluded => (format!("{}!", seen.satellite), Color::Red),
         Fate::Used => (seen.satellite.to_string(), Color::White),
         _ => (seen.satellite.to_string().to_lowercase(), Color::DarkGray),
     };
@@ -140,7 +140,7 @@ fn place(context: &mut Context<'_>, seen: &Seen) {
 pub(super) fn satellites(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     const COLUMN: u16 = 26;
     let count = |is: fn(Fate) -> bool| dashboard.satellites.iter().filter(|seen| is(seen.fate)).count();
-    let (used, excluded) = (count(|fate| fate == Fate::Used), count(|fate| fate == Fate::Excluded));
+    let (used, excluded) = (count(|fate| fate == Fate::Used), count(Fate::is_excluded));
     let others = dashboard.satellites.len() - used - excluded;
     let title = format!(" Satellites: {used} used, {excluded} excluded, {others} not used ");
     let block = Block::bordered().title(title);
@@ -150,7 +150,7 @@ pub(super) fn satellites(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
         frame.render_widget(Paragraph::new("none so far"), inner);
         return;
     }
-    let mut all: Vec<&Seen> = dashboard.satellites.iter().collect();
+    let mut all: Vec<&Account> = dashboard.satellites.iter().collect();
     all.sort_by_key(|seen| (rank(seen.fate), seen.satellite));
     let columns = (inner.width / COLUMN).max(1);
     let rows = usize::from(inner.height.saturating_sub(1)).max(1);
@@ -165,24 +165,26 @@ pub(super) fn satellites(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
 
 const fn rank(fate: Fate) -> u8 {
     match fate {
-        Fate::Excluded => 0,
+        Fate::Excluded | Fate::SystemExcluded => 0,
         Fate::Used => 1,
         _ => 2,
     }
 }
 
-fn line(seen: &Seen) -> Line<'static> {
+fn line(seen: &Account) -> Line<'static> {
     let number = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.1}"));
     let (word, colour) = match seen.fate {
         Fate::Used => ("used", Color::White),
-        Fate::Excluded => ("EXCL", Color::Red),
-        Fate::Low => ("low", Color::DarkGray),
-        Fate::Weak => ("weak", Color::DarkGray),
-        Fate::OtherSystem => ("off", Color::DarkGray),
-        Fate::NoOrbit => ("orbit", Color::DarkGray),
+        Fate::Excluded | Fate::SystemExcluded => ("EXCL", Color::Red),
+        Fate::BelowMask => ("low", Color::DarkGray),
+        Fate::SignalUnusable => ("weak", Color::DarkGray),
+        Fate::SystemLeftOut => ("off", Color::DarkGray),
+        Fate::EphemerisMissing | Fate::EphemerisStale | Fate::EphemerisDisputed | Fate::EphemerisUnproved => {
+            ("orbit", Color::DarkGray)
+        }
         Fate::Unhealthy => ("ill", Color::DarkGray),
-        Fate::Other => ("unfit", Color::DarkGray),
         Fate::NoPosition => ("–", Color::DarkGray),
+        _ => ("unfit", Color::DarkGray),
     };
     let (cn0, residual) = (number(seen.cn0_dbhz), number(seen.residual_m));
     Line::styled(format!("{:<4}{word:<6}{cn0:>6}{residual:>8}", seen.satellite.to_string()), colour)

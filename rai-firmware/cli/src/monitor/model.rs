@@ -8,7 +8,7 @@ use raim_firmware::settings::{Configuration, Setting};
 
 use super::source::Message;
 use super::speed::Control;
-use crate::satellites::{Fate, Seen};
+use crate::satellites::{Account, Fate};
 use crate::sentence::{self, Excluded, Sentence, State};
 
 /// Number of epochs stored for the curves: ten minutes at one a second.
@@ -66,7 +66,7 @@ pub struct Dashboard {
     /// Satellites left out so far.
     pub left_out: BTreeMap<SatelliteId, LeftOut>,
     /// Satellites of the last epoch, as far as the source knows them.
-    pub satellites: Vec<Seen>,
+    pub satellites: Vec<Account>,
     /// Settings by name; empty ones are left out.
     pub settings: Vec<(&'static str, String)>,
     /// Hash of the settings.
@@ -101,7 +101,7 @@ pub struct Dashboard {
     pub answer: Option<String>,
     incomplete_settings: Vec<String>,
     /// Satellites used, by `GSA`, before the verdict of their epoch.
-    listed: Vec<Seen>,
+    listed: Vec<Account>,
 }
 
 impl Dashboard {
@@ -161,9 +161,9 @@ impl Dashboard {
         });
         *entry = LeftOut { epochs: entry.epochs + 1, bias_m: excluded.bias_m, is_now: true };
         let Excluded { satellite, bias_m, w_test } = excluded;
-        let seen =
-            Seen { residual_m: Some(bias_m), w_test: Some(w_test), ..named_only(satellite, Fate::Excluded) };
-        self.satellites.push(seen);
+        let mut account = Account::of(satellite, Fate::Excluded);
+        (account.residual_m, account.w_test) = (Some(bias_m), Some(w_test));
+        self.satellites.push(account);
     }
 
     /// Takes a sentence that only the module has.
@@ -218,29 +218,15 @@ impl Dashboard {
     }
 }
 
-/// Returns a satellite of which only the name and the treatment are known.
-fn named_only(satellite: SatelliteId, fate: Fate) -> Seen {
-    Seen {
-        satellite,
-        azimuth_rad: None,
-        elevation_rad: None,
-        cn0_dbhz: None,
-        residual_m: None,
-        sigma_m: None,
-        w_test: None,
-        fate,
-    }
-}
-
 /// Returns a satellite that `GSA` lists, by the system id and the number of NMEA 0183.
-fn used(system: &str, number: &str) -> Option<Seen> {
+fn used(system: &str, number: &str) -> Option<Account> {
     /// Letter of each system id, and the difference of its numbers from those of RINEX.
     const SYSTEMS: [(char, u8); 5] = [('G', 0), ('R', 64), ('E', 0), ('C', 0), ('J', 0)];
     let number: u8 = number.parse().ok()?;
     let id: usize = system.parse().ok()?;
     let (letter, more) = *SYSTEMS.get(id.checked_sub(1)?)?;
     let own = if number > more { number - more } else { number };
-    format!("{letter}{own:02}").parse().ok().map(|satellite| named_only(satellite, Fate::Used))
+    format!("{letter}{own:02}").parse().ok().map(|satellite| Account::of(satellite, Fate::Used))
 }
 
 /// Returns the settings by their keys, as far as there is room: of a setting with many fields the

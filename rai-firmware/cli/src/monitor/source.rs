@@ -19,7 +19,7 @@ use anyhow::{Context, Result, ensure};
 use super::batch::Batches;
 use super::speed::Control;
 use crate::replay::{Pace, Playback, Window};
-use crate::satellites::Seen;
+use crate::satellites::Account;
 use crate::sentence::{self, Sentence};
 use crate::serial;
 use crate::signal::capture::{Bytes, Capture, Lumps, has_frames};
@@ -49,12 +49,12 @@ pub struct Message {
     /// The level of the pin after them; `None` if the source does not know it.
     pub pin: Option<bool>,
     /// Satellites of the epoch; `None` if the source does not know them, or without an epoch.
-    pub satellites: Option<Vec<Seen>>,
+    pub satellites: Option<Vec<Account>>,
 }
 
 impl Message {
     /// Returns the lines of a text as a message.
-    pub fn of(text: &str, pin: Option<bool>, satellites: Option<Vec<Seen>>) -> Self {
+    pub fn of(text: &str, pin: Option<bool>, satellites: Option<Vec<Account>>) -> Self {
         Self { lines: text.split_inclusive('\n').map(str::to_owned).collect(), pin, satellites }
     }
 }

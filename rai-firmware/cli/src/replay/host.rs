@@ -6,7 +6,7 @@ use raim_firmware::settings::Configuration;
 
 use super::ahead::Ahead;
 use super::settings::advice;
-use crate::satellites::{self, View, Watcher};
+use crate::satellites::{View, Views};
 use crate::sentence::{self, EpochOutput, command};
 use crate::signal::lump::Lump;
 use crate::signal::pieces;
@@ -114,6 +114,7 @@ pub fn on_host(
 pub struct Playback<I> {
     lumps: Ahead<I>,
     module: Module,
+    is_watched: bool,
     pace: Pace,
     last_epoch_ms: u64,
 }
@@ -124,7 +125,8 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
     /// # Errors
     /// The module refuses a setup command.
     pub fn start(lumps: I, setup: &Setup, pace: Pace) -> Result<Self> {
-        Ok(Self { lumps: Ahead::of(lumps), module: Module::start(setup)?, pace, last_epoch_ms: 0 })
+        let (lumps, module) = (Ahead::of(lumps), Module::start(setup)?);
+        Ok(Self { lumps, module, is_watched: false, pace, last_epoch_ms: 0 })
     }
 
     /// Plays the next lump, and the silence behind it; returns `None` at the end.
@@ -137,7 +139,8 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
         let now_ms = lump.elapsed_ms();
         let of_epoch = self.module.hear(&lump.bytes, now_ms)?;
         let view = self.module.view(&of_epoch);
-        let misfit = last_state(&of_epoch).and_then(|_| satellites::misfit(&self.module.receiver));
+        let misfit = view.as_ref().and_then(View::misfit);
+        let view = view.filter(|_| self.is_watched);
         let mut said = Said { of_epoch, misfit, view, ..Said::default() };
         if said.of_epoch.contains("$PRAIS") {
             self.last_epoch_ms = now_ms;
@@ -169,9 +172,9 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
         sentence::sentences(&said)
     }
 
-    /// Lets the module be watched, so that [`Said`] has its view of every epoch.
+    /// Lets [`Said`] have the module's view of every epoch.
     pub fn watch(&mut self) {
-        self.module.watch();
+        self.is_watched = true;
     }
 
     /// Returns the settings in force.
@@ -198,10 +201,7 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
 
 /// Module in process.
 pub struct Module {
-    receiver: Receiver<MemoryPin>,
-    watcher: Option<Watcher>,
-    /// Week that the setup names, so that a watcher dates the epochs as the module does.
-    week: Option<u16>,
+    receiver: Receiver<MemoryPin, Views>,
 }
 
 impl Module {
@@ -211,22 +211,14 @@ impl Module {
     /// The module refuses a setup command.
     pub fn start(setup: &Setup) -> Result<Self> {
         let boot = Boot::on_host("host");
-        let mut receiver = Receiver::new(MemoryPin::default(), boot).context("the module cannot start")?;
+        let mut receiver = Receiver::observed(MemoryPin::default(), Views::new(true), boot)
+            .context("the module cannot start")?;
         let mut answers = Vec::new();
         for body in setup {
             receiver.command(command(body).as_bytes(), &mut answers);
         }
         check_answers(setup, &sentence::sentences(&answers)?)?;
-        let week = setup.iter().find_map(|body| body.strip_prefix("WEEK,")?.parse().ok());
-        Ok(Self { receiver, watcher: None, week })
-    }
-
-    /// Lets the module be watched.
-    pub fn watch(&mut self) {
-        let watcher = self.watcher.get_or_insert_default();
-        if let Some(week) = self.week {
-            watcher.assume(week);
-        }
+        Ok(Self { receiver })
     }
 
     /// Returns the settings in force.
@@ -234,12 +226,10 @@ impl Module {
         self.receiver.configuration()
     }
 
-    /// Returns the view of the epoch to which `said` belongs, if the module is watched.
+    /// Returns the view of the epoch to which `said` belongs: the last one since the last call.
     pub fn view(&mut self, said: &str) -> Option<View> {
-        let Self { receiver, watcher, .. } = self;
-        let watcher = watcher.as_mut()?;
-        last_state(said)?;
-        Some(watcher.view(receiver))
+        let view = self.receiver.observer_mut().take().pop();
+        view.filter(|_| last_state(said).is_some())
     }
 
     /// Returns the sentences for an epoch that comes at `now_ms`. If there are none, because no
@@ -250,9 +240,6 @@ impl Module {
     pub fn hear(&mut self, bytes: &[u8], now_ms: u64) -> Result<String> {
         // An epoch has some 650 bytes of sentences.
         let mut said = Vec::with_capacity(1024);
-        if let Some(watcher) = &mut self.watcher {
-            watcher.hear(bytes, now_ms);
-        }
         let is_judged = self.receiver.gnss(bytes, now_ms, &mut said);
         if !is_judged && pieces::have_ranges(bytes) {
             // Noise that looks like the beginning of a frame delays the epoch until the line falls

@@ -97,7 +97,7 @@ impl<'a> Sink<'a> {
         }
         if let Some(((path, file), view)) = self.satellites.as_mut().zip(said.view.as_ref()) {
             let time = view.time.unwrap_or(lump.time);
-            let mut rows = view.satellites.iter().map(|seen| seen.row(time));
+            let mut rows = view.satellites.iter().map(|account| satellites::row(account, time));
             rows.try_for_each(|row| writeln!(file, "{row}")).with_context(|| cannot_write(path))?;
         }
         if let Some((_, report)) = &mut self.report {

@@ -10,9 +10,10 @@ use raim_firmware::board::reset::ResetCause;
 use raim_firmware::board::{Board, HOST_OUT_BYTES, Note, PortLosses, SEALED_BYTES};
 #[cfg(unix)]
 use raim_firmware::output::nmea::GPS_MINUS_UTC_S;
-use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::receiver::Boot;
 use raim_firmware::timed_ring::Taken;
 
+use super::Module;
 use super::contact::{Contact, Progress};
 use super::guard::Guard;
 use super::inbox::Inbox;
@@ -58,7 +59,7 @@ impl<'s> Computer<'s> {
     }
 
     /// Looks at what the module has made of the receiver's bytes.
-    pub(super) fn look(&mut self, receiver: &Receiver<Pin>) {
+    pub(super) fn look(&mut self, receiver: &Module) {
         let report = receiver.last_report();
         let progress = Progress {
             frames: receiver.frames(),
@@ -76,13 +77,15 @@ impl<'s> Computer<'s> {
     }
 
     /// Passes the sentences since the last call to the recorder and to the page, if there are such.
-    pub(super) fn record(&mut self, receiver: &Receiver<Pin>) {
+    pub(super) fn record(&mut self, receiver: &mut Module) {
         let said = self.outbox.take_tape();
+        let views = receiver.observer_mut().take();
         if let Some(page) = &mut self.page {
-            page.note(&said, receiver);
+            page.note(&said, &views, receiver);
         }
         if let Some(recorder) = &mut self.recorder {
-            recorder.note(&said, receiver, receiver.pin().is_high(), self.inbox.now_ms());
+            let (pin_is_high, now_ms) = (receiver.pin().is_high(), self.inbox.now_ms());
+            recorder.note(&said, &views, receiver.configuration(), pin_is_high, now_ms);
         }
     }
 
@@ -101,7 +104,7 @@ impl<'s> Computer<'s> {
 
     /// Tells the time of an epoch that was protected.
     #[cfg(unix)]
-    pub(super) fn tell_time(&mut self, receiver: &Receiver<Pin>, servers: &mut [TimeServer]) {
+    pub(super) fn tell_time(&mut self, receiver: &Module, servers: &mut [TimeServer]) {
         /// Speed of light, m/s.
         const C_M_S: f64 = 299_792_458.0;
         if !self.outbox.take_protected() || servers.is_empty() {
@@ -123,7 +126,7 @@ impl<'s> Computer<'s> {
     }
 
     /// Lets the module judge what a finite input has left incomplete.
-    pub(super) fn drain(&mut self, receiver: &mut Receiver<Pin>) {
+    pub(super) fn drain(&mut self, receiver: &mut Module) {
         // A pause that no frame has inside completes what waits.
         receiver.tick(self.inbox.now_ms().saturating_add(QUIET_MS), self.outbox);
     }
@@ -137,12 +140,6 @@ impl Board for Computer<'_> {
         let taken = self.inbox.take(chunk);
         if let Taken::Bytes { count, came_ms } = &taken {
             self.contact.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);
-        }
-        if let (Some(page), Taken::Bytes { count, came_ms }) = (&mut self.page, &taken) {
-            page.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);
-        }
-        if let (Some(recorder), Taken::Bytes { count, came_ms }) = (&mut self.recorder, &taken) {
-            recorder.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);
         }
         taken
     }

@@ -83,8 +83,12 @@ use share::Share;
 use words::say;
 
 use crate::replay::settings;
+use crate::satellites::Views;
 
 pub use plan::{Arguments, Plan};
+
+/// The module of the service.
+type Module = Receiver<Pin, Views>;
 
 /// Messages of `MAVLink`.
 const MESSAGES: [&str; 3] = ["HEARTBEAT", "GPS_INPUT", "GNSS_INTEGRITY"];
@@ -194,7 +198,7 @@ fn live(
     let mut servers = time_servers(plan)?;
     let mut contact = Contact::new(&plan.input, &line.rate, plan.caster.is_some());
     while !stop.load(Ordering::Relaxed) && !inbox.has_ended() {
-        let mut receiver = receiver(wire)?;
+        let mut receiver = receiver(wire, Views::new(recorder.is_some() || page.is_some()))?;
         let mut board = Computer::new(
             inbox,
             (&mut *outbox, &mut contact),
@@ -220,11 +224,11 @@ fn live(
             board.look(&receiver);
             #[cfg(unix)]
             board.tell_time(&receiver, &mut servers);
-            board.record(&receiver);
+            board.record(&mut receiver);
         }
         board.drain(&mut receiver);
         board.look(&receiver);
-        board.record(&receiver);
+        board.record(&mut receiver);
         configuration = Some(*receiver.configuration());
         after_power_on = false;
     }
@@ -301,15 +305,15 @@ impl Drop for Lowered<'_> {
 }
 
 /// Makes the module; its pin is low.
-fn receiver(wire: &Arc<Wire>) -> Result<Receiver<Pin>> {
+fn receiver(wire: &Arc<Wire>, observer: Views) -> Result<Module> {
     let boot = Boot::on_host("computer");
-    let receiver = Receiver::new(Pin::new(Arc::clone(wire)), boot);
+    let receiver = Receiver::observed(Pin::new(Arc::clone(wire)), observer, boot);
     let Ok(receiver) = receiver else { bail!("the thresholds at start are not in the tables") };
     Ok(receiver)
 }
 
 /// Gives the module the settings of the plan, by the parser of the commands that a host sends.
-fn apply(plan: &Plan, receiver: &mut Receiver<Pin>) -> Result<()> {
+fn apply(plan: &Plan, receiver: &mut Module) -> Result<()> {
     for (key, value) in &plan.settings {
         let (mut answer, values) = (Vec::new(), (!value.is_empty()).then_some(value.as_str()));
         if receiver.set(key, values, &mut answer).is_ok() {

@@ -68,7 +68,7 @@ pub(super) fn play(
             wire.drive(is_high).context("the pin cannot be set")?;
         }
         if let Some(recorder) = recorder.as_deref_mut() {
-            recorder.take(&outbox.take_tape(), is_high, lump.elapsed_ms(), said.view.as_ref());
+            recorder.take(&outbox.take_tape(), said.view.as_slice(), is_high, lump.elapsed_ms());
         }
         if stop.load(Ordering::Relaxed) || outbox.has_failed() {
             break;

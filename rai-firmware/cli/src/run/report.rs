@@ -8,13 +8,11 @@ use std::path::PathBuf;
 use std::thread::{self, JoinHandle};
 
 use anyhow::{Context as _, Result};
-use embedded_hal::digital::OutputPin;
-use raim_firmware::receiver::Receiver;
 use raim_firmware::settings::Configuration;
 
 use crate::page::report::{self, Facts, Happened, Journal, command_line, settings_of};
 use crate::run::words::say;
-use crate::satellites::{View, Watcher};
+use crate::satellites::{View, views_of};
 use crate::sentence;
 
 /// Milliseconds between two pages.
@@ -25,7 +23,6 @@ const INTERVAL_MS: u64 = 600_000;
 pub(super) struct Recorder {
     folder: PathBuf,
     source: String,
-    watcher: Watcher,
     journal: Journal,
     first_ms: Option<u64>,
     written_ms: u64,
@@ -34,54 +31,31 @@ pub(super) struct Recorder {
 
 impl Recorder {
     pub(super) fn new(folder: PathBuf, source: String) -> Self {
-        Self {
-            folder,
-            source,
-            watcher: Watcher::new(),
-            journal: Journal::default(),
-            first_ms: None,
-            written_ms: 0,
-            writer: None,
-        }
+        Self { folder, source, journal: Journal::default(), first_ms: None, written_ms: 0, writer: None }
     }
 
-    /// Takes bytes of the receiver.
-    pub(super) fn hear(&mut self, bytes: &[u8], came_ms: u64) {
-        self.watcher.hear(bytes, came_ms);
-    }
-
-    /// Takes the sentences of a pass of the epoch loop.
-    pub(super) fn note<P: OutputPin>(
+    /// Takes the sentences of a pass of the epoch loop, with the module's views of its epochs.
+    pub(super) fn note(
         &mut self,
         said: &[u8],
-        receiver: &Receiver<P>,
+        views: &[View],
+        configuration: &Configuration,
         pin_is_high: bool,
         now_ms: u64,
     ) {
-        self.journalize(said, pin_is_high, now_ms, |watcher| Some(watcher.view(receiver)));
+        self.take(said, views, pin_is_high, now_ms);
         if now_ms.saturating_sub(self.written_ms) >= INTERVAL_MS && !self.journal.is_empty() {
             self.written_ms = now_ms;
-            self.write(receiver.configuration());
+            self.write(configuration);
         }
     }
 
-    /// Takes the sentences of an epoch of a file, with the module's view of it.
-    pub(super) fn take(&mut self, said: &[u8], pin_is_high: bool, now_ms: u64, view: Option<&View>) {
-        self.journalize(said, pin_is_high, now_ms, |_| view.cloned());
-    }
-
-    fn journalize(
-        &mut self,
-        said: &[u8],
-        pin_is_high: bool,
-        now_ms: u64,
-        view: impl Fn(&mut Watcher) -> Option<View>,
-    ) {
+    /// Takes sentences, with the module's views of their epochs.
+    pub(super) fn take(&mut self, said: &[u8], views: &[View], pin_is_high: bool, now_ms: u64) {
         let outputs = sentence::sentences(said).and_then(|text| sentence::epochs(&text)).unwrap_or_default();
-        for output in &outputs {
+        for (output, view) in outputs.iter().zip(views_of(&outputs, views)) {
             let time_s = (now_ms - *self.first_ms.get_or_insert(now_ms)) as f64 * 1e-3;
-            let view = if output.state.has_epoch() { view(&mut self.watcher) } else { None };
-            self.journal.push(&Happened { time_s, output, error: None, pin_is_high, view: view.as_ref() });
+            self.journal.push(&Happened { time_s, output, error: None, pin_is_high, view });
         }
     }
 
@@ -129,23 +103,34 @@ impl Recorder {
 
 #[cfg(test)]
 mod tests {
-    use raim_firmware::receiver::Boot;
+    use raim_firmware::receiver::{Boot, Receiver};
 
     use super::*;
+    use crate::satellites::Views;
     use crate::signal::encode::{Encoder, Frequency, Selection};
     use crate::signal::sky::raw::Simulation;
     use raim_firmware::pin::MemoryPin;
 
+    type Module = Receiver<MemoryPin, Views>;
+
+    fn module() -> Module {
+        Receiver::observed(MemoryPin::default(), Views::new(true), Boot::on_host("test")).unwrap()
+    }
+
+    fn record(recorder: &mut Recorder, receiver: &mut Module, said: &[u8], now_ms: u64) {
+        let views = receiver.observer_mut().take();
+        recorder.note(said, &views, receiver.configuration(), receiver.pin().high, now_ms);
+    }
+
     /// Sends the epochs of a sky to a module and its recorder, a second apart by their clock.
-    fn observe(recorder: &mut Recorder, receiver: &mut Receiver<MemoryPin>, epochs: u32) -> String {
+    fn observe(recorder: &mut Recorder, receiver: &mut Module, epochs: u32) -> String {
         let recording = Simulation::above_xian(0.0, epochs, 1).record();
         let mut encoder =
             Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual).unwrap());
         for (second, epoch) in (0_u64..).zip(&recording.epochs) {
             let (bytes, mut said) = (encoder.epoch(epoch).unwrap(), Vec::new());
-            recorder.hear(&bytes, second * 1000);
             receiver.gnss(&bytes, second * 1000, &mut said);
-            recorder.note(&said, receiver, receiver.pin().high, second * 1000);
+            record(recorder, receiver, &said, second * 1000);
         }
         recording.epochs[0].satellites[0].satellite.to_string()
     }
@@ -153,7 +138,7 @@ mod tests {
     #[test]
     fn page_is_replaced_every_ten_minutes_while_the_service_runs() {
         let folder = tempfile::tempdir().unwrap();
-        let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("test")).unwrap();
+        let mut receiver = module();
         let mut recorder = Recorder::new(folder.path().to_owned(), "-".to_owned());
         observe(&mut recorder, &mut receiver, 60);
         assert!(recorder.writer.is_none() && !folder.path().join("report.html").exists());
@@ -161,11 +146,11 @@ mod tests {
         for (now_ms, epochs) in [600_000, 1_200_000].into_iter().zip(&mut epochs) {
             let mut said = Vec::new();
             receiver.tick(now_ms - 1000, &mut said);
-            recorder.note(&said, &receiver, false, now_ms - 1000);
+            record(&mut recorder, &mut receiver, &said, now_ms - 1000);
             assert!(recorder.writer.is_none(), "no page before its time");
             said.clear();
             receiver.tick(now_ms, &mut said);
-            recorder.note(&said, &receiver, false, now_ms);
+            record(&mut recorder, &mut receiver, &said, now_ms);
             recorder.writer.take().expect("a page every ten minutes").join().unwrap().unwrap();
             let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
             assert!(html.ends_with("</html>\n"));
@@ -179,14 +164,14 @@ mod tests {
 
     #[test]
     fn epochs_and_a_silence_reach_the_page() {
-        let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("test")).unwrap();
+        let mut receiver = module();
         let folder = tempfile::tempdir().unwrap();
         let mut recorder = Recorder::new(folder.path().to_owned(), "tcp://receiver:1".to_owned());
         let known = observe(&mut recorder, &mut receiver, 20);
         for now_ms in (19_100..35_000).step_by(100) {
             let mut said = Vec::new();
             receiver.tick(now_ms, &mut said);
-            recorder.note(&said, &receiver, receiver.pin().high, now_ms);
+            record(&mut recorder, &mut receiver, &said, now_ms);
         }
         recorder.end(receiver.configuration()).unwrap();
         let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();

@@ -58,7 +58,7 @@ impl Corrector {
                 locate(raw, store, SIGNAL_MASK_DBHZ, Systems::AT_START, tally, sky);
                 let site = Site::new(*antenna, raw.time, *mask_rad, klobuchar.and_then(Klobuchar::new));
                 let mut epoch = Epoch::new(0.0);
-                site.correct(sky, &mut tally.ranges, &mut epoch);
+                site.correct(sky, tally, &mut epoch);
                 epochs.push(epoch);
             }
             _ => {}

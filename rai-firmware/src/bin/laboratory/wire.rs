@@ -96,12 +96,12 @@ pub fn correct(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut An
     learn(input.0, &mut store, &mut raw);
     let sky = sky(&raw, &store);
     let configuration = Configuration::at_start();
-    let mut refusals = Tally::default().ranges;
+    let mut tally = Tally::default();
     let mut epoch = Epoch::new(0.0);
     let ((), ticks) = stopwatch.time(|| {
         let klobuchar = configuration.klobuchar.and_then(Klobuchar::new);
         let site = Site::new(black_box(point), raw.time, configuration.mask_rad(), klobuchar);
-        site.correct(&sky, &mut refusals, &mut epoch);
+        site.correct(&sky, &mut tally, &mut epoch);
     });
     answers.write(ticks, &epoch.observations().len())
 }

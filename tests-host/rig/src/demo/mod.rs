@@ -137,7 +137,6 @@ impl Plan {
         // The same firmware in process: the sentences of the board have no residuals and no
         // directions.
         let mut twin = replay::Module::start(&[setup])?;
-        twin.watch();
         let mut journal = Journal::default();
         let mut accepter = Accepter::new(MASK_DEG.to_radians());
         let epochs = Injector::new(recording.epochs.into_iter(), vec![self.fault()]);

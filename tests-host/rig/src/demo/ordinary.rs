@@ -58,7 +58,7 @@ fn judge(raw: &RawEpoch, store: &Store, mask_rad: f64, time_s: f64, site: &Site)
     let (mut sky, mut epoch) = (Sky::new(), Epoch::new(0.0));
     locate(raw, store, 0.0, Systems::AT_START, &mut tally, &mut sky);
     let air = correction::Site::new(site.position, raw.time, mask_rad, None);
-    air.correct(&sky, &mut tally.ranges, &mut epoch);
+    air.correct(&sky, &mut tally, &mut epoch);
     let mut workspace = Workspace::<f64, CAPACITY>::new();
     let fix = workspace.fix(&epoch, site.position).ok()?;
     let snapshot = fix.snapshot();

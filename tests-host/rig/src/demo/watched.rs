@@ -39,7 +39,6 @@ fn play(plan: &Plan, sender: &SyncSender<News>) -> Result<()> {
     let mut board = EmulatedBoard::start(&image::build()?)?;
     // The same firmware in process: the board's sentences have no residuals and no directions.
     let mut twin = Module::start(&[])?;
-    twin.watch();
     let start = board.read_through("$PRAIV", PATIENCE)?.concat();
     sender.send(News::Said(Message::of(&start, Some(board.pin_is_high()), None)))?;
     for (index, epoch) in (0_u64..).zip(Injector::new(recording.epochs.into_iter(), vec![plan.fault()])) {

@@ -70,7 +70,7 @@ fn with(raw: &RawEpoch, bands: [Band; 2], mask_dbhz: f32) -> RawEpoch {
 fn corrected(raw: &RawEpoch, store: &Store) -> BTreeMap<SatelliteId, f64> {
     let (mut sky, mut tally, mut epoch) = (Sky::new(), Tally::default(), Epoch::<CAPACITY>::new(0.0));
     locate(raw, store, 0.0, Systems::AT_START, &mut tally, &mut sky);
-    Site::new(PLACE, raw.time, -1.5, None).correct(&sky, &mut tally.ranges, &mut epoch);
+    Site::new(PLACE, raw.time, -1.5, None).correct(&sky, &mut tally, &mut epoch);
     epoch.observations().iter().map(|seen| (seen.satellite, seen.range_m)).collect()
 }
 

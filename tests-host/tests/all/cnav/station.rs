@@ -135,7 +135,7 @@ fn residuals_m(lumps: &[Vec<u8>], is_one: impl Fn(SatelliteId) -> bool) -> Vec<(
                 locate(&raw, &store, 28.0, Systems::AT_START, &mut tally, &mut sky);
                 let mut epoch = Epoch::<CAPACITY>::new(0.0);
                 let site = Site::new(ESBC.truth, raw.time, 10_f64.to_radians(), None);
-                site.correct(&sky, &mut tally.ranges, &mut epoch);
+                site.correct(&sky, &mut tally, &mut epoch);
                 let residual = |seen: &Observation| {
                     (seen.satellite, seen.range_m - seen.position.distance_m(ESBC.truth))
                 };

@@ -97,7 +97,7 @@ fn beside_gps(stream: &Stream, station: &Station) -> Option<(f64, usize)> {
             locate(raw, &store, 28.0, systems, &mut tally, &mut sky);
             let pairs = sky.into_iter().filter(raim_firmware::correction::Located::has_pair).collect();
             let site = Site::new(station.truth, raw.time, MASK_RAD, None);
-            site.correct(&pairs, &mut tally.ranges, &mut epoch);
+            site.correct(&pairs, &mut tally, &mut epoch);
             let clocks = epoch.observations().iter().map(|seen| {
                 (seen.satellite.is_qzss(), seen.range_m - distance_m(seen.position, station.truth))
             });

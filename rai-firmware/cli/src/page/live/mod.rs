@@ -61,7 +61,7 @@ pub fn json(state: &State) -> Value {
     })
 }
 
-fn satellite(seen: &crate::satellites::Seen) -> Value {
+fn satellite(seen: &crate::satellites::Account) -> Value {
     let degrees = |angle: Option<f64>| angle.map(|angle| rounded(angle.to_degrees(), 1));
     json!({
         "name": seen.satellite.to_string(),

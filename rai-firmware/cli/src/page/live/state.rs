@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::page::Verdict;
 use crate::page::report::explanation;
-use crate::satellites::Seen;
+use crate::satellites::Account;
 use crate::sentence::EpochOutput;
 
 /// Verdicts of the past that a new page gets.
@@ -29,7 +29,7 @@ pub struct State {
     /// Level of the pin.
     pub pin_is_high: bool,
     /// Satellites of the last epoch; none during a silence.
-    pub satellites: Vec<Seen>,
+    pub satellites: Vec<Account>,
     /// Counters of the module.
     pub counters: Vec<(&'static str, u32)>,
     /// Number of verdicts so far.
@@ -71,7 +71,7 @@ impl State {
     }
 
     /// Takes a verdict; returns true if it is another than that before.
-    pub fn take(&mut self, said: EpochOutput, satellites: Option<Vec<Seen>>) -> bool {
+    pub fn take(&mut self, said: EpochOutput, satellites: Option<Vec<Account>>) -> bool {
         let (word, reason) = (self.word(), self.reason().to_owned());
         let is_first = self.said.is_none();
         self.verdicts += 1;

@@ -25,7 +25,8 @@ pub(super) fn sky(journal: &Journal, facts: &Facts, width_px: u32) -> Result<Str
     let body = |(satellite, known): (_, &super::satellites::Satellite)| {
         let spot = known.track.iter().rev().find(|spot| spot.direction[0] != UNKNOWN)?;
         let [azimuth_rad, elevation_rad] = spot.direction.map(|code| (f64::from(code) / 100.0).to_radians());
-        let is_excluded = known.fates[Fate::Excluded as usize] > 0;
+        let is_excluded =
+            Fate::ALL.iter().zip(known.fates).any(|(fate, epochs)| fate.is_excluded() && epochs > 0);
         (elevation_rad > 0.0).then_some(Body { satellite, elevation_rad, azimuth_rad, is_excluded })
     };
     let all = journal.satellites.all.iter().map(|(satellite, known)| (*satellite, known));
@@ -140,7 +141,8 @@ fn chart(
             });
         }
     }
-    let is_excluded = |spot: &&Spot| spot.fate == Fate::Excluded as u8;
+    let is_excluded =
+        |spot: &&Spot| Fate::ALL.get(usize::from(spot.fate)).is_some_and(|fate| fate.is_excluded());
     let excluded = journal.satellites.all.values().flat_map(|known| known.track.iter().filter(is_excluded));
     let excluded: Vec<(f64, f64)> = excluded.filter_map(|spot| Some((time_s(spot), of(spot)?))).collect();
     if marks_exclusions && !excluded.is_empty() {

@@ -587,7 +587,7 @@ const report = (signal) => {
       pen.beginPath();
       pen.arc(px, py, 5.5, 0, 2 * Math.PI);
       if (fate === 0) pen.fill(); else { pen.lineWidth = 1.5; pen.stroke(); }
-      if (fate === 1) {
+      if (fate === 1 || fate === 2) {
         pen.strokeStyle = ink.red;
         pen.lineWidth = 3;
         pen.beginPath();
@@ -698,7 +698,7 @@ const report = (signal) => {
       const line = row([one.name, fixed((one.azimuth[i] + 360) % 360, 0), fixed(one.elevation[i], 0), fixed(one.cn0.hi[i], 1),
         short(one.residual.hi[i]), short(one.sigma[i]), fixed(one.w[i], 1), one.fate[i] === 0 ? "yes" : "no",
         one.fate[i] === 0 ? "" : data.fates[one.fate[i]]], "td");
-      if (one.fate[i] === 1) line.className = "alert";
+      if (one.fate[i] === 1 || one.fate[i] === 2) line.className = "alert";
       line.addEventListener("pointerenter", () => choose(one));
       line.addEventListener("pointerleave", () => choose(null));
     }

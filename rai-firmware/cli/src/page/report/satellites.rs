@@ -9,7 +9,7 @@ use raim_core::satellite::SatelliteId;
 
 use super::code::{UNKNOWN, coded};
 use super::epochs::least;
-use crate::satellites::{Fate, Seen};
+use crate::satellites::{Account, Fate};
 
 /// Largest number of buckets of a track.
 const MOST: u64 = 2048;
@@ -34,7 +34,7 @@ pub(super) struct Spot {
 }
 
 impl Spot {
-    fn of(bucket: u32, seen: &Seen) -> Self {
+    fn of(bucket: u32, seen: &Account) -> Self {
         let cn0 = seen.cn0_dbhz.map_or(0, |dbhz| (dbhz * PER_DBHZ).round() as u8);
         let residual = coded(seen.residual_m);
         // Azimuths from −180° fit into 16 bits.
@@ -76,7 +76,7 @@ fn magnitude(code: i16) -> i32 {
 
 fn rank(fate: u8) -> u8 {
     match Fate::ALL.get(usize::from(fate)) {
-        Some(Fate::Excluded) => 2,
+        Some(fate) if fate.is_excluded() => 2,
         Some(Fate::Used) => 1,
         _ => 0,
     }
@@ -143,7 +143,7 @@ impl Satellite {
         self.fates[Fate::Used as usize]
     }
 
-    fn push(&mut self, bucket: u32, seen: &Seen) {
+    fn push(&mut self, bucket: u32, seen: &Account) {
         let spot = Spot::of(bucket, seen);
         match self.track.last_mut().filter(|last| last.bucket == bucket) {
             Some(last) => last.join(&spot),
@@ -200,7 +200,7 @@ impl Default for Satellites {
 }
 
 impl Satellites {
-    pub(super) fn push(&mut self, time_s: f64, seen: &[Seen]) {
+    pub(super) fn push(&mut self, time_s: f64, seen: &[Account]) {
         if self.epochs / self.stretch >= MOST {
             self.stretch *= 2;
             self.all.values_mut().for_each(Satellite::halve);
@@ -228,17 +228,18 @@ mod tests {
     use super::super::code::value;
     use super::*;
 
-    fn seen(number: u32) -> Seen {
-        Seen {
-            satellite: SatelliteId::new(Constellation::Gps, 5).unwrap(),
-            azimuth_rad: Some(3.5),
-            elevation_rad: Some(0.5),
-            cn0_dbhz: Some(if number == 7777 { 20.0 } else { 45.0 }),
-            residual_m: Some(if number == 5001 { 80.0 } else { -1.0 }),
-            sigma_m: Some(2.0),
-            w_test: Some(if number == 5001 { 40.0 } else { -0.5 }),
-            fate: if number == 5001 { Fate::Excluded } else { Fate::Used },
-        }
+    fn seen(number: u32) -> Account {
+        let mut account = Account::of(
+            SatelliteId::new(Constellation::Gps, 5).unwrap(),
+            if number == 5001 { Fate::Excluded } else { Fate::Used },
+        );
+        account.azimuth_rad = Some(3.5);
+        account.elevation_rad = Some(0.5);
+        account.cn0_dbhz = Some(if number == 7777 { 20.0 } else { 45.0 });
+        account.residual_m = Some(if number == 5001 { 80.0 } else { -1.0 });
+        account.sigma_m = Some(2.0);
+        account.w_test = Some(if number == 5001 { 40.0 } else { -0.5 });
+        account
     }
 
     #[test]

@@ -26,20 +26,17 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::Result;
 use mio::Waker;
-use raim_firmware::receiver::Receiver;
 
-use super::Plan;
-use super::pin::Pin;
 use super::share::Back;
+use super::{Module, Plan};
 use crate::page::live::State;
 use crate::run::words::say;
-use crate::satellites::Watcher;
+use crate::satellites::{View, views_of};
 use crate::sentence;
 
 /// The epoch loop's side of the page.
 #[derive(Debug)]
 pub(super) struct Page {
-    watcher: Watcher,
     state: Arc<Mutex<State>>,
     waker: Arc<Waker>,
 }
@@ -54,12 +51,7 @@ impl Page {
         let state = Arc::new(Mutex::new(State::new(plan.input.to_string(), settings)));
         let (own, waker) = server::start(&with_host(address), plan.clients, Arc::clone(&state), back)?;
         say!("page: http://{own}/");
-        Ok(Self { watcher: Watcher::new(), state, waker })
-    }
-
-    /// Takes bytes of the receiver.
-    pub(super) fn hear(&mut self, bytes: &[u8], came_ms: u64) {
-        self.watcher.hear(bytes, came_ms);
+        Ok(Self { state, waker })
     }
 
     /// Notes whether the receiver sends ranges, or other messages alone.
@@ -67,21 +59,18 @@ impl Page {
         self.state.lock().unwrap_or_else(PoisonError::into_inner).lacks_ranges = !has_ranges;
     }
 
-    /// Takes the sentences of a pass of the epoch loop.
-    pub(super) fn note(&mut self, said: &[u8], receiver: &Receiver<Pin>) {
+    /// Takes the sentences of a pass of the epoch loop, with the module's views of its epochs.
+    pub(super) fn note(&mut self, said: &[u8], views: &[View], receiver: &Module) {
         let outputs = sentence::sentences(said).and_then(|text| sentence::epochs(&text)).unwrap_or_default();
-        let views: Vec<_> = outputs
-            .iter()
-            .map(|output| output.state.has_epoch().then(|| self.watcher.view(receiver).satellites))
-            .collect();
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.live(receiver.pin().is_high());
         if outputs.is_empty() {
             return;
         }
         state.counters = receiver.statistics().filter(|(name, _)| *name != "sigma_check_pct").collect();
+        let views = views_of(&outputs, views);
         for (output, view) in outputs.into_iter().zip(views) {
-            state.take(output, view);
+            state.take(output, view.map(|view| view.satellites.clone()));
         }
         drop(state);
         // A waker fails only if its thread has ended.
