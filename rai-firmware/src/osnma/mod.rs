@@ -33,8 +33,9 @@
 //! follow from the chain is not believed. A tag that is wrong makes words `FALSE` only if all of them
 //! came in the subframe that it is about.
 //!
-//! **Limits.** SHA-256, HMAC-SHA-256 and P-256 only. Roots are not compared by age: an old one that is
-//! sent again can renew its own header's status.
+//! **Limits.** SHA-256, HMAC-SHA-256 and P-256 only. A header that forbids use is lifted by no root key
+//! that is older than its own. Other headers are not compared by age: an old root key that is sent again
+//! renews its own.
 //!
 //! References: [OSNMA-ICD], [OSNMA-RG].
 //!
@@ -183,6 +184,8 @@ pub struct Osnma<const S: usize, const R: usize, const L: usize> {
     /// Header that came with the newest proved root key, and the key that signed it.
     header: Option<u8>,
     pkid: u8,
+    /// Subframe of the root key with the last header that forbids use.
+    forbidden: Subframe,
     note: Option<State>,
     is_stopped: bool,
     /// True if the owner's key was revoked.
@@ -245,6 +248,7 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
             signatures: 0,
             header: None,
             pkid: 0,
+            forbidden: Subframe(0),
             note: None,
             is_stopped: false,
             is_key_revoked: false,
@@ -257,7 +261,7 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
     /// Forgets everything that rests on a key, because the owner gave another.
     pub fn forget_keys(&mut self) {
         (self.chains, self.link, self.pending, self.learned) = ([None; 2], None, None, None);
-        (self.header, self.pkid, self.note) = (None, 0, None);
+        (self.header, self.pkid, self.forbidden, self.note) = (None, 0, Subframe(0), None);
         (self.is_stopped, self.is_key_revoked) = (false, false);
         self.tried = [0; SIGNATURES as usize];
         self.signatures = 0;

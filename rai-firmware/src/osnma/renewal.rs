@@ -3,6 +3,7 @@
 use super::chain::Chain;
 use super::dsm;
 use super::merkle::{self, KEY, Proved};
+use super::queue::DONT_USE;
 use super::root::{NoRoot, Root};
 use super::signature::Verification;
 use super::{Keys, Osnma, Pending, SIGNATURES, State};
@@ -147,6 +148,13 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
     /// Takes a root key whose signature is right.
     fn accept(&mut self, root: &Root) {
         let (status, in_force, special) = (root.header >> 6, root.header >> 4 & 3, root.header >> 1 & 7);
+        // One from before is only sent again.
+        if root.subframe < self.forbidden {
+            return;
+        }
+        if status == DONT_USE {
+            self.forbidden = root.subframe;
+        }
         (self.header, self.pkid, self.note) = (Some(root.header), root.pkid, None);
         if special == ALERT {
             return self.stop();
@@ -172,7 +180,7 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
                 self.link = None;
             }
         }
-        if status == 3 && special == CHAIN_REVOKED {
+        if status == DONT_USE && special == CHAIN_REVOKED {
             let is_revoked = |chain: &Chain| chain.parameters.chain == in_force;
             self.chains.iter_mut().for_each(|chain| *chain = chain.filter(|chain| !is_revoked(chain)));
             self.satellites.iter_mut().for_each(super::Satellite::forget_verdict);

@@ -6,6 +6,8 @@
 //! keeps no tag from before its root key; on the other hand it also uses the messages of the subframe
 //! before the root key was complete.
 
+mod second;
+
 use std::io::Read as _;
 
 use flate2::read::MultiGzDecoder;
