@@ -80,8 +80,13 @@ const KEYS_FROM: u8 = 12;
 /// Subframes from a tag with a later key to that key.
 const SLOW: u8 = 11;
 
-/// Most signatures that are begun in an hour.
+/// Number that no chain has.
+const NO_CHAIN: u8 = u8::MAX;
+
+/// Most signatures that are begun in an hour, and messages that are remembered, so that none is verified
+/// again as long as it comes.
 const SIGNATURES: u8 = 16;
+const TRIED: u8 = 8;
 
 /// Keys that the owner gave.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -170,13 +175,14 @@ pub struct Osnma<const S: usize, const R: usize, const L: usize> {
     roots: Collectors<2, { dsm::OF_ROOT }>,
     renewals: Collectors<1, { dsm::OF_KEY }>,
     chains: [Option<Chain>; 2],
-    /// Number of the chain that proved the newest key.
+    /// Number of the chain that proved the newest key, or [`NO_CHAIN`]. A root key may be of a time to
+    /// come, and proves nothing by itself.
     active: u8,
     link: Option<Link>,
     pending: Option<Pending>,
     learned: Option<(u8, [u8; KEY])>,
-    /// First bytes of the hash of messages whose signature was begun.
-    tried: [u32; SIGNATURES as usize],
+    /// Marks of the messages whose signature was begun last.
+    tried: [u64; TRIED as usize],
     next_tried: u8,
     /// Hour of the module's clock, and signatures that were begun in it.
     hour: u32,
@@ -238,11 +244,11 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
             roots: Collectors::EMPTY,
             renewals: Collectors::EMPTY,
             chains: [None; 2],
-            active: 0,
+            active: NO_CHAIN,
             link: None,
             pending: None,
             learned: None,
-            tried: [0; SIGNATURES as usize],
+            tried: [0; TRIED as usize],
             next_tried: 0,
             hour: 0,
             signatures: 0,
@@ -263,7 +269,7 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
         (self.chains, self.link, self.pending, self.learned) = ([None; 2], None, None, None);
         (self.header, self.pkid, self.forbidden, self.note) = (None, 0, Subframe(0), None);
         (self.is_stopped, self.is_key_revoked) = (false, false);
-        self.tried = [0; SIGNATURES as usize];
+        self.tried = [0; TRIED as usize];
         self.signatures = 0;
         self.held.clear();
         self.slow.clear();

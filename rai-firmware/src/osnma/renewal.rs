@@ -6,7 +6,7 @@ use super::merkle::{self, KEY, Proved};
 use super::queue::DONT_USE;
 use super::root::{NoRoot, Root};
 use super::signature::Verification;
-use super::{Keys, Osnma, Pending, SIGNATURES, State};
+use super::{Keys, Osnma, Pending, SIGNATURES, State, TRIED};
 use crate::counters::count;
 
 /// Combinations of blocks that one slice compares.
@@ -17,6 +17,9 @@ const NOMINAL: u8 = 1;
 const CHAIN_REVOKED: u8 = 3;
 const KEY_REVOKED: u8 = 5;
 const ALERT: u8 = 7;
+
+/// Subframes of an hour.
+const AHEAD: u32 = 120;
 
 /// Power of two that is an hour, ms: 70 minutes.
 const HOUR_POWER: u32 = 22;
@@ -103,21 +106,18 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
         let Some((_, key)) = self.key_of(root.pkid, keys) else {
             return self.note = Some(State::OtherKey);
         };
-        let [a, b, c, d, ..] = signed.hash;
-        let [e, f, g, h, ..] = signed.signature;
-        let mark = u32::from_be_bytes([a, b, c, d]) ^ u32::from_le_bytes([e, f, g, h]);
         let hour = (now_ms >> HOUR_POWER) as u32;
         if core::mem::replace(&mut self.hour, hour) != hour {
             self.signatures = 0;
         }
-        if self.tried.contains(&mark) || self.signatures >= SIGNATURES {
+        if self.tried.contains(&signed.mark) || self.signatures >= SIGNATURES {
             return;
         }
         self.signatures += 1;
         if let Some(place) = self.tried.get_mut(usize::from(self.next_tried)) {
-            *place = mark;
+            *place = signed.mark;
         }
-        self.next_tried = (self.next_tried + 1) % SIGNATURES;
+        self.next_tried = (self.next_tried + 1) % TRIED;
         self.pending =
             Some(Pending { root, verification: Verification::new(&key, signed.hash, &signed.signature) });
     }
@@ -165,7 +165,10 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
             self.chains = [None; 2];
         }
         let parameters = root.parameters;
-        let is_same = |chain: &Chain| chain.parameters == parameters && chain.newest >= root.subframe;
+        // A root key of the same chain may be of a time that is about to come.
+        let is_same = |chain: &Chain| {
+            chain.parameters == parameters && chain.newest.0.saturating_add(AHEAD) >= root.subframe.0
+        };
         if !self.chains.iter().flatten().any(is_same) {
             let of_this = |chain: &Option<Chain>| {
                 chain.as_ref().is_some_and(|chain| chain.parameters.chain == parameters.chain)

@@ -7,6 +7,7 @@
 //! before the root key was complete.
 
 mod second;
+mod trusted;
 
 use std::io::Read as _;
 
@@ -233,7 +234,8 @@ mod at_length {
         for (name, key, tree, states, ends, proved) in [
             // The chain in force is followed until the next begins.
             ("eoc_step1", KEY_7, TREE_2, &[Waiting, Running][..], Some((7, 3)), 20..27),
-            // Only the next chain's root key is sent; it comes into force after half an hour.
+            // The root keys of both chains are sent in turn; the next, whose root key is of a time to come,
+            // comes into force after half an hour.
             ("eoc_step2", KEY_7, TREE_2, &[Waiting, Running], Some((7, 0)), 20..27),
             ("crev_step1", KEY_7, TREE_2, &[Waiting, Running, DontUse], Some((7, 0)), 0..1),
             ("npk_step1", KEY_7, TREE_2, &[Waiting, Running], Some((7, 1)), 20..27),

@@ -72,6 +72,8 @@ struct Agreement {
     neither: u32,
     ours_alone: u32,
     its_alone: u32,
+    /// First and last second of those.
+    alone_s: Option<(u32, u32)>,
     /// False here, proved there.
     contrary: u32,
 }
@@ -97,6 +99,10 @@ fn compared(keys: &Keys, pages: impl Iterator<Item = Heard>) -> (Agreement, u32)
         second.hear(satellite, begin_s, &word, &bits, is_e1);
         let verdict = ours.seal_of(satellite).verdict;
         let is_its = second.is_proved(satellite);
+        if !verdict.is_proved() && is_its {
+            let since_s = begin_s - first_s.unwrap_or(begin_s);
+            agreement.alone_s.get_or_insert((since_s, since_s)).1 = since_s;
+        }
         *match (verdict.is_proved(), is_its) {
             (true, true) => &mut agreement.both,
             (true, false) => &mut agreement.ours_alone,
@@ -194,20 +200,23 @@ mod at_length {
     #[test]
     fn galileo_osnma_agrees_page_by_page() {
         for (name, key, tree) in [
-            ("station", KEY_2025, None),
-            ("configuration_2", KEY_2, Some(TREE_2)),
-            ("eoc_step1", KEY_7, Some(TREE_2)),
             ("eoc_step2", KEY_7, Some(TREE_2)),
-            ("crev_step1", KEY_7, Some(TREE_2)),
+            ("eoc_step1", KEY_7, Some(TREE_2)),
             ("npk_step1", KEY_7, Some(TREE_2)),
             ("npk_step2", KEY_7, Some(TREE_2)),
+            ("station", KEY_2025, None),
+            ("configuration_2", KEY_2, Some(TREE_2)),
+            ("crev_step1", KEY_7, Some(TREE_2)),
             ("oam_step1", KEY_1, Some(TREE_3)),
             ("oam_step2", KEY_1, Some(TREE_3)),
         ] {
             let Some(pages) = (if name == "station" { station() } else { vector(name) }) else { return };
             let (agreement, wrong) = compared(&keys(key, tree), recorded(&pages));
             println!("{name}: {agreement:?}");
-            assert_eq!((agreement.contrary, wrong), (0, 0), "{name}");
+            assert_eq!((agreement.contrary, agreement.ours_alone, wrong), (0, 0, 0), "{name}");
+            // What was proved before a revocation or an alert stays so there, and does not here.
+            let is_ended = name.starts_with("crev") || name.starts_with("oam");
+            assert!(agreement.its_alone == 0 || is_ended, "{name}: {agreement:?}");
         }
     }
 }

@@ -5,6 +5,7 @@
 
 use raim::signal::osnma::Chain;
 use raim::signal::osnma::words::Arbitrary;
+use sha2::{Digest as _, Sha256};
 
 use super::*;
 
@@ -162,4 +163,39 @@ fn pages_of_two_receivers_make_nothing_false() {
             assert_eq!((bench.wrong(), bench.summary().proved), (0, 6));
         }
     }
+}
+
+/// The true message with another signature, whose padding is right, comes first and from all satellites.
+#[test]
+fn true_root_key_is_tried_behind_one_with_a_forged_signature() {
+    const BLOCK: usize = 13;
+    let system = System::new(36);
+    let pages = system.pages(START..START + 16);
+    let block_of = |page: &Page| {
+        let begin_s = page.begin_s / 30 * 30 + 3;
+        let mut heads = pages.iter();
+        let head = heads.find(|head| (head.satellite, head.begin_s) == (page.satellite, begin_s));
+        usize::from(head.expect("a head").bits[0] & 15)
+    };
+    let place_of = |page: &Page| BLOCK * block_of(page) + ((page.begin_s % 30) as usize - 5) / 2;
+    let mut message = [0; 8 * BLOCK];
+    for page in pages.iter().filter(|page| page.begin_s % 30 > 3) {
+        message[place_of(page)] = page.bits[0];
+    }
+    // The last byte of s, behind 13 bytes of head, the key, r and the rest of s.
+    message[13 + 16 + 63] ^= 1;
+    let padding = Sha256::new().chain_update([0b1000_0010]).chain_update(&message[1..93]).finalize();
+    message[93..].copy_from_slice(&padding[..11]);
+    let mut forged = pages.clone();
+    for page in forged.iter_mut().take(15 * 6 * 5) {
+        match page.begin_s % 30 {
+            1 => {}
+            3 => page.bits[0] = 7 << 4 | page.bits[0] & 15,
+            _ => page.bits[0] = message[place_of(page)],
+        }
+    }
+    let mut bench = Bench::new(system.public());
+    hear_checked(&mut bench, &forged);
+    assert_eq!((bench.count("osnma_roots_wrong"), bench.count("osnma_roots_right")), (1, 1));
+    assert_eq!(bench.summary().proved, 6);
 }

@@ -23,12 +23,7 @@ pub(super) const BLOCK: usize = 13;
 pub(super) const RENEWAL: u8 = 12;
 
 /// Returns the message of a root key, signed by a key with its number.
-pub(super) fn root_key(
-    header: u8,
-    (number, secret): (u8, &Secret),
-    chain: &Chain,
-    once: &[u8],
-) -> Vec<u8> {
+pub(super) fn root_key(header: u8, (number, secret): (u8, &Secret), chain: &Chain, once: &[u8]) -> Vec<u8> {
     let (week, hour) = chain.week_and_hour();
     let head = Bits::default()
         .put(2, 4) // eight blocks

@@ -276,10 +276,10 @@ impl System {
     }
 
     fn root_message(&self, phase: &Phase) -> Vec<u8> {
-        let (number, secret) =
-            if phase.is_next_key { (NEXT_KEY, &self.next_secret) } else { (1, &self.secret) };
+        let (number, secret, once) =
+            if phase.is_next_key { (NEXT_KEY, &self.next_secret, 5) } else { (1, &self.secret, 3) };
         let chain = &self.chains[usize::from(phase.root_of)];
-        message::root_key(phase.header, (number, secret), chain, &[self.seed, 3, phase.header])
+        message::root_key(phase.header, (number, secret), chain, &[self.seed, once, phase.header])
     }
 
     fn phase(&self, subframe: u32) -> &Phase {

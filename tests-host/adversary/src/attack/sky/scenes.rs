@@ -29,6 +29,8 @@ pub(super) struct Scene {
     pub(super) systems: &'static str,
     /// Seconds by which everything is late.
     pub(super) late_s: u32,
+    /// True if the module starts under the attack.
+    pub(super) is_cold: bool,
 }
 
 /// Where ranges are received.
@@ -63,68 +65,85 @@ const GENUINE: Scene = Scene {
     pages: Pages::Genuine,
     systems: "GE",
     late_s: 0,
+    is_cold: false,
 };
 
 const RELAYED: Scene = Scene { ranges: Ranges::Relayed, ..GENUINE };
 
-/// All attacks, behind the genuine sky.
-pub(super) const SCENES: [Scene; 14] = [
+/// All attacks, behind the genuine sky of a module that has run before and of one that starts.
+pub(super) const SCENES: [Scene; 17] = [
     GENUINE,
+    Scene { is_cold: true, ..GENUINE },
     Scene {
         name: "(a) forged data of one Galileo satellite, its clock wrong by 300 m",
-        short: "one forged",
+        short: "forged data of one Galileo satellite",
         pages: Pages::Forged(Lie::Clocks(1)),
         ..GENUINE
     },
-    Scene { name: "(a) of two", short: "two forged", pages: Pages::Forged(Lie::Clocks(2)), ..GENUINE },
+    Scene {
+        name: "(a) of two",
+        short: "forged data of two Galileo satellites",
+        pages: Pages::Forged(Lie::Clocks(2)),
+        ..GENUINE
+    },
     Scene {
         name: "(a) of all Galileo satellites, their orbits turned by 500 m",
-        short: "all forged",
+        short: "forged data of all",
         pages: Pages::Forged(Lie::Turned),
         ..GENUINE
     },
     Scene {
         name: "(a) the same without GPS",
-        short: "all forged, no GPS",
+        short: "forged data of all, without GPS",
         pages: Pages::Forged(Lie::Turned),
         systems: "E",
         ..GENUINE
     },
-    Scene {
-        name: "(b) the sky of a place 555 m away, relayed at once",
-        short: "relayed 0 s late",
-        ..RELAYED
-    },
+    Scene { name: "(b) the sky of a place 555 m away, relayed at once", short: "relayed at once", ..RELAYED },
     Scene { name: "(b) 5 s late", short: "relayed 5 s late", late_s: 5, ..RELAYED },
     Scene { name: "(b) 40 s late", short: "relayed 40 s late", late_s: 40, ..RELAYED },
     Scene { name: "(b) 10 min late", short: "relayed 10 min late", late_s: 600, ..RELAYED },
     Scene {
+        name: "(b) 40 s late, to a module that starts",
+        short: "relayed 40 s late, from the start",
+        late_s: 40,
+        is_cold: true,
+        ..RELAYED
+    },
+    Scene {
+        name: "(b) 10 min late, to a module that starts",
+        short: "relayed 10 min late, from the start",
+        late_s: 600,
+        is_cold: true,
+        ..RELAYED
+    },
+    Scene {
         name: "(c) GPS forged 555 m away, Galileo genuine",
-        short: "GPS forged",
+        short: "GPS forged, Galileo genuine",
         ranges: Ranges::OneElsewhere(Constellation::Gps),
         ..GENUINE
     },
     Scene {
         name: "(c) Galileo's ranges forged 555 m away with its signed data, GPS genuine",
-        short: "Galileo forged",
+        short: "Galileo's ranges forged, GPS genuine",
         ranges: Ranges::OneElsewhere(Constellation::Galileo),
         ..GENUINE
     },
     Scene {
         name: "(d) all ranges and rates pulled off at 0.5 m/s",
-        short: "pulled off",
+        short: "all ranges pulled off at 0.5 m/s",
         ranges: Ranges::Walking,
         ..GENUINE
     },
     Scene {
         name: "(e) one satellite poisons the root key's blocks from the start",
-        short: "poisoned",
+        short: "poisoned root key",
         pages: Pages::Poisoned,
         ..GENUINE
     },
     Scene {
         name: "(f) all forged 555 m away, Galileo signed by the attacker's own key",
-        short: "own key",
+        short: "all forged, signed by another key",
         ranges: Ranges::Elsewhere,
         pages: Pages::OfAttacker,
         ..GENUINE
@@ -132,10 +151,16 @@ pub(super) const SCENES: [Scene; 14] = [
 ];
 
 impl Scene {
+    /// Returns true for a sky without an attack.
+    pub(super) fn is_genuine(&self) -> bool {
+        self.short == GENUINE.short
+    }
+
     /// Returns the epoch of a second; `None` while the sky is jammed.
     pub(super) fn epoch(&self, skies: &Skies, second: u32, has_rates: bool) -> Option<MeasuredEpoch> {
         let mut epoch = match (second, self.ranges) {
             (JAMMED..ATTACKED, _) => return None,
+            (..ATTACKED, _) if self.is_cold => return None,
             (..JAMMED, _) | (_, Ranges::Genuine) => {
                 skies.here(second, self.late_in(second), has_rates).clone()
             }

@@ -35,11 +35,11 @@ pub struct Row {
 impl Cell {
     fn words(&self) -> String {
         let seen = match (self.seen_s, self.first_four_s) {
-            (Some(seen_s), _) if self.by == "no epoch" => format!("no epoch, {seen_s} s"),
             (Some(seen_s), _) => format!("`{}`, {seen_s} s", self.by),
             (None, Some((with_s, without_s))) => {
-                format!("four proved after {with_s} s, without it {without_s} s")
+                return format!("four proved after {with_s} s, without it {without_s} s");
             }
+            (None, None) if self.beyond == 0 => return "no harm".to_owned(),
             (None, None) => "not seen".to_owned(),
         };
         match self.last_beyond_s {
@@ -53,7 +53,7 @@ impl Cell {
 pub fn markdown(rows: &[Row]) -> String {
     let names: Vec<&str> = MEANS.iter().map(|means| means.name).collect();
     let mut table = format!("| attack | {} |\n|---|{}\n", names.join(" | "), "---|".repeat(names.len()));
-    for Row { name, cells, .. } in rows.iter().skip(1) {
+    for Row { name, cells, .. } in rows {
         let words: Vec<String> = cells.iter().map(Cell::words).collect();
         let _ = writeln!(table, "| {name} | {} |", words.join(" | "));
     }
@@ -61,12 +61,16 @@ pub fn markdown(rows: &[Row]) -> String {
 }
 
 /// Attacks of the short table, by their short names.
-const SHORT: [&str; 6] =
-    ["two forged", "all forged, no GPS", "relayed 5 s late", "relayed 40 s late", "pulled off", "own key"];
+const SHORT: [&str; 4] = [
+    "relayed 5 s late",
+    "relayed 40 s late, from the start",
+    "all ranges pulled off at 0.5 m/s",
+    "all forged, signed by another key",
+];
 
 /// Returns the table of what a module sees by its ranges alone, and with everything.
 pub fn summary(rows: &[Row]) -> String {
-    let mut table = "| attack | ranges alone | `KEY`, `TRUST` and Doppler |\n|---|---|---|\n".to_owned();
+    let mut table = "| signed sky, jammed, then ([all](results/adversary.md#a-signed-sky)) | seen by ranges alone | with `KEY`, `TRUST` and Doppler |\n|---|---|---|\n".to_owned();
     for Row { short, cells, .. } in rows.iter().filter(|row| SHORT.contains(&row.short)) {
         if let (Some(first), Some(last)) = (cells.first(), cells.last()) {
             let _ = writeln!(table, "| {short} | {} | {} |", first.words(), last.words());

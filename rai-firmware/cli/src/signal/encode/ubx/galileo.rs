@@ -110,7 +110,8 @@ pub(super) fn signed_page(word: Row, authentication: [u8; 5]) -> Result<Vec<u32>
     let (front, back) = word.bits().split_at(112);
     let even = Row::default().unsigned(0b00, 2)?.then(front);
     let odd = Row::default().unsigned(0b10, 2)?.then(back);
-    let odd = authentication.iter().try_fold(odd, |odd, byte| odd.unsigned(u64::from(*byte), 8))?.until(82)?;
+    let odd =
+        authentication.iter().try_fold(odd, |odd, byte| odd.unsigned(u64::from(*byte), 8))?.until(82)?;
     let covered = even.clone().then(odd.bits());
     let odd = odd.then(&crc24q(covered.bits()));
     Ok(even.until(128)?.then(odd.until(128)?.bits()).words())
