@@ -83,8 +83,7 @@ const SLOW: u8 = 11;
 /// Number that no chain has.
 const NO_CHAIN: u8 = u8::MAX;
 
-/// Most signatures that are begun in an hour, and messages that are remembered, so that none is verified
-/// again as long as it comes.
+/// Most signatures that are begun in an hour, and messages of which none is verified again.
 const SIGNATURES: u8 = 16;
 const TRIED: u8 = 8;
 
