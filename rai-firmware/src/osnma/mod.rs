@@ -33,8 +33,9 @@
 //! follow from the chain is not believed. A tag that is wrong makes words `FALSE` only if all of them
 //! came in the subframe that it is about.
 //!
-//! **Limits.** SHA-256, HMAC-SHA-256 and P-256 only. Roots are not compared by age: an old one that is
-//! sent again can renew its own header's status.
+//! **Limits.** SHA-256, HMAC-SHA-256 and P-256 only. A header that forbids use is lifted by no root key
+//! that is older than its own. Other headers are not compared by age: an old root key that is sent again
+//! renews its own.
 //!
 //! References: [OSNMA-ICD], [OSNMA-RG].
 //!
@@ -79,8 +80,12 @@ const KEYS_FROM: u8 = 12;
 /// Subframes from a tag with a later key to that key.
 const SLOW: u8 = 11;
 
-/// Most signatures that are begun in an hour.
+/// Number that no chain has.
+const NO_CHAIN: u8 = u8::MAX;
+
+/// Most signatures that are begun in an hour, and messages of which none is verified again.
 const SIGNATURES: u8 = 16;
+const TRIED: u8 = 8;
 
 /// Keys that the owner gave.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -169,13 +174,14 @@ pub struct Osnma<const S: usize, const R: usize, const L: usize> {
     roots: Collectors<2, { dsm::OF_ROOT }>,
     renewals: Collectors<1, { dsm::OF_KEY }>,
     chains: [Option<Chain>; 2],
-    /// Number of the chain that proved the newest key.
+    /// Number of the chain that proved the newest key, or [`NO_CHAIN`]. A root key may be of a time to
+    /// come, and proves nothing by itself.
     active: u8,
     link: Option<Link>,
     pending: Option<Pending>,
     learned: Option<(u8, [u8; KEY])>,
-    /// First bytes of the hash of messages whose signature was begun.
-    tried: [u32; SIGNATURES as usize],
+    /// Marks of the messages whose signature was begun last.
+    tried: [u64; TRIED as usize],
     next_tried: u8,
     /// Hour of the module's clock, and signatures that were begun in it.
     hour: u32,
@@ -183,6 +189,8 @@ pub struct Osnma<const S: usize, const R: usize, const L: usize> {
     /// Header that came with the newest proved root key, and the key that signed it.
     header: Option<u8>,
     pkid: u8,
+    /// Subframe of the root key with the last header that forbids use.
+    forbidden: Subframe,
     note: Option<State>,
     is_stopped: bool,
     /// True if the owner's key was revoked.
@@ -235,16 +243,17 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
             roots: Collectors::EMPTY,
             renewals: Collectors::EMPTY,
             chains: [None; 2],
-            active: 0,
+            active: NO_CHAIN,
             link: None,
             pending: None,
             learned: None,
-            tried: [0; SIGNATURES as usize],
+            tried: [0; TRIED as usize],
             next_tried: 0,
             hour: 0,
             signatures: 0,
             header: None,
             pkid: 0,
+            forbidden: Subframe(0),
             note: None,
             is_stopped: false,
             is_key_revoked: false,
@@ -257,9 +266,9 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
     /// Forgets everything that rests on a key, because the owner gave another.
     pub fn forget_keys(&mut self) {
         (self.chains, self.link, self.pending, self.learned) = ([None; 2], None, None, None);
-        (self.header, self.pkid, self.note) = (None, 0, None);
+        (self.header, self.pkid, self.forbidden, self.note) = (None, 0, Subframe(0), None);
         (self.is_stopped, self.is_key_revoked) = (false, false);
-        self.tried = [0; SIGNATURES as usize];
+        self.tried = [0; TRIED as usize];
         self.signatures = 0;
         self.held.clear();
         self.slow.clear();

@@ -9,7 +9,7 @@ use super::{Belief, Held, Osnma, SLOW, Slow, Worked, take};
 use crate::counters::count;
 
 /// Status of the header under which tags must not be used.
-const DONT_USE: u8 = 3;
+pub(super) const DONT_USE: u8 = 3;
 
 impl Held {
     const fn message(&self) -> Mack<'_> {

@@ -3,9 +3,10 @@
 use super::chain::Chain;
 use super::dsm;
 use super::merkle::{self, KEY, Proved};
+use super::queue::DONT_USE;
 use super::root::{NoRoot, Root};
 use super::signature::Verification;
-use super::{Keys, Osnma, Pending, SIGNATURES, State};
+use super::{Keys, Osnma, Pending, SIGNATURES, State, TRIED};
 use crate::counters::count;
 
 /// Combinations of blocks that one slice compares.
@@ -16,6 +17,9 @@ const NOMINAL: u8 = 1;
 const CHAIN_REVOKED: u8 = 3;
 const KEY_REVOKED: u8 = 5;
 const ALERT: u8 = 7;
+
+/// Subframes of an hour.
+const AHEAD: u32 = 120;
 
 /// Power of two that is an hour, ms: 70 minutes.
 const HOUR_POWER: u32 = 22;
@@ -102,21 +106,18 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
         let Some((_, key)) = self.key_of(root.pkid, keys) else {
             return self.note = Some(State::OtherKey);
         };
-        let [a, b, c, d, ..] = signed.hash;
-        let [e, f, g, h, ..] = signed.signature;
-        let mark = u32::from_be_bytes([a, b, c, d]) ^ u32::from_le_bytes([e, f, g, h]);
         let hour = (now_ms >> HOUR_POWER) as u32;
         if core::mem::replace(&mut self.hour, hour) != hour {
             self.signatures = 0;
         }
-        if self.tried.contains(&mark) || self.signatures >= SIGNATURES {
+        if self.tried.contains(&signed.mark) || self.signatures >= SIGNATURES {
             return;
         }
         self.signatures += 1;
         if let Some(place) = self.tried.get_mut(usize::from(self.next_tried)) {
-            *place = mark;
+            *place = signed.mark;
         }
-        self.next_tried = (self.next_tried + 1) % SIGNATURES;
+        self.next_tried = (self.next_tried + 1) % TRIED;
         self.pending =
             Some(Pending { root, verification: Verification::new(&key, signed.hash, &signed.signature) });
     }
@@ -147,6 +148,13 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
     /// Takes a root key whose signature is right.
     fn accept(&mut self, root: &Root) {
         let (status, in_force, special) = (root.header >> 6, root.header >> 4 & 3, root.header >> 1 & 7);
+        // One from before is only sent again.
+        if root.subframe < self.forbidden {
+            return;
+        }
+        if status == DONT_USE {
+            self.forbidden = root.subframe;
+        }
         (self.header, self.pkid, self.note) = (Some(root.header), root.pkid, None);
         if special == ALERT {
             return self.stop();
@@ -157,7 +165,10 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
             self.chains = [None; 2];
         }
         let parameters = root.parameters;
-        let is_same = |chain: &Chain| chain.parameters == parameters && chain.newest >= root.subframe;
+        // A root key of the same chain may be of a time that is about to come.
+        let is_same = |chain: &Chain| {
+            chain.parameters == parameters && chain.newest.0.saturating_add(AHEAD) >= root.subframe.0
+        };
         if !self.chains.iter().flatten().any(is_same) {
             let of_this = |chain: &Option<Chain>| {
                 chain.as_ref().is_some_and(|chain| chain.parameters.chain == parameters.chain)
@@ -172,7 +183,7 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
                 self.link = None;
             }
         }
-        if status == 3 && special == CHAIN_REVOKED {
+        if status == DONT_USE && special == CHAIN_REVOKED {
             let is_revoked = |chain: &Chain| chain.parameters.chain == in_force;
             self.chains.iter_mut().for_each(|chain| *chain = chain.filter(|chain| !is_revoked(chain)));
             self.satellites.iter_mut().for_each(super::Satellite::forget_verdict);

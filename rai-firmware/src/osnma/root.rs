@@ -41,6 +41,9 @@ pub(super) struct Root {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Signed {
     pub(super) hash: [u8; 32],
+    /// First bytes of the hash of what is signed and the signature, which no other message has: one with
+    /// another signature is another message.
+    pub(super) mark: u64,
     pub(super) signature: [u8; SIGNATURE],
 }
 
@@ -108,6 +111,7 @@ impl Root {
             subframe: Subframe(week * WEEK + hour * 120).back(1),
             key,
         };
-        Ok((root, Signed { hash, signature: *signature }))
+        let mark = check.first_chunk().copied().map_or(0, u64::from_be_bytes);
+        Ok((root, Signed { hash, mark, signature: *signature }))
     }
 }

@@ -110,6 +110,7 @@ const COUNTERFEIT: &[Cause] = &[
     Attack("suspicion-once"),
     Attack("alike-strengths"),
     Attack("rising-sky"),
+    Attack("sky"),
     Attack("negated-rates"),
     Attack("random-rates"),
     Open("a slow attack from a genuine start that is consistent in code, phase, rates and clock"),

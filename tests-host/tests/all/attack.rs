@@ -135,6 +135,7 @@ attacks! {
     signals_of_unsaid_strength_are_no_strong_ones = "unsaid-strength",
     healthy_receivers_give_no_own_signs = "false-signs",
     streets_seldom_pass = "streets",
+    signed_sky_is_jammed_and_attacked = "sky",
     ramp_after_quiet_minutes_stays_within_the_levels = "ramp-after-quiet",
     street_after_quiet_minutes_seldom_passes = "street-after-quiet",
     walks_of_twenty_minutes_are_promised_no_more_once_seen = "long-walk-off",

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 use std::time::Duration;
 
+use raim::signal::osnma::Secret;
 use rig::board::{EmulatedBoard, Pace, Settings, is_installed};
 use rig::image::{self, Chip, Image};
 
@@ -62,6 +63,24 @@ fn command_is_answered_and_noise_on_both_ports_is_survived() {
     assert!(lines.last().expect("the answer").contains(",PASS,OK*"), "{lines:?}");
     assert!(!board.pin_is_high(), "nothing but a protected epoch may raise the pin");
     assert!(!board.log().iter().any(|line| line.text.starts_with("bytes lost")), "{:?}", board.log());
+}
+
+/// Anybody can read the secret of the key that the tests sign with.
+#[test]
+fn key_of_the_tests_is_refused_by_an_image() {
+    let Some((mut board, _)) = started(&Settings::default()) else { return };
+    let digits = |point: [u8; 33]| point.iter().map(|byte| format!("{byte:02X}")).collect::<String>();
+    for (secret, want) in [(Secret::test(), ",ERR,not in this build"), (Secret::of(b"another"), ",OK")] {
+        let mut point = secret.public();
+        board.command(&format!("KEY,1,{}", digits(point))).expect("the board takes a command");
+        let lines = board.read_through("$PRAIA,KEY", PATIENCE).expect("an answer");
+        assert!(lines.last().expect("the answer").contains(want), "{lines:?}");
+        // The opposite point has the same secret but for its sign.
+        point[0] ^= 1;
+        board.command(&format!("KEY,1,{}", digits(point))).expect("the board takes a command");
+        let lines = board.read_through("$PRAIA,KEY", PATIENCE).expect("an answer");
+        assert!(lines.last().expect("the answer").contains(want), "{lines:?}");
+    }
 }
 
 #[test]

@@ -10,6 +10,7 @@
 //! | [`recording`], [`sample`] | RINEX 2, 3 and 4; a small real recording for users without one |
 //! | [`capture`] | bytes of a receiver: UBX, SBF and RTCM 3, cut into epochs |
 //! | [`fault`] | steps, ramps, shifts of a constellation, outages, clock jumps, around any source |
+//! | `osnma` | a Galileo sky that a key of the tests signs; with the feature `sign` |
 //! | [`encode`] | raw epochs and ephemerides to RTCM 3, UBX and SBF |
 //! | [`lump`], [`lumps`], [`pieces`] | bytes of one epoch, a source of them, and the frames in them |
 //! | [`sort`] | what a file holds, by its content |
@@ -22,6 +23,8 @@ pub mod checksum;
 pub mod encode;
 pub mod fault;
 pub mod measurement;
+#[cfg(feature = "sign")]
+pub mod osnma;
 pub mod recording;
 pub mod sky;
 

@@ -52,6 +52,7 @@
 //! | [`unsaid_delays`] | group delays that the navigation message does not carry |
 //! | [`unsaid_strength`] | noisy signals whose strength the receiver does not report |
 //! | [`upheaval`] | leaps of place and time, a failing line, wrong ranges and commands, all at random |
+//! | [`sky`] | a signed sky: jammed, then forged, relayed, pulled off, poisoned or signed by another key |
 //! | [`streets`] | real recordings between walls that block low satellites or reflect them late |
 //! | [`gaps`] | nature: receivers of any rate that fall silent again and again |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
@@ -59,6 +60,7 @@
 pub mod module;
 pub mod record;
 pub mod seen;
+pub mod sky;
 pub mod small;
 pub mod tally;
 pub mod victim;
@@ -252,6 +254,7 @@ pub const ATTACKS: &[&Attack] = &[
     &false_signs::ATTACK,
     &gaps::ATTACK,
     &streets::ATTACK,
+    &sky::ATTACK,
 ];
 
 /// Bound of a figure.

@@ -12,6 +12,7 @@ use std::sync::OnceLock;
 use anyhow::{Context as _, Result};
 use raim_core::internals::velocity::Velocity;
 use raim_firmware::input::Suspicion;
+use raim_firmware::osnma::Summary;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::SEALED_BYTES;
@@ -23,6 +24,11 @@ static SMALL: OnceLock<PathBuf> = OnceLock::new();
 /// Attacks the small module from now on, by its program.
 pub fn attack_small(program: PathBuf) {
     SMALL.get_or_init(|| program);
+}
+
+/// Returns true if the small module is attacked.
+pub(super) fn is_small() -> bool {
+    SMALL.get().is_some()
 }
 
 /// A module that receives bytes and says sentences.
@@ -129,6 +135,14 @@ impl Module {
         match self {
             Self::Whole(receiver) => receiver.interference().1,
             Self::Small(_) => Suspicion::Unknown,
+        }
+    }
+
+    /// Returns what is known of the authentication. The small module has none.
+    pub(super) fn authentication(&self) -> Option<Summary> {
+        match self {
+            Self::Whole(receiver) => receiver.authentication().copied(),
+            Self::Small(_) => None,
         }
     }
 

@@ -8,6 +8,7 @@ use raim::sentence::{self, EpochOutput};
 use raim_core::frame::{Ecef, Enu, LocalFrame};
 use raim_core::internals::velocity::Velocity;
 use raim_firmware::input::Suspicion;
+use raim_firmware::osnma::Summary;
 use raim_firmware::settings::SEALED_BYTES;
 
 use super::module::Module;
@@ -166,6 +167,11 @@ impl Victim {
     /// Returns the current state of spoofing detection.
     pub fn spoofing(&self) -> Suspicion {
         self.module.spoofing()
+    }
+
+    /// Returns what is known of the authentication, if there is a key.
+    pub fn authentication(&self) -> Option<Summary> {
+        self.module.authentication()
     }
 
     /// Returns the velocity of the last epoch, if there is one.

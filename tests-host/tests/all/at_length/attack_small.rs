@@ -69,7 +69,7 @@ fn the_documents_say_which_attacks_mislead_the_small_module() {
 
     let (all, of_others) = (ATTACKS.len(), ATTACKS.len() - lines().len());
     let words = format!(
-        "It withstands {} of the {all} attacks of this page, {of_others} has no opportunity, and {} mislead it",
+        "It withstands {} of the {all} attacks of this page, {of_others} have no opportunity, and {} mislead it",
         all - of_others - misled.len(),
         misled.len(),
     );

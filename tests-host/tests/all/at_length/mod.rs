@@ -11,5 +11,6 @@ mod no_panic;
 mod page;
 mod parity;
 mod second_board;
+mod sky;
 mod soak;
 mod zephyr_sample;

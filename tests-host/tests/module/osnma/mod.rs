@@ -1,11 +1,12 @@
 //! OSNMA by a sky that a key of our own signs: what is proved, what is false, and what one satellite
 //! that lies can do.
 
-mod signer;
+mod bad_input;
+mod phases;
 
 use proptest::prelude::*;
+use raim::signal::osnma::{Page, Phase, ROOT, Secret, System};
 use raim_firmware::osnma::{Keys, Osnma, State, Summary, Verdict, Worked};
-use signer::{Page, ROOT, System};
 
 /// First subframe of every test, an even one, some time behind the root key.
 const START: u32 = ROOT + 41;
@@ -165,7 +166,7 @@ fn with_a_liar(system: &System, other: &System, id: u8) -> Vec<Page> {
 
 #[test]
 fn poisoned_blocks_and_a_forged_root_key_cost_no_minute() {
-    let (system, mut other) = (System::new(5), System::new(6));
+    let (system, mut other) = (System::new(5), System::of(Secret::of(b"attacker"), 6));
     let mut bench = Bench::new(system.public());
     let want_s = first_four(&mut bench, &system.pages(START..START + 12)).expect("four satellites");
     // A root key of another signer, whose message is whole: under a number of its own, and under that
@@ -241,13 +242,11 @@ fn a_header_that_forbids_use_ends_the_checks() {
     bench.hear_all(&system.pages(START..START + 6));
     assert_eq!((bench.summary().state, bench.summary().proved), (State::Running, 6));
     // The chain is revoked.
-    system.header = 0b1100_0110;
-    system.sign();
+    system.then(START + 6, |phase| phase.header = 0b1100_0110);
     bench.hear_all(&system.pages(START + 6..START + 12));
     assert_eq!((bench.summary().state, bench.summary().proved), (State::DontUse, 0));
     // The alert of the system.
-    system.header = 0b1100_1110;
-    system.sign();
+    system.then(START + 12, |phase| phase.header = 0b1100_1110);
     bench.hear_all(&system.pages(START + 12..START + 18));
     assert_eq!(bench.summary().state, State::Stopped);
 }
@@ -377,7 +376,7 @@ fn four_slices_ten_times_a_second_prove_four_satellites_in_three_minutes() {
 /// The pages by which the cost on the chip is measured are those of this signer.
 #[test]
 fn the_pages_that_are_measured_are_signed_here() {
-    let system = System::new(15);
+    let system = System::of(Secret::of(&[15, 1]), 15);
     let mut bytes = system.public().to_vec();
     for page in system.pages(START..START + 7) {
         bytes.push(page.satellite);

@@ -27,6 +27,23 @@ fn word(kind: u64) -> Result<Row> {
 
 /// Returns words 2, 4, 1, 3, 5, in the order in which a satellite sends them.
 pub(super) fn inav(m: &Msg1046T, sent: SystemTime) -> Result<Vec<Vec<u32>>> {
+    let [first, second, third, fourth, fifth] = words(m)?;
+    [second, fourth, first, third, sent.append(fifth)?].into_iter().map(inav_page).collect()
+}
+
+/// Returns words 1 to 5 as bytes, without a time in the last.
+#[cfg(feature = "sign")]
+pub(super) fn inav_words(m: &Msg1046T) -> Result<[[u8; 16]; 5]> {
+    let mut bytes = [[0; 16]; 5];
+    for (place, word) in bytes.iter_mut().zip(words(m)?) {
+        let word = word.until(128)?.words().into_iter().flat_map(u32::to_be_bytes);
+        place.iter_mut().zip(word).for_each(|(place, byte)| *place = byte);
+    }
+    Ok(bytes)
+}
+
+/// Returns words 1 to 5, the last one up to its time.
+fn words(m: &Msg1046T) -> Result<[Row; 5]> {
     let issue = u64::from(m.iodnav);
     let first = word(1)?
         .unsigned(issue, 10)?
@@ -66,8 +83,7 @@ pub(super) fn inav(m: &Msg1046T, sent: SystemTime) -> Result<Vec<Vec<u32>>> {
         .unsigned(u64::from(m.e1_b_sig_health_ind), 2)?
         .unsigned(u64::from(m.e5b_data_validity_flag), 1)?
         .unsigned(u64::from(m.e1_b_data_validity_flag), 1)?;
-    let fifth = sent.append(fifth)?;
-    [second, fourth, first, third, fifth].into_iter().map(inav_page).collect()
+    Ok([first, second, third, fourth, fifth])
 }
 
 /// Returns word 6 with the leap seconds.
@@ -85,10 +101,17 @@ pub(super) fn utc(said: &IonosphereAndUtc) -> Result<Vec<u32>> {
 }
 
 pub(super) fn inav_page(word: Row) -> Result<Vec<u32>> {
+    signed_page(word, [0; 5])
+}
+
+/// Returns a page with its forty bits for authentication.
+pub(super) fn signed_page(word: Row, authentication: [u8; 5]) -> Result<Vec<u32>> {
     let word = word.until(128)?;
     let (front, back) = word.bits().split_at(112);
     let even = Row::default().unsigned(0b00, 2)?.then(front);
-    let odd = Row::default().unsigned(0b10, 2)?.then(back).until(82)?;
+    let odd = Row::default().unsigned(0b10, 2)?.then(back);
+    let odd =
+        authentication.iter().try_fold(odd, |odd, byte| odd.unsigned(u64::from(*byte), 8))?.until(82)?;
     let covered = even.clone().then(odd.bits());
     let odd = odd.then(&crc24q(covered.bits()));
     Ok(even.until(128)?.then(odd.until(128)?.bits()).words())

@@ -222,6 +222,23 @@ pub fn ionosphere_and_utc(satellite: SatelliteId, said: &IonosphereAndUtc, time:
     Ok(subframe(satellite, 0, &lnav::ionosphere_and_utc(said, frame_of_week(time))?))
 }
 
+/// Returns words 1 to 5 of I/NAV, without a time in the last.
+///
+/// # Errors
+/// A number does not fit its word.
+#[cfg(feature = "sign")]
+pub(in crate::signal) fn inav_words(message: &rtcm_rs::msg::Msg1046T) -> Result<[[u8; 16]; 5]> {
+    galileo::inav_words(message)
+}
+
+/// Returns a page of I/NAV on E1: a word, and the bits for its authentication.
+#[cfg(feature = "sign")]
+pub(in crate::signal) fn inav_page(satellite: SatelliteId, word: &[u8; 16], bits: [u8; 5]) -> Vec<u8> {
+    let row = word.iter().try_fold(bits::Row::default(), |row, byte| row.unsigned(u64::from(*byte), 8));
+    let words = row.and_then(|row| galileo::signed_page(row, bits)).expect("bytes have eight bits");
+    subframe(satellite, 1, &words)
+}
+
 /// Returns the leap seconds as a Galileo satellite sends them.
 ///
 /// # Errors

@@ -1,10 +1,10 @@
-//! OSNMA of recordings and official test vectors: what is proved, how each vector ends, and what
-//! follows from a verdict, from the bytes of a receiver on.
+//! OSNMA of recordings and official vectors, from the bytes of a receiver on: what is proved, what follows.
 //!
-//! The counts of right tags are those of an independent program over the same pages. They differ by
-//! what is known at the begin of a recording: this module knows no time before the first word 5, and
-//! keeps no tag from before its root key; on the other hand it also uses the messages of the subframe
-//! before the root key was complete.
+//! The counts of right tags are those of an independent program, but for the begin of a recording: this
+//! module keeps no tag from before its root key, and uses the messages of the subframe before that.
+
+mod second;
+mod trusted;
 
 use std::io::Read as _;
 
@@ -231,7 +231,7 @@ mod at_length {
         for (name, key, tree, states, ends, proved) in [
             // The chain in force is followed until the next begins.
             ("eoc_step1", KEY_7, TREE_2, &[Waiting, Running][..], Some((7, 3)), 20..27),
-            // Only the next chain's root key is sent; it comes into force after half an hour.
+            // Both root keys are sent, the next of a time to come; it is in force after half an hour.
             ("eoc_step2", KEY_7, TREE_2, &[Waiting, Running], Some((7, 0)), 20..27),
             ("crev_step1", KEY_7, TREE_2, &[Waiting, Running, DontUse], Some((7, 0)), 0..1),
             ("npk_step1", KEY_7, TREE_2, &[Waiting, Running], Some((7, 1)), 20..27),

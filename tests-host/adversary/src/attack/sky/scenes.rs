@@ -1,0 +1,195 @@
+//! The attacks on a signed sky.
+
+use raim::signal::fault::Measured as _;
+use raim::signal::measurement::MeasuredEpoch;
+use raim_core::satellite::Constellation;
+
+use super::signals::{Lie, Skies};
+
+/// Second of the module's life at which the sky is jammed, and at which the attack begins.
+pub(super) const JAMMED: u32 = 240;
+pub(super) const ATTACKED: u32 = 300;
+
+/// Speed of the slow attack, m/s.
+const SPEED_M_S: f64 = 0.5;
+
+/// Extra length of all ranges of a relayed sky, m: a microsecond in cables.
+const CABLES_M: f64 = 300.0;
+
+/// An attack.
+pub(super) struct Scene {
+    /// Name in the table, and a short one.
+    pub(super) name: &'static str,
+    pub(super) short: &'static str,
+    /// Ranges of the attack.
+    pub(super) ranges: Ranges,
+    /// Pages of the attack.
+    pub(super) pages: Pages,
+    /// Systems that are received, all the time.
+    pub(super) systems: &'static str,
+    /// Seconds by which everything is late.
+    pub(super) late_s: u32,
+    /// True if the module starts under the attack.
+    pub(super) is_cold: bool,
+}
+
+/// Where ranges are received.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ranges {
+    /// At the antenna.
+    Genuine,
+    /// All at the other place, and longer by cables.
+    Relayed,
+    /// All at the other place.
+    Elsewhere,
+    /// Those of one system at the other place.
+    OneElsewhere(Constellation),
+    /// At a place that walks off.
+    Walking,
+}
+
+/// Who makes the pages of Galileo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pages {
+    Genuine,
+    Forged(Lie),
+    /// One satellite sends senseless blocks, from the start on.
+    Poisoned,
+    OfAttacker,
+}
+
+const GENUINE: Scene = Scene {
+    name: "genuine",
+    short: "genuine",
+    ranges: Ranges::Genuine,
+    pages: Pages::Genuine,
+    systems: "GE",
+    late_s: 0,
+    is_cold: false,
+};
+
+const RELAYED: Scene = Scene { ranges: Ranges::Relayed, ..GENUINE };
+
+/// All attacks, behind the genuine sky of a module that has run before and of one that starts.
+pub(super) const SCENES: [Scene; 17] = [
+    GENUINE,
+    Scene { is_cold: true, ..GENUINE },
+    Scene {
+        name: "(a) forged data of one Galileo satellite, its clock wrong by 300 m",
+        short: "forged data of one Galileo satellite",
+        pages: Pages::Forged(Lie::Clocks(1)),
+        ..GENUINE
+    },
+    Scene {
+        name: "(a) of two",
+        short: "forged data of two Galileo satellites",
+        pages: Pages::Forged(Lie::Clocks(2)),
+        ..GENUINE
+    },
+    Scene {
+        name: "(a) of all Galileo satellites, their orbits turned by 500 m",
+        short: "forged data of all",
+        pages: Pages::Forged(Lie::Turned),
+        ..GENUINE
+    },
+    Scene {
+        name: "(a) the same without GPS",
+        short: "forged data of all, without GPS",
+        pages: Pages::Forged(Lie::Turned),
+        systems: "E",
+        ..GENUINE
+    },
+    Scene { name: "(b) the sky of a place 555 m away, relayed at once", short: "relayed at once", ..RELAYED },
+    Scene { name: "(b) 5 s late", short: "relayed 5 s late", late_s: 5, ..RELAYED },
+    Scene { name: "(b) 40 s late", short: "relayed 40 s late", late_s: 40, ..RELAYED },
+    Scene { name: "(b) 10 min late", short: "relayed 10 min late", late_s: 600, ..RELAYED },
+    Scene {
+        name: "(b) 40 s late, to a module that starts",
+        short: "relayed 40 s late, from the start",
+        late_s: 40,
+        is_cold: true,
+        ..RELAYED
+    },
+    Scene {
+        name: "(b) 10 min late, to a module that starts",
+        short: "relayed 10 min late, from the start",
+        late_s: 600,
+        is_cold: true,
+        ..RELAYED
+    },
+    Scene {
+        name: "(c) GPS forged 555 m away, Galileo genuine",
+        short: "GPS forged, Galileo genuine",
+        ranges: Ranges::OneElsewhere(Constellation::Gps),
+        ..GENUINE
+    },
+    Scene {
+        name: "(c) Galileo's ranges forged 555 m away with its signed data, GPS genuine",
+        short: "Galileo's ranges forged, GPS genuine",
+        ranges: Ranges::OneElsewhere(Constellation::Galileo),
+        ..GENUINE
+    },
+    Scene {
+        name: "(d) all ranges and rates pulled off at 0.5 m/s",
+        short: "all ranges pulled off at 0.5 m/s",
+        ranges: Ranges::Walking,
+        ..GENUINE
+    },
+    Scene {
+        name: "(e) one satellite poisons the root key's blocks from the start",
+        short: "poisoned root key",
+        pages: Pages::Poisoned,
+        ..GENUINE
+    },
+    Scene {
+        name: "(f) all forged 555 m away, Galileo signed by the attacker's own key",
+        short: "all forged, signed by another key",
+        ranges: Ranges::Elsewhere,
+        pages: Pages::OfAttacker,
+        ..GENUINE
+    },
+];
+
+impl Scene {
+    /// Returns true for a sky without an attack.
+    pub(super) fn is_genuine(&self) -> bool {
+        self.short == GENUINE.short
+    }
+
+    /// Returns the epoch of a second; `None` while the sky is jammed.
+    pub(super) fn epoch(&self, skies: &Skies, second: u32, has_rates: bool) -> Option<MeasuredEpoch> {
+        let mut epoch = match (second, self.ranges) {
+            (JAMMED..ATTACKED, _) => return None,
+            (..ATTACKED, _) if self.is_cold => return None,
+            (..JAMMED, _) | (_, Ranges::Genuine) => {
+                skies.here(second, self.late_in(second), has_rates).clone()
+            }
+            (_, Ranges::Relayed) => {
+                let mut epoch = skies.there(second, self.late_s, has_rates).clone();
+                epoch.satellites().into_iter().for_each(|satellite| epoch.lengthen(satellite, CABLES_M));
+                epoch
+            }
+            (_, Ranges::Elsewhere) => skies.there(second, self.late_s, has_rates).clone(),
+            (_, Ranges::OneElsewhere(system)) => {
+                let mut epoch = skies.here(second, 0, has_rates).clone();
+                epoch.satellites.retain(|seen| seen.satellite.constellation() != system);
+                let others = skies.there(second, 0, has_rates).satellites.iter();
+                epoch
+                    .satellites
+                    .extend(others.filter(|seen| seen.satellite.constellation() == system).cloned());
+                epoch
+            }
+            (_, Ranges::Walking) => {
+                let moved_m = SPEED_M_S * f64::from(second - ATTACKED);
+                skies.walked(second, moved_m, SPEED_M_S, has_rates)
+            }
+        };
+        epoch.satellites.retain(|seen| self.systems.contains(seen.satellite.name().0));
+        Some(epoch)
+    }
+
+    /// Returns by how much a second is late.
+    pub(super) const fn late_in(&self, second: u32) -> u32 {
+        if second < ATTACKED { 0 } else { self.late_s }
+    }
+}
