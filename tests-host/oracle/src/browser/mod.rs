@@ -1,7 +1,10 @@
-//! A real browser, headless Chromium, that opens pages of a server of this computer.
+//! Real browsers, headless, that open pages of this computer: Chromium, and [Firefox](firefox) for what
+//! must be the same in both.
 //!
-//! It is told what to do through a pair of pipes, by the Chrome `DevTools` Protocol: one JSON
+//! Chromium is told what to do through a pair of pipes, by the Chrome `DevTools` Protocol: one JSON
 //! object after another, each followed by a zero byte.
+
+pub mod firefox;
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::PathBuf;
@@ -25,6 +28,8 @@ pub struct Browser {
     answers: Receiver<Value>,
     number: u64,
     session: Option<String>,
+    /// Sessions of the page's threads, once they are asked for.
+    threads: Vec<String>,
     /// Messages of the page's console.
     pub complaints: Vec<String>,
     /// Addresses that the page has asked for.
@@ -33,11 +38,47 @@ pub struct Browser {
     _folder: TempDir,
 }
 
+/// What a test does with a page, in whichever browser.
+pub trait Tab {
+    /// Returns the value of an expression in the page, or of what it promises.
+    ///
+    /// # Errors
+    /// If the browser does not answer.
+    fn value(&mut self, expression: &str) -> Result<Value>;
+
+    /// Gives files to the element of a selector, as a person chooses them.
+    ///
+    /// # Errors
+    /// If there is no such element, or the browser does not answer.
+    fn choose(&mut self, selector: &str, files: &[PathBuf]) -> Result<()>;
+
+    /// Waits until an expression in the page is true; returns the time that it took.
+    ///
+    /// # Errors
+    /// If it does not become true in time.
+    fn wait_for(&mut self, expression: &str, within: Duration) -> Result<Duration> {
+        let start = Instant::now();
+        while self.value(expression)? != true {
+            if start.elapsed() > within {
+                bail!("{expression} is not true after {within:?}");
+            }
+            thread::sleep(Duration::from_millis(10));
+        }
+        Ok(start.elapsed())
+    }
+}
+
 /// Returns the name of the browser, if there is one.
 pub fn name() -> Option<&'static str> {
-    ["chromium", "chromium-browser", "google-chrome"]
-        .into_iter()
-        .find(|name| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success()))
+    found(&["chromium", "chromium-browser", "google-chrome"])
+}
+
+/// Returns the first of these programs that there is.
+fn found(names: &[&'static str]) -> Option<&'static str> {
+    let answers = |name: &&&str| {
+        Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success())
+    };
+    names.iter().find(answers).copied()
 }
 
 impl Browser {
@@ -88,6 +129,7 @@ impl Browser {
             answers,
             number: 0,
             session: None,
+            threads: Vec::new(),
             complaints: Vec::new(),
             requests: Vec::new(),
             _daemon: Daemon(child),
@@ -113,9 +155,44 @@ impl Browser {
     /// # Errors
     /// If the browser does not answer, or refuses.
     pub fn order(&mut self, method: &str, parameters: &Value) -> Result<Value> {
+        let session = self.session.clone();
+        self.order_to(session.as_deref(), method, parameters)
+    }
+
+    /// Returns the time that the processors have worked for the browser so far, s: all its threads and
+    /// processes. What else the computer does is not in it.
+    ///
+    /// # Errors
+    /// If the browser does not answer.
+    pub fn worked_s(&mut self) -> Result<f64> {
+        let answer = self.order_to(None, "SystemInfo.getProcessInfo", &json!({}))?;
+        let processes = answer["processInfo"].as_array().context("processes")?;
+        Ok(processes.iter().filter_map(|one| one["cpuTime"].as_f64()).sum())
+    }
+
+    /// Returns the bytes that the page and its threads keep after everything is cleared away that they do
+    /// not need any more, beside the memory of WebAssembly.
+    ///
+    /// # Errors
+    /// If the browser does not answer.
+    pub fn kept_bytes(&mut self) -> Result<f64> {
+        let attach = json!({"autoAttach": true, "waitForDebuggerOnStart": false, "flatten": true});
+        self.order("Target.setAutoAttach", &attach)?;
+        let sessions: Vec<_> = self.session.iter().chain(&self.threads).cloned().collect();
+        let mut sum = 0.0;
+        for session in sessions {
+            self.order_to(Some(&session), "HeapProfiler.collectGarbage", &json!({}))?;
+            let answer = self.order_to(Some(&session), "Runtime.getHeapUsage", &json!({}))?;
+            sum += answer["usedSize"].as_f64().context("a heap")?;
+        }
+        Ok(sum)
+    }
+
+    /// Gives an order to a page, or to the browser itself.
+    fn order_to(&mut self, session: Option<&str>, method: &str, parameters: &Value) -> Result<Value> {
         self.number += 1;
         let mut order = json!({"id": self.number, "method": method, "params": parameters});
-        if let Some(session) = &self.session {
+        if let Some(session) = session {
             order["sessionId"] = json!(session);
         }
         self.orders.write_all(order.to_string().as_bytes())?;
@@ -133,47 +210,16 @@ impl Browser {
             if ["Log.entryAdded", "Runtime.exceptionThrown"].iter().any(|name| answer["method"] == *name) {
                 self.complaints.push(answer["params"].to_string());
             }
+            if answer["method"] == "Target.attachedToTarget" {
+                self.threads.extend(answer["params"]["sessionId"].as_str().map(str::to_owned));
+            }
+            if answer["method"] == "Target.detachedFromTarget" {
+                self.threads.retain(|one| answer["params"]["sessionId"] != **one);
+            }
             if answer["method"] == "Network.requestWillBeSent" {
                 self.requests.push(answer["params"]["request"]["url"].as_str().unwrap_or("").to_owned());
             }
         }
-    }
-
-    /// Gives files to the element of a selector, as a person chooses them.
-    ///
-    /// # Errors
-    /// If there is no such element, or the browser does not answer.
-    pub fn choose(&mut self, selector: &str, files: &[PathBuf]) -> Result<()> {
-        let expression = format!("document.querySelector({})", json!(selector));
-        let element = self.order("Runtime.evaluate", &json!({"expression": expression}))?;
-        // A browser reads no path with `..` in it.
-        let files: Vec<_> = files.iter().map(std::fs::canonicalize).collect::<Result<_, _>>()?;
-        let parameters = json!({"files": files, "objectId": element["result"]["objectId"]});
-        self.order("DOM.setFileInputFiles", &parameters).map(drop)
-    }
-
-    /// Returns the value of an expression in the page, or of what it promises.
-    ///
-    /// # Errors
-    /// If the browser does not answer.
-    pub fn value(&mut self, expression: &str) -> Result<Value> {
-        let parameters = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
-        Ok(self.order("Runtime.evaluate", &parameters)?["result"]["value"].clone())
-    }
-
-    /// Waits until an expression in the page is true; returns the time that it took.
-    ///
-    /// # Errors
-    /// If it does not become true in time.
-    pub fn wait_for(&mut self, expression: &str, within: Duration) -> Result<Duration> {
-        let start = Instant::now();
-        while self.value(expression)? != true {
-            if start.elapsed() > within {
-                bail!("{expression} is not true after {within:?}");
-            }
-            thread::sleep(Duration::from_millis(10));
-        }
-        Ok(start.elapsed())
     }
 
     /// Returns a picture of the page, as a PNG in Base64.
@@ -184,5 +230,21 @@ impl Browser {
         let parameters = json!({"captureBeyondViewport": true});
         let picture = self.order("Page.captureScreenshot", &parameters)?;
         Ok(picture["data"].as_str().context("a picture")?.to_owned())
+    }
+}
+
+impl Tab for Browser {
+    fn value(&mut self, expression: &str) -> Result<Value> {
+        let parameters = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
+        Ok(self.order("Runtime.evaluate", &parameters)?["result"]["value"].clone())
+    }
+
+    fn choose(&mut self, selector: &str, files: &[PathBuf]) -> Result<()> {
+        let expression = format!("document.querySelector({})", json!(selector));
+        let element = self.order("Runtime.evaluate", &json!({"expression": expression}))?;
+        // A browser reads no path with `..` in it.
+        let files: Vec<_> = files.iter().map(std::fs::canonicalize).collect::<Result<_, _>>()?;
+        let parameters = json!({"files": files, "objectId": element["result"]["objectId"]});
+        self.order("DOM.setFileInputFiles", &parameters).map(drop)
     }
 }
