@@ -11,6 +11,10 @@ use raim_firmware::bit_rate::{BitRate, RATES};
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 
+/// Number of bytes that are heard together: fewer than an epoch has, so that none of them ends an epoch
+/// and begins the next one before the satellites of the first are seen.
+const PIECE: usize = 32;
+
 /// A running module.
 pub(crate) struct Live {
     receiver: Receiver<MemoryPin>,
@@ -54,11 +58,15 @@ impl Live {
         if stdin().read_to_end(&mut bytes).is_err() {
             return false;
         }
-        self.watcher.hear(&bytes, came_ms);
-        self.receiver.gnss(&bytes, came_ms, &mut self.said);
+        let mut has_verdict = false;
+        for piece in bytes.chunks(PIECE) {
+            self.watcher.hear(piece, came_ms);
+            self.receiver.gnss(piece, came_ms, &mut self.said);
+            has_verdict |= self.note();
+        }
         self.rate.hear(came_ms);
         self.baud = self.rate.next(self.receiver.frames(), self.fixed).unwrap_or(self.baud);
-        self.note()
+        has_verdict
     }
 
     /// Takes the time; returns true after a verdict.

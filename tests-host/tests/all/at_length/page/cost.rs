@@ -2,7 +2,9 @@
 //!
 //! Time is that of the processors: what else the computer does is not in it. All threads and processes
 //! of the browser count, also those that make the program faster while it runs, so that a computer that
-//! does nothing else waits for less.
+//! does nothing else waits for less. Others that share a processor's caches make both the page and `rai
+//! replay` slower, to twice their time: the bars in seconds hold for a computer on which `rai replay` takes
+//! [`OWN_HOUR_S`], and grow with it.
 
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
@@ -24,6 +26,9 @@ const TIMES: f64 = 2.5;
 
 /// Most time of a day, s, and of the same for a part of it.
 const DAY_S: f64 = 12.0;
+
+/// Time of `rai replay` for an hour on a computer that does nothing else, s (results/cost.md).
+const OWN_HOUR_S: f64 = 0.30;
 
 /// Number of epochs in a day.
 const DAY: f64 = 86_400.0;
@@ -100,8 +105,10 @@ fn an_hour_takes_little_more_than_on_a_computer_and_its_first_verdict_comes_at_o
     assert!(first_ms < FIRST_MS, "{first_ms} ms");
     assert!(memory < MEMORY, "{memory} bytes");
     let part = f64::from(epochs) / DAY;
-    assert!(cold_s < HOUR_S.max(DAY_S * part), "{cold_s} s");
-    assert!(warm_s < DAY_S * part, "{warm_s} s");
+    let slower = (own_s / (24.0 * OWN_HOUR_S * part)).max(1.0);
+    println!("this computer now takes {slower:.2} times what it takes alone");
+    assert!(cold_s < slower * HOUR_S.max(DAY_S * part), "{cold_s} s");
+    assert!(warm_s < slower * DAY_S * part, "{warm_s} s");
     assert!(warm_s < TIMES * own_s, "{warm_s} s, beside {own_s} s of rai replay");
     assert_eq!(browser.complaints, [""; 0]);
 }

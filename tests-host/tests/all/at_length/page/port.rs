@@ -161,6 +161,21 @@ fn memory_does_not_grow_in_half_an_hour() {
     assert_eq!(browser.complaints, [""; 0]);
 }
 
+/// A port gives bytes as they come to hand: the end of an epoch and the beginning of the next together.
+#[test]
+fn satellites_are_shown_however_the_bytes_are_cut() {
+    let Some(built) = Built::new() else { return };
+    let mut browser = connect(&built, 0);
+    let bytes = epochs(8).concat();
+    for piece in bytes[..bytes.len() - 20].chunks(bytes.len() / 11) {
+        feed(&mut browser, piece);
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    browser.wait_for("document.getElementById('state').textContent === 'protected'", PATIENCE).unwrap();
+    assert!(number(&mut browser, "document.querySelectorAll('#live-view #sky .used').length") > 8.0);
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
 #[test]
 fn a_wrong_rate_is_found_as_on_the_board() {
     let Some(built) = Built::new() else { return };
