@@ -19,7 +19,7 @@ use super::Tab;
 use crate::gpsd::Daemon;
 
 /// Longest wait for the start, and for an answer.
-const PATIENCE: Duration = Duration::from_mins(2);
+const PATIENCE: Duration = Duration::from_mins(5);
 
 /// Time between two looks for the port.
 const PAUSE: Duration = Duration::from_millis(50);

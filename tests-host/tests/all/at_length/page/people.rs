@@ -165,6 +165,9 @@ fn keyboard_reaches_every_control_in_the_order_of_reading() {
             reached.push(stop);
         }
     }
+    // It goes on where the focus was, at the result, and round.
+    let start = reached.iter().position(|stop| *stop == 0.0).unwrap();
+    reached.rotate_left(start);
     let want: Vec<f64> = (0..all as u32).map(f64::from).collect();
     assert_eq!(reached, want);
 }
