@@ -1,11 +1,9 @@
 //! Arguments of `rai replay` for files that were dropped together, by what they hold.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Result, bail, ensure};
-use raim::signal::recording::Epochs;
 use raim::signal::sort::{Kind, kind_of};
-use raim_firmware::time::GpsTime;
 use serde_json::{Value, json};
 
 /// Returns the arguments and the notes about files that take no part.
@@ -31,7 +29,6 @@ pub(crate) fn arguments(files: &[&str]) -> Result<Value> {
          of a network, such as BRDC….rnx.gz",
         names(&observations)
     );
-    one_receiver(&observations)?;
     let is_without_ranges = captures.is_empty() && observations.is_empty();
     if is_without_ranges && !navigation.is_empty() {
         bail!(
@@ -62,24 +59,6 @@ pub(crate) fn arguments(files: &[&str]) -> Result<Value> {
         );
     }
     Ok(json!({ "arguments": all, "notes": notes }))
-}
-
-/// Checks that no two observation files begin with the same epoch. Of these the replay would keep
-/// the first one's epochs, and nobody would know of which receiver they are.
-fn one_receiver(observations: &[&str]) -> Result<()> {
-    let mut begun: Vec<(GpsTime, &str)> = Vec::new();
-    for name in observations {
-        // An error is the replay's to tell.
-        let Ok(mut epochs) = Epochs::open(&[PathBuf::from(name)]) else { continue };
-        let Some(Ok(first)) = epochs.next() else { continue };
-        if let Some((_, other)) = begun.iter().find(|(time, _)| *time == first.time) {
-            bail!(
-                "{other} and {name} begin with the same epoch: copies, or recordings of two receivers. Drop one of the two"
-            );
-        }
-        begun.push((first.time, name));
-    }
-    Ok(())
 }
 
 #[cfg(test)]

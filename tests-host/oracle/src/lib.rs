@@ -3,7 +3,7 @@
 //! | module | content |
 //! |---|---|
 //! | [`gpsd`], [`chrony`] | programs that read the module's sentences |
-//! | [`browser`] | a browser that opens a page |
+//! | [`browser`] | browsers that open a page |
 //! | [`geoid`] | the geoid table, from EGM96 |
 //! | [`tables`] | the threshold tables and their check |
 //! | [`vectors`] | reference values |

@@ -73,6 +73,8 @@ fn compile() -> Result<PathBuf> {
         .or_else(|_| std::env::var("HOME").map(|home| Path::new(&home).join(".cargo")));
     let mut flags = vec![
         format!("-Clink-arg=--max-memory={MOST_MEMORY}"),
+        // Which every browser of the last three years has.
+        "-Ctarget-feature=+simd128".to_owned(),
         format!("--remap-path-prefix={}=rai", root().display()),
     ];
     flags.extend(home.ok().map(|home| format!("--remap-path-prefix={}=cargo", home.display())));

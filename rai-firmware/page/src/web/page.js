@@ -69,7 +69,8 @@ const page = async () => {
     return all;
   };
   const unique = (files) => {
-    const names = new Set();
+    // Those of the results are taken.
+    const names = new Set(["sentences.nmea", "epochs.csv", "report"]);
     return files.map((file) => {
       // A name must not look like an option, an address or a folder.
       let name = file.name.replace(/[:/\\]/g, "_").replace(/^-/, "_");

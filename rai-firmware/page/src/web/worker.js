@@ -4,7 +4,10 @@ const SENTENCES = "sentences.nmea", OUTPUTS = { report: "report/report.html", ta
 const EVERY_MS = 100, TICK_MS = 100;
 let program = null, live = null;
 
-const decode = (parts) => new TextDecoder().decode(new Uint8Array(parts.flatMap((part) => [...part])));
+const decode = (parts) => {
+  const decoder = new TextDecoder();
+  return parts.map((part) => decoder.decode(part, { stream: true })).join("") + decoder.decode();
+};
 
 // Runs one command; returns what it said and its files.
 const run = (words, files, hooks = {}) => {
@@ -46,11 +49,12 @@ const tally = (post) => {
 const judge = ({ id, files: given, options }) => {
   const files = new Map(given.map(({ name, file }) => [name, file])), names = [...files.keys()];
   const post = (message) => postMessage({ id, ...message });
-  const arranged = run(["page", "arrange", ...names], files);
-  if (arranged.code) return post({ kind: "failed", error: arranged.error, trap: arranged.trap, memory: arranged.memory });
-  const { arguments: words, notes } = JSON.parse(arranged.out);
   const total = given.reduce((sum, { file }) => sum + file.size, 0) || 1, read = new Map();
   let place = null, changed = null, told = 0;
+  const failed = (name) => { changed = name; };
+  const arranged = run(["page", "arrange", ...names], files, { read: (name, at) => { place = { name, at }; }, failed });
+  if (arranged.code) return post({ kind: "failed", error: arranged.error, trap: arranged.trap, memory: arranged.memory, place, changed });
+  const { arguments: words, notes } = JSON.parse(arranged.out);
   const progress = (more) => {
     told = performance.now();
     const done = [...read.values()].reduce((sum, bytes) => sum + bytes, 0);
@@ -66,7 +70,7 @@ const judge = ({ id, files: given, options }) => {
       if (performance.now() - told > EVERY_MS) progress();
     },
     wrote: (name, bytes) => name === SENTENCES && count(bytes),
-    failed: (name) => { changed = name; },
+    failed,
   });
   const outputs = Object.fromEntries(Object.entries(OUTPUTS).map(([key, name]) => [key, result.written(name)]));
   post({ kind: result.code ? "failed" : "done", line, notes, place, changed, outputs, ...result, written: undefined });

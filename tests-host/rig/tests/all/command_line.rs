@@ -103,6 +103,18 @@ fn a_navigation_file_of_another_day_is_told_with_both_times() {
 }
 
 #[test]
+fn observations_of_two_receivers_are_refused_with_both_names() {
+    let files = Files::new("two_receivers");
+    files.write("other.obs", &OBSERVATIONS.replace("24503597", "24503697"));
+    let line = files.refusal(&["replay", "--obs", "day.obs", "--obs", "other.obs", "--nav", "day.nav"]);
+    assert_says(&line, &["day.obs and other.obs are recordings of two receivers", "give one of the two"]);
+    // A copy is the same receiver; what is refused then is that there are too few satellites.
+    files.write("copy.obs", OBSERVATIONS);
+    let output = files.run(&["replay", "--obs", "day.obs", "--obs", "copy.obs", "--nav", "day.nav"]);
+    assert!(!String::from_utf8_lossy(&output.stderr).contains("two receivers"));
+}
+
+#[test]
 fn an_unknown_satellite_is_told_with_those_that_there_are() {
     let files = Files::new("satellite");
     let line = files.replay(&["--inject", "G31:+80@0..10"]);

@@ -1,6 +1,6 @@
 //! The page of the running module, in a real browser and by plain requests.
 
-use oracle::browser::{self, Browser};
+use oracle::browser::{self, Browser, Tab as _};
 use raim::signal::sky::Site;
 use rig::skip;
 use serde_json::Value;

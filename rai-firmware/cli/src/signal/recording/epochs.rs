@@ -2,20 +2,24 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use raim_core::frame::Ecef;
 use raim_firmware::time::GpsTime;
 
 use super::observations::Observations;
+use super::one_receiver::OneReceiver;
 use super::skipped::Skipped;
 use crate::signal::measurement::MeasuredEpoch;
 
 /// Epochs of several observation files, merged in time and read one at a time; no time comes twice.
 ///
 /// If epochs have the same time, the first file's is kept. The last item is an error if a file
-/// cannot be read to its end, or if more than a tenth of its lines was lost.
+/// cannot be read to its end, if more than a tenth of its lines was lost, or if two files are of two
+/// receivers.
 pub struct Epochs {
+    names: Vec<PathBuf>,
     files: Vec<InOrder>,
+    receiver: OneReceiver,
     last: Option<GpsTime>,
     has_failed: bool,
 }
@@ -27,7 +31,14 @@ impl Epochs {
     /// As for [`Observations::open`], for the first file that fails.
     pub fn open(paths: &[PathBuf]) -> Result<Self> {
         let files = paths.iter().map(|path| Observations::open(path).map(InOrder::new));
-        Ok(Self { files: files.collect::<Result<_>>()?, last: None, has_failed: false })
+        let files = files.collect::<Result<_>>()?;
+        Ok(Self {
+            names: paths.to_vec(),
+            files,
+            receiver: OneReceiver::default(),
+            last: None,
+            has_failed: false,
+        })
     }
 
     /// Returns the antenna's position in the first header that has one; in some files it is wrong
@@ -42,6 +53,21 @@ impl Epochs {
         self.files.iter().for_each(|file| skipped.add(&file.observations.skipped()));
         skipped
     }
+
+    /// Returns an epoch of a file if all files can be of one receiver.
+    fn of_one(&mut self, file: usize, epoch: MeasuredEpoch) -> Result<MeasuredEpoch> {
+        if self.files.len() == 1 {
+            return Ok(epoch);
+        }
+        let Some(other) = self.receiver.other(file, &epoch) else { return Ok(epoch) };
+        let name =
+            |index: usize| self.names.get(index).map(|path| path.display().to_string()).unwrap_or_default();
+        Err(anyhow!(
+            "{} and {} are recordings of two receivers at the same time: give one of the two",
+            name(file.min(other)),
+            name(file.max(other))
+        ))
+    }
 }
 
 impl Iterator for Epochs {
@@ -55,6 +81,7 @@ impl Iterator for Epochs {
             });
             let (time, index) = times.min()?;
             let next = self.files.get_mut(index)?.next()?;
+            let next = next.and_then(|epoch| self.of_one(index, epoch));
             self.has_failed = next.is_err();
             if self.has_failed || self.last < time {
                 self.last = time;

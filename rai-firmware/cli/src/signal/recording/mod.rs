@@ -31,6 +31,7 @@ mod header;
 mod kepler;
 mod navigation;
 mod observations;
+mod one_receiver;
 mod signals;
 mod skipped;
 mod text;

@@ -2,7 +2,7 @@
 //!
 //! | file | question |
 //! |---|---|
-//! | `sentences` | Does it say what `rai replay` says, byte for byte? |
+//! | `sentences` | Does it say what `rai replay` says, byte for byte, from a disk, from a server and in another browser? |
 //! | `alone` | Does it ask or store anything? |
 //! | `wrong` | What does it say of wrong files, and how soon does it stop? |
 //! | `port` | Does it judge a receiver in time, and notice that it is gone? |
@@ -14,13 +14,14 @@ mod cost;
 mod people;
 mod port;
 mod sentences;
+mod server;
 mod wrong;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use oracle::browser::{self, Browser};
+use oracle::browser::{self, Browser, Tab};
 use rig::skip;
 use tempfile::TempDir;
 
@@ -98,23 +99,23 @@ fn cargo(arguments: &[&str]) -> Command {
 }
 
 /// Gives files to the page and waits for its answer: `done` or `failed`.
-fn judged(browser: &mut Browser, files: &[PathBuf]) -> String {
+fn judged(browser: &mut impl Tab, files: &[PathBuf]) -> String {
     browser.value("document.body.dataset.state = ''").unwrap();
     browser.choose("#files", files).unwrap();
     finished(browser)
 }
 
 /// Waits for the end of a judgement.
-fn finished(browser: &mut Browser) -> String {
+fn finished(browser: &mut impl Tab) -> String {
     browser.wait_for("['done', 'failed'].includes(document.body.dataset.state)", 4 * PATIENCE).unwrap();
     text(browser, "document.body.dataset.state")
 }
 
-fn text(browser: &mut Browser, expression: &str) -> String {
+fn text(browser: &mut impl Tab, expression: &str) -> String {
     browser.value(expression).unwrap().as_str().unwrap_or_default().to_owned()
 }
 
-fn number(browser: &mut Browser, expression: &str) -> f64 {
+fn number(browser: &mut impl Tab, expression: &str) -> f64 {
     browser.value(&format!("Number({expression})")).unwrap().as_f64().unwrap_or(f64::NAN)
 }
 

@@ -34,21 +34,26 @@ Object.defineProperty(navigator, 'serial', { value: { requestPort: async () => w
 1";
 
 /// Returns the epochs of a simulated receiver, one a second.
-fn epochs(count: u32) -> Vec<Vec<u8>> {
+pub(super) fn epochs(count: u32) -> Vec<Vec<u8>> {
     let recording = Simulation::above_xian(3600.0, count, 5).record();
     let selection = Selection::new("GC", Frequency::Dual).unwrap();
     encode(&recording, &selection, &[], &Window::ALL).unwrap().into_iter().map(|lump| lump.bytes).collect()
 }
 
-fn feed(browser: &mut Browser, bytes: &[u8]) {
+pub(super) fn feed(browser: &mut Browser, bytes: &[u8]) {
     browser.value(&format!("port.feed({})", json!(bytes))).unwrap();
+}
+
+/// Connects the page to a receiver at this rate, or at any.
+pub(super) fn plug(browser: &mut Browser, right: u32) {
+    browser.value(PORT).unwrap();
+    browser.value(&format!("port.right = {right}; document.getElementById('connect').click()")).unwrap();
+    browser.wait_for("port.readable !== null", PATIENCE).unwrap();
 }
 
 fn connect(built: &Built, right: u32) -> Browser {
     let mut browser = built.open(DESK, "light");
-    browser.value(PORT).unwrap();
-    browser.value(&format!("port.right = {right}; document.getElementById('connect').click()")).unwrap();
-    browser.wait_for("port.readable !== null", PATIENCE).unwrap();
+    plug(&mut browser, right);
     browser
 }
 
@@ -96,6 +101,21 @@ fn verdict_is_on_the_screen_a_tenth_of_a_second_after_an_epoch_and_stale_after_t
         .unwrap();
     println!("STALE {:.1} s after the plug is out", start.elapsed().as_secs_f64());
     assert_eq!(text(&mut browser, "document.getElementById('pin').textContent"), "integrity pin low");
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
+/// A port gives bytes as they come to hand: the end of an epoch and the beginning of the next together.
+#[test]
+fn satellites_are_shown_however_the_bytes_are_cut() {
+    let Some(built) = Built::new() else { return };
+    let mut browser = connect(&built, 0);
+    let bytes = epochs(8).concat();
+    for piece in bytes[..bytes.len() - 20].chunks(bytes.len() / 11) {
+        feed(&mut browser, piece);
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    browser.wait_for("document.getElementById('state').textContent === 'protected'", PATIENCE).unwrap();
+    assert!(number(&mut browser, "document.querySelectorAll('#live-view #sky .used').length") > 8.0);
     assert_eq!(browser.complaints, [""; 0]);
 }
 

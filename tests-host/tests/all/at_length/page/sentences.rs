@@ -1,8 +1,9 @@
 //! Sentences, table and report, beside those of the program `rai` on the same files.
 
-use oracle::browser::Browser;
+use oracle::browser::firefox::Firefox;
 use rig::shared;
 
+use super::server::serve;
 use super::*;
 
 /// Recordings of the reference folder; the files of each make one.
@@ -33,24 +34,52 @@ const RECORDINGS: [&[&str]; 20] = [
 const OUTPUTS: [(&str, &str); 3] =
     [("sentences", "sentences.nmea"), ("table", "epochs.csv"), ("report", "report/report.html")];
 
-/// Replays by the command that the page shows, in a folder with the same files, and compares.
-fn compare(browser: &mut Browser, rai: &Path, files: &[PathBuf]) {
-    let folder = tempfile::tempdir().unwrap();
-    for file in files {
-        std::fs::copy(file, folder.path().join(name(file))).unwrap();
+/// Results of the program `rai` for files.
+struct Wanted {
+    folder: tempfile::TempDir,
+    line: String,
+}
+
+impl Wanted {
+    /// Replays by the command that the page shows, in a folder with the same files.
+    fn of(rai: &Path, line: String, files: &[PathBuf]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for file in files {
+            std::fs::copy(file, folder.path().join(name(file))).unwrap();
+        }
+        let words: Vec<&str> = line.split_whitespace().collect();
+        assert_eq!(words[..2], ["rai", "replay"], "{line}");
+        let output = Command::new(rai).args(&words[1..]).current_dir(folder.path()).output().unwrap();
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        Self { folder, line }
     }
-    let line = text(browser, "document.getElementById('line').textContent");
-    let words: Vec<&str> = line.split_whitespace().collect();
-    assert_eq!(words[..2], ["rai", "replay"], "{line}");
-    let output = Command::new(rai).args(&words[1..]).current_dir(folder.path()).output().unwrap();
-    assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
-    for (key, file) in OUTPUTS {
-        let want = std::fs::read_to_string(folder.path().join(file)).unwrap();
-        let have = text(browser, &format!("rai.outputs().{key}.text()"));
-        assert!(want.len() > 100, "{line}: {file} is short");
-        let differs = have.lines().zip(want.lines()).find(|(have, want)| have != want);
-        assert!(have == want, "{line}: {file} differs: {differs:?}");
+
+    /// Compares with what the page has.
+    fn compare(&self, page: &mut impl Tab) {
+        let line = &self.line;
+        assert_eq!(command(page), *line);
+        for (key, file) in OUTPUTS {
+            let want = std::fs::read_to_string(self.folder.path().join(file)).unwrap();
+            let have = text(page, &format!("rai.outputs().{key}.text()"));
+            assert!(want.len() > 100, "{line}: {file} is short");
+            let differs = have.lines().zip(want.lines()).find(|(have, want)| have != want);
+            assert!(have == want, "{line}: {file} differs: {differs:?}");
+        }
     }
+}
+
+/// Returns the command that gives the same on a computer.
+fn command(page: &mut impl Tab) -> String {
+    text(page, "document.getElementById('line').textContent")
+}
+
+fn compare(browser: &mut impl Tab, rai: &Path, files: &[PathBuf]) {
+    Wanted::of(rai, command(browser), files).compare(browser);
+}
+
+/// Returns the files of a recording, if they are here.
+fn found(files: &[&str]) -> Option<Vec<PathBuf>> {
+    files.iter().map(|file| shared::path_or_skip(&format!("data/{file}"))).collect()
 }
 
 #[test]
@@ -83,28 +112,54 @@ fn page_says_of_the_sample_what_the_program_says_with_and_without_a_fault() {
 }
 
 #[test]
-fn page_says_of_every_recording_what_the_program_says() {
+fn page_says_of_every_recording_what_the_program_says_from_a_disk_and_from_a_server() {
     let Some(built) = Built::new() else { return };
-    let (rai, mut browser) = (program(), built.open(DESK, "light"));
+    let rai = program();
+    let (served, _) = serve(std::fs::read(&built.path).unwrap());
+    let mut pages = [built.address(), served]
+        .map(|address| opened(Browser::open_in(built.browser, &address, DESK, "light", &[]).unwrap()));
     for files in RECORDINGS {
-        let Some(files) = files
-            .iter()
-            .map(|file| shared::path_or_skip(&format!("data/{file}")))
-            .collect::<Option<Vec<_>>>()
-        else {
-            return;
-        };
-        let state = judged(&mut browser, &files);
-        assert_eq!(state, "done", "{files:?}: {}", text(&mut browser, "document.body.innerText"));
-        compare(&mut browser, &rai, &files);
-        println!(
-            "{}: {:.2} s, {:.1} MiB",
-            name(&files[0]),
-            number(&mut browser, "document.getElementById('work').dataset.took") * 1e-3,
-            number(&mut browser, "document.getElementById('work').dataset.memory") / f64::from(1 << 20)
-        );
+        let Some(files) = found(files) else { return };
+        let mut wanted = None;
+        for page in &mut pages {
+            let state = judged(page, &files);
+            assert_eq!(state, "done", "{files:?}: {}", text(page, "document.body.innerText"));
+            wanted.get_or_insert_with(|| Wanted::of(&rai, command(page), &files)).compare(page);
+            println!(
+                "{}: {:.2} s, {:.1} MiB",
+                name(&files[0]),
+                number(page, "document.getElementById('work').dataset.took") * 1e-3,
+                number(page, "document.getElementById('work').dataset.memory") / f64::from(1 << 20)
+            );
+        }
     }
-    assert_eq!(browser.complaints, [""; 0]);
+    for page in pages {
+        assert_eq!(page.complaints, [""; 0]);
+    }
+}
+
+/// Another engine compiles the program and answers its system calls with the same results, for every
+/// recording from a disk and for the first ones from a server.
+#[test]
+fn firefox_says_the_same() {
+    let Some(built) = Built::new() else { return };
+    let (served, _) = serve(std::fs::read(&built.path).unwrap());
+    let rai = program();
+    for (address, count) in [(built.address(), RECORDINGS.len()), (served, 2)] {
+        let Some(mut page) = Firefox::open(&address).unwrap() else {
+            return skip::say("Firefox (apt-get install firefox-esr)");
+        };
+        page.wait_for("Boolean(document.body?.dataset.ready)", 4 * PATIENCE).unwrap();
+        // It offers a port where the browser has some.
+        let agrees = "document.getElementById('ports').hidden === !('serial' in navigator)";
+        assert_eq!(page.value(agrees).unwrap(), true);
+        for files in RECORDINGS.into_iter().take(count) {
+            let Some(files) = found(files) else { return };
+            let state = judged(&mut page, &files);
+            assert_eq!(state, "done", "{files:?}: {}", text(&mut page, "document.body.innerText"));
+            compare(&mut page, &rai, &files);
+        }
+    }
 }
 
 /// Returns the bytes of Base64 (RFC 4648).

@@ -1,7 +1,10 @@
-//! A real browser, headless Chromium, that opens pages of a server of this computer.
+//! Real browsers, headless, that open pages of this computer: Chromium, and [Firefox](firefox) for what
+//! must be the same in both.
 //!
-//! It is told what to do through a pair of pipes, by the Chrome `DevTools` Protocol: one JSON
+//! Chromium is told what to do through a pair of pipes, by the Chrome `DevTools` Protocol: one JSON
 //! object after another, each followed by a zero byte.
+
+pub mod firefox;
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::PathBuf;
@@ -33,11 +36,47 @@ pub struct Browser {
     _folder: TempDir,
 }
 
+/// What a test does with a page, in whichever browser.
+pub trait Tab {
+    /// Returns the value of an expression in the page, or of what it promises.
+    ///
+    /// # Errors
+    /// If the browser does not answer.
+    fn value(&mut self, expression: &str) -> Result<Value>;
+
+    /// Gives files to the element of a selector, as a person chooses them.
+    ///
+    /// # Errors
+    /// If there is no such element, or the browser does not answer.
+    fn choose(&mut self, selector: &str, files: &[PathBuf]) -> Result<()>;
+
+    /// Waits until an expression in the page is true; returns the time that it took.
+    ///
+    /// # Errors
+    /// If it does not become true in time.
+    fn wait_for(&mut self, expression: &str, within: Duration) -> Result<Duration> {
+        let start = Instant::now();
+        while self.value(expression)? != true {
+            if start.elapsed() > within {
+                bail!("{expression} is not true after {within:?}");
+            }
+            thread::sleep(Duration::from_millis(10));
+        }
+        Ok(start.elapsed())
+    }
+}
+
 /// Returns the name of the browser, if there is one.
 pub fn name() -> Option<&'static str> {
-    ["chromium", "chromium-browser", "google-chrome"]
-        .into_iter()
-        .find(|name| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success()))
+    found(&["chromium", "chromium-browser", "google-chrome"])
+}
+
+/// Returns the first of these programs that there is.
+fn found(names: &[&'static str]) -> Option<&'static str> {
+    let answers = |name: &&&str| {
+        Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success())
+    };
+    names.iter().find(answers).copied()
 }
 
 impl Browser {
@@ -139,43 +178,6 @@ impl Browser {
         }
     }
 
-    /// Gives files to the element of a selector, as a person chooses them.
-    ///
-    /// # Errors
-    /// If there is no such element, or the browser does not answer.
-    pub fn choose(&mut self, selector: &str, files: &[PathBuf]) -> Result<()> {
-        let expression = format!("document.querySelector({})", json!(selector));
-        let element = self.order("Runtime.evaluate", &json!({"expression": expression}))?;
-        // A browser reads no path with `..` in it.
-        let files: Vec<_> = files.iter().map(std::fs::canonicalize).collect::<Result<_, _>>()?;
-        let parameters = json!({"files": files, "objectId": element["result"]["objectId"]});
-        self.order("DOM.setFileInputFiles", &parameters).map(drop)
-    }
-
-    /// Returns the value of an expression in the page, or of what it promises.
-    ///
-    /// # Errors
-    /// If the browser does not answer.
-    pub fn value(&mut self, expression: &str) -> Result<Value> {
-        let parameters = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
-        Ok(self.order("Runtime.evaluate", &parameters)?["result"]["value"].clone())
-    }
-
-    /// Waits until an expression in the page is true; returns the time that it took.
-    ///
-    /// # Errors
-    /// If it does not become true in time.
-    pub fn wait_for(&mut self, expression: &str, within: Duration) -> Result<Duration> {
-        let start = Instant::now();
-        while self.value(expression)? != true {
-            if start.elapsed() > within {
-                bail!("{expression} is not true after {within:?}");
-            }
-            thread::sleep(Duration::from_millis(10));
-        }
-        Ok(start.elapsed())
-    }
-
     /// Returns a picture of the page, as a PNG in Base64.
     ///
     /// # Errors
@@ -184,5 +186,21 @@ impl Browser {
         let parameters = json!({"captureBeyondViewport": true});
         let picture = self.order("Page.captureScreenshot", &parameters)?;
         Ok(picture["data"].as_str().context("a picture")?.to_owned())
+    }
+}
+
+impl Tab for Browser {
+    fn value(&mut self, expression: &str) -> Result<Value> {
+        let parameters = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
+        Ok(self.order("Runtime.evaluate", &parameters)?["result"]["value"].clone())
+    }
+
+    fn choose(&mut self, selector: &str, files: &[PathBuf]) -> Result<()> {
+        let expression = format!("document.querySelector({})", json!(selector));
+        let element = self.order("Runtime.evaluate", &json!({"expression": expression}))?;
+        // A browser reads no path with `..` in it.
+        let files: Vec<_> = files.iter().map(std::fs::canonicalize).collect::<Result<_, _>>()?;
+        let parameters = json!({"files": files, "objectId": element["result"]["objectId"]});
+        self.order("DOM.setFileInputFiles", &parameters).map(drop)
     }
 }
