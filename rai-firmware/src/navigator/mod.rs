@@ -6,10 +6,14 @@
 //! none. If the position of an epoch is far from the guess, the epoch is corrected again at that
 //! position.
 
+#[cfg(feature = "osnma")]
+mod apart;
 mod choice;
 mod ionosphere;
 mod known_rates;
 mod passes;
+#[cfg(feature = "osnma")]
+mod tie;
 
 use nalgebra::Vector3;
 use raim_core::epoch::{Aiding, Epoch};
@@ -37,7 +41,11 @@ use crate::raw::RawEpoch;
 use crate::settings::{Configuration, Place, Systems};
 use crate::time::GpsTime;
 
+#[cfg(feature = "osnma")]
+use apart::Apart;
 use ionosphere::Broadcast;
+#[cfg(feature = "osnma")]
+use tie::Held;
 
 /// Least distance of a receiver from the centre of the earth, m; a position below it is unknown.
 const UNKNOWN_RADIUS_M: f32 = 6e6;
@@ -60,6 +68,13 @@ pub struct Navigator {
     /// Known height for the next epoch, from the host or the place of a fixed antenna.
     known_height: Option<Aiding>,
     ionosphere: Broadcast,
+    /// Satellites of Galileo that may decide a tie, a bit for each number.
+    #[cfg(feature = "osnma")]
+    witnesses: u64,
+    #[cfg(feature = "osnma")]
+    held: Held,
+    #[cfg(feature = "osnma")]
+    apart: Apart,
 }
 
 /// Memory of one epoch, with its result. It is here and not on the stack.
@@ -95,6 +110,12 @@ impl Navigator {
             distrusted: None,
             known_height: None,
             ionosphere: Broadcast::new(),
+            #[cfg(feature = "osnma")]
+            witnesses: 0,
+            #[cfg(feature = "osnma")]
+            held: Held::NONE,
+            #[cfg(feature = "osnma")]
+            apart: Apart::NONE,
         }
     }
 
