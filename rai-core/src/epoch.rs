@@ -14,7 +14,6 @@ use core::fmt;
 
 use heapless::Vec;
 
-use crate::bit_set::bit;
 use crate::bounded::assert_capacity;
 use crate::frame::Ecef;
 use crate::numeric::bounds::is_within;
@@ -102,15 +101,6 @@ pub enum EpochError {
     Duplicate,
     /// The epoch has no room for another satellite or kind of aiding.
     Full,
-}
-
-/// Leaves out the elements that are not in a set.
-fn keep<E, const N: usize>(all: &mut Vec<E, N>, rows: u64) {
-    let mut next = 0;
-    all.retain(|_| {
-        next += 1;
-        rows & bit(next - 1) != 0
-    });
 }
 
 /// Returns true if a satellite can be at a position. Single precision is a hundred times finer than
@@ -232,17 +222,6 @@ impl<const N: usize> Epoch<N> {
             let _ = self.receiver.push(u8::MAX);
         }
         self.shared.push(shared).map_err(|_| EpochError::Full)
-    }
-
-    /// Leaves out all other satellites.
-    #[doc(hidden)]
-    pub fn retain(&mut self, keeps: &dyn Fn(SatelliteId) -> bool) {
-        let satellites = self.observations.iter().enumerate();
-        let kept = satellites.filter(|(_, seen)| keeps(seen.satellite));
-        let rows = kept.fold(0, |set, (index, _)| set | bit(index));
-        keep(&mut self.observations, rows);
-        keep(&mut self.shared, rows);
-        keep(&mut self.receiver, rows);
     }
 
     /// Sets the receiver's part of the variance of the satellite that was added last, m². The

@@ -6,13 +6,13 @@
 //! none. If the position of an epoch is far from the guess, the epoch is corrected again at that
 //! position.
 
-#[cfg(feature = "osnma")]
+#[cfg(feature = "tie")]
 mod apart;
 mod choice;
 mod ionosphere;
 mod known_rates;
 mod passes;
-#[cfg(feature = "osnma")]
+#[cfg(feature = "tie")]
 mod tie;
 
 use nalgebra::Vector3;
@@ -41,10 +41,10 @@ use crate::raw::RawEpoch;
 use crate::settings::{Configuration, Place, Systems};
 use crate::time::GpsTime;
 
-#[cfg(feature = "osnma")]
+#[cfg(feature = "tie")]
 use apart::Apart;
 use ionosphere::Broadcast;
-#[cfg(feature = "osnma")]
+#[cfg(feature = "tie")]
 use tie::Held;
 
 /// Least distance of a receiver from the centre of the earth, m; a position below it is unknown.
@@ -69,11 +69,11 @@ pub struct Navigator {
     known_height: Option<Aiding>,
     ionosphere: Broadcast,
     /// Satellites of Galileo that may decide a tie, a bit for each number.
-    #[cfg(feature = "osnma")]
+    #[cfg(feature = "tie")]
     witnesses: u64,
-    #[cfg(feature = "osnma")]
+    #[cfg(feature = "tie")]
     held: Held,
-    #[cfg(feature = "osnma")]
+    #[cfg(feature = "tie")]
     apart: Apart,
 }
 
@@ -110,11 +110,11 @@ impl Navigator {
             distrusted: None,
             known_height: None,
             ionosphere: Broadcast::new(),
-            #[cfg(feature = "osnma")]
+            #[cfg(feature = "tie")]
             witnesses: 0,
-            #[cfg(feature = "osnma")]
+            #[cfg(feature = "tie")]
             held: Held::NONE,
-            #[cfg(feature = "osnma")]
+            #[cfg(feature = "tie")]
             apart: Apart::NONE,
         }
     }
@@ -351,6 +351,20 @@ impl Navigator {
         }
         report.tracked = raw.satellites.len().min(255) as u8;
         report
+    }
+}
+
+/// What images without the tie leave out.
+#[cfg(all(feature = "osnma", not(feature = "tie")))]
+impl Navigator {
+    pub(crate) const fn believe(&mut self, _: u64) {}
+
+    pub(crate) const fn compare_systems(&mut self) -> bool {
+        false
+    }
+
+    pub(crate) const fn systems_apart_m(&self) -> Option<f64> {
+        None
     }
 }
 

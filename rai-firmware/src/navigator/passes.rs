@@ -21,7 +21,7 @@ use crate::time::GpsTime;
 /// Largest distance over which corrections hold, m. Over 1 km an elevation changes by at most
 /// 0.012°, mostly because the vertical tilts. 1 km of height changes the zenith delay by some 0.35
 /// m.
-pub(super) const GUESS_HOLDS_M: f32 = 1e3;
+const GUESS_HOLDS_M: f32 = 1e3;
 
 /// Maximum number of passes of an epoch: at the guess, at a better guess, and once more if a gross
 /// fault distorted the first result.
@@ -50,7 +50,7 @@ impl Navigator {
     ) -> &mut Report<CAPACITY> {
         #[cfg(feature = "cnav")]
         self.prepare(came_ms, configuration);
-        #[cfg(feature = "osnma")]
+        #[cfg(feature = "tie")]
         self.apart.begin();
         let without_orbit = self.look_up(raw, configuration);
         let mut guess = self.monitor.start();
@@ -92,14 +92,14 @@ impl Navigator {
             self.tally.ranges = before;
             self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
         }
-        #[cfg(feature = "osnma")]
-        let is_decided = self.break_tie((guess, raw.time), ranges, configuration, &rates);
+        #[cfg(feature = "tie")]
+        let is_decided = self.break_tie(raw.time, ranges, configuration);
         let refused_a_range = self.tally.ranges.range_implausible != before.range_implausible;
-        #[cfg(not(feature = "osnma"))]
+        #[cfg(not(feature = "tie"))]
         {
             self.conclude(raw, came_ms, configuration.place.as_ref(), refused_a_range, without_orbit)
         }
-        #[cfg(feature = "osnma")]
+        #[cfg(feature = "tie")]
         {
             self.conclude(raw, came_ms, configuration.place.as_ref(), refused_a_range, without_orbit);
             self.end_tie(is_decided, raw.time)
@@ -107,7 +107,7 @@ impl Navigator {
     }
 
     /// Corrects and judges the sky as seen from a point.
-    fn judge_about(
+    pub(super) fn judge_about(
         &mut self,
         point: Ecef,
         time: GpsTime,
@@ -117,17 +117,6 @@ impl Navigator {
         known: &KnownRates,
     ) {
         self.correct_about(point, time, ranges, configuration);
-        self.judge_corrected(point, time, search, known);
-    }
-
-    /// Judges the epoch as it is.
-    pub(super) fn judge_corrected(
-        &mut self,
-        point: Ecef,
-        time: GpsTime,
-        search: Search<'_>,
-        known: &KnownRates,
-    ) {
         let Room { sky, epoch, memory } = &mut self.room;
         let (store, last) = (&self.store, &self.rates);
         // The core asks for satellites in the order of `sky`, so that the search begins behind the

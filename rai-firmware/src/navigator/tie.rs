@@ -30,6 +30,8 @@
 //! sends the true data of Galileo with forged ranges, and other counterfeit systems that leap, decides with
 //! them; each alone does not.
 
+use core::cell::Cell;
+
 use raim_core::frame::Ecef;
 use raim_core::internals::numeric::sqrt;
 use raim_core::monitor::Search;
@@ -37,11 +39,9 @@ use raim_core::report::{Alert, Protected, ProtectionLevels, Report, Verdict};
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_single::{Monitor, MonitorMemory, Workspace};
 
-use super::known_rates::KnownRates;
-use super::passes::GUESS_HOLDS_M;
-use super::{Navigator, Room, found, is_shorter};
+use super::{Navigator, Room, found};
 use crate::correction::horizon::coordinates_m;
-use crate::correction::{CAPACITY, Ranges};
+use crate::correction::{CAPACITY, Ranges, Sky};
 use crate::settings::Configuration;
 use crate::time::GpsTime;
 
@@ -91,6 +91,18 @@ pub(super) fn distance_m(one: Ecef, other: Ecef) -> f32 {
     sqrt(x_m * x_m + y_m * y_m + z_m * z_m)
 }
 
+/// Returns some of the satellites of an epoch. All of a variance counts as the receiver's.
+fn some_of(epoch: &Epoch, keeps: &dyn Fn(SatelliteId) -> bool) -> Epoch {
+    let mut some = Epoch::new(epoch.time_s());
+    for (seen, shared) in epoch.observations().iter().zip(epoch.shared()) {
+        if keeps(seen.satellite) {
+            // It was accepted before.
+            let _ = some.push_sharing(*seen, *shared);
+        }
+    }
+    some
+}
+
 /// Returns the place by some of the satellites of an epoch.
 // Not inlined, so that the copy is not on the stack while an epoch is judged.
 #[inline(never)]
@@ -100,9 +112,7 @@ pub(super) fn place_by(
     start: Ecef,
     workspace: &mut Workspace,
 ) -> Option<Ecef> {
-    let mut some = epoch.clone();
-    some.retain(keeps);
-    raim_single::position(workspace, &some, start)
+    raim_single::position(workspace, &some_of(epoch, keeps), start)
 }
 
 /// Returns the levels of some of the satellites of an epoch, about their place.
@@ -114,9 +124,21 @@ fn levels_by(
     (place, noise): (Ecef, f32),
     memory: &mut MonitorMemory,
 ) -> Option<ProtectionLevels> {
-    let mut some = epoch.clone();
-    some.retain(keeps);
-    raim_single::levels(monitor, &some, place, noise, memory)
+    raim_single::levels(monitor, &some_of(epoch, keeps), place, noise.max(1.0), memory)
+}
+
+/// Leaves out all satellites of a sky that are not of a set.
+fn keep(sky: &mut Sky, witnesses: u64) {
+    let mut index = 0;
+    while let Some(located) = sky.get(index) {
+        if is_in(witnesses, located.satellite()) {
+            index += 1;
+        } else if let Some(last) = sky.pop()
+            && let Some(place) = sky.get_mut(index)
+        {
+            *place = last;
+        }
+    }
 }
 
 impl Navigator {
@@ -170,16 +192,10 @@ impl Navigator {
     /// Lets Galileo decide where systems contradict each other; returns true if it has. If it has not,
     /// the alert stays.
     #[inline]
-    pub(super) fn break_tie(
-        &mut self,
-        about: (Ecef, GpsTime),
-        ranges: Ranges,
-        configuration: &Configuration,
-        known: &KnownRates,
-    ) -> bool {
+    pub(super) fn break_tie(&mut self, time: GpsTime, ranges: Ranges, configuration: &Configuration) -> bool {
         let Some(reason) = is_tie(self.report().verdict) else { return false };
-        let witnesses = self.witnesses_in_sky(about.1);
-        self.decide(reason, witnesses, about, ranges, configuration, known)
+        let witnesses = self.witnesses_in_sky(time);
+        self.decide(reason, witnesses, time, ranges, configuration)
     }
 
     /// Works like [`Self::break_tie`], with the satellites whose sets are proved.
@@ -189,35 +205,29 @@ impl Navigator {
         &mut self,
         reason: Alert,
         witnesses: u64,
-        (point, time): (Ecef, GpsTime),
+        time: GpsTime,
         ranges: Ranges,
         configuration: &Configuration,
-        known: &KnownRates,
     ) -> bool {
         if self.distrusted.is_some() || witnesses.count_ones() < LEAST {
             return false;
         }
         let highest_m_s = configuration.continuity().max_speed_m_s;
         let Some((place, apart_m)) = self.unmoved(witnesses, time, highest_m_s) else { return false };
-        let mut about = point;
-        if !is_shorter(place - point, GUESS_HOLDS_M) {
-            let refusals = self.tally.ranges;
-            self.correct_about(place, time, ranges, configuration);
-            (about, self.tally.ranges) = (place, refusals);
-        }
-        self.room.epoch.retain(&|satellite| is_in(witnesses, satellite));
-        self.judge_corrected(about, time, Search::Known(&[]), known);
+        // What follows from the epoch, such as its velocity, is of the same satellites.
+        keep(&mut self.room.sky, witnesses);
+        let refusals = self.tally.ranges;
+        let known = [const { Cell::new(f32::NAN) }; CAPACITY];
+        self.judge_about(place, time, ranges, configuration, Search::Known(&[]), &known);
+        self.tally.ranges = refusals;
         self.apart.decide(apart_m);
-        let Room { sky, memory, .. } = &mut self.room;
-        let outcome = memory.outcome_mut();
-        if outcome.report.verdict != Verdict::Protected(Protected::Ok) {
+        let outcome = self.room.memory.outcome_mut();
+        let wins = outcome.report.verdict == Verdict::Protected(Protected::Ok);
+        if !wins {
             outcome.override_alert(reason);
             outcome.report.verdict = Verdict::Alert(reason);
-            return false;
         }
-        // What follows from the epoch, such as its velocity, is of the same satellites.
-        sky.retain(|located| is_in(witnesses, located.satellite()));
-        true
+        wins
     }
 }
 

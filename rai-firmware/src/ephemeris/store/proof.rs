@@ -8,6 +8,7 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use super::Store;
 use crate::ephemeris::Ephemeris;
 use crate::osnma::{Proof, Seal, Verdict};
+#[cfg(feature = "tie")]
 use crate::time::GpsTime;
 
 /// What is demanded of a set.
@@ -40,6 +41,7 @@ impl Store {
     }
 
     /// Returns true if a tag has proved the set in use.
+    #[cfg(feature = "tie")]
     pub(crate) fn is_proved(&self, satellite: SatelliteId, time: GpsTime) -> bool {
         self.get(satellite, time).is_ok_and(|set| set.seal.is_proved(Proof::All))
     }

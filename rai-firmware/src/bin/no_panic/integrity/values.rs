@@ -153,7 +153,6 @@ fn epochs() {
         Epoch::<N>::push_sharing as fn(_, _, _) -> _,
         Epoch::<N>::set_receiver_m2 as fn(_, _),
         Epoch::<N>::change_noise as fn(_, _),
-        Epoch::<N>::retain as fn(_, _),
         Epoch::<N>::aid as fn(_, _) -> _,
         Epoch::<N>::view as fn(_) -> _,
         EpochView::time_s as fn(_) -> _,
