@@ -337,62 +337,6 @@ fn the_first_four_satellites_are_proved_within_three_minutes_of_bytes() {
     }
 }
 
-/// Returns a module with a long queue: it has heard pages for minutes, and its loop has not passed.
-fn behind(pages: &[Page], start_s: u32) -> (Module, u64) {
-    let mut module = Module::new(&[KEY]);
-    let mut now_ms = 0;
-    for page in pages {
-        now_ms = u64::from(page.begin_s + 2 - start_s) * 1000;
-        module.receiver.gnss(&page.message(), now_ms, &mut module.said);
-    }
-    (module, now_ms)
-}
-
-/// Returns the passes of the loop, one each millisecond, until the root key is proved, at most so many.
-/// `before` is what the line brings before a pass.
-fn passes(module: &mut Module, now_ms: &mut u64, most: u32, before: &[u8]) -> u32 {
-    for pass in 0..most {
-        if module.counter("osnma_roots_right") > 0 {
-            return pass;
-        }
-        *now_ms += 1;
-        if !before.is_empty() {
-            module.receiver.gnss(before, *now_ms, &mut module.said);
-        }
-        module.receiver.tick(*now_ms, &mut module.said);
-    }
-    most
-}
-
-/// The pin of an epoch must not wait for a slice: none is done while its bytes come, nor while it is
-/// open.
-#[test]
-fn no_slice_is_done_while_bytes_of_an_epoch_wait() {
-    let Some(pages) = station() else { return };
-    let start_s = pages[0].begin_s;
-    let some: Vec<Page> = pages.into_iter().filter(|page| page.begin_s < start_s + 120).collect();
-    let (mut module, mut now_ms) = behind(&some, start_s);
-    let silent = passes(&mut module, &mut now_ms, 10_000, &[]);
-    assert!((300..3000).contains(&silent), "{silent} slices for a root key");
-    // A byte in each millisecond: a slice in twenty.
-    let (mut module, mut now_ms) = behind(&some, start_s);
-    assert_eq!(passes(&mut module, &mut now_ms, 10 * silent, b"U"), 10 * silent);
-    // An epoch whose last message is missing: a slice in 200 ms.
-    let recording = Simulation::above_xian(3600.0, 1, 1).record();
-    let mut encoder =
-        Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual).expect("systems"));
-    let epoch = encoder.epoch(&recording.epochs[0]).expect("an epoch");
-    let (mut module, mut now_ms) = behind(&some, start_s);
-    now_ms += 1000;
-    module.receiver.gnss(&epoch[..epoch.len() - 20], now_ms, &mut module.said);
-    assert_eq!(passes(&mut module, &mut now_ms, 400, &[]), 400);
-    now_ms += 1000;
-    module.receiver.tick(now_ms, &mut module.said);
-    let rest = passes(&mut module, &mut now_ms, 10_000, &[]);
-    println!("{silent} passes in silence, {rest} after 400 with an open epoch");
-    assert!(rest + 20 >= silent, "{rest} instead of {silent}: slices were done in an open epoch");
-}
-
 /// A bit of one satellite is turned in all its pages, with the check made good. What follows depends
 /// on the setting.
 #[test]
