@@ -73,6 +73,10 @@ reasons! {
         Ok = 1 "OK",
         /// The satellites agree after the faulty ones were left out.
         Excluded = 2 "EXCLUDED",
+        /// Systems contradict each other, and the one whose navigation data are proved has decided. The
+        /// levels are its own. The firmware sets this reason.
+        ["authentication"]
+        System = 3 "SYSTEM",
     }
 
     /// Reason why a position must not be used.

@@ -63,6 +63,7 @@
 //! | `signs` | detection of two receivers that take turns, copied ranges, bands that disagree, strengths that are alike |
 //! | `sentences` | `GNS`, `VTG`, `ZDA`, `GSA`, `GST`, `GBS` |
 //! | `osnma` | `KEY`, `ROOT`, `AUTH`, `TRUST`: authenticated ephemerides of Galileo |
+//! | `tie` | proved Galileo decides where systems contradict each other (`SYSTEM`); distance between the places of single systems |
 //! | `gsv` | `GSV` |
 //! | `log` | the log of a board |
 //! | `observer` | an account of each judged epoch, satellite by satellite, for a program on a computer ([`observer`]); off at start |

@@ -253,6 +253,11 @@
 #define RAI_REASON_EXCLUDED 2
 
 /**
+ * Protected: systems contradict each other, and the one whose navigation data are proved has decided.
+ */
+#define RAI_REASON_SYSTEM 3
+
+/**
  * Alert: a fault was detected and could not be isolated.
  */
 #define RAI_REASON_FAULT 32

@@ -22,6 +22,8 @@ pub const RAI_REASON_NONE: u8 = 0;
 pub const RAI_REASON_OK: u8 = 1;
 /// Protected: the satellites agree after the faulty ones were left out.
 pub const RAI_REASON_EXCLUDED: u8 = 2;
+/// Protected: systems contradict each other, and the one whose navigation data are proved has decided.
+pub const RAI_REASON_SYSTEM: u8 = 3;
 /// Alert: a fault was detected and could not be isolated.
 pub const RAI_REASON_FAULT: u8 = 32;
 /// Alert: several exclusions explain the data.

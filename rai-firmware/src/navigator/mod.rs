@@ -6,10 +6,14 @@
 //! none. If the position of an epoch is far from the guess, the epoch is corrected again at that
 //! position.
 
+#[cfg(feature = "tie")]
+mod apart;
 mod choice;
 mod ionosphere;
 mod known_rates;
 mod passes;
+#[cfg(feature = "tie")]
+mod tie;
 
 use nalgebra::Vector3;
 use raim_core::epoch::{Aiding, Epoch};
@@ -41,7 +45,11 @@ use crate::raw::RawSatellite;
 use crate::settings::{Configuration, Place, Systems};
 use crate::time::GpsTime;
 
+#[cfg(feature = "tie")]
+use apart::Apart;
 use ionosphere::Broadcast;
+#[cfg(feature = "tie")]
+use tie::Held;
 
 /// Least distance of a receiver from the centre of the earth, m; a position below it is unknown.
 const UNKNOWN_RADIUS_M: f32 = 6e6;
@@ -64,6 +72,13 @@ pub struct Navigator {
     /// Known height for the next epoch, from the host or the place of a fixed antenna.
     known_height: Option<Aiding>,
     ionosphere: Broadcast,
+    /// Satellites of Galileo that may decide a tie, a bit for each number.
+    #[cfg(feature = "tie")]
+    witnesses: u64,
+    #[cfg(feature = "tie")]
+    held: Held,
+    #[cfg(feature = "tie")]
+    apart: Apart,
 }
 
 /// Memory of one epoch, with its result. It is here and not on the stack.
@@ -99,6 +114,12 @@ impl Navigator {
             distrusted: None,
             known_height: None,
             ionosphere: Broadcast::new(),
+            #[cfg(feature = "tie")]
+            witnesses: 0,
+            #[cfg(feature = "tie")]
+            held: Held::NONE,
+            #[cfg(feature = "tie")]
+            apart: Apart::NONE,
         }
     }
 
@@ -370,6 +391,20 @@ impl Navigator {
     /// Returns the w-test of a range by its index in the last epoch, dimensionless.
     pub(crate) fn w_test(&self, index: usize) -> Option<f64> {
         self.tally.notes.w_test(index)
+    }
+}
+
+/// What images without the tie leave out.
+#[cfg(all(feature = "osnma", not(feature = "tie")))]
+impl Navigator {
+    pub(crate) const fn believe(&mut self, _: u64) {}
+
+    pub(crate) const fn compare_systems(&mut self) -> bool {
+        false
+    }
+
+    pub(crate) const fn systems_apart_m(&self) -> Option<f64> {
+        None
     }
 }
 

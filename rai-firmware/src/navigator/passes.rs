@@ -50,6 +50,8 @@ impl Navigator {
     ) -> &mut Report<CAPACITY> {
         #[cfg(feature = "cnav")]
         self.prepare(came_ms, configuration);
+        #[cfg(feature = "tie")]
+        self.apart.begin();
         let without_orbit = self.look_up(raw, configuration);
         let mut guess = self.monitor.start();
         let mut is_rough = is_unknown(guess);
@@ -90,12 +92,22 @@ impl Navigator {
             self.tally.restore(before);
             self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
         }
+        #[cfg(feature = "tie")]
+        let is_decided = self.break_tie(raw.time, ranges, configuration);
         let refused_a_range = self.tally.ranges.range_implausible != before.0.range_implausible;
-        self.conclude(raw, came_ms, configuration.place.as_ref(), refused_a_range, without_orbit)
+        #[cfg(not(feature = "tie"))]
+        {
+            self.conclude(raw, came_ms, configuration.place.as_ref(), refused_a_range, without_orbit)
+        }
+        #[cfg(feature = "tie")]
+        {
+            self.conclude(raw, came_ms, configuration.place.as_ref(), refused_a_range, without_orbit);
+            self.end_tie(is_decided, raw.time)
+        }
     }
 
     /// Corrects and judges the sky as seen from a point.
-    fn judge_about(
+    pub(super) fn judge_about(
         &mut self,
         point: Ecef,
         time: GpsTime,

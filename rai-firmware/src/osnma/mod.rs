@@ -215,6 +215,9 @@ pub struct Summary {
     pub unproved: u8,
     /// Whose words are false.
     pub false_: u8,
+    /// Those proved satellites that may decide between systems, because a tag with the next key is
+    /// among their proofs; a bit for each number.
+    pub witnesses: u64,
     /// Age of the oldest proof, s.
     pub oldest_proof_s: Option<u32>,
     /// True if more than one satellite sent what the system did not make.
@@ -359,12 +362,15 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
             proved: 0,
             unproved: 0,
             false_: 0,
+            witnesses: 0,
             oldest_proof_s: None,
             is_alarm: self.alarm.is_raised(now_ms),
         };
         for satellite in self.satellites.iter().filter(|satellite| satellite.is_in_view(now_ms)) {
             if let Some(age_s) = satellite.proof_age_s(now_ms) {
                 summary.proved += 1;
+                // A number is at most 36.
+                summary.witnesses |= u64::from(satellite.is_witness()) << (satellite.number & 63);
                 summary.oldest_proof_s = summary.oldest_proof_s.max(Some(age_s));
             } else if satellite.is_false() {
                 summary.false_ += 1;

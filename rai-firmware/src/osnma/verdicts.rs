@@ -104,6 +104,8 @@ pub(super) struct Satellite {
     /// Number of the version of its words.
     version: NonZeroU8,
     verdict: Verdict,
+    /// True if a tag with the next key has proved the present words.
+    is_proved_at_once: bool,
     heard: Subframe,
     /// Arrival of its last page, and time of the last proof, in units of 1.024 s.
     heard_at: u32,
@@ -123,6 +125,7 @@ impl Satellite {
             number,
             version: NonZeroU8::MIN,
             verdict: Verdict::Unproved,
+            is_proved_at_once: false,
             heard: Subframe(0),
             heard_at: 0,
             proved_at: 0,
@@ -184,6 +187,7 @@ impl Satellite {
     /// Begins another version of the words.
     fn change(&mut self) {
         self.version = self.version.checked_add(1).unwrap_or(NonZeroU8::MIN);
+        self.is_proved_at_once = false;
         if self.verdict.is_proved() {
             self.verdict = Verdict::Unproved;
         }
@@ -206,6 +210,7 @@ impl Satellite {
         };
         if finding.is_right {
             self.proved_at = units(now_ms);
+            self.is_proved_at_once |= !finding.is_slow;
         }
         let is_other = core::mem::replace(&mut self.verdict, verdict) != verdict;
         if is_other && verdict == Verdict::False {
@@ -221,6 +226,12 @@ impl Satellite {
 
     pub(super) fn forget_verdict(&mut self) {
         self.verdict = Verdict::Unproved;
+        self.is_proved_at_once = false;
+    }
+
+    /// Returns true if proved words may decide between systems: not by tags with a later key alone.
+    pub(super) const fn is_witness(&self) -> bool {
+        self.is_proved_at_once
     }
 
     pub(super) fn is_in_view(&self, now_ms: u64) -> bool {

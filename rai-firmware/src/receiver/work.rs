@@ -69,6 +69,10 @@ impl<P: OutputPin, O: Observer> Receiver<P, O> {
         let slices = if rested_ms >= SELDOM_MS { SLICES } else { 1 };
         let mut has_worked = false;
         for _ in 0..slices {
+            if epochs.navigator.compare_systems() {
+                has_worked = true;
+                continue;
+            }
             match input.authentication_mut().work(&keys, now_ms) {
                 Worked::Nothing => break,
                 Worked::Something => {}
@@ -109,12 +113,16 @@ impl<P: OutputPin, O: Observer> EpochLoop<P, O> {
 
     /// Sets what is demanded of ephemerides.
     pub(super) fn demand(&mut self, now_ms: u64) {
+        let proof = self.proof(now_ms);
         let demand = match self.configuration.authentication {
             Authentication::Off | Authentication::Say => Demand::Nothing,
             Authentication::Prefer => Demand::NotFalse,
-            Authentication::Only => Demand::Proved(self.proof(now_ms)),
+            Authentication::Only => Demand::Proved(proof),
         };
         self.navigator.demand(demand);
+        let decides = demand != Demand::Nothing && proof == Proof::All;
+        let known = self.authentication.filter(|_| decides);
+        self.navigator.believe(known.map_or(0, |summary| summary.witnesses));
     }
 
     /// Returns the alert that an epoch is not of the present, or that navigation data are forged.
@@ -139,6 +147,7 @@ impl<P: OutputPin, O: Observer> EpochLoop<P, O> {
             summary,
             proof: self.proof(now_ms),
             bound_s: self.trusted.map(|trusted| trusted.bound_s(now_ms)),
+            apart_m: self.navigator.systems_apart_m(),
         });
         let is_off = self.configuration.authentication == Authentication::Off;
         self.publisher.authenticated(report.as_ref(), is_off);

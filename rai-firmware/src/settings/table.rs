@@ -419,7 +419,7 @@ settings! {
         phase: Apart,
         warning: Configuration::warning_of_keys,
         example: "PREFER",
-        text: "What follows from OSNMA: `OFF` checks nothing; `SAY` reports (`PRAIO`); `PREFER` leaves out a satellite whose ephemeris is false, and alerts (`AUTH`) if that or a wrong key concerns two satellites within 5 minutes; `ONLY` also leaves out each Galileo satellite whose ephemeris is not proved, and promises nothing with fewer than four that are (`UNPROVED`). Proved takes a time by `TRUST`. It authenticates ephemerides, not the position",
+        text: "What follows from OSNMA: `OFF` checks nothing; `SAY` reports (`PRAIO`); `PREFER` leaves out a satellite whose ephemeris is false, and alerts (`AUTH`) if that or a wrong key concerns two satellites within 5 minutes, and lets proved Galileo decide where systems contradict each other (`SYSTEM`); `ONLY` also leaves out each Galileo satellite whose ephemeris is not proved, and promises nothing with fewer than four that are (`UNPROVED`). Proved takes a time by `TRUST`. It authenticates ephemerides, not the position",
     }
     #[cfg(test)]
     "TOY" Toy {

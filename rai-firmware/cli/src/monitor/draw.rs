@@ -95,7 +95,10 @@ fn header(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
             (first, Line::from(second))
         }
     };
-    let third = Line::from(format!(" {}{}", place(dashboard), interference(dashboard.interference)));
+    let authentication =
+        dashboard.authentication.as_ref().map_or(String::new(), |words| format!("   {words}"));
+    let interference = interference(dashboard.interference);
+    let third = Line::from(format!(" {}{interference}{authentication}", place(dashboard)));
     frame.render_widget(Paragraph::new(vec![first, second, third]), area);
 }
 

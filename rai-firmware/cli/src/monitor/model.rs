@@ -75,6 +75,8 @@ pub struct Dashboard {
     pub nic: Option<u8>,
     /// Jamming and spoofing, with the values of `PRAIN`.
     pub interference: [u8; 2],
+    /// State of OSNMA in words, while the module states one.
+    pub authentication: Option<String>,
     /// Bytes lost at the GNSS and the host port, frames refused, epochs late.
     pub losses: Option<[u64; 4]>,
     /// Counters, after a request for them.
@@ -175,6 +177,12 @@ impl Dashboard {
                 (*hash).clone_into(&mut self.hash);
                 self.nic = nic.parse().ok();
                 self.interference = [jamming, spoofing].map(|number| number.parse().unwrap_or(0));
+            }
+            ["PRAIO", _, state, _, _, proved, unproved, wrong, _, _, rest @ ..] => {
+                let apart = rest.first().filter(|apart| !apart.is_empty());
+                let apart = apart.map_or(String::new(), |apart| format!(", systems {apart} m apart"));
+                self.authentication =
+                    Some(format!("OSNMA {state}: {proved} proved, {unproved} not, {wrong} false{apart}"));
             }
             ["PRAIQ", hash, settings @ .., number, count] => {
                 self.take_settings(hash, settings, *number == "1", number == count);
@@ -279,6 +287,16 @@ mod tests {
             have.left_out.iter().map(|(id, left_out)| (id.to_string(), left_out.epochs)).collect();
         assert_eq!(left_out, [("G05".to_owned(), 1)]);
         assert_eq!((have.hash.as_str(), have.nic, have.interference), ("0123ABCD", Some(10), [1, 2]));
+    }
+
+    #[test]
+    fn the_state_of_authentication_is_in_words() {
+        let have = heard(&["PRAIO,120000.00,DATED,1,0,6,2,0,31,4.0,12.3"]);
+        let want = "OSNMA DATED: 6 proved, 2 not, 0 false, systems 12.3 m apart";
+        assert_eq!(have.authentication.as_deref(), Some(want));
+        let have = heard(&["PRAIO,120000.00,WAIT,,,0,8,0,,,"]);
+        assert_eq!(have.authentication.as_deref(), Some("OSNMA WAIT: 0 proved, 8 not, 0 false"));
+        assert_eq!(heard(&[]).authentication, None);
     }
 
     #[test]

@@ -8,6 +8,8 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use super::Store;
 use crate::ephemeris::Ephemeris;
 use crate::osnma::{Proof, Seal, Verdict};
+#[cfg(feature = "tie")]
+use crate::time::GpsTime;
 
 /// What is demanded of a set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,6 +38,12 @@ impl Store {
     /// Sets what is demanded of the sets in use.
     pub(crate) const fn demand(&mut self, demand: Demand) {
         self.demand = demand;
+    }
+
+    /// Returns true if a tag has proved the set in use.
+    #[cfg(feature = "tie")]
+    pub(crate) fn is_proved(&self, satellite: SatelliteId, time: GpsTime) -> bool {
+        self.get(satellite, time).is_ok_and(|set| set.seal.is_proved(Proof::All))
     }
 
     /// Takes the verdict on the words of a satellite, if they are those of the known set.

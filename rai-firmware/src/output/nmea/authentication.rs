@@ -8,6 +8,7 @@
 //! | 5, 6, 7 | satellites in view whose ephemerides are proved, unproved, false |
 //! | 8 | age of the oldest proof, s |
 //! | 9 | bound of the trusted time, s |
+//! | 10 | greatest distance between the places of single systems in the epoch before, m |
 //!
 //! The sentence comes before those of its epoch, and only while a key is set.
 
@@ -24,6 +25,8 @@ pub(crate) struct AuthenticationReport {
     pub(crate) proof: Proof,
     /// Bound of the trusted time, s.
     pub(crate) bound_s: Option<f64>,
+    /// Greatest distance between the places of single systems, m.
+    pub(crate) apart_m: Option<f64>,
 }
 
 impl AuthenticationReport {
@@ -77,6 +80,6 @@ pub(crate) fn write_authentication<W: Write>(
         Some(age_s) => sentence.integer(age_s, 1),
         None => sentence.empty(),
     };
-    sentence.optional(report.bound_s, 1, 7);
+    sentence.optional(report.bound_s, 1, 7).optional(report.apart_m, 1, 9);
     write_sentence(&mut sentence, out)
 }
