@@ -9,6 +9,8 @@
 mod choice;
 mod ionosphere;
 mod known_rates;
+#[cfg(feature = "both-kinds")]
+mod others;
 mod passes;
 
 use nalgebra::Vector3;
@@ -38,6 +40,8 @@ use crate::settings::{Configuration, Place, Systems};
 use crate::time::GpsTime;
 
 use ionosphere::Broadcast;
+#[cfg(feature = "both-kinds")]
+use others::Others;
 
 /// Least distance of a receiver from the centre of the earth, m; a position below it is unknown.
 const UNKNOWN_RADIUS_M: f32 = 6e6;
@@ -50,6 +54,8 @@ pub struct Navigator {
     room: Room,
     tally: Tally,
     preference: Preference,
+    #[cfg(feature = "both-kinds")]
+    others: Others,
     /// Kind of ranges and set of systems behind the residuals that the monitor stores. If either
     /// changes, the residuals are discarded.
     learned: Option<(Ranges, Systems)>,
@@ -89,6 +95,8 @@ impl Navigator {
             room: Room { sky: Sky::new(), epoch: Epoch::new(0.0), memory: MonitorMemory::new() },
             tally: Tally::default(),
             preference: Preference::new(),
+            #[cfg(feature = "both-kinds")]
+            others: Others::new(),
             learned: None,
             rates: Rates::new(),
             velocity: None,

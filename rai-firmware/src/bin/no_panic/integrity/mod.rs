@@ -316,6 +316,8 @@ fn the_pipeline<T: Real>() {
         Monitor::<T, N>::forget_residuals as fn(_),
         Monitor::<T, N>::noise as fn(_, _) -> _,
         Monitor::<T, N>::levels as fn(_, _, _, _, _) -> _,
+        Monitor::<T, N>::fault_free as fn(_, _, _, _, _) -> _,
+        Monitor::<T, N>::adaptation_mut as fn(_) -> _,
         Monitor::<T, N>::set_ism as fn(_, _),
         Monitor::<T, N>::ism as fn(_) -> _,
         Monitor::<T, N>::requirements as fn(_) -> _,

@@ -146,6 +146,7 @@ fn epochs() {
         <Adaptation as Default>::default as fn() -> _,
         Adaptation::restart as fn(_),
         Adaptation::learn as fn(_, _, _),
+        Adaptation::is_within as fn(_, _) -> _,
         Adaptation::noise as fn(_, _) -> _,
         Epoch::<N>::new as fn(_) -> _,
         Epoch::<N>::restart as fn(_, _),

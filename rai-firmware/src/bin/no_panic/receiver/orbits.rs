@@ -78,8 +78,8 @@ pub(super) fn corrections() {
         Preference::new as fn() -> _,
         <Preference as Default>::default as fn() -> _,
         Preference::ranges as fn(_) -> _,
-        (|preference, noise, cost| Preference::weigh(preference, noise, cost))
-            as fn(_, f32, fn(Ranges, f32) -> Option<f32>) -> _,
+        (|preference, noise, others, cost| Preference::weigh(preference, noise, others, cost))
+            as fn(_, f32, Option<f32>, fn(Ranges, f32) -> Option<f32>) -> _,
         Site::with_ranges as fn(_, _) -> _,
         Site::weighted_by as fn(_, _) -> _,
         correction::Choices::preferred as fn(_) -> _,
