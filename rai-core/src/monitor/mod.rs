@@ -58,8 +58,9 @@ use crate::numeric::real::Real;
 use crate::report::{Alert, ProtectionLevels, Report, Suspect, Unavailable, Verdict};
 use crate::requirements::Requirements;
 use crate::velocity::{Velocity, VelocityError};
-use crate::weighting::adaptation::Adaptation;
+use crate::weighting::adaptation::{Adaptation, Residuals};
 
+use description::residuals;
 use evidence::{Evidence, shared_growth};
 use height::HeightMemory;
 use kept_out::KeptOutSystems;
@@ -233,10 +234,30 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         noise: f32,
         memory: &mut MonitorMemory<T, N>,
     ) -> Option<ProtectionLevels> {
+        self.fault_free(epoch, start, noise, memory).map(|(levels, _)| levels)
+    }
+
+    /// Works like [`Self::levels`], and returns with them the residuals over the sigmas of the epoch,
+    /// or `None` in their place if the test fails.
+    #[doc(hidden)]
+    pub fn fault_free(
+        &self,
+        epoch: &Epoch<N>,
+        start: Ecef,
+        noise: f32,
+        memory: &mut MonitorMemory<T, N>,
+    ) -> Option<(ProtectionLevels, Option<Residuals>)> {
         let aided = Aided::alone(epoch).noisier(noise);
         let fix = Fix::about(&mut memory.workspace, aided, start).ok()?;
-        let test = self.criteria(shared_growth(noise)).test(fix.snapshot(), epoch.shared());
-        test.ok().map(|test| test.levels)
+        let test = self.criteria(shared_growth(noise)).test(fix.snapshot(), epoch.shared()).ok()?;
+        let residuals = (!test.detection.fault()).then(|| residuals(fix.snapshot(), &epoch.view()));
+        Some((test.levels, residuals))
+    }
+
+    /// Returns the residuals learned at rest, to exchange them for those of another kind of ranges.
+    #[doc(hidden)]
+    pub const fn adaptation_mut(&mut self) -> &mut Adaptation {
+        &mut self.adaptation
     }
 
     /// Makes the report's verdict final by comparing it with earlier epochs. Then updates the state

@@ -83,6 +83,12 @@ impl Adaptation {
         }
     }
 
+    /// Returns true if something was learned, and nothing before the other began.
+    pub fn is_within(&self, other: &Self) -> bool {
+        // A NaN fails this comparison.
+        self.since_s >= other.since_s
+    }
+
     /// Returns the factor on the receiver's part of each variance, [`LEAST_NOISE`] to 1.
     #[inline(never)]
     pub fn noise(&self, time_s: f64) -> f32 {

@@ -22,6 +22,7 @@ use raim_core::internals::integrity::raim::hypotheses::time_tag::RangeRates;
 use raim_core::internals::integrity::raim::levels::KFactors;
 use raim_core::internals::least_squares::SnapshotError;
 use raim_core::internals::velocity::{self, RangeRate, VelocityError};
+use raim_core::internals::weighting::adaptation::Residuals;
 use raim_core::monitor::Search;
 use raim_core::report::{ProtectionLevels, Report};
 
@@ -82,6 +83,18 @@ pub fn levels(
     memory: &mut MonitorMemory,
 ) -> Option<ProtectionLevels> {
     monitor.levels(epoch, start, noise, memory)
+}
+
+/// Calls [`Monitor::fault_free`].
+#[inline(never)]
+pub fn fault_free(
+    monitor: &Monitor,
+    epoch: &Epoch<CAPACITY>,
+    start: Ecef,
+    noise: f32,
+    memory: &mut MonitorMemory,
+) -> Option<(ProtectionLevels, Option<Residuals>)> {
+    monitor.fault_free(epoch, start, noise, memory)
 }
 
 /// Calls [`Workspace::solve`].

@@ -19,7 +19,8 @@
 //! Residuals of this epoch are not used, because a choice by them would prefer the set in which a
 //! fault does not show. The noise of the last minute counts: walls and small antennas make pairs
 //! three times as wrong as one frequency, whose larger sigmas hide the same noise. What pairs have
-//! shown is therefore kept in mind for some minutes.
+//! shown is therefore kept in mind for some minutes. With the feature `both-kinds` each comparison
+//! also teaches what the set that is not in use shows at rest; pairs gain most by quiet minutes.
 //!
 //! **No oscillation.** The set in use stays until the other has been better by a twentieth for ten
 //! consecutive epochs. As long as it is not better, the sets are compared more and more seldom, and
@@ -83,11 +84,23 @@ impl Preference {
         self.ranges
     }
 
+    /// Makes the next epoch a comparison.
+    #[cfg(feature = "both-kinds")]
+    pub(crate) const fn compare_now(&mut self) {
+        self.rest = 0;
+    }
+
     /// Compares the costs of both sets and returns the set to use.
     ///
-    /// `noise` is the factor on the receiver's part of a variance that the set in use has shown.
+    /// `noise` is the factor on the receiver's part of a variance that the set in use has shown,
+    /// `others` that which the other one has shown at rest, if it is known.
     /// `cost` is that of a set with such a factor, or `None` without a position.
-    pub fn weigh(&mut self, noise: f32, mut cost: impl FnMut(Ranges, f32) -> Option<f32>) -> Ranges {
+    pub fn weigh(
+        &mut self,
+        noise: f32,
+        others: Option<f32>,
+        mut cost: impl FnMut(Ranges, f32) -> Option<f32>,
+    ) -> Ranges {
         if let Some(rest) = self.rest.checked_sub(1) {
             self.rest = rest;
             return self.ranges;
@@ -96,8 +109,11 @@ impl Preference {
             Ranges::Pairs => noise,
             Ranges::Singles => noise.max(1.0 + KEPT * (self.noise_of_pairs - 1.0)),
         };
-        let pairs = cost(Ranges::Pairs, self.noise_of_pairs);
-        let singles = cost(Ranges::Singles, noise);
+        let (pairs, singles) = match self.ranges {
+            Ranges::Pairs => (noise, others.unwrap_or(noise)),
+            Ranges::Singles => (others.unwrap_or(self.noise_of_pairs), noise),
+        };
+        let (pairs, singles) = (cost(Ranges::Pairs, pairs), cost(Ranges::Singles, singles));
         let (mine, others) = if self.ranges == Ranges::Pairs { (pairs, singles) } else { (singles, pairs) };
         let is_better = match (mine, others) {
             (Some(mine), Some(others)) => others < BETTER * mine,

@@ -2,6 +2,7 @@
 //! apply.
 
 use raim_core::frame::Ecef;
+use raim_core::report::ProtectionLevels;
 
 use super::{Navigator, Room};
 use crate::correction::{Located, Ranges};
@@ -12,8 +13,12 @@ impl Navigator {
     /// Restarts learning if the kind of ranges or the set of systems changes, because earlier
     /// residuals then no longer apply.
     pub(super) fn learn_anew_of(&mut self, learned: (Ranges, Systems)) {
-        if self.learned.replace(learned).is_some_and(|before| before != learned) {
+        if let Some(before) = self.learned.replace(learned).filter(|before| *before != learned) {
             self.monitor.forget_residuals();
+            #[cfg(feature = "both-kinds")]
+            self.others.take_over(before, learned, self.monitor.adaptation_mut());
+            #[cfg(not(feature = "both-kinds"))]
+            let _ = before;
         }
     }
 
@@ -50,10 +55,15 @@ impl Navigator {
     /// Compares the levels of both kinds of ranges.
     fn compare(&mut self, point: Ecef, time: GpsTime, configuration: &Configuration) {
         let (mut preference, before) = (self.preference, self.tally.mark());
-        preference.weigh(self.monitor.noise(time.to_s()), |ranges, noise| {
+        let in_use = preference.ranges();
+        let others = self.noise_of_others(time);
+        #[cfg(feature = "both-kinds")]
+        if self.others.is_due(time.to_s()) {
+            preference.compare_now();
+        }
+        preference.weigh(self.monitor.noise(time.to_s()), others, |ranges, noise| {
             self.correct_about(point, time, ranges, configuration);
-            let Room { epoch, memory, .. } = &mut self.room;
-            let levels = raim_single::levels(&self.monitor, epoch, point, noise, memory)?;
+            let levels = self.fault_free_levels(point, time, ranges != in_use, noise)?;
             let vertical = configuration.val_m.map_or(0.0, |val_m| levels.vpl_m / val_m);
             // A NaN is no cost. An infinite level is worse than any other.
             Some((levels.hpl_m / configuration.hal_m).max(vertical) as f32)
@@ -61,5 +71,53 @@ impl Navigator {
         // Refusals of a set that is not used do not count.
         self.preference = preference;
         self.tally.restore(before);
+    }
+}
+
+/// Without the feature `both-kinds`, nothing is known of the kind that is not in use.
+#[cfg(not(feature = "both-kinds"))]
+impl Navigator {
+    const fn noise_of_others(&self, _: GpsTime) -> Option<f32> {
+        None
+    }
+
+    fn fault_free_levels(
+        &mut self,
+        point: Ecef,
+        _: GpsTime,
+        _: bool,
+        noise: f32,
+    ) -> Option<ProtectionLevels> {
+        let Room { epoch, memory, .. } = &mut self.room;
+        raim_single::levels(&self.monitor, epoch, point, noise, memory)
+    }
+}
+
+#[cfg(feature = "both-kinds")]
+impl Navigator {
+    /// Returns the noise that the kind not in use has shown in quiet minutes, if there were enough.
+    fn noise_of_others(&self, time: GpsTime) -> Option<f32> {
+        Some(self.others.adaptation.noise(time.to_s())).filter(|noise| *noise < 1.0)
+    }
+
+    /// Returns the levels of the room's epoch, and learns from its residuals if it is of the kind
+    /// that is not in use.
+    fn fault_free_levels(
+        &mut self,
+        point: Ecef,
+        time: GpsTime,
+        is_other: bool,
+        noise: f32,
+    ) -> Option<ProtectionLevels> {
+        let Self { monitor, others, room: Room { epoch, memory, .. }, .. } = self;
+        let fault_free = raim_single::fault_free(monitor, epoch, point, noise, memory);
+        if is_other {
+            others.learn(
+                time.to_s(),
+                fault_free.and_then(|(_, residuals)| residuals),
+                monitor.adaptation_mut(),
+            );
+        }
+        fault_free.map(|(levels, _)| levels)
     }
 }

@@ -11,6 +11,8 @@ mod apart;
 mod choice;
 mod ionosphere;
 mod known_rates;
+#[cfg(feature = "both-kinds")]
+mod others;
 mod passes;
 #[cfg(feature = "tie")]
 mod tie;
@@ -48,6 +50,8 @@ use crate::time::GpsTime;
 #[cfg(feature = "tie")]
 use apart::Apart;
 use ionosphere::Broadcast;
+#[cfg(feature = "both-kinds")]
+use others::Others;
 #[cfg(feature = "tie")]
 use tie::Held;
 
@@ -62,6 +66,8 @@ pub struct Navigator {
     room: Room,
     tally: Tally,
     preference: Preference,
+    #[cfg(feature = "both-kinds")]
+    others: Others,
     /// Kind of ranges and set of systems behind the residuals that the monitor stores. If either
     /// changes, the residuals are discarded.
     learned: Option<(Ranges, Systems)>,
@@ -108,6 +114,8 @@ impl Navigator {
             room: Room { sky: Sky::new(), epoch: Epoch::new(0.0), memory: MonitorMemory::new() },
             tally: Tally::default(),
             preference: Preference::new(),
+            #[cfg(feature = "both-kinds")]
+            others: Others::new(),
             learned: None,
             rates: Rates::new(),
             velocity: None,

@@ -88,31 +88,44 @@ fn costs(pairs: Option<f32>, singles: Option<f32>) -> impl Fn(Ranges, f32) -> Op
 fn settled() -> Preference {
     let mut preference = Preference::new();
     for _ in 0..61 {
-        assert_eq!(preference.weigh(1.0, costs(Some(1.0), Some(1.0))), Ranges::Pairs);
+        assert_eq!(preference.weigh(1.0, None, costs(Some(1.0), Some(1.0))), Ranges::Pairs);
     }
     preference
 }
 
 #[test]
 fn the_set_changes_when_the_other_has_been_a_twentieth_better_for_ten_epochs() {
-    assert_eq!(Preference::new().weigh(1.0, costs(Some(1.0), Some(0.94))), Ranges::Singles);
+    assert_eq!(Preference::new().weigh(1.0, None, costs(Some(1.0), Some(0.94))), Ranges::Singles);
     let mut preference = settled();
     for epoch in 1..=9 {
-        assert_eq!(preference.weigh(1.0, costs(Some(1.0), Some(0.94))), Ranges::Pairs, "epoch {epoch}");
+        assert_eq!(preference.weigh(1.0, None, costs(Some(1.0), Some(0.94))), Ranges::Pairs, "epoch {epoch}");
     }
-    assert_eq!(preference.weigh(1.0, costs(Some(1.0), Some(0.94))), Ranges::Singles);
+    assert_eq!(preference.weigh(1.0, None, costs(Some(1.0), Some(0.94))), Ranges::Singles);
     // It changes back only when the pairs are better by a twentieth.
     for _ in 0..100 {
-        assert_eq!(preference.weigh(1.0, costs(Some(0.96), Some(1.0))), Ranges::Singles);
+        assert_eq!(preference.weigh(1.0, None, costs(Some(0.96), Some(1.0))), Ranges::Singles);
     }
     // A set without a position is worse than one with a position, but no reason to change if
     // neither has one.
     for _ in 0..100 {
-        assert_eq!(preference.weigh(1.0, costs(None, None)), Ranges::Singles);
+        assert_eq!(preference.weigh(1.0, None, costs(None, None)), Ranges::Singles);
     }
     // While the other set is not better, it is compared only every thirtieth epoch.
     for _ in 0..40 {
-        preference.weigh(1.0, costs(Some(5.0), None));
+        preference.weigh(1.0, None, costs(Some(5.0), None));
+    }
+    assert_eq!(preference.ranges(), Ranges::Pairs);
+}
+
+#[test]
+fn what_the_other_set_has_shown_at_rest_counts() {
+    let cost = |ranges, noise: f32| Some(if ranges == Ranges::Pairs { noise.sqrt() } else { 0.9 });
+    let mut preference = Preference::new();
+    for _ in 0..100 {
+        assert_eq!(preference.weigh(1.0, None, cost), Ranges::Singles);
+    }
+    for _ in 0..40 {
+        preference.weigh(1.0, Some(0.25), cost);
     }
     assert_eq!(preference.ranges(), Ranges::Pairs);
 }
@@ -123,7 +136,7 @@ fn costs_that_swing_about_each_other_change_nothing() {
     for epoch in 0..10_000 {
         // One set is better by half for eight epochs and worse for one; then the other.
         let (pairs, singles) = if epoch % 9 == 0 { (0.5, 1.0) } else { (1.0, 0.5) };
-        let ranges = preference.weigh(1.0, costs(Some(pairs), Some(singles)));
+        let ranges = preference.weigh(1.0, None, costs(Some(pairs), Some(singles)));
         assert_eq!(ranges, Ranges::Pairs, "epoch {epoch}");
     }
 }

@@ -51,7 +51,7 @@ pub const NAMED: [Named; 4] = [
     Named {
         name: "fast",
         content: "everything",
-        features: "whole,gsv,sbf,cnav,osnma,tie,satellites-48",
+        features: "whole,gsv,sbf,cnav,osnma,tie,both-kinds,satellites-48",
         compiled_for: CompiledFor::Speed,
         satellites: 48,
         stack_bytes: 10 * 1024,

@@ -1,0 +1,105 @@
+//! Residuals of the kind of ranges that is not in use.
+//!
+//! Quiet minutes lower the noise of the ranges in use
+//! ([`adaptation`](raim_core::internals::weighting::adaptation)), and pairs gain more by it than one
+//! frequency, whose levels come from the ionosphere. A choice by the noise in use therefore keeps
+//! one frequency where pairs would soon be better. Each comparison of both kinds computes the
+//! position of both, and its residuals teach the noise of the other as well.
+//!
+//! The same conditions apply as in use: an epoch whose test fails is none to learn from, and ends
+//! what was learned. So does the end of the rest. If the kind changes, both exchange what they know.
+
+use raim_core::internals::weighting::adaptation::{Adaptation, Residuals};
+
+use crate::correction::Ranges;
+use crate::settings::Systems;
+
+/// Longest time without a comparison, s: in an hour at rest 600 degrees of freedom come together if
+/// each comparison has five.
+const PAUSE_S: f64 = 29.5;
+
+/// Residuals of the other kind at rest.
+#[derive(Debug)]
+pub(super) struct Others {
+    pub(super) adaptation: Adaptation,
+    /// Time of the last comparison; NaN before the first.
+    last_s: f64,
+}
+
+impl Others {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub(super) const fn new() -> Self {
+        Self { adaptation: Adaptation::new(), last_s: f64::NAN }
+    }
+
+    /// Returns true if the last comparison is long ago.
+    pub(super) fn is_due(&self, time_s: f64) -> bool {
+        // A NaN is never due: the first comparison comes by itself.
+        time_s - self.last_s >= PAUSE_S
+    }
+
+    /// Learns from an epoch of the other kind; `residuals` is `None` if it failed its test. `in_use`
+    /// are the residuals of the kind in use, which begin anew when a rest ends.
+    pub(super) fn learn(&mut self, time_s: f64, residuals: Option<Residuals>, in_use: &Adaptation) {
+        self.last_s = time_s;
+        if residuals.is_none() || !self.adaptation.is_within(in_use) {
+            self.adaptation.restart();
+        }
+        if let Some(residuals) = residuals {
+            self.adaptation.learn(time_s, residuals);
+        }
+    }
+
+    /// Gives what is known to the monitor, whose kind of ranges has changed. Nothing is known of
+    /// other systems.
+    pub(super) fn take_over(
+        &mut self,
+        before: (Ranges, Systems),
+        now: (Ranges, Systems),
+        in_use: &mut Adaptation,
+    ) {
+        if before.1 == now.1 {
+            core::mem::swap(&mut self.adaptation, in_use);
+        }
+        self.adaptation.restart();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Adaptation, Others, Residuals};
+
+    /// Residuals of a third of the sigmas, with ten degrees of freedom.
+    const QUIET: Option<Residuals> = Some(Residuals { sse: 10.0 / 9.0, dof: 10 });
+
+    fn after(seconds: u32, in_use: &Adaptation) -> Others {
+        let mut others = Others::new();
+        (0..seconds).for_each(|second| others.learn(f64::from(second), QUIET, in_use));
+        others
+    }
+
+    /// Returns what a kind in use has learned from a time on.
+    fn since(time_s: f64) -> Adaptation {
+        let mut in_use = Adaptation::new();
+        in_use.learn(time_s, Residuals { sse: 10.0, dof: 10 });
+        in_use
+    }
+
+    #[test]
+    fn ten_quiet_minutes_lower_the_noise_of_the_other_kind() {
+        assert!(after(700, &since(0.0)).adaptation.noise(699.0) < 0.2);
+        assert!(after(500, &since(0.0)).adaptation.noise(499.0) >= 1.0, "less than ten minutes");
+    }
+
+    #[test]
+    fn a_failed_test_and_the_end_of_a_rest_end_it() {
+        let mut others = after(700, &since(0.0));
+        others.learn(700.0, None, &since(0.0));
+        assert!(others.adaptation.noise(700.0) >= 1.0);
+        let mut others = after(700, &since(0.0));
+        others.learn(700.0, QUIET, &since(699.5));
+        assert!(others.adaptation.noise(700.0) >= 1.0);
+        assert!(after(700, &Adaptation::new()).adaptation.noise(699.0) >= 1.0, "no rest");
+    }
+}
