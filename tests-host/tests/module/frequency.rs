@@ -150,10 +150,10 @@ fn noise_that_pairs_have_shown_is_kept_in_mind_for_minutes() {
     };
     let mut preference = settled();
     for _ in 0..10 {
-        preference.weigh(16.0, by_noise);
+        preference.weigh(16.0, None, by_noise);
     }
     assert_eq!(preference.ranges(), Ranges::Singles);
-    let back = (0..2000).find(|_| preference.weigh(1.0, by_noise) == Ranges::Pairs);
+    let back = (0..2000).find(|_| preference.weigh(1.0, None, by_noise) == Ranges::Pairs);
     // 1 + 15·0.95^n is below 0.95²·4 after 35 comparisons, thirty epochs apart, and ten epochs later.
     assert!(back.is_some_and(|epoch| (1020..=1060).contains(&epoch)), "{back:?}");
 }
