@@ -183,7 +183,7 @@ impl Navigator {
         let is_proved = |satellite: SatelliteId| {
             is_in(self.witnesses, satellite) && self.store.is_proved(satellite, time)
         };
-        let satellites = self.room.sky.iter().map(|located| located.satellite());
+        let satellites = self.room.sky.iter().map(crate::correction::Located::satellite);
         satellites
             .filter(|satellite| is_proved(*satellite))
             .fold(0, |set, its| set | 1 << (its.number() & 63))

@@ -86,8 +86,8 @@ fn without_visibility(line: &str) -> &str {
 /// Attribute before an implementation that only a host has.
 const OF_HOST: &str = "#[cfg(not(target_os = \"none\"))]";
 
-/// Attribute before what the documentation does not show.
-const HIDDEN: &str = "#[doc(hidden)]";
+/// Attributes before what the documentation does not show, and before what no chip has.
+const LEFT_OUT: [&str; 2] = ["#[doc(hidden)]", "#[cfg(feature = \"observer\")]"];
 
 /// Names under which a list may contain a public function.
 type Names = Vec<String>;
@@ -124,7 +124,7 @@ struct Module<'a> {
 
 fn modules(text: &str) -> impl Iterator<Item = Module<'_>> {
     let attributes = std::iter::once("").chain(text.lines());
-    text.lines().zip(attributes).filter(|&(_, before)| before != HIDDEN).filter_map(|(line, _)| {
+    text.lines().zip(attributes).filter(|&(_, before)| !LEFT_OUT.contains(&before)).filter_map(|(line, _)| {
         let declared = line.strip_prefix("pub ");
         let name = declared.unwrap_or(line).strip_prefix("mod ")?.strip_suffix(';')?;
         Some(Module { name, is_public: declared.is_some() })
@@ -142,7 +142,7 @@ fn functions_of(code: &str, module: &str) -> Vec<Function> {
         } else if line == "}" {
             (owner, is_of_host) = (None, false);
         }
-        let is_hidden = attribute.trim_start() == HIDDEN;
+        let is_hidden = LEFT_OUT.contains(&attribute.trim_start());
         attribute = line;
         if is_of_host || is_hidden {
             continue;

@@ -10,6 +10,7 @@ use raim_firmware::board::reset::{self, Record, ResetCause};
 use raim_firmware::epoch_loop::EpochLoop;
 use raim_firmware::input::Input;
 use raim_firmware::input::{Suspicion, Suspicions};
+use raim_firmware::observer::{Judged, Observer};
 use raim_firmware::outlet::Outlet;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
@@ -53,6 +54,10 @@ fn the_loop() {
         Receiver::<Pin>::set::<Host> as fn(_, _, _, _) -> _,
         Receiver::<Pin>::has_more_to_say as fn(_) -> _,
         Receiver::<Pin>::go_on::<Host> as fn(_, _),
+        <() as Observer>::epoch as fn(_, _),
+        <() as Observer>::without_epoch as fn(_, _),
+        Judged::time as fn(_) -> _,
+        Judged::report as fn(_) -> _,
         EpochLoop::new as fn() -> _,
         <EpochLoop as Default>::default as fn() -> _,
         EpochLoop::run::<AnyBoard, ()> as fn(_, _, _),
