@@ -98,7 +98,8 @@ impl Page {
     /// Returns the line that other verifiers read: week, second of the week, satellite, word,
     /// authentication, band.
     pub fn line(&self) -> String {
-        let digits = |bytes: &[u8]| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+        let digits =
+            |bytes: &[u8]| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>().concat();
         let Self { satellite, begin_s, word, bits } = self;
         let (week, second) = (begin_s / (WEEK * SUBFRAME_S), begin_s % (WEEK * SUBFRAME_S));
         format!("{week} {second} {satellite} {} {} 1", digits(word), digits(bits))

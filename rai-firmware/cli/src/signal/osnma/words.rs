@@ -37,7 +37,7 @@ impl Words for Arbitrary {
 
 /// Puts the time into word 5, behind its content of 73 bits.
 fn timed(word: u128, begin_s: u32) -> u128 {
-    let time = (begin_s / (WEEK * SUBFRAME_S)) << 20 | begin_s % (WEEK * SUBFRAME_S);
+    let time = ((begin_s / (WEEK * SUBFRAME_S)) << 20) | (begin_s % (WEEK * SUBFRAME_S));
     word >> 55 << 55 | u128::from(time) << 23
 }
 
