@@ -107,7 +107,8 @@ mod tests {
         apart.next = Constellation::COUNT;
         apart.begin();
         assert_eq!(apart.before_m, None);
-        (apart.add(at(0.0)), apart.add(at(7.0)));
+        apart.add(at(0.0));
+        apart.add(at(7.0));
         apart.begin();
         assert_eq!(apart.before_m, None);
     }

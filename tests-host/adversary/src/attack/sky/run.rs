@@ -99,7 +99,8 @@ const KLOBUCHAR: [f64; 8] = [1e-8, 0.0, -6e-8, 0.0, 9e4, 0.0, -2e5, 0.0];
 fn commands(skies: &Skies, means: Means) -> Vec<String> {
     let mut commands = Vec::new();
     if means.has_key {
-        let digits: String = skies.key().iter().map(|byte| format!("{byte:02X}")).collect();
+        let digits: String =
+            skies.key().iter().map(|byte| format!("{byte:02X}")).collect::<Vec<_>>().concat();
         commands.extend([format!("KEY,1,{digits}"), "AUTH,PREFER".to_owned()]);
     }
     if means.has_time {
