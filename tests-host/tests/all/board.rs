@@ -69,7 +69,8 @@ fn command_is_answered_and_noise_on_both_ports_is_survived() {
 #[test]
 fn key_of_the_tests_is_refused_by_an_image() {
     let Some((mut board, _)) = started(&Settings::default()) else { return };
-    let digits = |point: [u8; 33]| point.iter().map(|byte| format!("{byte:02X}")).collect::<String>();
+    let digits =
+        |point: [u8; 33]| point.iter().map(|byte| format!("{byte:02X}")).collect::<Vec<_>>().concat();
     for (secret, want) in [(Secret::test(), ",ERR,not in this build"), (Secret::of(b"another"), ",OK")] {
         let mut point = secret.public();
         board.command(&format!("KEY,1,{}", digits(point))).expect("the board takes a command");

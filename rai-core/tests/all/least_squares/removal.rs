@@ -125,7 +125,7 @@ proptest! {
             let line_of_sight = Vector3::from(range.line_of_sight);
             epoch.satellite(range.constellation, line_of_sight, range.residual_m, range.sigma_m).unwrap();
         }
-        for index in set.iter() {
+        for index in &set {
             epoch.leave_out(*index);
         }
         let mut workspace = Workspace::of(epoch);

@@ -36,13 +36,13 @@ impl Second {
         Self { osnma: Box::new(osnma), words: BTreeMap::new() }
     }
 
-    fn hear(&mut self, satellite: u8, begin_s: u32, word: &[u8; 16], bits: &[u8; 5], is_e1: bool) {
+    fn hear(&mut self, satellite: u8, begin_s: u32, word: &[u8; 16], bits: [u8; 5], is_e1: bool) {
         let number = Svn::try_from(satellite).expect("a satellite");
         let gst = Gst::new((begin_s / 604_800) as u16, begin_s % 604_800);
         let band = if is_e1 { InavBand::E1B } else { InavBand::E5B };
         self.osnma.feed_inav(word, number, gst, band);
         if is_e1 {
-            self.osnma.feed_osnma(bits, number, gst);
+            self.osnma.feed_osnma(&bits, number, gst);
         }
         if let kind @ 1..=5 = word[0] >> 2 {
             let words = self.words.entry(satellite).or_default();
@@ -96,7 +96,7 @@ fn compared(keys: &Keys, pages: impl Iterator<Item = Heard>) -> (Agreement, u32)
         let now_ms = u64::from(begin_s - *first_s.get_or_insert(begin_s) + 2) * 1000;
         ours.hear(satellite, &word, bits, is_e1, now_ms);
         while ours.work(keys, now_ms) != Worked::Nothing {}
-        second.hear(satellite, begin_s, &word, &bits, is_e1);
+        second.hear(satellite, begin_s, &word, bits, is_e1);
         let verdict = ours.seal_of(satellite).verdict;
         let is_its = second.is_proved(satellite);
         if !verdict.is_proved() && is_its {
@@ -142,7 +142,8 @@ const START: u32 = ROOT + 125;
 #[test]
 fn galileo_osnma_accepts_what_the_signer_makes() {
     type Change = fn(&mut Phase);
-    let all: [(&str, &[(u32, Change)], u32); 5] = [
+    type Case<'a> = (&'a str, &'a [(u32, Change)], u32);
+    let all: [Case<'_>; 5] = [
         ("plain", &[], 40),
         ("chain ends", &[(8, Phase::chain_ends), (16, Phase::next_chain)], 32),
         ("chain revoked", &[(8, Phase::chain_revoked), (16, Phase::chain_replaced)], 32),
@@ -151,7 +152,9 @@ fn galileo_osnma_accepts_what_the_signer_makes() {
     ];
     for (seed, (name, changes, end)) in (40..).zip(all) {
         let mut system = System::new(seed);
-        changes.iter().for_each(|(from, change)| system.then(START + from, change));
+        for &(from, change) in changes {
+            system.then(START + from, change);
+        }
         let keys = Keys { key: Some((1, system.public())), root: Some(system.tree_root()) };
         let (agreement, wrong) = compared(&keys, signed(&system.pages(START..START + end)));
         println!("{name}: {agreement:?}");
@@ -159,7 +162,7 @@ fn galileo_osnma_accepts_what_the_signer_makes() {
         // All satellites are proved there too, at the end.
         let mut second = Second::new(&keys);
         for page in system.pages(START..START + end) {
-            second.hear(page.satellite, page.begin_s, &page.word, &page.bits, true);
+            second.hear(page.satellite, page.begin_s, &page.word, page.bits, true);
         }
         assert!(system.satellites.iter().all(|satellite| second.is_proved(*satellite)), "{name}");
     }
@@ -174,7 +177,7 @@ fn the_script_of_the_reference_folder_accepts_what_the_signer_makes() {
         return;
     }
     let system = System::new(46);
-    let key: String = system.public().iter().map(|byte| format!("{byte:02x}")).collect();
+    let key = system.public().iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>().concat();
     let mut program = Command::new("python3")
         .arg(script)
         .arg(key)

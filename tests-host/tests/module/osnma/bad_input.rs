@@ -68,7 +68,7 @@ fn chains_in_turn_are_not_those_of_the_root_key() {
     let system = System::new(31);
     let turn = |mut page: Page| {
         if page.begin_s % 30 == 1 {
-            page.bits[0] = page.bits[0] & !0x30 | (page.begin_s / 30 % 4) as u8 * 16;
+            page.bits[0] = (page.bits[0] & !0x30) | ((page.begin_s / 30 % 4) as u8 * 16);
         }
         page
     };
