@@ -402,6 +402,21 @@ impl Navigator {
     }
 }
 
+/// Without the tie nothing decides where systems contradict each other.
+#[cfg(not(feature = "tie"))]
+#[allow(clippy::inline_always, clippy::unused_self, reason = "nothing must remain of them")]
+impl Navigator {
+    #[inline(always)]
+    const fn break_tie(&self, _: GpsTime, _: Ranges, _: &Configuration) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn end_tie(&mut self, _: bool, _: GpsTime) -> &mut Report<CAPACITY> {
+        &mut self.room.memory.outcome_mut().report
+    }
+}
+
 /// What images without the tie leave out.
 #[cfg(all(feature = "osnma", not(feature = "tie")))]
 impl Navigator {

@@ -92,18 +92,10 @@ impl Navigator {
             self.tally.restore(before);
             self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
         }
-        #[cfg(feature = "tie")]
         let is_decided = self.break_tie(raw.time, ranges, configuration);
         let refused_a_range = self.tally.ranges.range_implausible != before.0.range_implausible;
-        #[cfg(not(feature = "tie"))]
-        {
-            self.conclude(raw, came_ms, configuration.place.as_ref(), refused_a_range, without_orbit)
-        }
-        #[cfg(feature = "tie")]
-        {
-            self.conclude(raw, came_ms, configuration.place.as_ref(), refused_a_range, without_orbit);
-            self.end_tie(is_decided, raw.time)
-        }
+        self.conclude(raw, came_ms, configuration.place.as_ref(), refused_a_range, without_orbit);
+        self.end_tie(is_decided, raw.time)
     }
 
     /// Corrects and judges the sky as seen from a point.

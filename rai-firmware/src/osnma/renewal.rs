@@ -18,9 +18,6 @@ const CHAIN_REVOKED: u8 = 3;
 const KEY_REVOKED: u8 = 5;
 const ALERT: u8 = 7;
 
-/// Subframes of an hour.
-const AHEAD: u32 = 120;
-
 /// Power of two that is an hour, ms: 70 minutes.
 const HOUR_POWER: u32 = 22;
 
@@ -165,10 +162,7 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
             self.chains = [None; 2];
         }
         let parameters = root.parameters;
-        // A root key of the same chain may be of a time that is about to come.
-        let is_same = |chain: &Chain| {
-            chain.parameters == parameters && chain.newest.0.saturating_add(AHEAD) >= root.subframe.0
-        };
+        let is_same = |chain: &Chain| chain.parameters == parameters && chain.newest >= root.subframe;
         if !self.chains.iter().flatten().any(is_same) {
             let of_this = |chain: &Option<Chain>| {
                 chain.as_ref().is_some_and(|chain| chain.parameters.chain == parameters.chain)

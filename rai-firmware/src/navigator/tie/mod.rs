@@ -41,7 +41,7 @@ use raim_single::{Monitor, MonitorMemory, Workspace};
 
 use super::{Navigator, Room, found};
 use crate::correction::horizon::coordinates_m;
-use crate::correction::{CAPACITY, Ranges, Sky};
+use crate::correction::{CAPACITY, Located, Ranges, Sky};
 use crate::settings::Configuration;
 use crate::time::GpsTime;
 
@@ -183,10 +183,8 @@ impl Navigator {
         let is_proved = |satellite: SatelliteId| {
             is_in(self.witnesses, satellite) && self.store.is_proved(satellite, time)
         };
-        let satellites = self.room.sky.iter().map(crate::correction::Located::satellite);
-        satellites
-            .filter(|satellite| is_proved(*satellite))
-            .fold(0, |set, its| set | 1 << (its.number() & 63))
+        let proved = self.room.sky.iter().map(Located::satellite).filter(|satellite| is_proved(*satellite));
+        proved.fold(0, |set, its| set | 1 << (its.number() & 63))
     }
 
     /// Lets Galileo decide where systems contradict each other; returns true if it has. If it has not,
@@ -216,10 +214,10 @@ impl Navigator {
         let Some((place, apart_m)) = self.unmoved(witnesses, time, highest_m_s) else { return false };
         // What follows from the epoch, such as its velocity, is of the same satellites.
         keep(&mut self.room.sky, witnesses);
-        let refusals = self.tally.ranges;
+        let before = self.tally.mark();
         let known = [const { Cell::new(f32::NAN) }; CAPACITY];
         self.judge_about(place, time, ranges, configuration, Search::Known(&[]), &known);
-        self.tally.ranges = refusals;
+        self.tally.restore(before);
         self.apart.decide(apart_m);
         let outcome = self.room.memory.outcome_mut();
         let wins = outcome.report.verdict == Verdict::Protected(Protected::Ok);

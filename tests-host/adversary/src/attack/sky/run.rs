@@ -132,7 +132,14 @@ impl Course {
         };
         let seen = (1..).zip(both).find_map(|(second, both)| Some((second, differs(both)?)));
         let during = || self.said[from..].iter().flatten();
+        let second_of = |is_it: fn(&Said) -> bool| {
+            self.said[from..]
+                .iter()
+                .position(|said| said.as_ref().is_some_and(is_it))
+                .map(|index| index as u32 + 1)
+        };
         Cell {
+            decided_s: second_of(|said| said.is_promised && said.reason == "SYSTEM"),
             seen_s: seen.as_ref().map(|(second, _)| *second),
             by: seen.map(|(_, by)| by).unwrap_or_default(),
             promised: during().filter(|said| said.is_promised).count(),

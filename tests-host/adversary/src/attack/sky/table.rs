@@ -11,6 +11,8 @@ pub struct Cell {
     pub seen_s: Option<u32>,
     /// What it said: the reason of the epoch, or `FALSE` of OSNMA.
     pub by: String,
+    /// Second in which proved Galileo first decided.
+    pub decided_s: Option<u32>,
     /// Promised epochs of the attack.
     pub promised: usize,
     /// Those whose error is beyond a level, and the second of the last.
@@ -42,6 +44,9 @@ impl Cell {
             (None, None) if self.beyond == 0 => return "no harm".to_owned(),
             (None, None) => "not seen".to_owned(),
         };
+        let decided =
+            self.decided_s.map_or_else(String::new, |decided_s| format!(", `SYSTEM` from {decided_s} s"));
+        let seen = format!("{seen}{decided}");
         match self.last_beyond_s {
             Some(last_s) => format!("{seen}; {} beyond, to {last_s} s", self.beyond),
             None => seen,
