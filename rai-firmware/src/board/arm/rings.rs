@@ -10,8 +10,6 @@
 //! GNSS bytes enter with their arrival time. Bytes that find no room in a ring, and bytes that were
 //! overrun in the port, are lost and counted together.
 
-use core::sync::atomic::{AtomicU32, Ordering};
-
 use raim_firmware::board::{HOST_OUT_BYTES, PortLosses};
 use raim_firmware::epoch_loop::WORTH_A_PASS_BYTES;
 use raim_firmware::outlet::Outlet;
@@ -36,14 +34,15 @@ pub static HOST_OUT: Ring<HOST_OUT_BYTES> = Ring::new();
 /// Ring to the reader of the log.
 pub static LOG_OUT: Ring<LOG_BYTES> = Ring::new();
 
-static HOST_OVERRUNS: AtomicU32 = AtomicU32::new(0);
-
 /// The writer to the host.
 pub type HostPort = Outlet<'static, HOST_OUT_BYTES, fn()>;
 
-/// Counts an overrun of the host's port.
+/// Counts an overrun of the host's port, and ends the line in which bytes are missing.
 pub fn note_host_overrun() {
-    HOST_OVERRUNS.store(HOST_OVERRUNS.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
+    // Without room it counts itself.
+    if HOST_IN.push(0) {
+        HOST_IN.drop_whole(1);
+    }
 }
 
 /// Returns the losses since start; the writer to the host has its own counters.
@@ -51,7 +50,7 @@ pub fn losses(host: &HostPort) -> PortLosses {
     let mut losses = PortLosses::NONE;
     losses.gnss_bytes_lost = GNSS_IN.lost();
     losses.gnss_bytes_dropped = GNSS_IN.given_up();
-    losses.command_bytes_lost = HOST_IN.dropped().saturating_add(HOST_OVERRUNS.load(Ordering::Relaxed));
+    losses.command_bytes_lost = HOST_IN.dropped();
     losses.sentences_lost = host.lost();
     losses.log_bytes_lost = LOG_OUT.dropped();
     losses
