@@ -52,7 +52,8 @@ use crate::frame::Ecef;
 use crate::integrity::raim::detection::Detection;
 use crate::integrity::raim::hypotheses::time_tag::RangeRates;
 use crate::integrity::raim::isolation::ransac::Subsets;
-use crate::integrity::{Criteria, KeptOut, judge};
+use crate::integrity::{Criteria, KeptOut, Test, judge};
+use crate::least_squares::Snapshot;
 use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
 use crate::report::{Alert, ProtectionLevels, Report, Suspect, Unavailable, Verdict};
@@ -234,7 +235,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         noise: f32,
         memory: &mut MonitorMemory<T, N>,
     ) -> Option<ProtectionLevels> {
-        self.fault_free(epoch, start, noise, memory).map(|(levels, _)| levels)
+        self.tested(epoch, start, noise, memory, |test, _| test.levels)
     }
 
     /// Works like [`Self::levels`], and returns with them the residuals over the sigmas of the epoch,
@@ -247,11 +248,25 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         noise: f32,
         memory: &mut MonitorMemory<T, N>,
     ) -> Option<(ProtectionLevels, Option<Residuals>)> {
+        self.tested(epoch, start, noise, memory, |test, snapshot| {
+            let residuals = (!test.detection.fault()).then(|| residuals(snapshot, &epoch.view()));
+            (test.levels, residuals)
+        })
+    }
+
+    /// Tests an epoch, and returns what follows from the test.
+    fn tested<R>(
+        &self,
+        epoch: &Epoch<N>,
+        start: Ecef,
+        noise: f32,
+        memory: &mut MonitorMemory<T, N>,
+        result: impl FnOnce(&Test<T>, &Snapshot<'_, T, N>) -> R,
+    ) -> Option<R> {
         let aided = Aided::alone(epoch).noisier(noise);
         let fix = Fix::about(&mut memory.workspace, aided, start).ok()?;
         let test = self.criteria(shared_growth(noise)).test(fix.snapshot(), epoch.shared()).ok()?;
-        let residuals = (!test.detection.fault()).then(|| residuals(fix.snapshot(), &epoch.view()));
-        Some((test.levels, residuals))
+        Some(result(&test, fix.snapshot()))
     }
 
     /// Returns the residuals learned at rest, to exchange them for those of another kind of ranges.

@@ -109,10 +109,10 @@ impl Preference {
             Ranges::Pairs => noise,
             Ranges::Singles => noise.max(1.0 + KEPT * (self.noise_of_pairs - 1.0)),
         };
-        let (pairs, singles) = match self.ranges {
-            Ranges::Pairs => (noise, others.unwrap_or(noise)),
-            Ranges::Singles => (others.unwrap_or(self.noise_of_pairs), noise),
-        };
+        let (mut pairs, mut singles) = (self.noise_of_pairs, noise);
+        if let Some(others) = others {
+            *(if self.ranges == Ranges::Pairs { &mut singles } else { &mut pairs }) = others;
+        }
         let (pairs, singles) = (cost(Ranges::Pairs, pairs), cost(Ranges::Singles, singles));
         let (mine, others) = if self.ranges == Ranges::Pairs { (pairs, singles) } else { (singles, pairs) };
         let is_better = match (mine, others) {

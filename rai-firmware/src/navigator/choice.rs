@@ -13,12 +13,11 @@ impl Navigator {
     /// Restarts learning if the kind of ranges or the set of systems changes, because earlier
     /// residuals then no longer apply.
     pub(super) fn learn_anew_of(&mut self, learned: (Ranges, Systems)) {
-        if let Some(before) = self.learned.replace(learned).filter(|before| *before != learned) {
+        let before = self.learned.replace(learned);
+        if before.is_some_and(|before| before != learned) {
             self.monitor.forget_residuals();
             #[cfg(feature = "both-kinds")]
             self.others.take_over(before, learned, self.monitor.adaptation_mut());
-            #[cfg(not(feature = "both-kinds"))]
-            let _ = before;
         }
     }
 

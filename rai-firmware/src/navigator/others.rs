@@ -55,11 +55,11 @@ impl Others {
     /// other systems.
     pub(super) fn take_over(
         &mut self,
-        before: (Ranges, Systems),
+        before: Option<(Ranges, Systems)>,
         now: (Ranges, Systems),
         in_use: &mut Adaptation,
     ) {
-        if before.1 == now.1 {
+        if before.is_some_and(|(_, systems)| systems == now.1) {
             core::mem::swap(&mut self.adaptation, in_use);
         }
         self.adaptation.restart();
