@@ -1327,19 +1327,6 @@ rai_status_t rai_receiver_velocity(const rai_receiver_t *receiver, rai_velocity_
  */
 const char *rai_reason_text(uint8_t reason);
 
-/**
- * Writes the satellites of the epoch that the receiver has judged last, and their number to
- * `count`; none after a silence. Refuses a `capacity` below the number of satellites; 64 are
- * always enough.
- *
- * # Safety
- * As for `rai_receiver_residuals`.
- */
-rai_status_t rai_receiver_satellites(const rai_receiver_t *receiver,
-                                     rai_seen_t *seen,
-                                     size_t capacity,
-                                     size_t *count);
-
 #ifdef __cplusplus
 }  // extern "C"
 #endif  // __cplusplus

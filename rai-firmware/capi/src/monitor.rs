@@ -5,6 +5,7 @@ use raim_core::frame::Ecef;
 use raim_core::internals::velocity::VelocityError;
 use raim_core::monitor::{MonitorError, Search};
 use raim_core::report::Report;
+use raim_core::requirements::Requirements;
 use raim_core::satellite::SatelliteId;
 use raim_single::{CAPACITY, Monitor, MonitorMemory};
 
@@ -117,9 +118,7 @@ pub unsafe extern "C" fn rai_monitor_init(
         unsafe {
             room.fill(
                 |watch: *mut Watch| {
-                    (&raw mut (*watch).made).write(Monitor::new(requirements));
-                    (&raw mut (*watch).memory).write(MonitorMemory::new());
-                    (&raw mut (*watch).epoch).write(Epoch::new(0.0));
+                    make(watch, requirements);
                     Ok(())
                 },
                 |watch| configure(watch.monitor()?, &settings),
@@ -144,6 +143,22 @@ pub unsafe extern "C" fn rai_monitor_configure(
     // SAFETY: guaranteed by the caller.
     let settings = unsafe { take(settings, rai_settings_t::at_start()) };
     status_of(watch.and_then(|watch| configure(watch.monitor()?, &settings?)))
+}
+
+/// Writes all fields.
+///
+/// # Safety
+/// `watch` points to room for it.
+// Not inlined, so that its copies are not on the stack beneath what follows.
+#[allow(unsafe_code)]
+#[inline(never)]
+unsafe fn make(watch: *mut Watch, requirements: Requirements) {
+    // SAFETY: guaranteed by the caller.
+    unsafe {
+        (&raw mut (*watch).made).write(Monitor::new(requirements));
+        (&raw mut (*watch).memory).write(MonitorMemory::new());
+        (&raw mut (*watch).epoch).write(Epoch::new(0.0));
+    }
 }
 
 // Not inlined, like the check of the settings.
