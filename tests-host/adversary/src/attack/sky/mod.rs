@@ -66,7 +66,8 @@ pub fn rows(means: &[Means]) -> Result<Vec<Row>> {
         .collect::<Result<_>>()?;
     let of_means: Vec<&[Course]> = courses.chunks(SCENES.len()).collect();
     let row = |(index, scene): (usize, &scenes::Scene)| {
-        let is_basis = |basis: &scenes::Scene| basis.is_genuine() && basis.is_cold == scene.is_cold;
+        let start = |scene: &scenes::Scene| (scene.is_cold, scene.is_sudden);
+        let is_basis = |basis: &scenes::Scene| basis.is_genuine() && start(basis) == start(scene);
         let basis = SCENES.iter().position(is_basis).unwrap_or_default();
         let cell = |courses: &&[Course]| courses[index].beside(&courses[basis]);
         let cells: Vec<Cell> = of_means.iter().map(cell).collect();

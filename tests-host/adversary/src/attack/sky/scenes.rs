@@ -31,6 +31,8 @@ pub(super) struct Scene {
     pub(super) late_s: u32,
     /// True if the module starts under the attack.
     pub(super) is_cold: bool,
+    /// True if the attack begins without a minute of jamming.
+    pub(super) is_sudden: bool,
 }
 
 /// Where ranges are received.
@@ -66,14 +68,30 @@ const GENUINE: Scene = Scene {
     systems: "GE",
     late_s: 0,
     is_cold: false,
+    is_sudden: false,
 };
 
 const RELAYED: Scene = Scene { ranges: Ranges::Relayed, ..GENUINE };
 
+const GPS_FORGED: Scene = Scene {
+    name: "(c) GPS forged 555 m away, Galileo genuine",
+    short: "GPS forged, Galileo genuine",
+    ranges: Ranges::OneElsewhere(Constellation::Gps),
+    ..GENUINE
+};
+
+const GALILEO_FORGED: Scene = Scene {
+    name: "(c) Galileo's ranges forged 555 m away with its signed data, GPS genuine",
+    short: "Galileo's ranges forged, GPS genuine",
+    ranges: Ranges::OneElsewhere(Constellation::Galileo),
+    ..GENUINE
+};
+
 /// All attacks, behind the genuine sky of a module that has run before and of one that starts.
-pub(super) const SCENES: [Scene; 17] = [
+pub(super) const SCENES: [Scene; 20] = [
     GENUINE,
     Scene { is_cold: true, ..GENUINE },
+    Scene { is_sudden: true, ..GENUINE },
     Scene {
         name: "(a) forged data of one Galileo satellite, its clock wrong by 300 m",
         short: "forged data of one Galileo satellite",
@@ -117,17 +135,19 @@ pub(super) const SCENES: [Scene; 17] = [
         is_cold: true,
         ..RELAYED
     },
+    GPS_FORGED,
+    GALILEO_FORGED,
     Scene {
-        name: "(c) GPS forged 555 m away, Galileo genuine",
-        short: "GPS forged, Galileo genuine",
-        ranges: Ranges::OneElsewhere(Constellation::Gps),
-        ..GENUINE
+        name: "(c) GPS forged 555 m away, Galileo genuine, without jamming",
+        short: "GPS forged, without jamming",
+        is_sudden: true,
+        ..GPS_FORGED
     },
     Scene {
-        name: "(c) Galileo's ranges forged 555 m away with its signed data, GPS genuine",
-        short: "Galileo's ranges forged, GPS genuine",
-        ranges: Ranges::OneElsewhere(Constellation::Galileo),
-        ..GENUINE
+        name: "(c) Galileo's ranges forged 555 m away with its signed data, GPS genuine, without jamming",
+        short: "Galileo's ranges forged, without jamming",
+        is_sudden: true,
+        ..GALILEO_FORGED
     },
     Scene {
         name: "(d) all ranges and rates pulled off at 0.5 m/s",
@@ -159,9 +179,9 @@ impl Scene {
     /// Returns the epoch of a second; `None` while the sky is jammed.
     pub(super) fn epoch(&self, skies: &Skies, second: u32, has_rates: bool) -> Option<MeasuredEpoch> {
         let mut epoch = match (second, self.ranges) {
-            (JAMMED..ATTACKED, _) => return None,
+            (JAMMED..ATTACKED, _) if !self.is_sudden => return None,
             (..ATTACKED, _) if self.is_cold => return None,
-            (..JAMMED, _) | (_, Ranges::Genuine) => {
+            (..ATTACKED, _) | (_, Ranges::Genuine) => {
                 skies.here(second, self.late_in(second), has_rates).clone()
             }
             (_, Ranges::Relayed) => {

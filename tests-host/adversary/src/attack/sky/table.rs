@@ -44,9 +44,10 @@ impl Cell {
             (None, None) if self.beyond == 0 => return "no harm".to_owned(),
             (None, None) => "not seen".to_owned(),
         };
-        let decided =
-            self.decided_s.map_or_else(String::new, |decided_s| format!(", `SYSTEM` from {decided_s} s"));
-        let seen = format!("{seen}{decided}");
+        let seen = match self.decided_s.filter(|_| self.by != "SYSTEM") {
+            Some(decided_s) => format!("{seen}, `SYSTEM` from {decided_s} s"),
+            None => seen,
+        };
         match self.last_beyond_s {
             Some(last_s) => format!("{seen}; {} beyond, to {last_s} s", self.beyond),
             None => seen,
