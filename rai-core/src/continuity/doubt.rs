@@ -25,8 +25,9 @@ use nalgebra::Vector3;
 use super::discrepancy::{Discrepancy, LEARNED, MEMORY};
 
 /// Time with velocities and without a contradiction after which an earlier one is forgotten, s. A
-/// drift is detected again within it.
-pub(super) const SETTLED_S: f64 = 65.0;
+/// drift is detected again within it, and so is a walk at 1 m/s that taught its own bound, as a leap
+/// by twice a level of 60 m.
+pub(super) const SETTLED_S: f64 = 130.0;
 
 /// Longest time for which a contradiction counts without a new one, s.
 const HELD_S: f64 = 3600.0;
