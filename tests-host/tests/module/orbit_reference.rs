@@ -13,6 +13,8 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::ephemeris::{Broadcast, Ephemeris, Health, Source};
 use raim_firmware::time::GpsTime;
 
+use crate::walker;
+
 /// Largest error of a position for any elements, m.
 const POSITION_M: f64 = 5e-4;
 
@@ -209,32 +211,15 @@ type Change = fn(&mut Broadcast, f64);
 
 #[test]
 fn the_largest_element_of_every_field_is_let_in_and_the_next_one_is_refused() {
+    let time = GpsTime { week: 2111, tow_ms: 0 };
     let sound = Broadcast {
-        satellite: SatelliteId::new(Constellation::Gps, 1).unwrap(),
-        source: Source::GpsLnav,
-        health: Health::GOOD,
-        accuracy_m: Some(2.0),
-        toe: GpsTime { week: 2111, tow_ms: 0 },
-        toc: GpsTime { week: 2111, tow_ms: 0 },
+        toe: time,
+        toc: time,
         sqrt_a_sqrt_m: 5153.0,
         eccentricity: 0.01,
         m0_sc: 0.0,
         omega0_sc: 0.0,
-        i0_sc: 0.3,
-        omega_sc: 0.0,
-        delta_n_sc_s: 0.0,
-        omegadot_sc_s: 0.0,
-        idot_sc_s: 0.0,
-        cuc_rad: 0.0,
-        cus_rad: 0.0,
-        crc_m: 0.0,
-        crs_m: 0.0,
-        cic_rad: 0.0,
-        cis_rad: 0.0,
-        af0_s: 0.0,
-        af1_s_s: 0.0,
-        af2_s_s2: 0.0,
-        group_delays_s: [0.0, 0.0],
+        ..walker::satellite(0)
     };
     let bounds: [(Change, f64); 9] = [
         (|b, v| b.eccentricity = v, 0.03),

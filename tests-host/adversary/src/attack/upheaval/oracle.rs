@@ -124,11 +124,6 @@ impl Oracle {
         self.findings.iter().filter(move |(finding, _)| *finding == kind).map(|(_, what)| what.as_str())
     }
 
-    /// Returns the place that was promised last, unless the module has forgotten it.
-    pub(super) fn promised_place(&self) -> Option<Ecef> {
-        self.promise.map(|promise| promise.place)
-    }
-
     /// Starts a scene.
     pub(super) fn begin(&mut self) {
         (self.last_reason, self.has_promised_last) = ("nothing said".into(), false);

@@ -138,7 +138,7 @@ impl Run {
     }
 
     /// Checks that healthy epochs are promised, unless the levels or the satellites do not meet the
-    /// settings, or the receiver stays where it leapt to: that is an alert for an hour.
+    /// settings, or the receiver has leapt: what is not its usual place stays an alert for an hour.
     fn expect_promise(&mut self, when: &str, is_forgotten: bool) {
         const EXCUSES: [&str; 7] = ["HPL", "VPL", "EMT", "ACCURACY", "RISK", "REDUNDANCY", "GEOMETRY"];
         let last = self.oracle.last_reason.clone();
@@ -146,14 +146,11 @@ impl Run {
         let last_deg = self.places_deg.last().copied().unwrap_or_default();
         let longest_m = self.places_deg.iter().map(|place| way_m(*place, last_deg)).fold(0.0, f64::max);
         let is_on_its_way = longest_m > self.oracle.max_speed_m_s * (quiet_s - AGREEMENT_S);
-        let place = Scene::quiet(last_deg, 0).site().position;
-        let is_back =
-            self.oracle.promised_place().is_none_or(|before| place.distance_m(before) < SAME_PLACE_M);
         let is_excused = EXCUSES.contains(&last.as_str())
             || !is_forgotten
                 && (self.was_ahead
                     || last == "JUMP"
-                    || !is_back && last == "TRACK"
+                    || longest_m > SAME_PLACE_M && last == "TRACK"
                     || is_on_its_way && last == "RECOVERING");
         if !self.oracle.has_promised_last && !is_excused {
             self.oracle.find(Finding::Lost, self.victim.now_s(), &format!("{last} {when}"));
