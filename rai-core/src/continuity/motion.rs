@@ -49,9 +49,10 @@
 //!
 //! **Learning.** Drifts are tested after [`super::discrepancy::LEARNED`] marks. A value above three
 //! times the mean counts as three times the mean, so that a growing error needs minutes to increase
-//! its bound. A change counts as at most twice the scatter about the straight line through the last
-//! 20 s, so that a walk in the first minutes does not teach its own bound, nor does its beginning, which
-//! bends a longer line. The bound `L_k + L_m` of a leap is not
+//! its bound. A change counts as at most twice the scatter about a straight line, so that a walk in
+//! the first minutes does not teach its own bound. The line of the position goes through the last
+//! 20 s, because the beginning of a walk bends a longer one. That of the clock goes through the
+//! window: delays of signals drift with the elevation. The bound `L_k + L_m` of a leap is not
 //! learned. Epochs under an alert are not learned.
 //!
 //! **Contradicting rates.** If a position is far from the true one, the true rates fit no velocity.
@@ -434,10 +435,11 @@ impl Motion {
         }
         if let Some(oldest) = self.marks.front().filter(|mark| now_s - mark.time_s >= TEACHING_AGE_S as f32) {
             let [away_m, apart_m] = now.from(&oldest.discrepancy);
-            let scatters_m =
-                self.line_of(WINDOWS_S[0], now_s, now).map(|line| line.map(|(_, scatter_m)| scatter_m));
-            let [scatter_m, clock_scatter_m] =
-                scatters_m.map_or([None; 2], |scatters_m| scatters_m.map(Some));
+            let scatters_m = |window_s| {
+                self.line_of(window_s, now_s, now).map(|line| line.map(|(_, scatter_m)| scatter_m))
+            };
+            let scatter_m = scatters_m(WINDOWS_S[0]).map(|[scatter_m, _]| scatter_m);
+            let clock_scatter_m = scatters_m(WINDOW_S as f32).map(|[_, scatter_m]| scatter_m);
             self.position.learn_change(away_m.max(0.0), scatter_m);
             self.clock.learn_change(apart_m, clock_scatter_m);
         }

@@ -25,8 +25,8 @@ const SCENES: std::ops::RangeInclusive<usize> = 6..=14;
 /// Time between the epochs of a slow receiver, s: below the time to alert, and above it.
 const SLOW_S: [f64; 2] = [5.0, 30.0];
 
-/// Healthy epochs at the end.
-const QUIET_EPOCHS: u32 = 150;
+/// Healthy epochs at the end: more than the 130 s for which rates must agree after a contradiction.
+const QUIET_EPOCHS: u32 = 250;
 
 /// Seconds of agreement after a leap of the clock.
 const AGREEMENT_S: f64 = 30.0;
@@ -34,9 +34,9 @@ const AGREEMENT_S: f64 = 30.0;
 /// Largest distance between two fixes of one place, m. Scenes at different places are at least 100 m apart.
 const SAME_PLACE_M: f64 = 50.0;
 
-/// Healthy epochs after `FORGET`: each scene has a clock of its own, which may leap, and half a
-/// minute must agree after that.
-const FORGOTTEN_EPOCHS: u32 = 45;
+/// Healthy epochs after `FORGET`: each scene has a clock of its own, which may leap, and 130 s must
+/// agree after that.
+const FORGOTTEN_EPOCHS: u32 = 150;
 
 /// Leap seconds: time tags are in GPS time, sentences in UTC.
 const GPS_MINUS_UTC_S: f64 = 18.0;
