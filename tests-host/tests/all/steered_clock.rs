@@ -73,7 +73,7 @@ fn a_receiver_that_begins_to_steer_its_clock_is_promised_again() {
         let applied_m = |now_s: f64| OWN_M_S * (now_s - BEGINS_S).max(0.0) - more_m_s * now_s.min(BEGINS_S);
         let Some(promised) = promised(Frequency::Dual, more_m_s, applied_m) else { return };
         let lost = promised.iter().filter(|is_promised| !**is_promised).count();
-        let are_last = promised.iter().rev().take(75).all(|is_promised| *is_promised);
+        let are_last = promised.iter().rev().take(70).all(|is_promised| *is_promised);
         assert!((130..=135).contains(&lost) && are_last, "{more_m_s} m/s: {lost} epochs");
     }
 }
