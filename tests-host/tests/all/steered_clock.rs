@@ -72,8 +72,10 @@ fn a_receiver_that_begins_to_steer_its_clock_is_promised_again() {
     for more_m_s in [-60.0, 0.0, 50.0, 56.0, 60.0, 200.0] {
         let applied_m = |now_s: f64| OWN_M_S * (now_s - BEGINS_S).max(0.0) - more_m_s * now_s.min(BEGINS_S);
         let Some(promised) = promised(Frequency::Dual, more_m_s, applied_m) else { return };
-        let lost = promised.iter().filter(|is_promised| !**is_promised).count();
-        let are_last = promised.iter().rev().take(70).all(|is_promised| *is_promised);
-        assert!((130..=135).contains(&lost) && are_last, "{more_m_s} m/s: {lost} epochs");
+        let lost: Vec<_> = (0_usize..).zip(&promised).filter(|(_, is_promised)| !**is_promised).collect();
+        let [Some((first_s, _)), Some((last_s, _))] = [lost.first(), lost.last()] else { panic!("no alert") };
+        assert!((130..=135).contains(&lost.len()), "{more_m_s} m/s: {} epochs", lost.len());
+        assert_eq!(last_s - first_s + 1, lost.len(), "{more_m_s} m/s: not at once");
+        assert!(*last_s < 260, "{more_m_s} m/s: until {last_s} s");
     }
 }
