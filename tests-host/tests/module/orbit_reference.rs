@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use proptest::prelude::*;
 use raim_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
-use raim_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::SatelliteId;
 use raim_firmware::ephemeris::{Broadcast, Ephemeris, Health, Source};
 use raim_firmware::time::GpsTime;
 

@@ -28,6 +28,8 @@ pub struct Browser {
     answers: Receiver<Value>,
     number: u64,
     session: Option<String>,
+    /// Sessions of the page's threads, once they are asked for.
+    threads: Vec<String>,
     /// Messages of the page's console.
     pub complaints: Vec<String>,
     /// Addresses that the page has asked for.
@@ -127,6 +129,7 @@ impl Browser {
             answers,
             number: 0,
             session: None,
+            threads: Vec::new(),
             complaints: Vec::new(),
             requests: Vec::new(),
             _daemon: Daemon(child),
@@ -152,9 +155,55 @@ impl Browser {
     /// # Errors
     /// If the browser does not answer, or refuses.
     pub fn order(&mut self, method: &str, parameters: &Value) -> Result<Value> {
+        let session = self.session.clone();
+        self.order_to(session.as_deref(), method, parameters)
+    }
+
+    /// Returns the time that the processors have worked for the threads that pages have started, s; what
+    /// else the computer does is not in it. Linux counts it, in nanoseconds.
+    ///
+    /// # Errors
+    /// If the browser does not answer, or nobody counts.
+    pub fn threads_worked_s(&mut self) -> Result<f64> {
+        let answer = self.order_to(None, "SystemInfo.getProcessInfo", &json!({}))?;
+        let processes = answer["processInfo"].as_array().context("processes")?;
+        let mut sum_ns = 0.0;
+        for process in processes.iter().filter_map(|one| one["id"].as_u64()) {
+            for thread in std::fs::read_dir(format!("/proc/{process}/task"))? {
+                let thread = thread?.path();
+                let name = std::fs::read_to_string(thread.join("comm")).unwrap_or_default();
+                let count = std::fs::read_to_string(thread.join("schedstat")).unwrap_or_default();
+                if name.starts_with("DedicatedWorker") {
+                    sum_ns += count.split(' ').next().unwrap_or("").parse::<f64>().context("a time")?;
+                }
+            }
+        }
+        Ok(sum_ns * 1e-9)
+    }
+
+    /// Returns the bytes that the page and its threads keep after everything is cleared away that they do
+    /// not need any more, beside the memory of WebAssembly.
+    ///
+    /// # Errors
+    /// If the browser does not answer.
+    pub fn kept_bytes(&mut self) -> Result<f64> {
+        let attach = json!({"autoAttach": true, "waitForDebuggerOnStart": false, "flatten": true});
+        self.order("Target.setAutoAttach", &attach)?;
+        let sessions: Vec<_> = self.session.iter().chain(&self.threads).cloned().collect();
+        let mut sum = 0.0;
+        for session in sessions {
+            self.order_to(Some(&session), "HeapProfiler.collectGarbage", &json!({}))?;
+            let answer = self.order_to(Some(&session), "Runtime.getHeapUsage", &json!({}))?;
+            sum += answer["usedSize"].as_f64().context("a heap")?;
+        }
+        Ok(sum)
+    }
+
+    /// Gives an order to a page, or to the browser itself.
+    fn order_to(&mut self, session: Option<&str>, method: &str, parameters: &Value) -> Result<Value> {
         self.number += 1;
         let mut order = json!({"id": self.number, "method": method, "params": parameters});
-        if let Some(session) = &self.session {
+        if let Some(session) = session {
             order["sessionId"] = json!(session);
         }
         self.orders.write_all(order.to_string().as_bytes())?;
@@ -171,6 +220,12 @@ impl Browser {
             }
             if ["Log.entryAdded", "Runtime.exceptionThrown"].iter().any(|name| answer["method"] == *name) {
                 self.complaints.push(answer["params"].to_string());
+            }
+            if answer["method"] == "Target.attachedToTarget" {
+                self.threads.extend(answer["params"]["sessionId"].as_str().map(str::to_owned));
+            }
+            if answer["method"] == "Target.detachedFromTarget" {
+                self.threads.retain(|one| answer["params"]["sessionId"] != **one);
             }
             if answer["method"] == "Network.requestWillBeSent" {
                 self.requests.push(answer["params"]["request"]["url"].as_str().unwrap_or("").to_owned());

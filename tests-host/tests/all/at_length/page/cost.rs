@@ -1,8 +1,12 @@
 //! Time and memory of long recordings: an hour, or as many epochs as `RAI_EPOCHS` says.
+//!
+//! Time is that of the processor for the thread that judges, which is what a person waits for but for
+//! the picture: what else the computer does is not in it. Others that share a processor's caches make both
+//! the page and `rai replay` slower, to twice their time: the bars in seconds hold for a computer on which
+//! `rai replay` takes [`OWN_HOUR_S`], and grow with it.
 
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
-use std::time::Instant;
 
 use raim::signal::encode::{Frequency, Selection, ubx};
 use raim::signal::sky::Fleet;
@@ -10,17 +14,26 @@ use raim::signal::sky::raw::Simulation;
 
 use super::*;
 
-/// Longest time to the first verdict, ms.
+/// Longest time to the first verdict on the screen, ms.
 const FIRST_MS: f64 = 300.0;
 
 /// Most memory of the program, bytes: the browser refuses more than 256 MiB.
 const MEMORY: f64 = 256.0 * 1024.0 * 1024.0;
 
-/// Most time of the page, in that of `rai replay` on the same computer at the same moment.
+/// Most time of the page, in that of `rai replay` on the same computer.
 const TIMES: f64 = 2.5;
 
-/// Time in which a browser makes the program faster while it runs, s: it compiles it twice.
-const WARMING_S: f64 = 1.0;
+/// Most time of a day, s, and of the same for a part of it.
+const DAY_S: f64 = 12.0;
+
+/// Time of `rai replay` for an hour on a computer that does nothing else, s (results/cost.md).
+const OWN_HOUR_S: f64 = 0.30;
+
+/// Number of epochs in a day.
+const DAY: f64 = 86_400.0;
+
+/// Most time of an hour that is judged first, s: the browser compiles the program meanwhile.
+const HOUR_S: f64 = 1.0;
 
 /// Writes a recording of 28 satellites of three systems on two frequencies at 1 Hz, as UBX.
 fn write(path: &Path, epochs: u32) {
@@ -37,41 +50,65 @@ fn write(path: &Path, epochs: u32) {
     file.flush().unwrap();
 }
 
+/// Returns the time that a processor works for the thread of the page with a recording, s.
+fn judged_s(browser: &mut Browser, path: &Path) -> f64 {
+    let before_s = browser.threads_worked_s().unwrap();
+    assert_eq!(judged(browser, &[path.to_owned()]), "done");
+    // It is the same thread until a judgement is cancelled.
+    browser.threads_worked_s().unwrap() - before_s
+}
+
+/// Returns the time that the processors work for the same with `rai replay`, s: the shell's own account
+/// of its children, the last line of which is `0m0.31s 0m0.02s`.
+fn replayed_s(folder: &Path) -> f64 {
+    let line = format!(
+        "{} replay long.ubx --report report --csv epochs.csv --nmea sentences.nmea >/dev/null 2>&1 && times",
+        program().display()
+    );
+    let output = Command::new("sh").args(["-c", &line]).current_dir(folder).output().unwrap();
+    assert!(output.status.success());
+    let said = String::from_utf8(output.stdout).unwrap();
+    let parts = said.lines().last().unwrap().split_whitespace();
+    parts
+        .map(|part| {
+            let (minutes, seconds) = part.trim_end_matches('s').split_once('m').unwrap();
+            60.0 * minutes.parse::<f64>().unwrap() + seconds.parse::<f64>().unwrap()
+        })
+        .sum()
+}
+
 #[test]
 fn an_hour_takes_little_more_than_on_a_computer_and_its_first_verdict_comes_at_once() {
     let Some(built) = Built::new() else { return };
     let epochs = std::env::var("RAI_EPOCHS").ok().and_then(|text| text.parse().ok()).unwrap_or(3600);
     let path = built.folder.path().join("long.ubx");
     write(&path, epochs);
+    let own_s = (0..2).map(|_| replayed_s(built.folder.path())).fold(f64::INFINITY, f64::min);
     let mut browser = built.open(DESK, "light");
-    // The least of three, because the computer does something else meanwhile.
-    let (mut took, mut first, mut memory) = (f64::INFINITY, f64::INFINITY, 0.0_f64);
+    let (mut took_s, mut first_ms, mut memory) = (Vec::new(), f64::INFINITY, 0.0_f64);
     for _ in 0..3 {
-        assert_eq!(judged(&mut browser, std::slice::from_ref(&path)), "done");
+        took_s.push(judged_s(&mut browser, &path));
         let mut value =
             |name: &str| number(&mut browser, &format!("document.getElementById('work').dataset.{name}"));
-        (took, first) = (took.min(value("took")), first.min(value("first")));
+        // The least of three, because a clock on the wall counts what others do meanwhile.
+        first_ms = first_ms.min(value("first"));
         memory = memory.max(value("memory"));
     }
+    let (cold_s, warm_s) = (took_s[0], took_s[1].min(took_s[2]));
     println!(
-        "{epochs} epochs: {:.2} s, first verdict {first:.0} ms, {:.1} MiB",
-        took * 1e-3,
+        "{epochs} epochs: {cold_s:.2} s, again {warm_s:.2} s; rai replay {own_s:.2} s; first verdict \
+         {first_ms:.0} ms, {:.1} MiB",
         memory / f64::from(1 << 20)
     );
     let plain = text(&mut browser, "document.getElementById('plain').textContent");
     assert!(plain.contains(&format!("{epochs} epochs")), "{plain}");
-    assert!(first < FIRST_MS, "{first} ms");
+    assert!(first_ms < FIRST_MS, "{first_ms} ms");
     assert!(memory < MEMORY, "{memory} bytes");
-    let start = Instant::now();
-    let status = Command::new(program())
-        .args(["replay", "long.ubx", "--report", "report", "--csv", "epochs.csv", "--nmea", "sentences.nmea"])
-        .current_dir(built.folder.path())
-        .output()
-        .unwrap()
-        .status;
-    assert!(status.success());
-    let own_s = start.elapsed().as_secs_f64();
-    println!("rai replay: {own_s:.2} s");
-    assert!(took * 1e-3 < TIMES * own_s + WARMING_S, "{took} ms, beside {own_s} s of rai replay");
+    let part = f64::from(epochs) / DAY;
+    let slower = (own_s / (24.0 * OWN_HOUR_S * part)).max(1.0);
+    println!("this computer now takes {slower:.2} times what it takes alone");
+    assert!(cold_s < slower * HOUR_S.max(DAY_S * part), "{cold_s} s");
+    assert!(warm_s < slower * DAY_S * part, "{warm_s} s");
+    assert!(warm_s < TIMES * own_s, "{warm_s} s, beside {own_s} s of rai replay");
     assert_eq!(browser.complaints, [""; 0]);
 }

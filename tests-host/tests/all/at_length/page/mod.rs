@@ -130,3 +130,10 @@ fn program() -> PathBuf {
     assert!(status.success());
     root().join("target/debug/rai")
 }
+
+/// Returns Base64 (RFC 4648, with padding).
+fn base64(bytes: &[u8]) -> String {
+    let mut text = Vec::new();
+    raim::page::report::base64(bytes.iter().copied(), &mut text).unwrap();
+    String::from_utf8(text).unwrap()
+}

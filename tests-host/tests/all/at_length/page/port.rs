@@ -104,6 +104,63 @@ fn verdict_is_on_the_screen_a_tenth_of_a_second_after_an_epoch_and_stale_after_t
     assert_eq!(browser.complaints, [""; 0]);
 }
 
+/// Lets every clock and timer of the page and of its threads run so many times faster, from now on.
+const FASTER: &str = "
+{
+  const [times, now, date, from, day] = [TIMES, performance.now.bind(performance), Date.now, performance.now(), Date.now()];
+  performance.now = () => from + times * (now() - from);
+  Date.now = () => day + times * (now() - from);
+  for (const name of ['setInterval', 'setTimeout']) {
+    const wait = globalThis[name].bind(globalThis);
+    globalThis[name] = (act, ms, ...more) => wait(act, ms / times, ...more);
+  }
+}";
+
+/// Most growth of what scripts keep in 20 minutes, bytes: less than a number per epoch.
+const KEPT_BYTES: f64 = 64.0 * 1024.0;
+
+/// How many times faster.
+const TIMES: u32 = 20;
+
+/// Feeds an epoch a second by the page's own clock. `ALL` are Base64.
+const FEEDER: &str = "
+window.fed = 0;
+{
+  const all = ALL.map((text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)));
+  setInterval(() => fed < all.length && !window.paused && port.feed(all[window.fed++]), 1000);
+}
+1";
+
+/// Half an hour, in which everything that knows a time sees twenty times as much of it pass: the number of
+/// epochs, of verdicts and of ticks is that of half an hour.
+#[test]
+fn memory_does_not_grow_in_half_an_hour() {
+    let Some(built) = Built::new() else { return };
+    let mut browser = built.open(DESK, "light");
+    let faster = FASTER.replace("TIMES", &TIMES.to_string());
+    browser.value(&format!("{faster}; 1")).unwrap();
+    let thread = format!(
+        "const text = {} + document.getElementById('thread').textContent; const Plain = Worker; \
+         window.Worker = class extends Plain {{ constructor() {{ super(URL.createObjectURL(new Blob([text]))); }} }}; 1",
+        json!(faster)
+    );
+    browser.value(&thread).unwrap();
+    plug(&mut browser, 0);
+    let all: Vec<String> = epochs(1801).iter().map(|bytes| base64(bytes)).collect();
+    browser.value(&FEEDER.replace("ALL", &json!(all).to_string())).unwrap();
+    let mut at = |epoch: u32| {
+        let wanted =
+            format!("fed >= {epoch} && document.getElementById('state').textContent === 'protected'");
+        browser.wait_for(&wanted, 4 * PATIENCE).unwrap();
+        (browser.kept_bytes().unwrap(), number(&mut browser, "document.body.dataset.memory"))
+    };
+    let (early, late) = (at(600), at(1800));
+    println!("script and memory of the program after 10 and 30 minutes: {early:?}, {late:?} bytes");
+    assert!(late.0 - early.0 < KEPT_BYTES, "{early:?} {late:?}");
+    assert!(early.1 > 0.0 && late.1 <= early.1, "{early:?} {late:?}");
+    assert_eq!(browser.complaints, [""; 0]);
+}
+
 /// A port gives bytes as they come to hand: the end of an epoch and the beginning of the next together.
 #[test]
 fn satellites_are_shown_however_the_bytes_are_cut() {

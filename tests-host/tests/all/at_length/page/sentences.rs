@@ -7,7 +7,7 @@ use super::server::serve;
 use super::*;
 
 /// Recordings of the reference folder; the files of each make one.
-const RECORDINGS: [&[&str]; 20] = [
+const RECORDINGS: [&[&str]; 25] = [
     &["ubx/static1hz_base.ubx.gz"],
     &["ubx/static1hz_rover_f9p_noise.ubx.gz"],
     &["ubx/tlse_x20p_fnav.ubx.gz"],
@@ -28,6 +28,11 @@ const RECORDINGS: [&[&str]; 20] = [
     &["tlse/TLSE00FRA_R_20240011200_15M_01S_MO.crx.gz", "tlse/BRDC00IGS_R_20240010000_01D_MN.rnx.gz"],
     &["urban/car.obs.gz", "urban/beidou.nav.gz", "urban/gps.nav.gz", "urban/truth.csv"],
     &["cases/weekend-mixed.rtcm3"],
+    &["cases/weekend-gps.rtcm3"],
+    &["cases/geo-inclined/geo.obs", "cases/geo-inclined/geo.nav"],
+    &["cases/no-first-band/nfb.obs", "cases/no-first-band/nfb.nav"],
+    &["sbas/cres.obs.gz", "sbas/cres.nav.gz"],
+    &["static1hz/rover.obs.gz", "static1hz/base.nav.gz"],
 ];
 
 /// What the page offers to save, with the names that `rai replay` gives to the same.

@@ -29,10 +29,28 @@ fn capture(seed: u64) -> Vec<u8> {
         .collect()
 }
 
+/// Returns an epoch of one satellite in RINEX, with a range in whole metres.
+fn observations(range_m: u32) -> Vec<u8> {
+    let line = |text: &str, label: &str| format!("{text:60}{label}\n");
+    let head = format!("{:9}{:11}{:20}M", "     3.04", "", "OBSERVATION DATA");
+    let body = format!("> 2024 06 24 08 00  0.0000000  0  1\nG05  {range_m}.381\n");
+    [
+        line(&head, "RINEX VERSION / TYPE"),
+        line("G    1 C1C", "SYS / # / OBS TYPES"),
+        line("", "END OF HEADER"),
+        body,
+    ]
+    .concat()
+    .into_bytes()
+}
+
 fn rinex(letter: char) -> Vec<u8> {
     format!("{:9}{:11}{letter:<20}{:20}RINEX VERSION / TYPE\n{:60}END OF HEADER\n", "     3.04", "", "M", "")
         .into_bytes()
 }
+
+/// Most memory of the program for a wrong file, bytes.
+const MEMORY: f64 = 64.0 * 1024.0 * 1024.0;
 
 /// Name and content of a file.
 type File<'f> = (&'f str, Vec<u8>);
@@ -47,7 +65,7 @@ fn every_wrong_file_gets_a_sentence_that_says_what_to_do() {
         })
         .collect();
     let packed = gzip(&capture(5));
-    let all: [(&[File], &str); 8] = [
+    let all: [(&[File], &str); 9] = [
         (&[("empty.ubx", Vec::new())], "empty.ubx: is empty. Drop what a receiver sent"),
         (
             &[("photo.jpg", b"\xFF\xD8\xFF\xE0\0\x10JFIF".to_vec())],
@@ -64,6 +82,14 @@ fn every_wrong_file_gets_a_sentence_that_says_what_to_do() {
             &[("one.rtcm3", capture(5)), ("two.rtcm3", capture(6))],
             "begin with the same epoch: copies, or captures of two receivers",
         ),
+        (
+            &[
+                ("one.obs", observations(24_503_597)),
+                ("two.obs", observations(24_503_697)),
+                ("day.nav", rinex('N')),
+            ],
+            "one.obs and two.obs are recordings of two receivers at the same time: give one of the two",
+        ),
         (&[("site.obs", rinex('O')), ("one.rtcm3", capture(5))], "drop one of the two"),
     ];
     for (files, want) in all {
@@ -73,6 +99,8 @@ fn every_wrong_file_gets_a_sentence_that_says_what_to_do() {
         assert!(have.contains(want) && have.ends_with('.'), "{want}: {have}");
         let shown = browser.value("document.getElementById('problem').hidden").unwrap();
         assert_eq!(shown, false, "{have}");
+        let memory = number(&mut browser, "document.getElementById('work').dataset.memory");
+        assert!(memory < MEMORY, "{want}: {memory} bytes");
     }
     // A file that is cut off is judged as far as it goes, and the next one as if nothing had been.
     let cut = built.file("cut.rtcm3.gz", &packed[..packed.len() / 2]);
@@ -82,26 +110,36 @@ fn every_wrong_file_gets_a_sentence_that_says_what_to_do() {
     assert_eq!(browser.complaints, [""; 0]);
 }
 
+/// Opens a file of four gigabytes that the disk does not have; returns when a part of it is read.
+fn open_huge(built: &Built, browser: &mut Browser) -> PathBuf {
+    let huge = built.folder.path().join("huge.ubx");
+    std::fs::File::create(&huge).unwrap().set_len(4 << 30).unwrap();
+    browser.value("document.body.dataset.state = ''").unwrap();
+    browser.choose("#files", std::slice::from_ref(&huge)).unwrap();
+    browser.wait_for("document.getElementById('share').value > 0.005", PATIENCE).unwrap();
+    huge
+}
+
 /// A gigabyte from a megabyte, and four gigabytes that the disk does not have: their reader stays
 /// small, says how far it is, and ends at once when it is told to.
 #[test]
 fn huge_files_take_little_memory_and_are_cancelled_in_a_tenth_of_a_second() {
     let Some(built) = Built::new() else { return };
     let mut browser = built.open(DESK, "light");
-    let mut packer = GzEncoder::new(Vec::new(), Compression::fast());
+    let mut packer = GzEncoder::new(Vec::new(), Compression::best());
     for _ in 0..64 {
         packer.write_all(&vec![0; 1 << 20]).unwrap();
     }
     // Members of gzip follow each other, and are one file.
-    let bomb = built.file("bomb.gz", &packer.finish().unwrap().repeat(16));
+    let bomb = packer.finish().unwrap().repeat(16);
+    assert!(bomb.len() < 1_100_000, "{} bytes", bomb.len());
+    let bomb = built.file("bomb.gz", &bomb);
     assert_eq!(judged(&mut browser, &[bomb]), "failed");
+    let have = text(&mut browser, "document.getElementById('problem').textContent");
+    assert!(have.starts_with("bomb.gz: ") && have.contains("Drop what a receiver sent"), "{have}");
     let memory = number(&mut browser, "document.getElementById('work').dataset.memory");
-    assert!(memory < f64::from(64 << 20), "{memory} bytes");
-    let huge = built.folder.path().join("huge.ubx");
-    std::fs::File::create(&huge).unwrap().set_len(4 << 30).unwrap();
-    browser.value("document.body.dataset.state = ''").unwrap();
-    browser.choose("#files", &[huge]).unwrap();
-    browser.wait_for("document.getElementById('share').value > 0.005", PATIENCE).unwrap();
+    assert!(memory < MEMORY, "{memory} bytes");
+    open_huge(&built, &mut browser);
     let start = Instant::now();
     browser.value("document.getElementById('cancel').click()").unwrap();
     browser.wait_for("document.body.dataset.state === 'cancelled'", PATIENCE).unwrap();
@@ -109,6 +147,55 @@ fn huge_files_take_little_memory_and_are_cancelled_in_a_tenth_of_a_second() {
     browser.value("document.getElementById('sample').click()").unwrap();
     assert_eq!(finished(&mut browser), "done");
     assert_eq!(browser.complaints, [""; 0]);
+}
+
+#[test]
+fn a_file_that_grows_while_it_is_read_is_told() {
+    let Some(built) = Built::new() else { return };
+    let mut browser = built.open(DESK, "light");
+    let huge = open_huge(&built, &mut browser);
+    std::fs::OpenOptions::new().append(true).open(huge).unwrap().write_all(b"more").unwrap();
+    assert_eq!(finished(&mut browser), "failed");
+    let have = text(&mut browser, "document.getElementById('problem').textContent");
+    assert!(
+        have.contains("huge.ubx has changed since it was chosen") && have.ends_with("choose it again."),
+        "{have}"
+    );
+    browser.value("document.getElementById('sample').click()").unwrap();
+    assert_eq!(finished(&mut browser), "done");
+}
+
+/// The program cannot trap, so that here the system under it does: it fails at the second megabyte of
+/// one file, which passes through the program as a trap of its own.
+#[test]
+fn a_trap_is_told_with_the_bytes_around_it_and_the_next_file_is_judged() {
+    let Some(built) = Built::new() else { return };
+    let page = std::fs::read_to_string(&built.path).unwrap();
+    let (call, trap) =
+        ("    fd_read: (fd, at, count, into) => {", "new WebAssembly.RuntimeError('unreachable')");
+    assert_eq!(page.matches(call).count(), 1);
+    let trapping =
+        format!("{call} if (open.get(fd)?.name === 'trap.ubx' && open.get(fd).at > 1e6) throw {trap};");
+    let other = built.file("trapping.html", page.replace(call, &trapping).as_bytes());
+    let address = format!("file://{}", other.display());
+    let mut browser = opened(Browser::open_in(built.browser, &address, DESK, "light", &[]).unwrap());
+    let trap = built.file("trap.ubx", &capture(5).repeat(60));
+    assert_eq!(judged(&mut browser, &[trap]), "failed");
+    let have = text(&mut browser, "document.getElementById('problem').textContent");
+    assert!(have.contains("The program stopped, which it must not do (RuntimeError: unreachable)"), "{have}");
+    browser
+        .value("URL.createObjectURL = (blob) => { window.saved = blob.size; return 'blob:nothing'; }; 1")
+        .unwrap();
+    let offered = browser.value("document.getElementById('offer').hidden").unwrap();
+    assert_eq!(offered, false, "{have}");
+    browser
+        .value("HTMLAnchorElement.prototype.click = () => {}; document.getElementById('around').click()")
+        .unwrap();
+    let saved = number(&mut browser, "window.saved");
+    assert!((1e6..4.1e6).contains(&saved), "{saved} bytes");
+    let next = built.file("next.rtcm3", &capture(5));
+    assert_eq!(judged(&mut browser, &[next]), "done");
+    assert_eq!(browser.value("document.getElementById('offer').hidden").unwrap(), true);
 }
 
 /// Changes some bytes, cuts, doubles or repeats a part of each file, judges the result and counts what
@@ -149,19 +236,30 @@ const MUTATED: &str = "(async () => {
   return JSON.stringify({ stopped, codes, memory });
 })()";
 
-/// Returns Base64 (RFC 4648, with padding).
-fn base64(bytes: &[u8]) -> String {
-    let mut text = Vec::new();
-    raim::page::report::base64(bytes.iter().copied(), &mut text).unwrap();
-    String::from_utf8(text).unwrap()
+/// Returns the corpus of a fuzzer in one file, as a receiver would send it: each piece alone holds no epoch.
+fn corpus(fuzzer: &str) -> Vec<u8> {
+    let folder = root().join("tests-host/fuzz/corpus").join(fuzzer);
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
+    files.sort();
+    files.iter().flat_map(|file| std::fs::read(file).unwrap()).take(30_000).collect()
 }
 
-/// Seeds are the formats that the page reads; `RAI_MUTATED` says how many files are made of them.
+/// Seeds are the formats that the page reads, and what fuzzers have found interesting; `RAI_MUTATED` says
+/// how many files are made of them.
 #[test]
 fn mutated_files_never_stop_the_program() {
     let Some(built) = Built::new() else { return };
     let mut seeds =
         vec![("one.rtcm3", capture(5)[..12_000].to_vec()), ("packed.gz", gzip(&capture(5)[..8_000]))];
+    seeds.extend(
+        [
+            ("fuzzed.rtcm3", "stream"),
+            ("fuzzed2.ubx", "ubx"),
+            ("fuzzed3.sbf", "sbf"),
+            ("fuzzed4.ubx", "navigation_bits"),
+        ]
+        .map(|(name, fuzzer)| (name, corpus(fuzzer))),
+    );
     let shared = [
         ("pair.obs", "data/cases/geo-inclined/geo.obs"),
         ("pair.nav", "data/cases/geo-inclined/geo.nav"),
