@@ -78,6 +78,7 @@ impl<'s> Computer<'s> {
 
     /// Passes the sentences since the last call to the recorder and to the page, if there are such.
     pub(super) fn record(&mut self, receiver: &mut Module) {
+        self.outbox.wake();
         let said = self.outbox.take_tape();
         let views = receiver.observer_mut().take();
         if let Some(page) = &mut self.page {
@@ -184,6 +185,7 @@ impl Board for Computer<'_> {
     }
 
     fn sleep(&mut self) -> Option<u64> {
+        self.outbox.wake();
         let is_idle = !self.wire.is_high() && self.inbox.silent_ms() > SILENT_MS;
         self.inbox.wait(if is_idle { IDLE_SLEEP } else { LONGEST_SLEEP });
         Some(self.inbox.now_ns())

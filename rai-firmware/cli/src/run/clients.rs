@@ -8,7 +8,7 @@
 //! an end.
 
 use std::collections::VecDeque;
-use std::io::{self, ErrorKind, Read as _, Write as _};
+use std::io::{self, ErrorKind, IoSlice, Read as _, Write as _};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -28,6 +28,8 @@ use crate::run::words::say;
 pub(super) const MOST_CLIENTS: usize = 16;
 /// Longest time that a client may take to read.
 const PATIENCE: Duration = Duration::from_secs(5);
+/// Messages of a client that are sent together.
+const AT_ONCE: usize = 16;
 /// Reads of one client in a row; a consumer has nothing to send.
 const MOST_READS: usize = 64;
 /// Pause of the listeners after a failure to accept.
@@ -127,19 +129,22 @@ struct Client {
 }
 
 impl Client {
-    /// Sends as much as the client takes.
+    fn is_full(&self) -> bool {
+        self.queue.len() >= QUEUE
+    }
+
+    /// Sends as much as the client takes, several messages at a time.
     fn flush(&mut self) -> io::Result<()> {
-        while let Some(message) = self.queue.front() {
-            match self.stream.write(message.get(self.sent..).unwrap_or_default()) {
+        while !self.queue.is_empty() {
+            let mut parts = [IoSlice::new(&[]); AT_ONCE];
+            let mut skipped = self.sent;
+            for (part, message) in parts.iter_mut().zip(&self.queue) {
+                *part = IoSlice::new(message.get(std::mem::take(&mut skipped)..).unwrap_or_default());
+            }
+            let count = parts.len().min(self.queue.len());
+            match self.stream.write_vectored(parts.get(..count).unwrap_or_default()) {
                 Ok(0) => return Err(ErrorKind::WriteZero.into()),
-                Ok(count) => {
-                    self.sent += count;
-                    self.last = Instant::now();
-                    if self.sent >= message.len() {
-                        self.queue.pop_front();
-                        self.sent = 0;
-                    }
-                }
+                Ok(count) => self.forget(count),
                 Err(error) if error.kind() == ErrorKind::WouldBlock => break,
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) => return Err(error),
@@ -149,6 +154,15 @@ impl Client {
             self.last = Instant::now();
         }
         Ok(())
+    }
+
+    /// Forgets the messages of so many bytes that the client has taken.
+    fn forget(&mut self, bytes: usize) {
+        self.last = Instant::now();
+        self.sent += bytes;
+        while let Some(message) = self.queue.pop_front_if(|message| message.len() <= self.sent) {
+            self.sent -= message.len();
+        }
     }
 
     /// Reads what the client sends; an error if it is gone, or sends without an end.
@@ -288,27 +302,33 @@ impl Server {
 
     /// Hands every message to every client; returns true once no more come.
     fn take(&mut self, messages: &Receiver<Arc<[u8]>>) -> bool {
-        loop {
-            if self.waits && self.clients.iter().any(|client| client.queue.len() >= QUEUE) {
-                return false;
+        let has_ended = loop {
+            if self.waits && self.clients.iter().any(Client::is_full) {
+                self.keep(|client| client.flush().is_ok());
+                if self.clients.iter().any(Client::is_full) {
+                    return false;
+                }
             }
             match messages.try_recv() {
                 Ok(message) => self.hand_on(&message),
-                Err(TryRecvError::Empty) => return false,
-                Err(TryRecvError::Disconnected) => return true,
+                Err(TryRecvError::Empty) => break false,
+                Err(TryRecvError::Disconnected) => break true,
             }
-        }
+        };
+        self.keep(|client| client.flush().is_ok());
+        has_ended
     }
 
     fn hand_on(&mut self, message: &Arc<[u8]>) {
         let lost = Arc::clone(&self.lost);
         self.keep(|client| {
-            if client.queue.len() >= QUEUE {
+            let is_there = !client.is_full() || client.flush().is_ok();
+            if client.is_full() {
                 lost.fetch_add(1, Ordering::Relaxed);
             } else {
                 client.queue.push_back(Arc::clone(message));
             }
-            client.flush().is_ok()
+            is_there
         });
     }
 

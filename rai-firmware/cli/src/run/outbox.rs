@@ -56,6 +56,35 @@ struct Consumer {
     wanted: Kind,
     queue: SyncSender<Arc<[u8]>>,
     waker: Option<Arc<Waker>>,
+    /// True if the thread has not been woken for what is in its queue.
+    sleeps: bool,
+}
+
+impl Consumer {
+    /// Puts a message into the queue, as soon as there is room if that is waited for.
+    fn take(&mut self, wait: Option<&Wait>, message: &Arc<[u8]>) -> Result<(), TrySendError<Arc<[u8]>>> {
+        let mut start = None;
+        let outcome = loop {
+            match (self.queue.try_send(Arc::clone(message)), wait) {
+                (Err(TrySendError::Full(_)), Some(wait)) if !wait.stop.load(Ordering::Relaxed) => {
+                    self.wake();
+                    (wait.meanwhile)(start.get_or_insert_with(Instant::now).elapsed());
+                    thread::sleep(LOOK);
+                }
+                (outcome, _) => break outcome,
+            }
+        };
+        if let (Some(_), Some(wait)) = (start, wait) {
+            (wait.after)();
+        }
+        self.sleeps = true;
+        outcome
+    }
+
+    /// Wakes the thread for what is in its queue; returns false if it has ended.
+    fn wake(&mut self) -> bool {
+        !std::mem::take(&mut self.sleeps) || self.waker.as_ref().is_none_or(|waker| waker.wake().is_ok())
+    }
 }
 
 /// How a recording waits for its consumers.
@@ -116,7 +145,7 @@ impl Outbox {
         write: impl FnOnce(&Receiver<Arc<[u8]>>) -> std::io::Result<()> + Send + 'static,
     ) {
         let (queue, messages) = sync_channel(QUEUE);
-        self.consumers.push(Consumer { wanted, queue, waker: None });
+        self.consumers.push(Consumer { wanted, queue, waker: None, sleeps: false });
         let (errors, done) = (Arc::clone(&self.errors), self.done.0.clone());
         thread::spawn(move || {
             if let Err(error) = write(&messages) {
@@ -128,7 +157,7 @@ impl Outbox {
 
     /// Adds the TCP clients, whose thread is started with what [`Self::for_clients`] returns.
     pub(super) fn add_clients(&mut self, (queue, waker): Way) {
-        self.consumers.push(Consumer { wanted: Kind::Nmea, queue, waker: Some(waker) });
+        self.consumers.push(Consumer { wanted: Kind::Nmea, queue, waker: Some(waker), sleeps: false });
     }
 
     /// Returns the counter of lost sentences, and the sender that the thread of the clients holds.
@@ -173,7 +202,8 @@ impl Outbox {
         !self.errors.lock().unwrap_or_else(PoisonError::into_inner).is_empty()
     }
 
-    /// Sends a whole message to every consumer of its kind.
+    /// Sends a whole message to every consumer of its kind. Those that wait for more than their queue
+    /// have it at the next [`Self::wake`].
     pub(super) fn send(&mut self, message: &[u8]) {
         let kind = Kind::of(message);
         if let Some(tape) = self.tape.as_mut().filter(|_| kind == Kind::Nmea) {
@@ -182,21 +212,24 @@ impl Outbox {
         self.is_protected |= self.log.hear(message) == Some('P');
         let message: Arc<[u8]> = message.into();
         let Self { consumers, lost, wait, .. } = self;
-        consumers.retain(|consumer| {
+        consumers.retain_mut(|consumer| {
             if consumer.wanted != kind {
                 return true;
             }
-            let is_there = match send_within(wait.as_ref(), &consumer.queue, &message) {
+            match consumer.take(wait.as_ref(), &message) {
                 Ok(()) => true,
                 Err(TrySendError::Full(_)) => {
                     lost.fetch_add(1, Ordering::Relaxed);
                     true
                 }
                 Err(TrySendError::Disconnected(_)) => false,
-            };
-            // A waker fails only if its thread has ended.
-            is_there && consumer.waker.as_ref().is_none_or(|waker| waker.wake().is_ok())
+            }
         });
+    }
+
+    /// Wakes the consumers that wait for more than their queue: once for all sentences of an epoch.
+    pub(super) fn wake(&mut self) {
+        self.consumers.retain_mut(Consumer::wake);
     }
 
     /// Lets every consumer end once it has read its queue, and waits for that; returns the errors
@@ -223,28 +256,6 @@ impl Outbox {
     }
 }
 
-/// Puts a message into a queue, as soon as there is room if that is waited for.
-fn send_within(
-    wait: Option<&Wait>,
-    queue: &SyncSender<Arc<[u8]>>,
-    message: &Arc<[u8]>,
-) -> Result<(), TrySendError<Arc<[u8]>>> {
-    let mut start = None;
-    let outcome = loop {
-        match (queue.try_send(Arc::clone(message)), wait) {
-            (Err(TrySendError::Full(_)), Some(wait)) if !wait.stop.load(Ordering::Relaxed) => {
-                (wait.meanwhile)(start.get_or_insert_with(Instant::now).elapsed());
-                thread::sleep(LOOK);
-            }
-            (outcome, _) => break outcome,
-        }
-    };
-    if let (Some(_), Some(wait)) = (start, wait) {
-        (wait.after)();
-    }
-    outcome
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -257,7 +268,7 @@ mod tests {
 
     impl Outbox {
         fn push(&mut self, wanted: Kind, queue: SyncSender<Arc<[u8]>>) {
-            self.consumers.push(Consumer { wanted, queue, waker: None });
+            self.consumers.push(Consumer { wanted, queue, waker: None, sleeps: false });
         }
     }
 

@@ -63,6 +63,7 @@ pub(super) fn play(
         {
             outbox.send(line.as_bytes());
         }
+        outbox.wake();
         let is_high = playback.pin_is_high();
         if is_high != wire.is_high() {
             wire.drive(is_high).context("the pin cannot be set")?;
