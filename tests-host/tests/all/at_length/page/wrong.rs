@@ -44,6 +44,9 @@ fn observations(range_m: u32) -> Vec<u8> {
     .into_bytes()
 }
 
+/// An ephemeris of that satellite.
+const NAVIGATION: &[u8] = include_bytes!("../../../../vectors/one_ephemeris.nav");
+
 fn rinex(letter: char) -> Vec<u8> {
     format!("{:9}{:11}{letter:<20}{:20}RINEX VERSION / TYPE\n{:60}END OF HEADER\n", "     3.04", "", "M", "")
         .into_bytes()
@@ -86,7 +89,7 @@ fn every_wrong_file_gets_a_sentence_that_says_what_to_do() {
             &[
                 ("one.obs", observations(24_503_597)),
                 ("two.obs", observations(24_503_697)),
-                ("day.nav", rinex('N')),
+                ("day.nav", NAVIGATION.to_vec()),
             ],
             "one.obs and two.obs are recordings of two receivers at the same time: give one of the two",
         ),
@@ -161,7 +164,7 @@ fn a_file_that_grows_while_it_is_read_is_told() {
         have.contains("huge.ubx has changed since it was chosen") && have.ends_with("choose it again."),
         "{have}"
     );
-    browser.value("document.getElementById('sample').click()").unwrap();
+    browser.value("document.body.dataset.state = ''; document.getElementById('sample').click()").unwrap();
     assert_eq!(finished(&mut browser), "done");
 }
 
@@ -179,7 +182,7 @@ fn a_trap_is_told_with_the_bytes_around_it_and_the_next_file_is_judged() {
     let other = built.file("trapping.html", page.replace(call, &trapping).as_bytes());
     let address = format!("file://{}", other.display());
     let mut browser = opened(Browser::open_in(built.browser, &address, DESK, "light", &[]).unwrap());
-    let trap = built.file("trap.ubx", &capture(5).repeat(60));
+    let trap = built.file("trap.ubx", &[capture(5), vec![0; 2 << 20]].concat());
     assert_eq!(judged(&mut browser, &[trap]), "failed");
     let have = text(&mut browser, "document.getElementById('problem').textContent");
     assert!(have.contains("The program stopped, which it must not do (RuntimeError: unreachable)"), "{have}");
