@@ -18,6 +18,7 @@ use serialport::SerialPort;
 
 use super::inbox::Inbox;
 use super::played;
+use super::reserve::Reserve;
 use super::share::Share;
 use crate::run::words::say;
 use crate::serial;
@@ -223,8 +224,10 @@ pub(super) fn connect(address: &str) -> Result<TcpStream> {
 fn keep_reading(source: &Source, line: &Line, first: Option<Port>, inbox: &Inbox, stop: &AtomicBool) {
     let mut pause = FIRST_PAUSE;
     let mut port = first;
+    // Clients may take all other descriptors while the line is away.
+    let reserve = Reserve::new();
     while !stop.load(Ordering::Relaxed) {
-        match port.take().map_or_else(|| open(source, line), Ok) {
+        match port.take().map_or_else(|| reserve.with(|| open(source, line)), Ok) {
             Ok(open) => {
                 // Standard input is whole from its first byte, and ends once.
                 let is_standard = *source == Source::Standard;

@@ -1,10 +1,11 @@
-//! Descriptors that are held back for the pin, so that it can fall when all others are in use.
+//! Descriptors that are held back for the pin and for the receiver's line, so that the pin can fall and
+//! the line be connected again when all others are in use.
 
 use std::fs::File;
 use std::sync::{Mutex, PoisonError};
 
 /// Descriptors that the start of a program needs: its input, and both ends of the pipe that reports
-/// a failed start; one more for a file.
+/// a failed start; one more for a file. A line needs fewer.
 const HELD: usize = 4;
 
 #[cfg(unix)]
