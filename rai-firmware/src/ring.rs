@@ -2,8 +2,8 @@
 //!
 //! One side writes and one side reads; neither waits. If a byte finds no room, it is dropped and
 //! counted, and the byte before the gap becomes NUL: a checksum of text, which is a sum modulo 2,
-//! does not notice that two equal characters are missing. `written` and `read` run freely and wrap with the machine word, so that their
-//! difference is the fill level and no slot is wasted.
+//! does not notice that two equal characters are missing. `written` and `read` run freely and wrap
+//! with the machine word, so that their difference is the fill level and no slot is wasted.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
