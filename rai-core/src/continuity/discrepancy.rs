@@ -19,6 +19,9 @@ const TEACHING_BOUND: f32 = 3.0;
 /// Largest change along a straight line that is learned, relative to the scatter about the line.
 const ON_A_LINE: f32 = 2.0;
 
+/// Share of an epoch in the present noise. Above 1/36, one epoch far from all others is no drift.
+const NOISE_GAIN: f32 = 0.125;
+
 /// Mean of the absolute changes of a discrepancy within a minute.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spread {
@@ -64,6 +67,39 @@ impl Spread {
     }
 }
 
+/// Noise of position and clock in the present epochs, from the changes between successive ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Noise {
+    last: Discrepancy,
+    /// Mean squares of position and clock, m².
+    squares_m2: [f32; 2],
+}
+
+impl Noise {
+    pub(super) const fn new() -> Self {
+        Self { last: Discrepancy::none(0.0), squares_m2: [0.0; 2] }
+    }
+
+    /// Takes an epoch as the one with which the next one is compared.
+    pub(super) const fn follow(&mut self, now: &Discrepancy) {
+        self.last = *now;
+    }
+
+    /// Adds an epoch that contradicts none before it.
+    pub(super) fn learn(&mut self, now: &Discrepancy) {
+        for (square_m2, change_m) in self.squares_m2.iter_mut().zip(now.from(&self.last)) {
+            let change_m = change_m.max(0.0);
+            *square_m2 += NOISE_GAIN * (0.5 * change_m * change_m - *square_m2);
+        }
+        self.last = *now;
+    }
+
+    /// Returns the noise of position and clock, m.
+    pub(super) fn rms_m(&self) -> [f32; 2] {
+        self.squares_m2.map(sqrt)
+    }
+}
+
 /// Discrepancy between measured and integrated motion since the origin, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Discrepancy {
@@ -75,35 +111,36 @@ pub(super) struct Discrepancy {
     pub(super) moved_m: f32,
     /// Largest displacement since the origin that unknown accelerations explain, m.
     pub(super) unknown_m: f32,
-    /// Largest change of the clock since the origin that an unknown walk of its drift explains, m.
-    pub(super) unknown_clock_m: f32,
+    /// Square of the largest change of the clock since the origin that an unknown walk of its drift
+    /// explains, m².
+    pub(super) unknown_clock_m2: f32,
     /// `HPL + VPL` of the epoch, m.
     pub(super) level_m: f32,
 }
 
 impl Discrepancy {
     /// Returns the discrepancy of an origin.
-    pub(super) fn none(level_m: f32) -> Self {
+    pub(super) const fn none(level_m: f32) -> Self {
         let position = Vector3::new(0.0, 0.0, 0.0);
-        Self { position, clock_m: 0.0, moved_m: 0.0, unknown_m: 0.0, unknown_clock_m: 0.0, level_m }
+        Self { position, clock_m: 0.0, moved_m: 0.0, unknown_m: 0.0, unknown_clock_m2: 0.0, level_m }
     }
 
-    /// Returns the distances of position and clock from another discrepancy, m. That of the
-    /// position is reduced by the displacement that unknown accelerations explain.
+    /// Returns the distances of position and clock from an earlier discrepancy, m, less what
+    /// accelerations and walks between the epochs explain.
     pub(super) fn from(&self, other: &Self) -> [f32; 2] {
         let unknown_m = self.unknown_m - other.unknown_m;
         let away_m = sqrt((self.position - other.position).norm_squared()) - unknown_m;
-        [away_m, (self.clock_m - other.clock_m).abs()]
+        let unknown_clock_m = sqrt(self.unknown_clock_m2 - other.unknown_clock_m2);
+        [away_m, (self.clock_m - other.clock_m).abs() - unknown_clock_m]
     }
 
     /// Interpolates linearly between this discrepancy and another one, at a share of the way.
     pub(super) fn towards(&self, other: &Self, share: f32) -> Self {
-        let Self { position, clock_m, unknown_m, .. } = *self;
+        let Self { position, clock_m, .. } = *self;
         Self {
             position: position + (other.position - position) * share,
             clock_m: clock_m + (other.clock_m - clock_m) * share,
-            unknown_m,
-            ..*other
+            ..*self
         }
     }
 }

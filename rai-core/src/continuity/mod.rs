@@ -82,9 +82,10 @@ impl Agreement {
         Self { first: place.instant, last: place, epochs: 1, is_weak }
     }
 
-    fn extended(self, place: BoundedPosition, is_weak: bool) -> Self {
-        let epochs = self.epochs.saturating_add(1);
-        Self { last: place, epochs, is_weak: self.is_weak || is_weak, ..self }
+    fn extend(&mut self, place: BoundedPosition, is_weak: bool) {
+        self.last = place;
+        self.epochs = self.epochs.saturating_add(1);
+        self.is_weak |= is_weak;
     }
 
     fn suffices(&self, recovery: Recovery) -> bool {
@@ -233,11 +234,10 @@ impl Continuity {
         speed_m_s: Option<f32>,
     ) -> Verdict {
         let (is_weak, max_m_s) = (dof <= 1, settings.max_speed_m_s as f32);
-        let from = self.anchor.map(|anchor| anchor.last);
-        if cfg!(feature = "past") && self.is_of_another(max_m_s, &place, from.as_ref()) {
+        if cfg!(feature = "past") && self.is_of_another(max_m_s, &place) {
             return self.lose(Verdict::Alert(Alert::Jump));
         }
-        if from.is_some_and(|from| !place.is_within_reach_of(&from, max_m_s)) {
+        if self.anchor.as_ref().is_some_and(|anchor| !place.is_within_reach_of(&anchor.last, max_m_s)) {
             self.agree(max_m_s, how, place, is_weak);
             if !self.contradicts_anchor(settings) {
                 self.standing = Standing::Lost;
@@ -270,25 +270,23 @@ impl Continuity {
             .or_else(|| self.anchor.map(|anchor| place.speed_m_s(&anchor.last, self.speed_m_s)))
             .or(self.speed_m_s);
         // If the anchor is within reach, its agreement continues with this epoch.
-        let agreement = self.agreement.take().unwrap_or_else(|| Agreement::begun(place, is_weak));
-        self.anchor = Some(self.anchor.map_or(agreement, |anchor| anchor.extended(place, is_weak)));
+        let agreement = self.agreement.take();
+        match &mut self.anchor {
+            Some(anchor) => anchor.extend(place, is_weak),
+            None => self.anchor = agreement.or_else(|| Some(Agreement::begun(place, is_weak))),
+        }
         self.standing = Standing::Good;
         Verdict::Protected(how)
     }
 
     /// Returns true if another receiver sent an epoch that is protected if judged alone.
-    fn is_of_another(
-        &mut self,
-        max_m_s: f32,
-        place: &BoundedPosition,
-        from: Option<&BoundedPosition>,
-    ) -> bool {
-        let Some(from) = from else {
+    fn is_of_another(&mut self, max_m_s: f32, place: &BoundedPosition) -> bool {
+        let Some(Agreement { last, .. }) = &self.anchor else {
             self.rhythm = Rhythm::new();
             return false;
         };
-        let elapsed_s = (place.instant.epoch_s - from.instant.epoch_s) as f32;
-        let is_expected = || place.is_expected(from, self.speed_m_s, max_m_s);
+        let elapsed_s = (place.instant.epoch_s - last.instant.epoch_s) as f32;
+        let is_expected = || place.is_expected(last, self.speed_m_s, max_m_s);
         self.rhythm.is_of_another(elapsed_s, is_expected)
     }
 
@@ -303,18 +301,21 @@ impl Continuity {
 
     /// Adds an epoch to the agreement after a contradiction.
     fn agree(&mut self, max_m_s: f32, how: Protected, place: BoundedPosition, is_weak: bool) {
-        self.agreement = match self.agreement {
-            _ if is_weak && how == Protected::Excluded => None,
+        if is_weak && how == Protected::Excluded {
+            self.agreement = None;
+            return;
+        }
+        if let Some(before) = &mut self.agreement {
+            let elapsed_s = place.instant.epoch_s - before.last.instant.epoch_s;
             // This epoch was added before.
-            Some(before) if before.last == place => Some(before),
-            Some(before)
-                if place.instant.epoch_s - before.last.instant.epoch_s <= GAP_S
-                    && place.is_within_reach_of(&before.last, max_m_s) =>
-            {
-                Some(before.extended(place, is_weak))
+            if elapsed_s <= 0.0 {
+                return;
             }
-            _ => Some(Agreement::begun(place, is_weak)),
-        };
+            if elapsed_s <= GAP_S && place.is_within_reach_of(&before.last, max_m_s) {
+                return before.extend(place, is_weak);
+            }
+        }
+        self.agreement = Some(Agreement::begun(place, is_weak));
     }
 
     /// Records the loss of protection. An agreement is then required.

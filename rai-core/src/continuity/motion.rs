@@ -9,9 +9,10 @@
 //! leap    |δ_k − δ_m| > L_k + L_m                               for a mark m of the last minute
 //! leaps   |δ_k − δ_h| > 2 L_k                                   for the mean δ_h of the last ten minutes, of the position only
 //! step    |δ_k − δ_l| > max(20·t, √(L_k² + L_l²)/4)             for the last mark l, of the position only
-//! drift   |δ_k − δ_1| > max(floor, 6·s)  and  |δ_k − δ_1| > 6·e    for mark 1, the first of a window of 20, 30 or 60 s;
+//! drift   |δ_k − δ_1| > max(floor, 6·s, 6·e, 6·n)              for mark 1, the first of a window of 20, 30 or 60 s;
 //!         of the position also  |δ_k − δ_1| > L_k/4
 //! e²      = mean of |δ_m − δ_1 − (δ_k − δ_1) (t_m − t_1)/(t_k − t_1)|²  over the marks after the first
+//! n²      ← n² + (|δ_k − δ_{k−1}|²/2 − n²)/8
 //! ```
 //!
 //! | symbol | field | unit |
@@ -21,6 +22,7 @@
 //! | `δ` | [`Discrepancy`], constant except for noise | m |
 //! | `L` | `HPL + VPL` of an epoch | m |
 //! | `e` | scatter of the marks about a straight line | m |
+//! | `n` | [`Noise`]: that of the present epochs | m |
 //! | `s` | [`Spread`]: mean of `|δ_k − δ_1|` over the epochs so far | m |
 //! | `t` | [`Spread`]: mean of `|δ|` from one mark to the next | m |
 //!
@@ -34,6 +36,11 @@
 //! streets, the largest step of 746 was 15 times the mean. A drift of the position counts only above a quarter of `L`, about three
 //! quarters of the HPL. Below that, the level bounds it; a continuing drift is an alert before it
 //! exceeds the level.
+//!
+//! The noise can grow within an epoch: a satellite that has just risen may be five times as noisy as
+//! all others together. `s` needs minutes to learn that, and in a window of 20 s a few marks are
+//! close to a line by chance, the more often the more epochs a second there are. `n` knows it at
+//! once. A walk hardly raises it, because it moves little from one epoch to the next.
 //!
 //! **Figures.** Twelve replays of eight recordings with Doppler frequencies have no contradiction.
 //! Their `|δ_k − δ_1|`, m:
@@ -79,7 +86,7 @@
 //! attack is not detected here if it starts from the true position and slowly changes ranges and
 //! rates consistently.
 
-use super::discrepancy::{Discrepancy, Spread};
+use super::discrepancy::{Discrepancy, Noise, Spread};
 use super::doubt::Doubt;
 use super::oscillator::Oscillator;
 use super::path::{ACCELERATION_M_S2, LONGEST_GAP_S, LONGEST_STEP_S, Moment, Path, across_gap};
@@ -138,6 +145,7 @@ pub struct Motion {
     clock: Spread,
     /// Changes of the position from one mark to the next.
     step: Spread,
+    noise: Noise,
     doubt: Doubt,
     reference: Constellation,
     oscillator: Oscillator,
@@ -162,6 +170,7 @@ impl Motion {
             position: Spread::new(),
             clock: Spread::new(),
             step: Spread::new(),
+            noise: Noise::new(),
             doubt: Doubt::new(),
             reference: Constellation::Gps,
             oscillator: Oscillator::new(),
@@ -296,6 +305,7 @@ impl Motion {
             self.mark_anew(Mark { time_s: now_s, discrepancy: Discrepancy { clock_m: 0.0, ..discrepancy } });
             return (leap, is_home);
         }
+        self.noise.learn(&discrepancy);
         // A place at the edge of the bound has not returned, whatever the noise of the epoch.
         let is_home =
             if is_home == Some(true) { self.doubt.is_home(&discrepancy, 0.5 * step_m) } else { is_home };
@@ -365,6 +375,7 @@ impl Motion {
     /// Begins the marks with one.
     fn mark_anew(&mut self, mark: Mark) {
         self.marks.clear();
+        self.noise.follow(&mark.discrepancy);
         // Never full, because it was cleared.
         let _ = self.marks.push_back(mark);
     }
@@ -381,10 +392,9 @@ impl Motion {
             });
         self.marks.iter().fold([is_step, false], |[track, clock], mark| {
             let level_m = now.level_m + mark.discrepancy.level_m;
-            let unknown_m = now.unknown_clock_m - mark.discrepancy.unknown_clock_m;
             let [away_m, apart_m] = now.from(&mark.discrepancy);
             // NaN fails both comparisons, so that it counts as a contradiction.
-            [track || !(away_m <= level_m), clock || !(apart_m <= level_m + unknown_m)]
+            [track || !(away_m <= level_m), clock || !(apart_m <= level_m)]
         })
     }
 
@@ -392,11 +402,12 @@ impl Motion {
     /// marks of one of the windows.
     fn line(&self, now_s: f32, now: &Discrepancy, floor_m: f32) -> [bool; 2] {
         let [_, clock_floor_m] = FLOORS_M;
+        let [noise_m, clock_noise_m] = self.noise.rms_m();
         let lines = WINDOWS_S.into_iter().filter_map(|window_s| self.line_of(window_s, now_s, now));
         lines.fold([false; 2], |[track, clock], [(away_m, scatter_m), (apart_m, clock_scatter_m)]| {
             [
-                track || self.position.is_drift(away_m, scatter_m, floor_m),
-                clock || self.clock.is_drift(apart_m, clock_scatter_m, clock_floor_m),
+                track || self.position.is_drift(away_m, scatter_m.max(noise_m), floor_m),
+                clock || self.clock.is_drift(apart_m, clock_scatter_m.max(clock_noise_m), clock_floor_m),
             ]
         })
     }
@@ -434,7 +445,8 @@ impl Motion {
             self.step.learn_change(away_m.max(0.0), None);
         }
         if let Some(oldest) = self.marks.front().filter(|mark| now_s - mark.time_s >= TEACHING_AGE_S as f32) {
-            let [away_m, apart_m] = now.from(&oldest.discrepancy);
+            let [away_m, _] = now.from(&oldest.discrepancy);
+            let apart_m = (now.clock_m - oldest.discrepancy.clock_m).abs();
             let scatters_m = |window_s| {
                 self.line_of(window_s, now_s, now).map(|line| line.map(|(_, scatter_m)| scatter_m))
             };

@@ -9,14 +9,14 @@
 //! ```
 //!
 //! The drift of a quartz walks at random. Between two known drifts its clock departs from the
-//! trapezoid by half as much as without the second one.
+//! trapezoid by half as much as without the second one. The departures of two steps are
+//! independent, so that their squares add up.
 
 use nalgebra::Vector3;
 
 use super::discrepancy::Discrepancy;
 use super::oscillator::whole_milliseconds_m;
 use crate::frame::Ecef;
-use crate::numeric::sqrt;
 
 /// Longest step of the integral, s.
 pub(super) const LONGEST_STEP_S: f64 = 60.0;
@@ -58,7 +58,8 @@ pub(super) struct Path {
     position: Ecef,
     clock_m: f64,
     unknown_m: f32,
-    unknown_clock_m: f32,
+    /// Square of what the walk of the clock's drift explains, m².
+    unknown_clock_m2: f32,
 }
 
 impl Path {
@@ -71,7 +72,7 @@ impl Path {
             position,
             clock_m,
             unknown_m: 0.0,
-            unknown_clock_m: 0.0,
+            unknown_clock_m2: 0.0,
         }
     }
 
@@ -92,7 +93,7 @@ impl Path {
         if elapsed_s > SMOOTH_STEP_S {
             let elapsed_s = elapsed_s as f32;
             self.unknown_m += ACCELERATION_M_S2 as f32 / 8.0 * elapsed_s * elapsed_s;
-            self.unknown_clock_m += BRIDGE_M * elapsed_s * sqrt(elapsed_s);
+            self.unknown_clock_m2 += BRIDGE_M * BRIDGE_M * elapsed_s * elapsed_s * elapsed_s;
         }
         let away = now.position - self.position;
         Discrepancy {
@@ -100,7 +101,7 @@ impl Path {
             clock_m: (now.clock_m - self.clock_m) as f32,
             moved_m: (now.clock_m - self.first_clock_m) as f32,
             unknown_m: self.unknown_m,
-            unknown_clock_m: self.unknown_clock_m,
+            unknown_clock_m2: self.unknown_clock_m2,
             level_m: now.level_m,
         }
     }

@@ -101,6 +101,31 @@ fn a_vehicle_whose_rates_are_true_contradicts_nothing() {
 }
 
 #[test]
+fn noise_that_grows_within_an_epoch_is_no_drift_at_any_rate() {
+    // A satellite that has just risen may be five times as noisy as all others together.
+    for rate_hz in [1_u32, 2, 5, 10, 20] {
+        let epochs = (0..1200 * rate_hz).map(|number| {
+            let time_s = f64::from(number) / f64::from(rate_hz);
+            let size = if time_s < 300.0 { 0.6 } else { 3.0 };
+            let [east_m, clock_m] = [number, number + 7919].map(|seed| size * noise_m(seed));
+            Epoch { time_s, east_m, clock_m, ..Epoch::default() }
+        });
+        assert_eq!(contradictions(epochs), [], "{rate_hz} Hz");
+    }
+}
+
+#[test]
+fn a_quartz_that_wanders_between_distant_epochs_is_no_drift() {
+    // Random departures from the trapezoid, as large as those of a quartz: 1.1 m (1 σ) in 5 s.
+    let mut clock_m = 0.0;
+    let epochs = (0..2000_u32).map(|number| {
+        clock_m += 1.9 * noise_m(number);
+        Epoch { time_s: 5.0 * f64::from(number), clock_m, ..Epoch::default() }
+    });
+    assert_eq!(contradictions(epochs), []);
+}
+
+#[test]
 fn a_drag_off_of_the_clock_is_seen_within_a_minute() {
     let attacked = drive(600).map(|epoch| Epoch { clock_m: epoch.clock_m + 0.2 * since(epoch), ..epoch });
     let seen = contradictions(attacked);
