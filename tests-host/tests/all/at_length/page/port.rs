@@ -116,8 +116,12 @@ const FASTER: &str = "
   }
 }";
 
-/// Most growth of what scripts keep in 20 minutes, bytes: less than a number per epoch.
-const KEPT_BYTES: f64 = 64.0 * 1024.0;
+/// Most growth of what scripts keep in 20 minutes, bytes: less than two numbers per epoch.
+const KEPT_BYTES: f64 = 16.0 * 1024.0;
+
+/// Takes what the compilers of V8 add to a heap and remove again away from it.
+const INTERPRETED: &str =
+    "'--js-flags=--no-opt --no-maglev --no-sparkplug --no-flush-bytecode --no-lazy-feedback-allocation'";
 
 /// How many times faster.
 const TIMES: u32 = 20;
@@ -136,7 +140,9 @@ window.fed = 0;
 #[test]
 fn memory_does_not_grow_in_half_an_hour() {
     let Some(built) = Built::new() else { return };
-    let mut browser = built.open(DESK, "light");
+    let address = built.address();
+    let mut browser =
+        opened(Browser::open_in(built.browser, &address, DESK, "light", &[INTERPRETED]).unwrap());
     let faster = FASTER.replace("TIMES", &TIMES.to_string());
     browser.value(&format!("{faster}; 1")).unwrap();
     let thread = format!(
@@ -154,8 +160,14 @@ fn memory_does_not_grow_in_half_an_hour() {
         browser.wait_for(&wanted, 4 * PATIENCE).unwrap();
         (browser.kept_bytes().unwrap(), number(&mut browser, "document.body.dataset.memory"))
     };
-    let (early, late) = (at(600), at(1800));
-    println!("script and memory of the program after 10 and 30 minutes: {early:?}, {late:?} bytes");
+    // A message on its way is no growth, so that the least of some readings counts.
+    let mut least = |last: u32| {
+        let readings = (last - 50..=last).step_by(10).map(&mut at);
+        readings.reduce(|one, other| (one.0.min(other.0), one.1.min(other.1))).unwrap()
+    };
+    // The page keeps the verdicts of the last 600 epochs.
+    let (early, late) = (least(660), least(1800));
+    println!("script and memory of the program after 11 and 30 minutes: {early:?}, {late:?} bytes");
     assert!(late.0 - early.0 < KEPT_BYTES, "{early:?} {late:?}");
     assert!(early.1 > 0.0 && late.1 <= early.1, "{early:?} {late:?}");
     assert_eq!(browser.complaints, [""; 0]);
