@@ -95,16 +95,17 @@ fn says_what_the_host_says(named: &Named) {
         if named.is_whole() { said.to_owned() } else { first.to_owned() }
     };
     assert_eq!(compared(&have), compared(&want), "image {}", named.name);
-    if !named.is_whole() {
-        let (have, _) = on_board(&named.build().expect("the image builds"), &lumps);
-        assert_eq!(compared(&have), compared(&want), "image {} without a log", named.name);
-    }
     assert!(want.contains("$PRAIX") && want.contains(",P,OK,"), "a satellite is excluded, then used again");
     assert!(pin_levels.contains(&true), "a healthy sky raises the pin on the host");
     board
         .log_with(&format!("epoch {} took", lumps.len()), 0, PATIENCE)
         .expect("the last epoch's cost is logged");
     assert_eq!(Some(&board.pin_is_high()), pin_levels.last(), "the pin, board and host");
+    // Building may take longer than the time to alert, after which the board that waits lowers its pin.
+    if !named.is_whole() {
+        let (have, _) = on_board(&named.build().expect("the image builds"), &lumps);
+        assert_eq!(compared(&have), compared(&want), "image {} without a log", named.name);
+    }
     let cost = board.epoch_instructions();
     let worst = cost.iter().max().copied().unwrap_or(u64::MAX);
     let mean = cost.iter().sum::<u64>() / cost.len() as u64;

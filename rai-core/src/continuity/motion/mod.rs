@@ -37,11 +37,6 @@
 //! quarters of the HPL. Below that, the level bounds it; a continuing drift is an alert before it
 //! exceeds the level.
 //!
-//! The noise can grow within an epoch: a satellite that has just risen may be five times as noisy as
-//! all others together. `s` needs minutes to learn that, and in a window of 20 s a few marks are
-//! close to a line by chance, the more often the more epochs a second there are. `n` knows it at
-//! once. A walk hardly raises it, because it moves little from one epoch to the next.
-//!
 //! **Figures.** Twelve replays of eight recordings with Doppler frequencies have no contradiction.
 //! Their `|δ_k − δ_1|`, m:
 //!
@@ -54,13 +49,7 @@
 //! In four recordings at rest, an added drift of position or clock is detected: at 1 m/s in 12 s,
 //! at 0.2 m/s within 51 s.
 //!
-//! **Learning.** Drifts are tested after [`super::discrepancy::LEARNED`] marks. A value above three
-//! times the mean counts as three times the mean, so that a growing error needs minutes to increase
-//! its bound. A change counts as at most twice the scatter about a straight line, so that a walk in
-//! the first minutes does not teach its own bound. The line of the position goes through the last
-//! 20 s, because the beginning of a walk bends a longer one. That of the clock goes through the
-//! window: delays of signals drift with the elevation. The bound `L_k + L_m` of a leap is not
-//! learned. Epochs under an alert are not learned.
+//! **Learning.** `s`, `t` and `n` are learned from the marks ([`marks`]).
 //!
 //! **Contradicting rates.** If a position is far from the true one, the true rates fit no velocity.
 //! If the rates of an epoch contradict each other, its position must therefore be where the last
@@ -86,11 +75,15 @@
 //! attack is not detected here if it starts from the true position and slowly changes ranges and
 //! rates consistently.
 
+mod marks;
+
+use marks::{MARKS, Mark, WINDOW_S};
+
 use super::discrepancy::{Discrepancy, Noise, Spread};
 use super::doubt::Doubt;
 use super::oscillator::Oscillator;
 use super::path::{ACCELERATION_M_S2, LONGEST_GAP_S, LONGEST_STEP_S, Moment, Path, across_gap};
-use super::steering::{STAYS, Steering};
+use super::steering::Steering;
 use heapless::Deque;
 use nalgebra::Vector3;
 
@@ -100,23 +93,8 @@ use crate::report::{Alert, Report};
 use crate::satellite::Constellation;
 use crate::velocity::{Velocity, VelocityError};
 
-/// Largest age of a mark, s.
-const WINDOW_S: f64 = 60.0;
-
-/// Time between two marks, s.
-const SPACING_S: f64 = 5.0;
-
-/// Number of marks: those of a window, and the one at its start.
-const MARKS: usize = if cfg!(feature = "past") { (WINDOW_S / SPACING_S) as usize + 1 } else { 1 };
-
-/// Age of the oldest mark from which the spread is learned, s.
-const TEACHING_AGE_S: f64 = 50.0;
-
 /// Largest change of speed of a car while the rates contradict each other, m/s.
 const FASTER_M_S: f32 = 40.0;
-
-/// Lengths of the windows that are tested for a drift, s.
-const WINDOWS_S: [f32; 3] = [20.0, 30.0, WINDOW_S as f32];
 
 /// Smallest drift of the position, relative to `HPL + VPL`.
 const LEVEL_SHARE: f32 = 0.25;
@@ -126,14 +104,6 @@ const FLOORS_M: [f32; 2] = [4.0, 2.0];
 
 /// Largest step of the position from mark to mark, relative to the mean one.
 const STEPS: f32 = 20.0;
-
-/// An epoch with which later ones are compared.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Mark {
-    /// Time since the origin, s.
-    time_s: f32,
-    discrepancy: Discrepancy,
-}
 
 /// Comparison of position and clock with the integral of velocity and drift.
 #[derive(Clone, Debug)]
@@ -322,14 +292,6 @@ impl Motion {
         [track, clock && !self.steering.explains(now_s, now.clock_m, self.stays(now))]
     }
 
-    /// Returns true if the clock stays where it was in the last minute, although its rates lead away.
-    fn stays(&self, now: &Discrepancy) -> bool {
-        let moved_m = |mark: &Mark| (now.moved_m - mark.discrepancy.moved_m).abs();
-        let widest_m = self.marks.iter().map(moved_m).fold(0.0, f32::max);
-        let apart_m = self.marks.front().map_or(0.0, |mark| (now.clock_m - mark.discrepancy.clock_m).abs());
-        apart_m > STAYS * widest_m
-    }
-
     /// Returns true if a position whose rates contradict each other is not where the last velocity
     /// leads.
     fn is_astray(&self, time_s: f64, position: Ecef, level_m: f32) -> bool {
@@ -370,106 +332,6 @@ impl Motion {
         self.doubt.leave_home();
         let level_m = now.level_m;
         self.mark_anew(Mark { time_s: 0.0, discrepancy: Discrepancy::none(level_m) });
-    }
-
-    /// Begins the marks with one.
-    fn mark_anew(&mut self, mark: Mark) {
-        self.marks.clear();
-        self.noise.follow(&mark.discrepancy);
-        // Never full, because it was cleared.
-        let _ = self.marks.push_back(mark);
-    }
-
-    /// Returns whether position and clock differ from those of a mark by more than both levels, or
-    /// the position from that of the last mark by more than `step_m`. A return to the usual place
-    /// is no step.
-    fn leap(&self, now: &Discrepancy, step_m: f32, is_home: Option<bool>) -> [bool; 2] {
-        let is_step = self.step.is_known()
-            && is_home != Some(true)
-            && self.marks.back().is_some_and(|mark| {
-                let [away_m, _] = now.from(&mark.discrepancy);
-                !(away_m <= step_m)
-            });
-        self.marks.iter().fold([is_step, false], |[track, clock], mark| {
-            let level_m = now.level_m + mark.discrepancy.level_m;
-            let [away_m, apart_m] = now.from(&mark.discrepancy);
-            // NaN fails both comparisons, so that it counts as a contradiction.
-            [track || !(away_m <= level_m), clock || !(apart_m <= level_m)]
-        })
-    }
-
-    /// Returns whether position and clock contradict their past by a straight line through the
-    /// marks of one of the windows.
-    fn line(&self, now_s: f32, now: &Discrepancy, floor_m: f32) -> [bool; 2] {
-        let [_, clock_floor_m] = FLOORS_M;
-        let [noise_m, clock_noise_m] = self.noise.rms_m();
-        let lines = WINDOWS_S.into_iter().filter_map(|window_s| self.line_of(window_s, now_s, now));
-        lines.fold([false; 2], |[track, clock], [(away_m, scatter_m), (apart_m, clock_scatter_m)]| {
-            [
-                track || self.position.is_drift(away_m, scatter_m.max(noise_m), floor_m),
-                clock || self.clock.is_drift(apart_m, clock_scatter_m.max(clock_noise_m), clock_floor_m),
-            ]
-        })
-    }
-
-    /// Returns the changes of position and clock within a window, and the scatter of its marks
-    /// about a straight line, m, if the window is full.
-    fn line_of(&self, window_s: f32, now_s: f32, now: &Discrepancy) -> Option<[(f32, f32); 2]> {
-        let marks = || self.marks.iter().filter(|mark| now_s - mark.time_s <= window_s);
-        let oldest = marks().next()?;
-        let (age_s, count) = (now_s - oldest.time_s, marks().count());
-        // No mark may be missing, because a leap between two distant marks would look like a
-        // straight line.
-        let is_full = count as f32 * SPACING_S as f32 >= window_s;
-        if !is_full || age_s <= window_s - 1.2 * SPACING_S as f32 {
-            return None;
-        }
-        let squares = marks().fold([0.0; 2], |[track, clock], mark| {
-            let line = oldest.discrepancy.towards(now, (mark.time_s - oldest.time_s) / age_s);
-            let off_m = mark.discrepancy.position - line.position;
-            let apart_m = mark.discrepancy.clock_m - line.clock_m;
-            [track + off_m.norm_squared(), clock + apart_m * apart_m]
-        });
-        // The first mark is on the line by definition.
-        let [scatter_m, clock_scatter_m] =
-            squares.map(|square| sqrt(square / count.saturating_sub(1) as f32));
-        let [away_m, apart_m] = now.from(&oldest.discrepancy);
-        Some([(away_m, scatter_m), (apart_m, clock_scatter_m)])
-    }
-
-    /// Learns from a mark without a contradiction.
-    fn learn(&mut self, now_s: f32, now: &Discrepancy) {
-        self.doubt.learn(now);
-        if let Some(last) = self.marks.back() {
-            let [away_m, _] = now.from(&last.discrepancy);
-            self.step.learn_change(away_m.max(0.0), None);
-        }
-        if let Some(oldest) = self.marks.front().filter(|mark| now_s - mark.time_s >= TEACHING_AGE_S as f32) {
-            let [away_m, _] = now.from(&oldest.discrepancy);
-            let apart_m = (now.clock_m - oldest.discrepancy.clock_m).abs();
-            let scatters_m = |window_s| {
-                self.line_of(window_s, now_s, now).map(|line| line.map(|(_, scatter_m)| scatter_m))
-            };
-            let scatter_m = scatters_m(WINDOWS_S[0]).map(|[scatter_m, _]| scatter_m);
-            let clock_scatter_m = scatters_m(WINDOW_S as f32).map(|[_, scatter_m]| scatter_m);
-            self.position.learn_change(away_m.max(0.0), scatter_m);
-            self.clock.learn_change(apart_m, clock_scatter_m);
-        }
-    }
-
-    /// Makes the epoch a mark if the last mark is old enough. The spread then also learns from an
-    /// epoch without a contradiction.
-    fn mark(&mut self, now_s: f32, now: &Discrepancy, is_teaching: bool) {
-        if self.marks.back().is_some_and(|mark| now_s - mark.time_s < SPACING_S as f32) {
-            return;
-        }
-        if is_teaching {
-            self.learn(now_s, now);
-        }
-        if self.marks.is_full() {
-            self.marks.pop_front();
-        }
-        let _ = self.marks.push_back(Mark { time_s: now_s, discrepancy: *now });
     }
 }
 
