@@ -19,7 +19,7 @@ const TEACHING_BOUND: f32 = 3.0;
 /// Largest change along a straight line that is learned, relative to the scatter about the line.
 const ON_A_LINE: f32 = 2.0;
 
-/// Share of an epoch in the present noise. Above 1/36, one epoch far from all others is no drift.
+/// Share of an epoch in the present noise. Above 1/18, one epoch far from all others is no drift.
 const NOISE_GAIN: f32 = 0.125;
 
 /// Mean of the absolute changes of a discrepancy within a minute.

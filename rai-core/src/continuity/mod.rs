@@ -307,12 +307,12 @@ impl Continuity {
         }
         if let Some(before) = &mut self.agreement {
             let elapsed_s = place.instant.epoch_s - before.last.instant.epoch_s;
-            // This epoch was added before.
-            if elapsed_s <= 0.0 {
-                return;
-            }
             if elapsed_s <= GAP_S && place.is_within_reach_of(&before.last, max_m_s) {
-                return before.extend(place, is_weak);
+                // An epoch of the same time counts once.
+                if elapsed_s > 0.0 {
+                    before.extend(place, is_weak);
+                }
+                return;
             }
         }
         self.agreement = Some(Agreement::begun(place, is_weak));

@@ -103,6 +103,13 @@ fn agreement_at_places_that_are_out_of_reach_of_each_other_is_none() {
 }
 
 #[test]
+fn another_place_at_the_same_time_is_no_agreement() {
+    let two = |second: u32| [(f64::from(second), HERE), (f64::from(second), north(7000.0))];
+    let epochs: Vec<(f64, Said)> = [(0.0, verdict(FAULT))].into_iter().chain((1..60).flat_map(two)).collect();
+    assert!(!series(&epochs).contains(&OK));
+}
+
+#[test]
 fn one_degree_of_freedom_has_to_agree_ten_times() {
     let weak = Said { dof: 1, ..HERE };
     let mut epochs = vec![(0.0, verdict(FAULT))];

@@ -49,7 +49,7 @@
 //! In four recordings at rest, an added drift of position or clock is detected: at 1 m/s in 12 s,
 //! at 0.2 m/s within 51 s.
 //!
-//! **Learning.** `s`, `t` and `n` are learned from the marks ([`marks`]).
+//! **Learning.** `s` and `t` are learned from the marks, `n` from each epoch ([`marks`]).
 //!
 //! **Contradicting rates.** If a position is far from the true one, the true rates fit no velocity.
 //! If the rates of an epoch contradict each other, its position must therefore be where the last

@@ -155,13 +155,13 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     let (quartz, oven) = (Oscillator::temperature_compensated(), Oscillator::oven_controlled());
     // A receiver keeps its clock within a millisecond, so that its ranges stay within bounds. This one does not, and
     // has no offset that would add up over a day.
-    let slow = Oscillator { frequency_offset: 0.0, ..quartz };
+    let centred = Oscillator { frequency_offset: 0.0, ..quartz };
     let steered = |index: usize| 15.0 * (2.4 * index as f64).sin();
     // A receiver jumps so that its clock stays within a millisecond.
     let jumping = |index: usize| MILLISECOND_M * (index / 400 % 2) as f64;
     let clocks: [(&str, Oscillator, f64, Offset<'_>); 5] = [
         ("quartz at 1 Hz", quartz, 1.0, &|_| 0.0),
-        ("quartz at 30 s", slow, 30.0, &|_| 0.0),
+        ("quartz at 30 s", centred, 30.0, &|_| 0.0),
         ("oven at 1 Hz", oven, 1.0, &|_| 0.0),
         ("steered quartz at 1 Hz", quartz, 1.0, &steered),
         ("quartz with jumps of a millisecond", quartz, 1.0, &jumping),
