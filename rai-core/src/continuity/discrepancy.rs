@@ -19,7 +19,11 @@ const TEACHING_BOUND: f32 = 3.0;
 /// Largest change along a straight line that is learned, relative to the scatter about the line.
 const ON_A_LINE: f32 = 2.0;
 
-/// Share of an epoch in the present noise. Above 1/18, one epoch far from all others is no drift.
+/// Largest noise that counts, relative to the mean discrepancy. An attacker who lets the position
+/// tremble hides a walk no longer than that.
+const GROWTH: f32 = 4.0;
+
+/// Share of an epoch in the present noise. Above 1/36, one epoch far from all others is no drift.
 const NOISE_GAIN: f32 = 0.125;
 
 /// Mean of the absolute changes of a discrepancy within a minute.
@@ -61,17 +65,18 @@ impl Spread {
     }
 
     /// Returns true if a change along a straight line is large enough for a drift, or NaN.
-    pub(super) fn is_drift(self, change_m: f32, scatter_m: f32, floor_m: f32) -> bool {
-        let explained_m = (DRIFT * self.mean_m).max(DRIFT * scatter_m).max(floor_m);
+    pub(super) fn is_drift(self, change_m: f32, [scatter_m, noise_m]: [f32; 2], floor_m: f32) -> bool {
+        let noise_m = noise_m.min(GROWTH * self.mean_m);
+        let explained_m = (DRIFT * self.mean_m.max(scatter_m).max(noise_m)).max(floor_m);
         self.is_known() && !(change_m <= explained_m)
     }
 }
 
-/// Noise of position and clock in the present epochs, from the changes between successive ones.
+/// Noise of position and clock in the present epochs: the changes between successive ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Noise {
     last: Discrepancy,
-    /// Mean squares of position and clock, m².
+    /// Mean squares of the changes of position and clock, m².
     squares_m2: [f32; 2],
 }
 
@@ -89,12 +94,12 @@ impl Noise {
     pub(super) fn learn(&mut self, now: &Discrepancy) {
         for (square_m2, change_m) in self.squares_m2.iter_mut().zip(now.from(&self.last)) {
             let change_m = change_m.max(0.0);
-            *square_m2 += NOISE_GAIN * (0.5 * change_m * change_m - *square_m2);
+            *square_m2 += NOISE_GAIN * (change_m * change_m - *square_m2);
         }
         self.last = *now;
     }
 
-    /// Returns the noise of position and clock, m.
+    /// Returns the root mean squares of the changes of position and clock, m.
     pub(super) fn rms_m(&self) -> [f32; 2] {
         self.squares_m2.map(sqrt)
     }

@@ -84,8 +84,8 @@ impl Motion {
         let lines = WINDOWS_S.into_iter().filter_map(|window_s| self.line_of(window_s, now_s, now));
         lines.fold([false; 2], |[track, clock], [(away_m, scatter_m), (apart_m, clock_scatter_m)]| {
             [
-                track || self.position.is_drift(away_m, scatter_m.max(noise_m), floor_m),
-                clock || self.clock.is_drift(apart_m, clock_scatter_m.max(clock_noise_m), clock_floor_m),
+                track || self.position.is_drift(away_m, [scatter_m, noise_m], floor_m),
+                clock || self.clock.is_drift(apart_m, [clock_scatter_m, clock_noise_m], clock_floor_m),
             ]
         })
     }

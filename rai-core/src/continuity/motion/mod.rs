@@ -12,7 +12,7 @@
 //! drift   |δ_k − δ_1| > max(floor, 6·s, 6·e, 6·n)              for mark 1, the first of a window of 20, 30 or 60 s;
 //!         of the position also  |δ_k − δ_1| > L_k/4
 //! e²      = mean of |δ_m − δ_1 − (δ_k − δ_1) (t_m − t_1)/(t_k − t_1)|²  over the marks after the first
-//! n²      ← n² + (|δ_k − δ_{k−1}|²/2 − n²)/8
+//! n²      ← n² + (|δ_k − δ_{k−1}|² − n²)/8                         n counts as at most 4·s
 //! ```
 //!
 //! | symbol | field | unit |
@@ -22,7 +22,7 @@
 //! | `δ` | [`Discrepancy`], constant except for noise | m |
 //! | `L` | `HPL + VPL` of an epoch | m |
 //! | `e` | scatter of the marks about a straight line | m |
-//! | `n` | [`Noise`]: that of the present epochs | m |
+//! | `n` | [`Noise`]: root mean square of the changes between the present epochs | m |
 //! | `s` | [`Spread`]: mean of `|δ_k − δ_1|` over the epochs so far | m |
 //! | `t` | [`Spread`]: mean of `|δ|` from one mark to the next | m |
 //!

@@ -441,6 +441,19 @@ fn a_clock_that_leaps_while_rates_are_refused_is_an_alert() {
 }
 
 #[test]
+fn a_clock_that_trembles_hides_no_walk() {
+    // From one epoch to the next it leaps by 8 m and back, which no healthy satellite explains for long.
+    let trembling = (0..6000_u32).map(|number| {
+        let time_s = f64::from(number) / 10.0;
+        let leap_m = if number % 2 == 0 { 4.0 } else { -4.0 };
+        let away_m = if time_s < 300.0 { 0.0 } else { 0.5 * (time_s - 300.0) + leap_m };
+        Epoch { time_s, east_m: 0.6 * noise_m(number), clock_m: away_m, ..Epoch::default() }
+    });
+    let seen = contradictions(trembling);
+    assert!(matches!(seen.first(), Some(&(300.0..360.0, Alert::Clock))), "{:?}", seen.first());
+}
+
+#[test]
 fn a_silence_of_a_fast_receiver_is_no_contradiction() {
     for rate_hz in [1_u32, 5, 10, 20] {
         for gap_s in [1_u32, 2, 5, 10, 15, 20, 30, 45, 59, 61, 90, 120] {
