@@ -26,6 +26,9 @@ const TIMES: f64 = 2.5;
 /// Most time of a day, s, and of the same for a part of it.
 const DAY_S: f64 = 12.0;
 
+/// Most rounds until all times are within their bars.
+const ROUNDS: usize = 6;
+
 /// Time of `rai replay` for an hour on a computer that does nothing else, s (results/cost.md).
 const OWN_HOUR_S: f64 = 0.30;
 
@@ -77,38 +80,61 @@ fn replayed_s(folder: &Path) -> f64 {
         .sum()
 }
 
+/// Times of the same recording, s, each the least so far: noise of the computer only adds.
+struct Least {
+    /// Of the page, just opened and again.
+    cold_s: f64,
+    warm_s: f64,
+    /// Of `rai replay`.
+    own_s: f64,
+    /// To the first verdict, by the clock on the wall, ms.
+    first_ms: f64,
+}
+
+impl Least {
+    /// Returns true if all are within their bars for this part of a day.
+    fn is_short(&self, part: f64) -> bool {
+        let slower = (self.own_s / (24.0 * OWN_HOUR_S * part)).max(1.0);
+        self.cold_s < slower * HOUR_S.max(DAY_S * part)
+            && self.warm_s < slower * DAY_S * part
+            && self.warm_s < TIMES * self.own_s
+            && self.first_ms < FIRST_MS
+    }
+}
+
 #[test]
 fn an_hour_takes_little_more_than_on_a_computer_and_its_first_verdict_comes_at_once() {
     let Some(built) = Built::new() else { return };
     let epochs = std::env::var("RAI_EPOCHS").ok().and_then(|text| text.parse().ok()).unwrap_or(3600);
     let path = built.folder.path().join("long.ubx");
     write(&path, epochs);
-    let own_s = (0..2).map(|_| replayed_s(built.folder.path())).fold(f64::INFINITY, f64::min);
-    let mut browser = built.open(DESK, "light");
-    let (mut took_s, mut first_ms, mut memory) = (Vec::new(), f64::INFINITY, 0.0_f64);
-    for _ in 0..3 {
-        took_s.push(judged_s(&mut browser, &path));
+    let part = f64::from(epochs) / DAY;
+    let mut least = Least { cold_s: f64::MAX, warm_s: f64::MAX, own_s: f64::MAX, first_ms: f64::MAX };
+    // The page and `rai replay` in turn, so that both have the computer at its best.
+    for _ in 0..ROUNDS {
+        least.own_s = least.own_s.min(replayed_s(built.folder.path()));
+        let mut browser = built.open(DESK, "light");
+        least.cold_s = least.cold_s.min(judged_s(&mut browser, &path));
+        least.warm_s = least.warm_s.min(judged_s(&mut browser, &path));
         let mut value =
             |name: &str| number(&mut browser, &format!("document.getElementById('work').dataset.{name}"));
-        // The least of three, because a clock on the wall counts what others do meanwhile.
-        first_ms = first_ms.min(value("first"));
-        memory = memory.max(value("memory"));
+        least.first_ms = least.first_ms.min(value("first"));
+        let memory = value("memory");
+        println!(
+            "{epochs} epochs: {:.2} s, again {:.2} s; rai replay {:.2} s; first verdict {:.0} ms, {:.1} MiB",
+            least.cold_s,
+            least.warm_s,
+            least.own_s,
+            least.first_ms,
+            memory / f64::from(1 << 20)
+        );
+        assert!(memory < MEMORY, "{memory} bytes");
+        let plain = text(&mut browser, "document.getElementById('plain').textContent");
+        assert!(plain.contains(&format!("{epochs} epochs")), "{plain}");
+        assert_eq!(browser.complaints, [""; 0]);
+        if least.is_short(part) {
+            return;
+        }
     }
-    let (cold_s, warm_s) = (took_s[0], took_s[1].min(took_s[2]));
-    println!(
-        "{epochs} epochs: {cold_s:.2} s, again {warm_s:.2} s; rai replay {own_s:.2} s; first verdict \
-         {first_ms:.0} ms, {:.1} MiB",
-        memory / f64::from(1 << 20)
-    );
-    let plain = text(&mut browser, "document.getElementById('plain').textContent");
-    assert!(plain.contains(&format!("{epochs} epochs")), "{plain}");
-    assert!(first_ms < FIRST_MS, "{first_ms} ms");
-    assert!(memory < MEMORY, "{memory} bytes");
-    let part = f64::from(epochs) / DAY;
-    let slower = (own_s / (24.0 * OWN_HOUR_S * part)).max(1.0);
-    println!("this computer now takes {slower:.2} times what it takes alone");
-    assert!(cold_s < slower * HOUR_S.max(DAY_S * part), "{cold_s} s");
-    assert!(warm_s < slower * DAY_S * part, "{warm_s} s");
-    assert!(warm_s < TIMES * own_s, "{warm_s} s, beside {own_s} s of rai replay");
-    assert_eq!(browser.complaints, [""; 0]);
+    panic!("longer than the bars in each of {ROUNDS} rounds");
 }
