@@ -32,7 +32,7 @@ use raim_core::internals::weighting::COARSE_M;
 use raim_core::satellite::SatelliteId;
 
 use crate::counters::{count, counters};
-use crate::ephemeris::{self, EphemerisError, Store, coordinates_m, nearest, scaled};
+use crate::ephemeris::{self, EphemerisError, Store, nearest, scaled};
 #[cfg(feature = "cnav")]
 use crate::raw::Band;
 use crate::raw::{RawEpoch, RawSatellite, RawSignal};
@@ -143,9 +143,10 @@ impl Located {
         self.place
     }
 
-    /// Returns its position when the signal left, in single precision, m.
+    /// Returns its position when the signal left, for directions, m: in steps of 1/8 m or those of
+    /// single precision.
     fn coordinates_m(&self) -> [f32; 3] {
-        coordinates_m(self.place)
+        Grid::vector(self.place)
     }
 
     /// Returns its clock when the signal left, times the speed of light, on the grid of ranges.

@@ -10,6 +10,8 @@
 //! slot at 140° E and stay more than 5 km apart. Operators of shared slots count less as a close
 //! approach.
 
+use heapless::Vec;
+
 use super::{CAPACITY, Located, Sky};
 use crate::counters::count;
 
@@ -20,12 +22,12 @@ const ONE_M: f32 = 2e3;
 #[inline(never)]
 pub(super) fn remove_twins(sky: &mut Sky, counter: &mut u32) {
     // Single precision suffices: its steps are at most 4 m at the distance of a satellite.
-    let mut places = [[0.0_f32; 3]; CAPACITY];
-    for (place, located) in places.iter_mut().zip(sky.iter()) {
-        *place = located.coordinates_m();
+    let mut places = Vec::<[f32; 3], CAPACITY>::new();
+    for located in sky.iter() {
+        // Both lists have the same capacity, so that this never fails.
+        let _ = places.push(located.coordinates_m());
     }
     let mut doubled = 0_u64;
-    let places = places.get(..sky.len()).unwrap_or_default();
     for (index, here) in places.iter().enumerate() {
         let [x_m, ..] = *here;
         let others = places.get(index + 1..).unwrap_or_default();
