@@ -119,6 +119,10 @@ fn beginning_in(bytes: &[u8]) -> Option<usize> {
     let (words, _) = bytes.as_chunks::<4>();
     let has_none = |word: &&[u8; 4]| !Format::may_begin_within(u32::from_le_bytes(**word));
     let before = 4 * words.iter().take_while(has_none).count();
+    // The last bytes once more with those before them, as a word.
+    if before == words.as_flattened().len() && bytes.last_chunk().as_ref().is_some_and(has_none) {
+        return None;
+    }
     let rest = bytes.get(before..).unwrap_or_default();
     rest.iter().position(|&byte| Format::may_begin_with(byte)).map(|position| before + position)
 }

@@ -78,9 +78,22 @@ pub(super) fn payload<'a>(frame: &Frame<'a>) -> &'a [u8] {
 /// Returns true if the two sums of the checksum (Fletcher) of a frame hold.
 fn sums_match(frame: &[u8]) -> bool {
     let [_, _, checked @ .., sum_a, sum_b] = frame else { return false };
-    let (a, b) = checked.iter().fold((0_u8, 0_u8), |(a, b), &byte| {
-        let a = a.wrapping_add(byte);
+    let (words, rest) = checked.as_chunks::<4>();
+    let sums = words.iter().fold((0, 0), |sums, word| with_word(sums, u32::from_le_bytes(*word)));
+    let (a, b) = rest.iter().fold(sums, |(a, b), &byte| {
+        let a = u32::wrapping_add(a, u32::from(byte));
         (a, b.wrapping_add(a))
     });
-    (a, b) == (*sum_a, *sum_b)
+    (a as u8, b as u8) == (*sum_a, *sum_b)
+}
+
+/// Returns the two sums after the four bytes `x₀` to `x₃` of a word: `a + x₀ + x₁ + x₂ + x₃` and
+/// `b + 4 a + 4 x₀ + 3 x₁ + 2 x₂ + x₃`, of which the lowest eight bits count.
+fn with_word((a, b): (u32, u32), word: u32) -> (u32, u32) {
+    const PAIR: u32 = 0x00FF_00FF;
+    // Two bytes in the halves of a word; a product with two factors has its sum from bit 16 on.
+    let (even, odd) = (word & PAIR, word >> 8 & PAIR);
+    let weighted = even.wrapping_mul(0x0004_0002).wrapping_add(odd.wrapping_mul(0x0003_0001)) >> 16;
+    let sum = (even + odd).wrapping_mul(0x0001_0001) >> 16;
+    (a.wrapping_add(sum), b.wrapping_add(a << 2).wrapping_add(weighted))
 }
