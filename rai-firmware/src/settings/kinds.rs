@@ -47,8 +47,8 @@ impl Systems {
     /// unknown one.
     pub fn of(letters: &str) -> Option<Self> {
         let mut set = 0;
-        for letter in letters.chars() {
-            let bit = 1 << Self::LETTERS.iter().position(|known| *known == letter)?;
+        for letter in letters.bytes() {
+            let bit = 1 << Self::LETTERS.iter().position(|known| *known == char::from(letter))?;
             if set & bit != 0 {
                 return None;
             }

@@ -157,9 +157,8 @@ impl Value for Promises {
 
 /// Returns the system that a value names by its letter, as in `SYSTEMS`.
 fn system(value: &str) -> Option<Constellation> {
-    let mut letters = value.chars();
-    let letter = letters.next().filter(|_| letters.next().is_none())?;
-    Constellation::from_letter(letter)
+    let &[letter] = value.as_bytes() else { return None };
+    Constellation::from_letter(char::from(letter))
 }
 
 /// Reads the five values of a system.
