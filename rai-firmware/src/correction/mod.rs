@@ -58,6 +58,8 @@ pub use frequency::{Preference, Ranges};
 use notes::{Mark, Notes};
 pub use raim_single::CAPACITY;
 pub use site::Site;
+#[cfg(feature = "tie")]
+pub(crate) use twins::remove;
 
 counters! {
     /// Reasons for which satellites of an epoch were not used.

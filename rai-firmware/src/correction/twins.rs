@@ -56,7 +56,7 @@ fn is_of_one_system(sky: &Sky, one: usize, other: usize) -> bool {
 }
 
 /// Removes the satellites at these places of the sky, one bit each, and counts them.
-pub(super) fn remove(sky: &mut Sky, mut places: u64, counter: &mut u32) {
+pub(crate) fn remove(sky: &mut Sky, mut places: u64, counter: &mut u32) {
     if places == 0 {
         return;
     }

@@ -41,7 +41,7 @@ use raim_single::{Monitor, MonitorMemory, Workspace};
 
 use super::{Navigator, Room, found};
 use crate::correction::horizon::coordinates_m;
-use crate::correction::{CAPACITY, Located, Ranges, Sky};
+use crate::correction::{CAPACITY, Located, Ranges, Sky, remove};
 use crate::settings::Configuration;
 use crate::time::GpsTime;
 
@@ -129,16 +129,9 @@ fn levels_by(
 
 /// Leaves out all satellites of a sky that are not of a set.
 fn keep(sky: &mut Sky, witnesses: u64) {
-    let mut index = 0;
-    while let Some(located) = sky.get(index) {
-        if is_in(witnesses, located.satellite()) {
-            index += 1;
-        } else if let Some(last) = sky.pop()
-            && let Some(place) = sky.get_mut(index)
-        {
-            *place = last;
-        }
-    }
+    let others = sky.iter().enumerate().filter(|(_, located)| !is_in(witnesses, located.satellite()));
+    let others = others.fold(0, |set, (index, _)| set | 1 << index);
+    remove(sky, others, &mut 0);
 }
 
 impl Navigator {

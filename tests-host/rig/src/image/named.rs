@@ -71,7 +71,7 @@ pub const NAMED: [Named; 4] = [
     Named {
         name: "signed",
         content: "`whole` with SBF and OSNMA",
-        features: "whole,sbf,osnma,satellites-32",
+        features: "whole,sbf,osnma,tie,satellites-32",
         compiled_for: CompiledFor::Size,
         satellites: 32,
         stack_bytes: 37 * 256,
