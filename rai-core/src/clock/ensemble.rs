@@ -26,7 +26,7 @@ use crate::epoch::{Aiding, EpochView};
 use crate::least_squares::equations::Row;
 use crate::least_squares::{RowFit, Snapshot};
 use crate::numeric::real::Real;
-use crate::numeric::space::zero;
+use crate::numeric::space::is_zero;
 use crate::satellite::Constellation;
 
 /// Least number of a constellation's satellites from which its clock is learned. A lone satellite
@@ -186,7 +186,7 @@ fn aiding_row<'s, T: Real, const N: usize>(
 
 /// Returns true for a row that depends on a clock but on no coordinate.
 fn is_forecast<T: Real>(row: &Row<T>) -> bool {
-    row.design == zero()
+    is_zero(&row.design)
 }
 
 fn left_out<T: Real>(row: &Row<T>) -> bool {

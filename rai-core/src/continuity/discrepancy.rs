@@ -72,6 +72,25 @@ impl Spread {
     }
 }
 
+/// What the marks have taught about ranges of one kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Spreads {
+    pub(super) position: Spread,
+    pub(super) clock: Spread,
+    /// Changes of the position from one mark to the next.
+    pub(super) step: Spread,
+}
+
+impl Spreads {
+    pub(super) const NONE: Self = Self { position: Spread::new(), clock: Spread::new(), step: Spread::new() };
+
+    /// Returns the same with all means multiplied.
+    pub(super) fn times(self, factor: f32) -> Self {
+        let times = |spread: Spread| Spread { mean_m: factor * spread.mean_m, ..spread };
+        Self { position: times(self.position), clock: times(self.clock), step: times(self.step) }
+    }
+}
+
 /// Noise of position and clock in the present epochs: the changes between successive ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Noise {

@@ -167,6 +167,13 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.motion.restart();
     }
 
+    /// Takes what ranges of the other kind have taught about their noise, of one frequency or of two.
+    /// If that is nothing yet, they count as `noisier` times as noisy as those before. Call it together
+    /// with [`Self::forget_residuals`].
+    pub fn change_kind(&mut self, noisier: f32) {
+        self.motion.change_kind(noisier);
+    }
+
     /// Forgets what limits the next position, so that it may be anywhere. The start of the next fix
     /// stays.
     pub fn forget_position(&mut self) {

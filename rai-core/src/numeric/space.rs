@@ -29,6 +29,11 @@ pub(crate) fn dot<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> T {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
+/// Returns true for the zero vector, and for one whose square is too small for the scalar.
+pub(crate) fn is_zero<T: Real>(a: &Vector3<T>) -> bool {
+    dot(a, a) == T::zero()
+}
+
 /// Returns `a × b`.
 #[inline]
 pub(crate) fn cross<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {

@@ -9,6 +9,9 @@ use crate::correction::{Located, Ranges};
 use crate::settings::{Configuration, Frequencies, Systems};
 use crate::time::GpsTime;
 
+/// Largest noise of a pair of frequencies, relative to that of one: that of L1 and L2.
+const NOISE_OF_PAIRS: f32 = 3.0;
+
 impl Navigator {
     /// Restarts learning if the kind of ranges or the set of systems changes, because earlier
     /// residuals then no longer apply.
@@ -16,6 +19,9 @@ impl Navigator {
         let before = self.learned.replace(learned);
         if before.is_some_and(|before| before != learned) {
             self.monitor.forget_residuals();
+            if before.map(|(ranges, _)| ranges) != Some(learned.0) {
+                self.monitor.change_kind(if learned.0 == Ranges::Pairs { NOISE_OF_PAIRS } else { 1.0 });
+            }
             #[cfg(feature = "both-kinds")]
             self.others.take_over(before, learned, self.monitor.adaptation_mut());
         }

@@ -62,9 +62,9 @@ pub fn decimal(text: &str) -> Option<f64> {
 }
 
 fn sign(text: &str) -> (bool, &str) {
-    match text.strip_prefix('-') {
-        Some(rest) => (true, rest),
-        None => (false, text.strip_prefix('+').unwrap_or(text)),
+    match text.as_bytes().first() {
+        Some(sign @ (b'-' | b'+')) => (*sign == b'-', text.get(1..).unwrap_or_default()),
+        _ => (false, text),
     }
 }
 

@@ -62,7 +62,7 @@ impl Motion {
     /// the position from that of the last mark by more than `step_m`. A return to the usual place
     /// is no step.
     pub(super) fn leap(&self, now: &Discrepancy, step_m: f32, is_home: Option<bool>) -> [bool; 2] {
-        let is_step = self.step.is_known()
+        let is_step = self.spreads.step.is_known()
             && is_home != Some(true)
             && self.marks.back().is_some_and(|mark| {
                 let [away_m, _] = now.from(&mark.discrepancy);
@@ -84,8 +84,9 @@ impl Motion {
         let lines = WINDOWS_S.into_iter().filter_map(|window_s| self.line_of(window_s, now_s, now));
         lines.fold([false; 2], |[track, clock], [(away_m, scatter_m), (apart_m, clock_scatter_m)]| {
             [
-                track || self.position.is_drift(away_m, [scatter_m, noise_m], floor_m),
-                clock || self.clock.is_drift(apart_m, [clock_scatter_m, clock_noise_m], clock_floor_m),
+                track || self.spreads.position.is_drift(away_m, [scatter_m, noise_m], floor_m),
+                clock
+                    || self.spreads.clock.is_drift(apart_m, [clock_scatter_m, clock_noise_m], clock_floor_m),
             ]
         })
     }
@@ -120,7 +121,7 @@ impl Motion {
         self.doubt.learn(now);
         if let Some(last) = self.marks.back() {
             let [away_m, _] = now.from(&last.discrepancy);
-            self.step.learn_change(away_m.max(0.0), None);
+            self.spreads.step.learn_change(away_m.max(0.0), None);
         }
         if let Some(oldest) = self.marks.front().filter(|mark| now_s - mark.time_s >= TEACHING_AGE_S as f32) {
             let [away_m, _] = now.from(&oldest.discrepancy);
@@ -130,8 +131,8 @@ impl Motion {
             };
             let scatter_m = scatters_m(WINDOWS_S[0]).map(|[scatter_m, _]| scatter_m);
             let clock_scatter_m = scatters_m(WINDOW_S as f32).map(|[_, scatter_m]| scatter_m);
-            self.position.learn_change(away_m.max(0.0), scatter_m);
-            self.clock.learn_change(apart_m, clock_scatter_m);
+            self.spreads.position.learn_change(away_m.max(0.0), scatter_m);
+            self.spreads.clock.learn_change(apart_m, clock_scatter_m);
         }
     }
 

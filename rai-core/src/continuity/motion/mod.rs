@@ -23,8 +23,8 @@
 //! | `L` | `HPL + VPL` of an epoch | m |
 //! | `e` | scatter of the marks about a straight line | m |
 //! | `n` | [`Noise`]: root mean square of the changes between the present epochs | m |
-//! | `s` | [`Spread`]: mean of `|δ_k − δ_1|` over the epochs so far | m |
-//! | `t` | [`Spread`]: mean of `|δ|` from one mark to the next | m |
+//! | `s` | [`Spreads`]: mean of `|δ_k − δ_1|` over the epochs so far | m |
+//! | `t` | [`Spreads`]: mean of `|δ|` from one mark to the next | m |
 //!
 //! A contradiction of the position is [`Alert::Track`], one of the clock [`Alert::Clock`]. In one
 //! epoch, the clock reveals a second receiver, a repeater, and most counterfeit signals. Within a
@@ -49,7 +49,8 @@
 //! In four recordings at rest, an added drift of position or clock is detected: at 1 m/s in 12 s,
 //! at 0.2 m/s within 51 s.
 //!
-//! **Learning.** `s` and `t` are learned from the marks, `n` from each epoch ([`marks`]).
+//! **Learning.** `s` and `t` are learned from the marks, `n` from each epoch ([`marks`]), for each kind of
+//! ranges by itself: pairs of frequencies are three times as noisy as one.
 //!
 //! **Contradicting rates.** If a position is far from the true one, the true rates fit no velocity.
 //! If the rates of an epoch contradict each other, its position must therefore be where the last
@@ -79,7 +80,7 @@ mod marks;
 
 use marks::{MARKS, Mark, WINDOW_S};
 
-use super::discrepancy::{Discrepancy, Noise, Spread};
+use super::discrepancy::{Discrepancy, Noise, Spreads};
 use super::doubt::Doubt;
 use super::oscillator::Oscillator;
 use super::path::{ACCELERATION_M_S2, LONGEST_GAP_S, LONGEST_STEP_S, Moment, Path, across_gap};
@@ -111,10 +112,9 @@ pub struct Motion {
     last: Option<Moment>,
     path: Option<Path>,
     marks: Deque<Mark, MARKS>,
-    position: Spread,
-    clock: Spread,
-    /// Changes of the position from one mark to the next.
-    step: Spread,
+    spreads: Spreads,
+    /// Those of ranges of another kind.
+    others: Spreads,
     noise: Noise,
     doubt: Doubt,
     reference: Constellation,
@@ -137,9 +137,8 @@ impl Motion {
             last: None,
             path: None,
             marks: Deque::new(),
-            position: Spread::new(),
-            clock: Spread::new(),
-            step: Spread::new(),
+            spreads: Spreads::NONE,
+            others: Spreads::NONE,
             noise: Noise::new(),
             doubt: Doubt::new(),
             reference: Constellation::Gps,
@@ -166,6 +165,18 @@ impl Motion {
         }
         (self.doubt, self.steering) = (Doubt::new(), Steering::new());
         self.restart();
+    }
+
+    /// Continues with ranges of another kind: with what they have taught before, or else with what
+    /// those before have taught, times `noisier`.
+    pub fn change_kind(&mut self, noisier: f32) {
+        if !cfg!(feature = "past") {
+            return;
+        }
+        core::mem::swap(&mut self.spreads, &mut self.others);
+        if !self.spreads.clock.is_known() {
+            self.spreads = self.others.times(noisier);
+        }
     }
 
     /// Returns true if the rates have contradicted each other for so long that the position must
@@ -258,7 +269,7 @@ impl Motion {
         // The noise of a difference is that of both epochs.
         let last_m = self.marks.back().map_or(now.level_m, |mark| mark.discrepancy.level_m);
         let both_m = LEVEL_SHARE * sqrt(now.level_m * now.level_m + last_m * last_m);
-        let step_m = (STEPS * self.step.mean_m()).max(both_m);
+        let step_m = (STEPS * self.spreads.step.mean_m()).max(both_m);
         let is_home = self.doubt.is_home(&discrepancy, step_m);
         self.steering.observe(now_s, discrepancy.clock_m);
         let [leap, leap_of_clock] = self.leap(&discrepancy, step_m, is_home);

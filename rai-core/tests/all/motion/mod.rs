@@ -2,6 +2,7 @@
 //! they were made.
 #![allow(clippy::unwrap_used)]
 
+mod kinds;
 mod steering;
 
 use raim_core::frame::{Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};

@@ -39,7 +39,7 @@ use crate::bounded::{fill, gather};
 use crate::least_squares::equations::{MAX_ROWS, Row};
 use crate::numeric::cholesky::{Cholesky, Matrix, ORDER, Vector, add_outer_product, dot, product};
 use crate::numeric::real::Real;
-use crate::numeric::space::zero;
+use crate::numeric::space::is_zero;
 use crate::satellite::Constellation;
 
 /// Most subsets, of four rows each: as many as [`MAX_ROWS`] of one constellation give.
@@ -208,7 +208,7 @@ impl<T: Real, const N: usize> Dealer<T, N> {
 
     fn take_candidates(&mut self, rows: &[Row<T>]) {
         let satellites = rows.iter().enumerate().filter_map(|(index, row)| {
-            let takes_part = row.weight > T::zero() && row.design != zero();
+            let takes_part = row.weight > T::zero() && !is_zero(&row.design);
             let clock = row.clock.filter(|_| takes_part)?;
             Some(DealtSatellite { index, clock, design: row.design, subset: None })
         });
