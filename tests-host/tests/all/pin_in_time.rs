@@ -254,7 +254,8 @@ fn authentication_of_a_whole_sky_delays_no_pin() {
         println!("{core_hz} Hz: {:.1} ms, {} slices, {done:?}", have.latest_ms(), have.slices);
         // A signature takes 545 slices, and a chain of a week 1,833 of eleven steps each.
         assert!(have.slices > 545 + 1800, "{} slices", have.slices);
-        assert!(done[0] == 1 && done[1] >= 36, "{done:?}");
+        // More messages come at once than there is room for.
+        assert!(done[0] == 1 && done[1..].iter().all(|count| *count >= 16), "{done:?}");
         assert_eq!(have.lateness_ns.len(), lumps.len() - QUIET, "every epoch is judged");
         assert!(have.latest_ms() <= promised_ms(core_hz), "{:.1} ms late", have.latest_ms());
     }
