@@ -22,7 +22,7 @@ use super::epochs::EpochLoop;
 use crate::correction::CAPACITY;
 use crate::ephemeris::Demand;
 use crate::observer::Observer;
-use crate::osnma::{Keys, Proof, Worked};
+use crate::osnma::{Keys, Proof, Standing, Worked};
 use crate::output::nmea::{AuthenticationReport, TimeOfDay, write_authentication};
 use crate::settings::{Authentication, Configuration};
 use crate::time::GpsTime;
@@ -95,6 +95,12 @@ impl<P: OutputPin, O: Observer> Receiver<P, O> {
             *worked_ms = now_ms;
             epochs.authentication = Some(input.authentication().summary(&keys, now_ms));
         }
+    }
+
+    /// Returns what the authentication is worth now; `None` without a key.
+    pub fn standing(&self) -> Option<Standing> {
+        let proof = self.epochs.proof(self.now_ms);
+        self.epochs.authentication.as_ref().map(|summary| Standing::of(summary, proof))
     }
 
     /// Returns the number of slices since start.
