@@ -4,6 +4,7 @@
 //! module keeps no tag from before its root key, and uses the messages of the subframe before that.
 
 mod first_proofs;
+mod outputs;
 mod second;
 mod slices;
 mod trusted;
