@@ -5,6 +5,7 @@
 
 mod first_proofs;
 mod outputs;
+mod recorded;
 mod second;
 mod slices;
 mod trusted;
