@@ -52,6 +52,61 @@
 #define RAI_ABI_VERSION 3
 
 /**
+ * There is no key, the setting `AUTH` is `OFF`, or the library was built without OSNMA.
+ */
+#define RAI_OSNMA_NONE 0
+
+/**
+ * There is a root of the tree and no key: a new key is awaited.
+ */
+#define RAI_OSNMA_NOKEY 1
+
+/**
+ * No root key is proved yet.
+ */
+#define RAI_OSNMA_WAIT 2
+
+/**
+ * The root key is signed by a key with another number.
+ */
+#define RAI_OSNMA_OTHERKEY 3
+
+/**
+ * The system uses functions that the library lacks.
+ */
+#define RAI_OSNMA_UNSUPPORTED 4
+
+/**
+ * Tags are checked; how old the sky is, is not known.
+ */
+#define RAI_OSNMA_UNDATED 5
+
+/**
+ * Tags are checked; those with a later key are proof.
+ */
+#define RAI_OSNMA_LATER 6
+
+/**
+ * Tags are checked; all are proof.
+ */
+#define RAI_OSNMA_DATED 7
+
+/**
+ * The system says that its tags must not be used.
+ */
+#define RAI_OSNMA_DONTUSE 8
+
+/**
+ * The system's alert has ended the use of OSNMA.
+ */
+#define RAI_OSNMA_STOPPED 9
+
+/**
+ * Two satellites sent false words or keys within the last 5 minutes.
+ */
+#define RAI_OSNMA_FALSE 10
+
+/**
  * Bytes of a counter's name, with the NUL at its end.
  */
 #define RAI_COUNTER_NAME_SIZE 36
@@ -516,6 +571,48 @@ typedef struct {
      */
     uint64_t opaque[RAI_RECEIVER_WORDS];
 } rai_receiver_t;
+
+/**
+ * What is known of Galileo's ephemerides. It is never about ranges, nor about the position.
+ */
+typedef struct {
+    /**
+     * `sizeof(rai_authentication_t)`, set by the caller.
+     */
+    uint32_t size;
+    /**
+     * State, `RAI_OSNMA_NONE` to `RAI_OSNMA_FALSE`.
+     */
+    uint8_t state;
+    /**
+     * Number of the public key that signed the root key; 0 before that.
+     */
+    uint8_t key;
+    /**
+     * Number of the chain in force; 0 before there is one.
+     */
+    uint8_t chain;
+    /**
+     * Number of satellites in view whose ephemerides are proved.
+     */
+    uint8_t proved;
+    /**
+     * Number of those whose ephemerides are not.
+     */
+    uint8_t unproved;
+    /**
+     * Number of those whose ephemerides are false.
+     */
+    uint8_t false_count;
+    /**
+     * Reserved for later use.
+     */
+    uint8_t reserved[6];
+    /**
+     * Age of the oldest proof, s; NaN without a proof.
+     */
+    double oldest_proof_s;
+} rai_authentication_t;
 
 /**
  * Counter of a receiver.
@@ -1080,6 +1177,16 @@ rai_status_t rai_monitor_accuracy(const rai_monitor_t *monitor, rai_accuracy_t *
 rai_status_t rai_receiver_accuracy(const rai_receiver_t *receiver, rai_accuracy_t *accuracy);
 
 /**
+ * Writes what is known of Galileo's ephemerides now, as the sentence `PRAIO` does.
+ *
+ * # Safety
+ * As for `rai_receiver_pin`; `authentication` is null or points to a struct of the size that it begins
+ * with.
+ */
+rai_status_t rai_receiver_authentication(const rai_receiver_t *receiver,
+                                         rai_authentication_t *authentication);
+
+/**
  * Writes the counter with this number, counted from 0. Refuses numbers beyond the last with
  * `RAI_STATUS_COUNT`, so that a loop ends there.
  *
@@ -1339,6 +1446,7 @@ RAI_ASSERT(sizeof(rai_range_t) == 48, rai_range_t_has_another_layout);
 RAI_ASSERT(sizeof(rai_verdict_t) == 168, rai_verdict_t_has_another_layout);
 RAI_ASSERT(sizeof(rai_accuracy_t) == 128, rai_accuracy_t_has_another_layout);
 RAI_ASSERT(sizeof(rai_velocity_t) == 120, rai_velocity_t_has_another_layout);
+RAI_ASSERT(sizeof(rai_authentication_t) == 24, rai_authentication_t_has_another_layout);
 RAI_ASSERT(sizeof(rai_residual_t) == 24, rai_residual_t_has_another_layout);
 RAI_ASSERT(sizeof(rai_counter_t) == 44, rai_counter_t_has_another_layout);
 RAI_ASSERT(sizeof(rai_monitor_t) == RAI_MONITOR_SIZE, rai_monitor_t_has_another_layout);

@@ -9,7 +9,8 @@
 //!
 //! `rai_receiver_set` takes a command as a key and its values, without a checksum. Both levels
 //! explain their last epoch: `…_accuracy` (covariance, dilutions, clocks) and `…_residuals` (one
-//! for each satellite), the receiver also `rai_receiver_velocity` and `rai_receiver_counter`.
+//! for each satellite), the receiver also `rai_receiver_velocity`, `rai_receiver_counter` and, with
+//! OSNMA, `rai_receiver_authentication`.
 //!
 //! `cargo xtask header` makes the header `include/rai.h` from these files, with this documentation.
 //!
@@ -43,6 +44,7 @@
 //! | `receiver` | `rai_receiver_*`: RTCM 3 in, sentences and pin out |
 //! | `ubx`, `sbf`, `glonass`, `mavlink` | messages of u-blox receivers, blocks of Septentrio receivers, orbits of GLONASS, messages for autopilots |
 //! | `gsv` | satellites in view (`OUTPUT,GSV`); not part of `whole` |
+//! | `osnma` | authenticated ephemerides of Galileo; not part of `whole` |
 //! | `tables` | thresholds for all committed probabilities |
 //! | `searches` | `RAI_METHOD_SIMULTANEOUS` to `RAI_METHOD_RANSAC` |
 //! | `araim` | `RAI_METHOD_SEPARATION` |
@@ -64,6 +66,8 @@
 
 mod accuracy;
 #[cfg(feature = "receiver")]
+mod authentication;
+#[cfg(feature = "receiver")]
 mod counter;
 mod monitor;
 #[cfg(all(target_os = "none", feature = "panic-handler"))]
@@ -84,6 +88,8 @@ mod verdict;
 mod watcher;
 
 pub use accuracy::*;
+#[cfg(feature = "receiver")]
+pub use authentication::*;
 #[cfg(feature = "receiver")]
 pub use counter::*;
 pub use monitor::*;

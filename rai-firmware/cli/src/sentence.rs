@@ -5,9 +5,11 @@
 //! | `GNS`, `GGA` | [`Sentence::Position`]: a position, or none |
 //! | `PRAIS` | [`Sentence::State`]: verdict, test, protection levels |
 //! | `PRAIX` | [`Sentence::Excluded`]: one satellite left out |
+//! | `PRAIO` | [`Sentence::Authentication`]: what is known of Galileo's ephemerides |
 //! | others | [`Sentence::Other`] |
 //!
-//! [`epochs`] combines them again: an epoch begins with its position. A module that says both `GNS`
+//! [`epochs`] combines them again: an epoch begins with what is known of its ephemerides, if there is a
+//! key, and its position. A module that says both `GNS`
 //! and `GGA` says the same in them; the small one has `GGA` alone.
 
 use anyhow::{Context, bail, ensure};
@@ -25,6 +27,8 @@ pub enum Sentence {
     State(State),
     /// `PRAIX`.
     Excluded(Excluded),
+    /// `PRAIO`.
+    Authentication(Authentication),
     /// A valid sentence of another kind.
     Other,
 }
@@ -95,6 +99,23 @@ pub struct Excluded {
     pub bias_m: f64,
 }
 
+/// Content of `PRAIO`, as far as it is about satellites.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "replay", derive(serde::Serialize))]
+pub struct Authentication {
+    /// State, as in the interface.
+    pub state: String,
+    /// Satellites in view whose ephemerides are proved.
+    pub proved: u32,
+    /// Those whose ephemerides are not.
+    pub unproved: u32,
+    /// Those whose ephemerides are false.
+    #[cfg_attr(feature = "replay", serde(rename = "false"))]
+    pub wrong: u32,
+    /// Age of the oldest proof, s; `None` without a proof.
+    pub oldest_proof_s: Option<u32>,
+}
+
 /// Report on one epoch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EpochOutput {
@@ -104,6 +125,8 @@ pub struct EpochOutput {
     pub state: State,
     /// Satellites left out.
     pub excluded: Vec<Excluded>,
+    /// What is known of Galileo's ephemerides; `None` without a key.
+    pub authentication: Option<Authentication>,
 }
 
 /// Returns the command `$PRAIC,{text}` with its checksum and line end, for instance for
@@ -164,6 +187,7 @@ pub fn parse(line: &str) -> anyhow::Result<Sentence> {
         Some("GNGGA") => position(&fields(), [9, 11]).map(Sentence::Position),
         Some("PRAIS") => state(&fields()).map(Sentence::State),
         Some("PRAIX") => excluded(&fields()).map(Sentence::Excluded),
+        Some("PRAIO") => authentication(&fields()).map(Sentence::Authentication),
         _ => Ok(Sentence::Other),
     };
     read.with_context(|| format!("in {line:?}"))
@@ -175,12 +199,14 @@ pub fn parse(line: &str) -> anyhow::Result<Sentence> {
 /// If a line is not a sentence; the error shows the first one.
 pub fn epochs(text: &str) -> anyhow::Result<Vec<EpochOutput>> {
     let mut epochs: Vec<EpochOutput> = Vec::new();
-    let mut position = None;
+    let (mut position, mut authentication) = (None, None);
     for line in text.lines() {
         match parse(line)? {
+            Sentence::Authentication(found) => authentication = Some(found),
             Sentence::Position(found) => position = found,
             Sentence::State(state) => {
-                epochs.push(EpochOutput { position: position.take(), state, excluded: Vec::new() });
+                let (position, authentication) = (position.take(), authentication.take());
+                epochs.push(EpochOutput { position, state, excluded: Vec::new(), authentication });
             }
             Sentence::Excluded(satellite) => {
                 epochs.last_mut().context("PRAIX before PRAIS")?.excluded.push(satellite);
@@ -269,6 +295,16 @@ fn excluded(fields: &[&str]) -> anyhow::Result<Excluded> {
     })
 }
 
+fn authentication(fields: &[&str]) -> anyhow::Result<Authentication> {
+    Ok(Authentication {
+        state: text(fields, 2)?,
+        proved: required(fields, 5)?,
+        unproved: required(fields, 6)?,
+        wrong: required(fields, 7)?,
+        oldest_proof_s: optional(fields, 8)?,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -294,6 +330,24 @@ mod tests {
         assert_eq!((state.hpl_m, state.vpl_m, state.val_m), (Some(12.3), None, None));
         assert_eq!(have[0].excluded[0].satellite.to_string(), "G05");
         assert!((have[0].excluded[0].bias_m - 81.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_known_of_ephemerides_is_of_the_epoch_behind_it() {
+        let stream = [
+            nmea_line("PRAIO,120000.00,DATED,1,0,6,2,1,31,5.0,12.3"),
+            nmea_line("PRAIS,120000.00,U,NOFIX,9,0,,,,,,556.0,"),
+            nmea_line("PRAIS,120001.00,A,STALE,0,0,,,,,,556.0,"),
+            nmea_line("PRAIO,120002.00,WAIT,,,0,8,0,,,"),
+            nmea_line("PRAIS,120002.00,U,NOFIX,8,0,,,,,,556.0,"),
+        ]
+        .concat();
+        let of = |state: &str, [proved, unproved, wrong]: [u32; 3], oldest_proof_s| {
+            Some(Authentication { state: state.to_owned(), proved, unproved, wrong, oldest_proof_s })
+        };
+        let have = epochs(&stream).unwrap().into_iter().map(|epoch| epoch.authentication);
+        let want = [of("DATED", [6, 2, 1], Some(31)), None, of("WAIT", [0, 8, 0], None)];
+        assert_eq!(have.collect::<Vec<_>>(), want);
     }
 
     #[test]

@@ -19,6 +19,7 @@ METHODS = {
     "AUTO": 0, "BAARDA": 1, "SIMULTANEOUS": 2, "SEQUENTIAL": 3, "HYBRID": 4, "GROUPING": 5, "RANSAC": 6, "SEPARATION": 7,
 }  # fmt: skip
 LEVELS = {"BOUND": 0, "SLOPE": 1}
+OSNMA = ["", "NOKEY", "WAIT", "OTHERKEY", "UNSUPPORTED", "UNDATED", "LATER", "DATED", "DONTUSE", "STOPPED", "FALSE"]
 
 
 class RefusedError(ValueError):
@@ -89,6 +90,16 @@ class Velocity(_Sized):
     )
 
 
+class Authentication(_Sized):
+    """`rai_authentication_t`."""
+
+    _fields_ = (
+        [("size", c_uint32)]
+        + [(name, c_uint8) for name in ("state", "key", "chain", "proved", "unproved", "false_count")]
+        + [("reserved", c_uint8 * 6), ("oldest_proof_s", c_double)]
+    )
+
+
 class Residual(ctypes.Structure):
     """`rai_residual_t`."""
 
@@ -140,6 +151,7 @@ _FUNCTIONS = {
     "rai_receiver_report": (_STATUS, [c_void_p, POINTER(Verdict)]),
     "rai_receiver_accuracy": (_STATUS, [c_void_p, POINTER(Accuracy)]),
     "rai_receiver_velocity": (_STATUS, [c_void_p, POINTER(Velocity)]),
+    "rai_receiver_authentication": (_STATUS, [c_void_p, POINTER(Authentication)]),
     "rai_receiver_satellites": (_STATUS, [c_void_p, POINTER(Seen), c_size_t, POINTER(c_size_t)]),
     "rai_fate_text": (c_void_p, [c_uint8, POINTER(c_size_t)]),
     "rai_receiver_counter": (_STATUS, [c_void_p, c_size_t, POINTER(Counter)]),

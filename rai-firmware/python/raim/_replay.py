@@ -33,7 +33,12 @@ class Replay:
     """Output of the module for a recording."""
 
     epochs: pandas.DataFrame
-    """One row for each verdict: time of day in UTC, state, reason, levels, position, velocity, pin."""
+    """One row for each verdict: time of day in UTC, state, reason, levels, position, velocity, pin.
+
+    With a `KEY`, `osnma_state` is the state in `PRAIO`, and `osnma_proved`, `osnma_unproved` and `osnma_false` count the
+    Galileo satellites in view by what is known of their ephemerides, never of their ranges. `osnma_oldest_proof_s` is NaN
+    without a proof.
+    """
     satellites: pandas.DataFrame
     """One row for each satellite that is tracked in an epoch, as in the table of `rai replay --satellites`.
 
@@ -118,6 +123,7 @@ class _Module:
         self._memory = c.memory(LIBRARY.rai_receiver_size())
         self._judged = ctypes.c_uint8()
         self._verdict, self._accuracy, self._velocity = c.Verdict(), c.Accuracy(), c.Velocity()
+        self._authentication = c.Authentication()
         self._seen, self._count = (c.Seen * c.MAX_SEEN)(), ctypes.c_size_t()
         demand(LIBRARY.rai_receiver_init(self._memory, ctypes.sizeof(self._memory), self._text))
         self._said()
@@ -169,6 +175,7 @@ class _Module:
             (LIBRARY.rai_receiver_report, self._verdict),
             (LIBRARY.rai_receiver_accuracy, self._accuracy),
             (LIBRARY.rai_receiver_velocity, self._velocity),
+            (LIBRARY.rai_receiver_authentication, self._authentication),
         ):
             demand(call(self._memory, struct))
         verdict, accuracy, velocity = self._verdict, self._accuracy, self._velocity
@@ -180,6 +187,9 @@ class _Module:
         row |= {name: getattr(accuracy, name) for name in ("hdop", "vdop", "residual_rms_m")}
         row |= {name: getattr(velocity, name) for name in ("east_m_s", "north_m_s", "up_m_s")}
         row["excluded"] = " ".join(f"{known.system.decode()}{known.number:02}" for known in excluded)
+        known = self._authentication
+        row |= {"osnma_state": c.OSNMA[known.state], "osnma_proved": known.proved, "osnma_unproved": known.unproved}
+        row |= {"osnma_false": known.false_count, "osnma_oldest_proof_s": known.oldest_proof_s}
         row["pin"] = bool(LIBRARY.rai_receiver_pin(self._memory))
         return row
 

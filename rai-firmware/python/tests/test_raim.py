@@ -116,6 +116,17 @@ class Recording(unittest.TestCase):
         self.assertGreater(len(set(have.reason)), 1)
         self.assertTrue(have[have.is_used].notna().all(axis=None))
 
+    @unittest.skipUnless(os.environ.get("RAIM_SIGNED"), "needs the recording of a signed sky")
+    def test_ephemerides_are_proved_or_false(self):
+        # Eight satellites, of which one sends a false orbit.
+        epochs = raim.replay(os.environ["RAIM_SIGNED"], {"KEY": os.environ["RAIM_KEY"]}).epochs
+        last = epochs.iloc[-1]
+        self.assertEqual((last.osnma_state, last.osnma_proved, last.osnma_unproved, last.osnma_false), ("UNDATED", 7, 0, 1))
+        self.assertTrue(0 < last.osnma_oldest_proof_s < 120)
+        self.assertTrue(np.isnan(epochs.osnma_oldest_proof_s[30]) and epochs.osnma_state[30] == "WAIT")
+        without = raim.replay(os.environ["RAIM_CAPTURE"]).epochs
+        self.assertTrue((without.osnma_state == "").all() and (without.osnma_proved == 0).all())
+
     def test_setting_is_obeyed_or_refused(self):
         run = raim.replay(os.environ["RAIM_CAPTURE"], {"PHASE": "LPV200"})
         self.assertTrue(any(line.startswith("$PRAIA,PHASE,LPV200,OK") for line in run.sentences))

@@ -169,7 +169,7 @@ impl LeapSeconds {
 }
 
 /// Returns true for the first of January and of July, until 2099.
-const fn begins_half_year(days_since_1980_01_06: u32) -> bool {
+pub(crate) const fn begins_half_year(days_since_1980_01_06: u32) -> bool {
     // Days of four years, of which the first is a leap year, as 1980 was.
     matches!((days_since_1980_01_06 + 5) % 1461, 0 | 182 | 366 | 547 | 731 | 912 | 1096 | 1277)
 }

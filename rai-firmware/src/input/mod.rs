@@ -103,6 +103,8 @@ use protocol::{Extent, Frame, Measurements, Protocol, formats};
 
 pub use counters::Counters;
 pub use event::{Event, Rivalry};
+#[cfg(feature = "osnma")]
+pub(crate) use leap_seconds::begins_half_year;
 pub use leap_seconds::{LeapSecond, LeapSource};
 pub use message_week::NOT_BEFORE_WEEK;
 pub use suspicion::{Jamming, LoggedEvents, ReceiverLevels, Reporter, SelfReport, Suspicion, Suspicions};

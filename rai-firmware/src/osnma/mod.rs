@@ -53,6 +53,7 @@ mod queue;
 mod renewal;
 mod root;
 mod signature;
+mod standing;
 mod table;
 mod tags;
 mod tally;
@@ -68,6 +69,7 @@ use merkle::KEY;
 use pages::Collected;
 use root::Root;
 use signature::Verification;
+pub use standing::Standing;
 use tags::MACK;
 pub use tally::Tally;
 use verdicts::{Alarm, Satellite, units};
@@ -79,6 +81,9 @@ const KEYS_FROM: u8 = 12;
 
 /// Subframes from a tag with a later key to that key.
 const SLOW: u8 = 11;
+
+/// Number of messages of a subframe that are kept for its key, though tags of the one before wait.
+const FOR_THE_KEY: usize = 4;
 
 /// Number that no chain has.
 const NO_CHAIN: u8 = u8::MAX;
@@ -327,10 +332,8 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
             *place = *four;
         }
         self.held.retain(|held| held.satellite != satellite || held.subframe == subframe.back(1));
-        if self.held.is_full() {
-            let oldest =
-                (0..self.held.len()).min_by_key(|&index| self.held.get(index).map(|held| held.subframe));
-            oldest.map(|index| take(&mut self.held, index));
+        if self.held.is_full() && !self.give_way(subframe) {
+            return;
         }
         let _ = self.held.push(Held {
             satellite,
@@ -341,6 +344,24 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
             next: 0,
             is_in_order: false,
         });
+    }
+
+    /// Makes room for a message of a subframe; returns false if others of it are worth more.
+    ///
+    /// All satellites complete a subframe at once. The messages of the one before wait for the key in
+    /// those that come, and a few of these suffice for it.
+    fn give_way(&mut self, subframe: Subframe) -> bool {
+        let tags = self.chains.iter().flatten().map(|chain| chain.parameters.tags()).max().unwrap_or(0);
+        let is_done = |held: &Held| held.belief == Belief::Wrong || tags > 0 && usize::from(held.next) > tags;
+        let of_it = self.held.iter().filter(|held| held.subframe == subframe).count();
+        let done = self.held.iter().position(is_done);
+        if done.is_none() && tags > 0 && of_it >= FOR_THE_KEY {
+            return false;
+        }
+        let oldest =
+            || (0..self.held.len()).min_by_key(|&index| self.held.get(index).map(|held| held.subframe));
+        done.or_else(oldest).map(|index| take(&mut self.held, index));
+        true
     }
 
     /// Returns the verdict on the words that a satellite sent last.

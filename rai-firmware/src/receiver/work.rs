@@ -22,12 +22,13 @@ use super::epochs::EpochLoop;
 use crate::correction::CAPACITY;
 use crate::ephemeris::Demand;
 use crate::observer::Observer;
-use crate::osnma::{Keys, Proof, Worked};
+use crate::osnma::{Keys, Proof, Standing, Worked};
 use crate::output::nmea::{AuthenticationReport, TimeOfDay, write_authentication};
 use crate::settings::{Authentication, Configuration};
 use crate::time::GpsTime;
 
-/// Silence of the line after which a slice is done, ms.
+/// Time without bytes to read after which a slice is done, ms. It counts from when they were read, not
+/// from their arrival: a module that is behind has more of them waiting.
 const SILENT_MS: u64 = 3;
 
 /// Time without a slice after which one is done on a busy line, and while an epoch is open, ms.
@@ -50,14 +51,22 @@ impl<P: OutputPin, O: Observer> Receiver<P, O> {
     /// Does slices of the authentication if it is their turn.
     #[inline(never)]
     pub(super) fn authenticate(&mut self, now_ms: u64) {
-        let Self { input, epochs, last_byte_ms, worked_ms, .. } = self;
+        let Self {
+            input,
+            epochs,
+            heard_ms,
+            worked_ms,
+            #[cfg(feature = "observer")]
+                slices: done,
+            ..
+        } = self;
         let keys = epochs.keys;
         if epochs.configuration.authentication == Authentication::Off || keys == Keys::NONE {
             epochs.authentication = None;
             return;
         }
         let rested_ms = now_ms.saturating_sub(*worked_ms);
-        let is_silent = last_byte_ms.is_none_or(|last_ms| now_ms.saturating_sub(last_ms) >= SILENT_MS);
+        let is_silent = now_ms.saturating_sub(*heard_ms) >= SILENT_MS;
         let is_due = match (input.has_open_epoch(), is_silent) {
             (false, true) => rested_ms > 0,
             (false, false) => rested_ms >= PATIENCE_MS,
@@ -69,21 +78,36 @@ impl<P: OutputPin, O: Observer> Receiver<P, O> {
         let slices = if rested_ms >= SELDOM_MS { SLICES } else { 1 };
         let mut has_worked = false;
         for _ in 0..slices {
-            if epochs.navigator.compare_systems() {
-                has_worked = true;
-                continue;
-            }
-            match input.authentication_mut().work(&keys, now_ms) {
-                Worked::Nothing => break,
-                Worked::Something => {}
-                Worked::Judged(number, seal) => epochs.navigator.take_verdict(number, seal),
+            if !epochs.navigator.compare_systems() {
+                match input.authentication_mut().work(&keys, now_ms) {
+                    Worked::Nothing => break,
+                    Worked::Something => {}
+                    Worked::Judged(number, seal) => epochs.navigator.take_verdict(number, seal),
+                }
             }
             has_worked = true;
+            #[cfg(feature = "observer")]
+            {
+                *done += 1;
+            }
         }
         if has_worked || rested_ms >= SUMMARY_MS {
             *worked_ms = now_ms;
             epochs.authentication = Some(input.authentication().summary(&keys, now_ms));
         }
+    }
+
+    /// Returns what the authentication is worth now; `None` without a key.
+    pub fn standing(&self) -> Option<Standing> {
+        let proof = self.epochs.proof(self.now_ms);
+        self.epochs.authentication.as_ref().map(|summary| Standing::of(summary, proof))
+    }
+
+    /// Returns the number of slices since start.
+    #[cfg(feature = "observer")]
+    #[doc(hidden)]
+    pub const fn slices(&self) -> u32 {
+        self.slices
     }
 
     /// Takes the keys of changed settings. Another key discards all verdicts.

@@ -3,14 +3,20 @@
 
 use raim::sentence::command;
 use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::osnma::words::Arbitrary;
+use raim::signal::osnma::{Chain, Secret, System};
 use raim::signal::sky::raw::Simulation;
+use raim_firmware::time::GpsTime;
 use rig::bench::budget;
 use rig::bench::time::{FULL_HZ, INTERNAL_HZ, at_most};
 use rig::document;
-use rig::paced::{Costs, Lines, Outcome, run};
+use rig::paced::{Costs, Lines, Outcome, run, run_with};
 
 /// Cost of an expensive epoch, cycles.
 const EPOCH: u64 = 2_200_000;
+
+/// Cost of reading a page of 44 bytes, cycles.
+const PAGE: u64 = 13_200;
 
 /// Returns the longest time from an epoch's last byte to its pin that is promised, ms.
 fn promised_ms(core_hz: u64) -> f64 {
@@ -189,6 +195,69 @@ fn the_loop_goes_round_once_a_millisecond_or_by_64_bytes() {
         let milliseconds = 10 * 200 + 1000;
         let most = milliseconds + bytes as u64 / 64;
         assert!((milliseconds / 2..=most).contains(&have.passes), "{gnss_baud} baud: {} passes", have.passes);
+    }
+}
+
+/// Seconds that a signed sky takes to its first proofs, and those of a few tags with a later key.
+const SIGNED_S: u32 = 240;
+
+/// Epochs with the pages of Galileo before them.
+pub(crate) struct SignedLumps {
+    /// Time of the first.
+    pub(crate) start: GpsTime,
+    /// One each second.
+    pub(crate) lumps: Vec<Vec<u8>>,
+    /// Setting of the key that signs the pages.
+    pub(crate) key: String,
+}
+
+/// Returns epochs with the pages of so many satellites, of which `liar` sends a false orbit. The root key is
+/// a week old.
+pub(crate) fn signed_lumps(secret: Secret, satellites: u8, liar: Option<u8>) -> SignedLumps {
+    const WEEK: u32 = 20_160;
+    let recording = Simulation::above_xian(3600.0, SIGNED_S, 11).record();
+    let start = recording.epochs[0].time;
+    let start_s = (u32::from(start.week) - 1024) * 604_800 + start.tow_ms / 1000;
+    let first = start_s / 30;
+    // Root keys are of whole hours.
+    let (week, hour) = ((first - WEEK) / WEEK, (first - WEEK) % WEEK / 120 + 2);
+    let words = Box::new(Arbitrary { seed: 46 });
+    let system =
+        System::with_keys(WEEK, secret, 46, Chain::root(week, hour), (1..=satellites).collect(), words);
+    let mut pages = system.pages(first..first + SIGNED_S / 30 + 1);
+    for page in pages.iter_mut().filter(|page| Some(page.satellite) == liar && page.word[0] >> 2 == 2) {
+        page.word[5] ^= 1;
+    }
+    let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual).unwrap());
+    let lump = |(second, epoch): (u32, &_)| {
+        let complete = pages.iter().filter(|page| page.end_s() == start_s + second);
+        let mut bytes: Vec<u8> = complete.flat_map(|page| page.frame().expect("a satellite")).collect();
+        bytes.extend(encoder.epoch(epoch).unwrap());
+        bytes
+    };
+    let lumps = (0..).zip(&recording.epochs).map(lump).collect();
+    let digits: Vec<String> = system.public().iter().map(|byte| format!("{byte:02X}")).collect();
+    SignedLumps { start, lumps, key: format!("KEY,1,{}", digits.concat()) }
+}
+
+/// A signature, a chain of a week and the tags of 36 satellites are worked off between epochs.
+#[test]
+fn authentication_of_a_whole_sky_delays_no_pin() {
+    let SignedLumps { lumps, key, .. } = signed_lumps(Secret::test(), 36, None);
+    for (core_hz, epoch) in
+        [(FULL_HZ, EPOCH), (FULL_HZ, worst(FULL_HZ)), (INTERNAL_HZ, worst_of_all(INTERNAL_HZ))]
+    {
+        let costs = Costs { gnss_byte: PAGE / 44, ..Costs::measured(core_hz, epoch) };
+        let have = run_with(&lumps, QUIET, &[&key], every(1000), costs);
+        let done = ["osnma_roots_right", "osnma_keys_right", "osnma_sequences_right", "osnma_orbits_right"];
+        let done = done.map(|name| have.counter(name));
+        println!("{core_hz} Hz: {:.1} ms, {} slices, {done:?}", have.latest_ms(), have.slices);
+        // A signature takes 545 slices, and a chain of a week 1,833 of eleven steps each.
+        assert!(have.slices > 545 + 1800, "{} slices", have.slices);
+        // More messages come at once than there is room for.
+        assert!(done[0] == 1 && done[1..].iter().all(|count| *count >= 16), "{done:?}");
+        assert_eq!(have.lateness_ns.len(), lumps.len() - QUIET, "every epoch is judged");
+        assert!(have.latest_ms() <= promised_ms(core_hz), "{:.1} ms late", have.latest_ms());
     }
 }
 

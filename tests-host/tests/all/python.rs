@@ -7,12 +7,15 @@ use std::process::Command;
 use raim::replay::{self, Lump, Window};
 use raim::satellites::{HEADING, Views, row};
 use raim::signal::encode::{Frequency, Selection};
+use raim::signal::osnma::Secret;
 use raim::signal::sky::raw::Simulation;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use rig::capi::{Kind, WHOLE, folder, library, run};
 use rig::{setup, skip};
 use serde_json::Value;
+
+use crate::pin_in_time::signed_lumps;
 
 /// Epochs of the recording.
 const EPOCHS: usize = 20;
@@ -39,7 +42,12 @@ fn with_recording(python: &Path, out: &Path) -> Command {
     std::fs::write(&table, satellites(&lumps)).expect("a file");
     let bytes: Vec<u8> = lumps.into_iter().flat_map(|lump| lump.bytes).collect();
     std::fs::write(&capture, bytes).expect("a file");
+    // No release takes the key of the tests, and this library is one.
+    let signed = signed_lumps(Secret::of(b"another"), 8, Some(3));
+    let sky = out.join("signed.rtcm3");
+    std::fs::write(&sky, signed.lumps.concat()).expect("a file");
     let mut python = Command::new(python);
+    python.env("RAIM_SIGNED", sky).env("RAIM_KEY", signed.key.trim_start_matches("KEY,"));
     python.env("PYTHONPATH", package()).env("PYTHONDONTWRITEBYTECODE", "1");
     let features = format!("{WHOLE},watcher");
     python.env("RAI_LIBRARY", library(Kind::Shared, &features).expect("the library builds"));

@@ -180,11 +180,15 @@ fn a_receiver_without_an_epoch_has_counters_and_no_numbers() {
     let at = memory.as_mut_ptr();
     let (mut velocity, mut accuracy): (rai_velocity_t, rai_accuracy_t) = (sized(), sized());
     let (mut counter, mut count): (rai_counter_t, _) = (sized(), 9);
+    let mut authentication: rai_authentication_t = sized();
+    authentication.proved = 9;
     let mut names = std::collections::BTreeSet::new();
     // SAFETY: the object is valid and each struct has the size that it states.
     unsafe {
         assert_eq!(rai_receiver_velocity(at, &raw mut velocity), RAI_STATUS_OK);
         assert_eq!(rai_receiver_accuracy(at, &raw mut accuracy), RAI_STATUS_OK);
+        assert_eq!(rai_receiver_authentication(at, &raw mut authentication), RAI_STATUS_OK);
+        assert_eq!(rai_receiver_authentication(at, ptr::null_mut()), RAI_STATUS_NULL);
         assert_eq!(rai_receiver_residuals(at, ptr::null_mut(), 0, &raw mut count), RAI_STATUS_OK);
         assert_eq!(rai_receiver_counter(at, usize::MAX, &raw mut counter), RAI_STATUS_COUNT);
         for number in 0.. {
@@ -197,5 +201,7 @@ fn a_receiver_without_an_epoch_has_counters_and_no_numbers() {
         }
     }
     assert!(velocity.east_m_s.is_nan() && accuracy.hdop.is_nan() && count == 0);
+    assert_eq!((authentication.state, authentication.proved), (RAI_OSNMA_NONE, 0));
+    assert!(authentication.oldest_proof_s.is_nan());
     assert!(names.contains("epochs_protected") && names.contains("cmd_ok"), "{names:?}");
 }

@@ -131,7 +131,7 @@ impl Dashboard {
             Ok(Sentence::Position(position)) => self.position = position,
             Ok(Sentence::State(state)) => self.judged(state),
             Ok(Sentence::Excluded(excluded)) => self.excluded(excluded),
-            Ok(Sentence::Other) => self.told(line),
+            Ok(Sentence::Authentication(_) | Sentence::Other) => self.told(line),
             Err(_) => self.damaged += 1,
         }
     }

@@ -35,7 +35,8 @@ pub fn check_answers(setup: &Setup, answers: &str) -> Result<()> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
     /// Time passes as recorded. An interval of more than one and a half times the recording's usual
-    /// one is a silence, during which the module only receives ticks. A recording thinned to 30 s
+    /// one is a silence, during which the module only receives ticks. With a key of OSNMA it receives
+    /// some after each epoch. A recording thinned to 30 s
     /// is therefore not one long alarm.
     Recorded,
     /// The next lump follows the verdict on the last one, without silence.
@@ -85,6 +86,9 @@ impl HostRun {
 
 /// Time between two ticks on a silent line, ms, as the module requires.
 const TICK_MS: u64 = 100;
+
+/// Time after an epoch in which the module authenticates, ms. It is shorter than any time to alert.
+const WORK_MS: u64 = 1000;
 
 /// Pause after which the module no longer waits for the rest of a frame, ms.
 const QUIET_MS: u64 = 500;
@@ -148,8 +152,12 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
         // A lump without an epoch is a silence, too.
         let usual_ms = self.lumps.usual_ms();
         let is_silence = |next_ms: &u64| 2 * next_ms.saturating_sub(self.last_epoch_ms) > 3 * usual_ms;
-        if let Some(next_ms) = next_ms.filter(is_silence).filter(|_| self.pace == Pace::Recorded) {
-            self.module.wait(now_ms, next_ms, &mut said)?;
+        if let Some(next_ms) = next_ms.filter(|_| self.pace == Pace::Recorded) {
+            if is_silence(&next_ms) {
+                self.module.wait(now_ms, next_ms, &mut said)?;
+            } else if self.module.has_key {
+                self.module.wait(now_ms, next_ms.min(now_ms + WORK_MS), &mut said)?;
+            }
         }
         Ok(Some((lump, said)))
     }
@@ -202,6 +210,8 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
 /// Module in process.
 pub struct Module {
     receiver: Receiver<MemoryPin, Views>,
+    /// True if the setup has a key of OSNMA, whose work is done in ticks.
+    has_key: bool,
 }
 
 impl Module {
@@ -218,7 +228,8 @@ impl Module {
             receiver.command(command(body).as_bytes(), &mut answers);
         }
         check_answers(setup, &sentence::sentences(&answers)?)?;
-        Ok(Self { receiver })
+        let has_key = setup.iter().any(|body| body.starts_with("KEY,") || body.starts_with("ROOT,"));
+        Ok(Self { receiver, has_key })
     }
 
     /// Returns the settings in force.

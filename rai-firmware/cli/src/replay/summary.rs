@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::quantiles::Quantiles;
 use super::track::{Moment, Track};
 use crate::outcomes::{Outcome, Outcomes};
+use crate::sentence::Authentication;
 use crate::signal::fault::{Fault, Kind};
 use crate::signal::recording::Skipped;
 
@@ -47,6 +48,12 @@ pub struct Summary {
     pub hazardous: Option<usize>,
     /// Epochs in which each satellite was excluded.
     pub excluded: BTreeMap<String, usize>,
+    /// Epochs by the state of OSNMA; empty without a key.
+    pub osnma_by_state: BTreeMap<String, usize>,
+    /// What was known of Galileo's ephemerides in the last epoch; `null` without a key.
+    pub osnma_last: Option<Authentication>,
+    /// Largest number of satellites with false ephemerides in an epoch.
+    pub osnma_most_false: u32,
     /// Outcome of each injected fault.
     pub injected: Vec<Injected>,
     /// True if the board's sentences equal the host's byte for byte; `null` if it did not run.
@@ -232,6 +239,11 @@ impl Summary {
         let state = &output.state;
         self.fixes += usize::from(output.position.is_some());
         *self.by_reason.entry(state.reason.clone()).or_default() += 1;
+        if let Some(authentication) = &output.authentication {
+            *self.osnma_by_state.entry(authentication.state.clone()).or_default() += 1;
+            self.osnma_most_false = self.osnma_most_false.max(authentication.wrong);
+            self.osnma_last = Some(authentication.clone());
+        }
         for excluded in &output.excluded {
             *self.excluded.entry(excluded.satellite.to_string()).or_default() += 1;
         }
@@ -366,6 +378,13 @@ impl fmt::Display for Summary {
             list(&mut self.excluded.iter().map(|(satellite, count)| format!("{satellite} {count}")));
         if !excluded.is_empty() {
             writeln!(formatter, "left out, epochs   {excluded}")?;
+        }
+        if let Some(Authentication { state, proved, unproved, wrong, oldest_proof_s }) = &self.osnma_last {
+            let age = oldest_proof_s.map_or(String::new(), |age_s| format!(", oldest proof {age_s} s"));
+            writeln!(
+                formatter,
+                "OSNMA at the end   {state}: ephemerides of {proved} proved, {unproved} not, {wrong} false{age}"
+            )?;
         }
         let refused =
             list(&mut self.refused_orbits.iter().map(|(satellite, count)| format!("{satellite} {count}")));

@@ -11,7 +11,7 @@ use raim_firmware::time::GpsTime;
 use super::HostRun;
 use super::host::Said;
 use super::truth::Truth;
-use crate::sentence::EpochOutput;
+use crate::sentence::{Authentication, EpochOutput};
 use crate::signal::lump::Lump;
 
 /// One epoch of a run.
@@ -76,7 +76,8 @@ impl<W: Write> Rows<W> {
         writeln!(
             out,
             "week,tow,state,reason,lat_deg,lon_deg,height_m,used,excluded,dof,statistic,threshold,hpl_m,vpl_m,\
-             horizontal_error_m,vertical_error_m"
+             horizontal_error_m,vertical_error_m,osnma_state,osnma_proved,osnma_unproved,osnma_false,\
+             osnma_oldest_proof_s"
         )?;
         Ok(Self(out))
     }
@@ -105,7 +106,7 @@ impl<W: Write> Rows<W> {
 /// Returns the row of a silent line: it has a time and a reason, and no position.
 fn stale_row(moment: &Moment, stale_s: f64) -> String {
     let time = GpsTime::from_ms(moment.time.to_ms() + ((stale_s - moment.elapsed_s) * 1e3).round() as u64);
-    format!("{},{:.3},A,STALE,,,,,,,,,,,,", time.week, f64::from(time.tow_ms) * 1e-3)
+    format!("{},{:.3},A,STALE,,,,,,,,,,,,,,,,,", time.week, f64::from(time.tow_ms) * 1e-3)
 }
 
 fn row(moment: &Moment) -> String {
@@ -120,6 +121,10 @@ fn row(moment: &Moment) -> String {
         .flat_map(|output| &output.excluded)
         .map(|excluded| excluded.satellite.to_string())
         .collect();
+    let authentication = output.and_then(|output| output.authentication.as_ref());
+    let satellites = |count: fn(&Authentication) -> u32| {
+        authentication.map_or(String::new(), |authentication| count(authentication).to_string())
+    };
     [
         moment.time.week.to_string(),
         format!("{:.3}", f64::from(moment.time.tow_ms) * 1e-3),
@@ -137,6 +142,13 @@ fn row(moment: &Moment) -> String {
         number(state.and_then(|state| state.vpl_m), 1),
         number(moment.error.map(Enu::horizontal), 3),
         number(moment.error.map(|error| error.up.abs()), 3),
+        authentication.map_or(String::new(), |authentication| authentication.state.clone()),
+        satellites(|authentication| authentication.proved),
+        satellites(|authentication| authentication.unproved),
+        satellites(|authentication| authentication.wrong),
+        authentication
+            .and_then(|authentication| authentication.oldest_proof_s)
+            .map_or(String::new(), |age_s| age_s.to_string()),
     ]
     .join(",")
 }

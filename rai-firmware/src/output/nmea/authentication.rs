@@ -3,7 +3,7 @@
 //! | field | content |
 //! |---|---|
 //! | 1 | time |
-//! | 2 | state, as [`word`] says it |
+//! | 2 | state: the word of [`Standing`] |
 //! | 3, 4 | number of the public key, and of the chain in force |
 //! | 5, 6, 7 | satellites in view whose ephemerides are proved, unproved, false |
 //! | 8 | age of the oldest proof, s |
@@ -15,7 +15,7 @@
 use embedded_io::Write;
 
 use super::{Sentence, TimeOfDay, write_sentence};
-use crate::osnma::{Proof, State, Summary};
+use crate::osnma::{Proof, Standing, Summary};
 
 /// What is known, and what it is worth.
 #[derive(Clone, Copy, Debug)]
@@ -30,31 +30,15 @@ pub(crate) struct AuthenticationReport {
 }
 
 impl AuthenticationReport {
-    /// Returns the word of the state.
-    fn word(&self) -> &'static str {
-        match (self.summary.state, self.proof) {
-            _ if self.summary.is_alarm => "FALSE",
-            (State::NoKey, _) => "NOKEY",
-            (State::Waiting, _) => "WAIT",
-            (State::OtherKey, _) => "OTHERKEY",
-            (State::Unsupported, _) => "UNSUPPORTED",
-            (State::Running, Proof::None) => "UNDATED",
-            (State::Running, Proof::Slow) => "LATER",
-            (State::Running, Proof::All) => "DATED",
-            (State::DontUse, _) => "DONTUSE",
-            (State::Stopped, _) => "STOPPED",
-        }
-    }
-
     /// Returns the state for autopilots: 1 until the first proof, 2 false, 3 four satellites proved.
     #[cfg(feature = "mavlink")]
     pub(crate) fn state(&self) -> u8 {
         let Summary { state, proved, false_, is_alarm, .. } = self.summary;
         match state {
             _ if is_alarm || false_ > 0 => 2,
-            State::Running if proved >= 4 && self.proof != Proof::None => 3,
-            State::Running if proved == 0 => 1,
-            State::Waiting => 1,
+            crate::osnma::State::Running if proved >= 4 && self.proof != Proof::None => 3,
+            crate::osnma::State::Running if proved == 0 => 1,
+            crate::osnma::State::Waiting => 1,
             _ => 0,
         }
     }
@@ -68,7 +52,7 @@ pub(crate) fn write_authentication<W: Write>(
 ) -> Result<(), W::Error> {
     let summary = &report.summary;
     let mut sentence = Sentence::new("PRAIO");
-    sentence.time(Some(time)).text(report.word());
+    sentence.time(Some(time)).text(Standing::of(summary, report.proof).word());
     match summary.key_and_chain {
         Some((key, chain)) => sentence.integer(key.into(), 1).integer(chain.into(), 1),
         None => sentence.empty().empty(),

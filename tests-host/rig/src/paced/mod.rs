@@ -28,6 +28,7 @@ use std::convert::Infallible;
 use std::rc::Rc;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
+use raim::sentence::command;
 use raim_firmware::bit_rate::RATES;
 use raim_firmware::board::reset::ResetCause;
 use raim_firmware::board::{Board, HOST_OUT_BYTES, Note, PortLosses, SEALED_BYTES};
@@ -54,14 +55,25 @@ pub struct Costs {
     pub command_byte: u64,
     /// One pass of the loop without work.
     pub pass: u64,
+    /// One slice of the authentication.
+    pub slice: u64,
 }
 
 impl Costs {
     /// Returns the costs beside an epoch of so many cycles, rounded up from the instructions that
-    /// `bench` counts: 39 k for an epoch's 900 bytes of RTCM, 41 k for its 600 bytes of sentences.
-    /// Each instruction takes two cycles, which is above the upper bound of a whole epoch.
+    /// `bench` counts: 39 k for an epoch's 900 bytes of RTCM, 41 k for its 600 bytes of sentences, at
+    /// most 60 k for a slice. Each instruction takes two cycles, which is above the upper bound of a
+    /// whole epoch.
     pub const fn measured(core_hz: u64, epoch: u64) -> Self {
-        Self { core_hz, gnss_byte: 100, epoch, sentence_byte: 150, command_byte: 800, pass: 2000 }
+        Self {
+            core_hz,
+            gnss_byte: 100,
+            epoch,
+            sentence_byte: 150,
+            command_byte: 800,
+            pass: 2000,
+            slice: 120_000,
+        }
     }
 
     const fn nanoseconds(&self, cycles: u64) -> u64 {
@@ -93,6 +105,8 @@ pub struct Outcome {
     pub passes: u64,
     /// Longest time between two passes, ns.
     pub longest_pass_ns: u64,
+    /// Number of slices of the authentication.
+    pub slices: u32,
     /// The module's counters at the end.
     pub counters: Vec<(&'static str, u32)>,
     /// Bytes that the host read.
@@ -364,7 +378,15 @@ impl<'l> Board for Model<'l> {
 /// # Panics
 /// If the module does not start.
 pub fn run(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs) -> Outcome {
-    play(lumps, quiet, lines, costs, lines.gnss_baud)
+    play(lumps, quiet, &[], lines, costs, lines.gnss_baud)
+}
+
+/// Works like [`run`], with a module that has obeyed commands, each without `$PRAIC,` and checksum.
+///
+/// # Panics
+/// If the module does not start, or refuses a command.
+pub fn run_with(lumps: &[Vec<u8>], quiet: usize, setup: &[&str], lines: Lines<'_>, costs: Costs) -> Outcome {
+    play(lumps, quiet, setup, lines, costs, lines.gnss_baud)
 }
 
 /// Sends lumps to a module that has just started, with its port at the rate at start; the lines are
@@ -373,14 +395,26 @@ pub fn run(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs) -> O
 /// # Panics
 /// If the module does not start.
 pub fn search(lumps: &[Vec<u8>], lines: Lines<'_>, costs: Costs) -> Outcome {
-    play(lumps, 0, lines, costs, u64::from(RATES[0]))
+    play(lumps, 0, &[], lines, costs, u64::from(RATES[0]))
 }
 
-fn play(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs, port_baud: u64) -> Outcome {
+fn play(
+    lumps: &[Vec<u8>],
+    quiet: usize,
+    setup: &[&str],
+    lines: Lines<'_>,
+    costs: Costs,
+    port_baud: u64,
+) -> Outcome {
     let clock = Clock::default();
     let boot = Boot::on_host("paced");
     let pin = Pin { clock: Rc::clone(&clock) };
     let mut receiver = Receiver::new(pin, boot).expect("the module starts");
+    for text in setup {
+        let mut answer = Vec::new();
+        receiver.command(command(text).as_bytes(), &mut answer);
+        assert!(answer.windows(3).any(|part| part == b",OK"), "{text} is refused");
+    }
     // The first lumps contain all orbits and cause a search for the position. They are not
     // measured.
     let (before, timed) = lumps.split_at(quiet);
@@ -416,8 +450,13 @@ fn play(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs, port_ba
     let end_ns = model.wire.end_ns() + 1_000_000_000;
     let mut epoch_loop = EpochLoop::new();
     while model.now_ns() < end_ns {
+        let before = receiver.slices();
         epoch_loop.pass(&mut model, &mut receiver);
         model.outcome.passes += 1;
+        // The loop sleeps behind the slices. Here they come behind the sleep, which is no earlier.
+        let slices = receiver.slices() - before;
+        model.outcome.slices += slices;
+        model.spend(u64::from(slices) * costs.slice);
     }
     let mut outcome = model.outcome;
     outcome.lateness_ns = std::mem::take(&mut clock.borrow_mut().lateness_ns);

@@ -6,8 +6,8 @@ use sha2::{Digest as _, Sha256};
 
 use super::{WEEK, gst};
 
-/// Number of keys behind the root key: three hours and 20 minutes.
-const KEYS: u32 = 400;
+/// Number of keys behind the root key of most systems: three hours and 20 minutes.
+pub(super) const KEYS: u32 = 400;
 
 /// Keys of subframes.
 #[derive(Clone, Debug)]
@@ -25,12 +25,13 @@ impl Chain {
         week * WEEK + hour * 120 - 1
     }
 
-    /// Returns the chain of a number, 0 to 3, whose keys follow from a seed.
-    pub(super) fn new(seed: u8, number: u8, root: u32) -> Self {
+    /// Returns the chain of a number, 0 to 3, whose keys follow from a seed, with so many behind its root
+    /// key.
+    pub(super) fn new(seed: u8, number: u8, root: u32, keys_behind: u32) -> Self {
         let seed = seed ^ number << 6;
         let alpha = [seed, 2, 3, 4, 5, 6];
         let mut keys = vec![first_16(&Sha256::digest([seed, 2]))];
-        for subframe in (root..root + KEYS).rev() {
+        for subframe in (root..root + keys_behind).rev() {
             let last = keys.last().expect("a key");
             let hash =
                 Sha256::new().chain_update(last).chain_update(gst(subframe)).chain_update(alpha).finalize();

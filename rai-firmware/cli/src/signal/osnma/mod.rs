@@ -41,6 +41,7 @@ use raim_core::satellite::{Constellation, SatelliteId};
 
 use self::bits::Bits;
 pub use self::chain::Chain;
+use self::chain::KEYS;
 use self::message::Tree;
 pub use self::secret::Secret;
 use self::words::{Arbitrary, Words};
@@ -223,6 +224,19 @@ impl System {
 
     /// Returns a system with a root key of this subframe, and the words of these satellites.
     pub fn with(secret: Secret, seed: u8, root: u32, satellites: Vec<u8>, words: Box<dyn Words>) -> Self {
+        Self::with_keys(KEYS, secret, seed, root, satellites, words)
+    }
+
+    /// Returns the same with so many keys behind the root key. A module that has heard nothing yet
+    /// follows the chain from there.
+    pub fn with_keys(
+        keys_behind: u32,
+        secret: Secret,
+        seed: u8,
+        root: u32,
+        satellites: Vec<u8>,
+        words: Box<dyn Words>,
+    ) -> Self {
         let next_secret = Secret::of(&[seed, 4]);
         let first = Phase {
             from: 0,
@@ -238,7 +252,9 @@ impl System {
             secret,
             next_secret,
             // The root key of the second is an hour later.
-            chains: (0..2).map(|number| Chain::new(seed, number, root + 120 * u32::from(number))).collect(),
+            chains: (0..2)
+                .map(|number| Chain::new(seed, number, root + 120 * u32::from(number), keys_behind))
+                .collect(),
             phases: Vec::new(),
             words,
             seed,

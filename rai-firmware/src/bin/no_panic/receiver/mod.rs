@@ -11,6 +11,7 @@ use raim_firmware::epoch_loop::EpochLoop;
 use raim_firmware::input::Input;
 use raim_firmware::input::{Suspicion, Suspicions};
 use raim_firmware::observer::{Judged, Observer};
+use raim_firmware::osnma::Standing;
 use raim_firmware::outlet::Outlet;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
@@ -41,6 +42,8 @@ fn the_loop() {
         Receiver::<Pin>::seal as fn(_, _),
         Receiver::<Pin>::interrupt as fn(_),
         Receiver::<Pin>::authentication as fn(_) -> _,
+        Receiver::<Pin>::standing as fn(_) -> _,
+        Standing::word as fn(_) -> _,
         Receiver::<Pin>::frames as fn(_) -> _,
         <BitRate as Default>::default as fn() -> _,
         BitRate::new as fn() -> _,

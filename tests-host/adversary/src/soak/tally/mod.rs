@@ -209,7 +209,7 @@ impl Tally {
                 return Heard::Greeting;
             }
             Ok(Sentence::Other) if line.contains(",ERR,") => self.refused.push(line.trim_end().to_owned()),
-            Ok(Sentence::Other) => {}
+            Ok(Sentence::Authentication(_) | Sentence::Other) => {}
             Err(error) => self.damaged.push(format!("{error:#}")),
         }
         Heard::Speech
@@ -287,7 +287,7 @@ impl Tally {
         self.is_sound = !open.offer.falsified.is_any();
         let (offer, age_s) = (open.offer, now_s - open.offered_s);
         let error = position.map(|position| error(position, &offer));
-        let said = EpochOutput { position, state, excluded: Vec::new() };
+        let said = EpochOutput { position, state, excluded: Vec::new(), authentication: None };
         self.count(&said, error, &offer, age_s);
         self.moments.push(Moment::of(offer.time.to_s(), &said, error, said.state.is_protected()));
     }
