@@ -125,6 +125,9 @@ pub enum State {
     Stopped,
 }
 
+/// Slot behind the last one.
+const CHECKED: u8 = u8::MAX;
+
 /// MACK message that waits for its keys.
 #[derive(Clone, Copy, Debug)]
 struct Held {
@@ -134,7 +137,7 @@ struct Held {
     subframe: Subframe,
     mack: [u8; MACK],
     belief: Belief,
-    /// Next slot to be checked, from 1; 0 is `MACSEQ`.
+    /// Next slot to be checked, from 1, or [`CHECKED`]; 0 is `MACSEQ`.
     next: u8,
     /// True if its flexible slots are what the sender meant.
     is_in_order: bool,
@@ -351,11 +354,10 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
     /// All satellites complete a subframe at once. The messages of the one before wait for the key in
     /// those that come, and a few of these suffice for it.
     fn give_way(&mut self, subframe: Subframe) -> bool {
-        let tags = self.chains.iter().flatten().map(|chain| chain.parameters.tags()).max().unwrap_or(0);
-        let is_done = |held: &Held| held.belief == Belief::Wrong || tags > 0 && usize::from(held.next) > tags;
+        let is_done = |held: &Held| held.belief == Belief::Wrong || held.next == CHECKED;
         let of_it = self.held.iter().filter(|held| held.subframe == subframe).count();
         let done = self.held.iter().position(is_done);
-        if done.is_none() && tags > 0 && of_it >= FOR_THE_KEY {
+        if done.is_none() && of_it >= FOR_THE_KEY && self.chains.iter().any(Option::is_some) {
             return false;
         }
         let oldest =

@@ -5,7 +5,7 @@ use super::gst::Subframe;
 use super::table::Slot;
 use super::tags::{Mack, Tag};
 use super::verdicts::{Finding, units};
-use super::{Belief, Held, Osnma, SLOW, Slow, Worked, take};
+use super::{Belief, CHECKED, Held, Osnma, SLOW, Slow, Worked, take};
 use crate::counters::count;
 
 /// Status of the header under which tags must not be used.
@@ -163,16 +163,14 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
         let &Chain { parameters, newest, key, .. } = self.active()?;
         let key = key.get(..usize::from(parameters.key_bytes)).unwrap_or_default();
         let is_due = |held: &Held| {
-            held.belief == Belief::Right
-                && held.subframe == newest.back(1)
-                && usize::from(held.next) <= parameters.tags()
+            held.belief == Belief::Right && held.subframe == newest.back(1) && held.next != CHECKED
         };
         while let Some(index) = self.held.iter().position(is_due) {
             let held = self.held.get_mut(index)?;
             let slot = held.next;
-            held.next += 1;
+            held.next = if usize::from(slot) < parameters.tags() { slot + 1 } else { CHECKED };
             if held.header >> 6 == DONT_USE || self.header.is_none_or(|header| header >> 6 == DONT_USE) {
-                held.next = u8::MAX;
+                held.next = CHECKED;
                 continue;
             }
             if slot == 0 {

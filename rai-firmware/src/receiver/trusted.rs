@@ -24,7 +24,7 @@ use crate::time::GpsTime;
 /// 1980-01-06 in UNIX time, s.
 const GPS_EPOCH_UNIX_S: f64 = 315_964_800.0;
 
-const DAY_S: f64 = 86_400.0;
+const DAY_MS: u32 = 86_400_000;
 
 /// Largest error of the module's clock.
 const DRIFT: f64 = 250e-6;
@@ -53,8 +53,8 @@ impl Trusted {
         let present_s = self.utc_s - GPS_EPOCH_UNIX_S + f64::from(gps_minus_utc_s) + self.elapsed_s(came_ms);
         let apart_s = time.to_ms() as f64 * 1e-3 - present_s;
         // The day whose first midnight is nearest.
-        let nearest_day = present_s / DAY_S + 0.5;
-        let inserted_s = if begins_half_year(nearest_day as u32) { 1.0 } else { 0.0 };
+        let nearest_day = 7 * u32::from(time.week) + (time.tow_ms + DAY_MS / 2) / DAY_MS;
+        let inserted_s = if begins_half_year(nearest_day) { 1.0 } else { 0.0 };
         !(apart_s.abs() <= self.bound_s(came_ms) + inserted_s)
     }
 
@@ -71,7 +71,7 @@ impl Trusted {
     }
 
     fn elapsed_s(&self, now_ms: u64) -> f64 {
-        (now_ms as f64 - self.came_ms as f64) * 1e-3
+        now_ms.wrapping_sub(self.came_ms).cast_signed() as f64 * 1e-3
     }
 }
 
