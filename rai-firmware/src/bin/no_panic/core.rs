@@ -30,6 +30,7 @@ pub fn monitor<T: Real>() {
         Monitor::<T, N>::set_requirements as fn(_, _) -> _,
         Monitor::<T, N>::set_strategy as fn(_, _) -> _,
         Monitor::<T, N>::forget_residuals as fn(_),
+        Monitor::<T, N>::change_kind as fn(_, _),
         Monitor::<T, N>::set_ism as fn(_, _),
         Monitor::<T, N>::ism as fn(_) -> _,
         Monitor::<T, N>::requirements as fn(_) -> _,
