@@ -18,7 +18,7 @@ fn hold(name: &str) {
         let record = Record::committed().expect("a record");
         let want = record.entry(name, Effort::Quick).map(|entry| &entry.figures);
         let have = Entry::of(&outcome, Effort::Quick, "").figures;
-        assert_eq!(Some(&have), want, "`cargo xtask attack {name} --record` records the new figures");
+        assert_eq!(Some(&have), want, "{name}: `cargo xtask attack --record` records the new figures");
     }
 }
 
