@@ -5,9 +5,13 @@ use super::*;
 /// Epochs of each part of the run.
 const PART: usize = 8;
 
-/// The host takes its time back by 100 s, then corrects itself.
+/// Orders that name no time or no bound.
+const NO_TIMES: [&str; 7] =
+    ["TRUST", "TRUST,1", "TRUST,nan,5", "TRUST,1e300,5", "TRUST,-1,5", "TRUST,1.8e9,-5", "TRUST,1.8e9,nan"];
+
+/// The host takes its time back by 100 s, then corrects itself, and at last sends what is no time.
 #[test]
-fn time_that_goes_back_is_an_alert_until_it_is_corrected() {
+fn time_that_goes_back_is_an_alert_until_it_is_corrected_and_what_is_none_changes_nothing() {
     let recording = Simulation::above_xian(3600.0, 4 * PART as u32, 1).record();
     let mut encoder =
         Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual).expect("systems"));
@@ -21,6 +25,11 @@ fn time_that_goes_back_is_an_alert_until_it_is_corrected() {
             module.obey(&format!("TRUST,{:.1},5", utc_s + index as f64 + wrong_s));
         }
         let mut said = Vec::new();
+        for text in NO_TIMES.into_iter().filter(|_| index == 3 * PART) {
+            module.receiver.command(sentence::command(text).as_bytes(), &mut said);
+        }
+        let refused = String::from_utf8_lossy(&said).matches(",ERR,").count();
+        assert_eq!(refused, if index == 3 * PART { NO_TIMES.len() } else { 0 });
         let bytes = encoder.epoch(epoch).expect("an epoch");
         module.receiver.gnss(&bytes, 1000 * index as u64, &mut said);
         module.receiver.tick(1000 * index as u64 + 600, &mut said);
@@ -30,25 +39,4 @@ fn time_that_goes_back_is_an_alert_until_it_is_corrected() {
     }
     assert_eq!(replays, [0, PART, 0, 0]);
     assert!(module.receiver.pin().high, "the promise goes on with the right time");
-}
-
-#[test]
-fn what_is_no_time_is_refused_and_changes_nothing() {
-    let mut module = Module::new(&[]);
-    for text in [
-        "TRUST",
-        "TRUST,1",
-        "TRUST,nan,5",
-        "TRUST,1e300,5",
-        "TRUST,-1,5",
-        "TRUST,1.8e9,-5",
-        "TRUST,1.8e9,nan",
-    ] {
-        let mut said = Vec::new();
-        module.receiver.command(sentence::command(text).as_bytes(), &mut said);
-        let said = String::from_utf8(said).expect("ASCII");
-        assert!(said.contains(",ERR,"), "{text}: {said}");
-    }
-    let said = module.epoch(&[2, 5, 11, 19, 24], 810_000_000, 1000);
-    assert!(!said.contains("REPLAY"), "{said}");
 }
