@@ -23,7 +23,8 @@ const ON_A_LINE: f32 = 2.0;
 /// tremble hides a walk no longer than that.
 const GROWTH: f32 = 4.0;
 
-/// Share of an epoch in the present noise. Above 1/36, one epoch far from all others is no drift.
+/// Share of an epoch in the present noise. Above 1/36, one epoch far from all others is no drift, up to
+/// the noise that counts.
 const NOISE_GAIN: f32 = 0.125;
 
 /// Mean of the absolute changes of a discrepancy within a minute.

@@ -47,6 +47,7 @@ mod curve;
 mod dsm;
 mod gst;
 mod hash;
+mod held;
 mod merkle;
 mod pages;
 mod queue;
@@ -65,6 +66,7 @@ use heapless::Vec;
 use chain::{Chain, Link};
 use dsm::Collectors;
 use gst::Subframe;
+use held::{Belief, Held};
 use merkle::KEY;
 use pages::Collected;
 use root::Root;
@@ -81,9 +83,6 @@ const KEYS_FROM: u8 = 12;
 
 /// Subframes from a tag with a later key to that key.
 const SLOW: u8 = 11;
-
-/// Number of messages of a subframe that are kept for its key, though tags of the one before wait.
-const FOR_THE_KEY: usize = 4;
 
 /// Number that no chain has.
 const NO_CHAIN: u8 = u8::MAX;
@@ -123,32 +122,6 @@ pub enum State {
     DontUse,
     /// An alert of the system, or a revocation of everything known, has ended authentication.
     Stopped,
-}
-
-/// Slot behind the last one.
-const CHECKED: u8 = u8::MAX;
-
-/// MACK message that waits for its keys.
-#[derive(Clone, Copy, Debug)]
-struct Held {
-    satellite: u8,
-    /// Header of the subframe.
-    header: u8,
-    subframe: Subframe,
-    mack: [u8; MACK],
-    belief: Belief,
-    /// Next slot to be checked, from 1, or [`CHECKED`]; 0 is `MACSEQ`.
-    next: u8,
-    /// True if its flexible slots are what the sender meant.
-    is_in_order: bool,
-}
-
-/// What is known of the key in a MACK message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Belief {
-    Unknown,
-    Right,
-    Wrong,
 }
 
 /// Tag that waits for its later key.
@@ -347,23 +320,6 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
             next: 0,
             is_in_order: false,
         });
-    }
-
-    /// Makes room for a message of a subframe; returns false if others of it are worth more.
-    ///
-    /// All satellites complete a subframe at once. The messages of the one before wait for the key in
-    /// those that come, and a few of these suffice for it.
-    fn give_way(&mut self, subframe: Subframe) -> bool {
-        let is_done = |held: &Held| held.belief == Belief::Wrong || held.next == CHECKED;
-        let of_it = self.held.iter().filter(|held| held.subframe == subframe).count();
-        let done = self.held.iter().position(is_done);
-        if done.is_none() && of_it >= FOR_THE_KEY && self.chains.iter().any(Option::is_some) {
-            return false;
-        }
-        let oldest =
-            || (0..self.held.len()).min_by_key(|&index| self.held.get(index).map(|held| held.subframe));
-        done.or_else(oldest).map(|index| take(&mut self.held, index));
-        true
     }
 
     /// Returns the verdict on the words that a satellite sent last.

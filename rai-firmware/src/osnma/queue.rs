@@ -2,25 +2,15 @@
 
 use super::chain::{Chain, Link, Linked};
 use super::gst::Subframe;
+use super::held::{Belief, CHECKED, Held};
 use super::table::Slot;
-use super::tags::{Mack, Tag};
+use super::tags::Tag;
 use super::verdicts::{Finding, units};
-use super::{Belief, CHECKED, Held, Osnma, SLOW, Slow, Worked, take};
+use super::{Osnma, SLOW, Slow, Worked, take};
 use crate::counters::count;
 
 /// Status of the header under which tags must not be used.
 pub(super) const DONT_USE: u8 = 3;
-
-impl Held {
-    const fn message(&self) -> Mack<'_> {
-        Mack { bytes: &self.mack, sender: self.satellite, status: self.header >> 6, subframe: self.subframe }
-    }
-
-    /// Number of the chain that the header states.
-    const fn chain(&self) -> u8 {
-        self.header >> 4 & 3
-    }
-}
 
 impl Slow {
     fn new(tag: &Tag, subframe: Subframe) -> Self {

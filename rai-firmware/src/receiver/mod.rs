@@ -103,14 +103,8 @@ pub struct Receiver<P, O = ()> {
     /// True if the settings have changed since they were sealed.
     is_unsealed: bool,
     reset_requested: bool,
-    /// When bytes were read last, and when the authentication has worked last, ms.
     #[cfg(feature = "osnma")]
-    heard_ms: u64,
-    #[cfg(feature = "osnma")]
-    worked_ms: u64,
-    /// Number of slices of the authentication, for tests of when they are done.
-    #[cfg(all(feature = "osnma", feature = "observer"))]
-    slices: u32,
+    turns: work::Turns,
 }
 
 impl<P: OutputPin> Receiver<P> {
@@ -180,11 +174,7 @@ impl<P: OutputPin, O: Observer> Receiver<P, O> {
             is_unsealed: true,
             reset_requested: false,
             #[cfg(feature = "osnma")]
-            heard_ms: 0,
-            #[cfg(feature = "osnma")]
-            worked_ms: 0,
-            #[cfg(all(feature = "osnma", feature = "observer"))]
-            slices: 0,
+            turns: work::Turns::NONE,
         }
     }
 
@@ -239,7 +229,7 @@ impl<P: OutputPin, O: Observer> Receiver<P, O> {
         (self.last_byte_ms, self.now_ms) = (Some(came_ms), now_ms);
         #[cfg(feature = "osnma")]
         {
-            self.heard_ms = now_ms;
+            self.turns.heard_ms = now_ms;
         }
         self.has_paused = false;
         let is_behind = now_ms.saturating_sub(came_ms) > LAG_MS;

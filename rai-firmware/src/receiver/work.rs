@@ -47,26 +47,39 @@ const LEAST_PROVED: usize = 4;
 /// Time between two looks at the summary if nothing was done, ms.
 const SUMMARY_MS: u64 = 1000;
 
+/// What decides whose turn it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turns {
+    /// When bytes were read last, ms.
+    pub(super) heard_ms: u64,
+    /// When the authentication has worked last, ms.
+    worked_ms: u64,
+    /// Number of slices, for tests of when they are done.
+    #[cfg(feature = "observer")]
+    slices: u32,
+}
+
+impl Turns {
+    pub(super) const NONE: Self = Self {
+        heard_ms: 0,
+        worked_ms: 0,
+        #[cfg(feature = "observer")]
+        slices: 0,
+    };
+}
+
 impl<P: OutputPin, O: Observer> Receiver<P, O> {
     /// Does slices of the authentication if it is their turn.
     #[inline(never)]
     pub(super) fn authenticate(&mut self, now_ms: u64) {
-        let Self {
-            input,
-            epochs,
-            heard_ms,
-            worked_ms,
-            #[cfg(feature = "observer")]
-                slices: done,
-            ..
-        } = self;
+        let Self { input, epochs, turns, .. } = self;
         let keys = epochs.keys;
         if epochs.configuration.authentication == Authentication::Off || keys == Keys::NONE {
             epochs.authentication = None;
             return;
         }
-        let rested_ms = now_ms.saturating_sub(*worked_ms);
-        let is_silent = now_ms.saturating_sub(*heard_ms) >= SILENT_MS;
+        let rested_ms = now_ms.saturating_sub(turns.worked_ms);
+        let is_silent = now_ms.saturating_sub(turns.heard_ms) >= SILENT_MS;
         let is_due = match (input.has_open_epoch(), is_silent) {
             (false, true) => rested_ms > 0,
             (false, false) => rested_ms >= PATIENCE_MS,
@@ -88,11 +101,11 @@ impl<P: OutputPin, O: Observer> Receiver<P, O> {
             has_worked = true;
             #[cfg(feature = "observer")]
             {
-                *done += 1;
+                turns.slices += 1;
             }
         }
         if has_worked || rested_ms >= SUMMARY_MS {
-            *worked_ms = now_ms;
+            turns.worked_ms = now_ms;
             epochs.authentication = Some(input.authentication().summary(&keys, now_ms));
         }
     }
@@ -107,7 +120,7 @@ impl<P: OutputPin, O: Observer> Receiver<P, O> {
     #[cfg(feature = "observer")]
     #[doc(hidden)]
     pub const fn slices(&self) -> u32 {
-        self.slices
+        self.turns.slices
     }
 
     /// Takes the keys of changed settings. Another key discards all verdicts.

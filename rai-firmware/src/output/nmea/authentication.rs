@@ -33,12 +33,13 @@ impl AuthenticationReport {
     /// Returns the state for autopilots: 1 until the first proof, 2 false, 3 four satellites proved.
     #[cfg(feature = "mavlink")]
     pub(crate) fn state(&self) -> u8 {
+        use crate::osnma::State;
         let Summary { state, proved, false_, is_alarm, .. } = self.summary;
         match state {
             _ if is_alarm || false_ > 0 => 2,
-            crate::osnma::State::Running if proved >= 4 && self.proof != Proof::None => 3,
-            crate::osnma::State::Running if proved == 0 => 1,
-            crate::osnma::State::Waiting => 1,
+            State::Running if proved >= 4 && self.proof != Proof::None => 3,
+            State::Running if proved == 0 => 1,
+            State::Waiting => 1,
             _ => 0,
         }
     }
