@@ -1,11 +1,11 @@
 //! Splits text at a character, once for all readers, because each use of the standard library's
 //! version is compiled again.
 
-/// Returns the text before the first of these ASCII characters and the text behind it.
+/// Returns the text before the first of an ASCII character and the text behind it.
 #[inline(never)]
-pub(super) fn cut(text: &str, at: [u8; 2]) -> Option<(&str, &str)> {
+pub(super) fn cut(text: &str, at: u8) -> Option<(&str, &str)> {
     // No byte of a longer character is ASCII.
-    let place = text.bytes().position(|byte| at.contains(&byte))?;
+    let place = text.bytes().position(|byte| byte == at)?;
     text.get(..place).zip(text.get(place + 1..))
 }
 
@@ -26,7 +26,7 @@ impl<'t> Iterator for Fields<'t> {
     #[inline(never)]
     fn next(&mut self) -> Option<&'t str> {
         let text = self.0?;
-        let (field, rest) = cut(text, [b',', b',']).map_or((text, None), |(field, rest)| (field, Some(rest)));
+        let (field, rest) = cut(text, b',').map_or((text, None), |(field, rest)| (field, Some(rest)));
         self.0 = rest;
         Some(field)
     }

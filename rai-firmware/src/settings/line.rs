@@ -86,12 +86,12 @@ pub(super) struct Line<'l> {
 
 impl<'l> Line<'l> {
     fn new(text: &'l str) -> Result<Self, LineError> {
-        let (body, checksum) = cut(text, [b'*', b'*']).unwrap_or((text, ""));
-        let (address, fields) = cut(body, [b',', b',']).unwrap_or((body, ""));
+        let (body, checksum) = cut(text, b'*').unwrap_or((text, ""));
+        let (address, fields) = cut(body, b',').unwrap_or((body, ""));
         if address != ADDRESS {
             return Err(LineError::Foreign);
         }
-        let (key, values) = cut(fields, [b',', b',']).map_or((fields, None), |(key, rest)| (key, Some(rest)));
+        let (key, values) = cut(fields, b',').map_or((fields, None), |(key, rest)| (key, Some(rest)));
         Ok(Self { body, checksum, key, values })
     }
 

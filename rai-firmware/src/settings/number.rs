@@ -43,11 +43,11 @@ impl Mantissa {
 /// `f64`.
 pub fn decimal(text: &str) -> Option<f64> {
     let (negative, text) = sign(text);
-    let (mantissa, exponent) = match cut(text, [b'e', b'E']) {
+    let (mantissa, exponent) = match cut(text, b'e').or_else(|| cut(text, b'E')) {
         Some((mantissa, exponent)) => (mantissa, integer(exponent)?),
         None => (text, 0),
     };
-    let (whole, fraction) = cut(mantissa, [b'.', b'.']).unwrap_or((mantissa, ""));
+    let (whole, fraction) = cut(mantissa, b'.').unwrap_or((mantissa, ""));
     if whole.is_empty() && fraction.is_empty() {
         return None;
     }
