@@ -64,6 +64,34 @@ pub fn track(lumps: &[Lump], run: &HostRun, truth: Option<&Truth>) -> Result<Tra
     lumps.iter().zip(&run.said).map(|(lump, said)| Moment::of(lump, said, truth)).collect()
 }
 
+/// Columns of the table.
+const COLUMNS: [&str; 21] = [
+    "week",
+    "tow",
+    "state",
+    "reason",
+    "lat_deg",
+    "lon_deg",
+    "height_m",
+    "used",
+    "excluded",
+    "dof",
+    "statistic",
+    "threshold",
+    "hpl_m",
+    "vpl_m",
+    "horizontal_error_m",
+    "vertical_error_m",
+    "osnma_state",
+    "osnma_proved",
+    "osnma_unproved",
+    "osnma_false",
+    "osnma_oldest_proof_s",
+];
+
+/// Row of the table.
+type Row = [String; COLUMNS.len()];
+
 /// Table with one row for each epoch, in the columns of the interface.
 pub struct Rows<W>(W);
 
@@ -73,12 +101,7 @@ impl<W: Write> Rows<W> {
     /// # Errors
     /// The writer's own.
     pub fn begin(mut out: W) -> std::io::Result<Self> {
-        writeln!(
-            out,
-            "week,tow,state,reason,lat_deg,lon_deg,height_m,used,excluded,dof,statistic,threshold,hpl_m,vpl_m,\
-             horizontal_error_m,vertical_error_m,osnma_state,osnma_proved,osnma_unproved,osnma_false,\
-             osnma_oldest_proof_s"
-        )?;
+        writeln!(out, "{}", COLUMNS.join(","))?;
         Ok(Self(out))
     }
 
@@ -87,9 +110,9 @@ impl<W: Write> Rows<W> {
     /// # Errors
     /// The writer's own.
     pub fn write(&mut self, moment: &Moment) -> std::io::Result<()> {
-        writeln!(self.0, "{}", row(moment))?;
+        writeln!(self.0, "{}", row(moment).join(","))?;
         if let Some(stale_s) = moment.stale_s {
-            writeln!(self.0, "{}", stale_row(moment, stale_s))?;
+            writeln!(self.0, "{}", stale_row(moment, stale_s).join(","))?;
         }
         Ok(())
     }
@@ -104,12 +127,20 @@ impl<W: Write> Rows<W> {
 }
 
 /// Returns the row of a silent line: it has a time and a reason, and no position.
-fn stale_row(moment: &Moment, stale_s: f64) -> String {
+fn stale_row(moment: &Moment, stale_s: f64) -> Row {
     let time = GpsTime::from_ms(moment.time.to_ms() + ((stale_s - moment.elapsed_s) * 1e3).round() as u64);
-    format!("{},{:.3},A,STALE,,,,,,,,,,,,,,,,,", time.week, f64::from(time.tow_ms) * 1e-3)
+    let mut row = Row::default();
+    let known = [
+        time.week.to_string(),
+        format!("{:.3}", f64::from(time.tow_ms) * 1e-3),
+        "A".to_owned(),
+        "STALE".to_owned(),
+    ];
+    row[..known.len()].clone_from_slice(&known);
+    row
 }
 
-fn row(moment: &Moment) -> String {
+fn row(moment: &Moment) -> Row {
     let number = |value: Option<f64>, decimals: usize| {
         value.map_or(String::new(), |value| format!("{value:.decimals$}"))
     };
@@ -150,5 +181,4 @@ fn row(moment: &Moment) -> String {
             .and_then(|authentication| authentication.oldest_proof_s)
             .map_or(String::new(), |age_s| age_s.to_string()),
     ]
-    .join(",")
 }
