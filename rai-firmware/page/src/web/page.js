@@ -50,8 +50,7 @@ const page = async () => {
     const lines = error.split("\n").filter((line) => line.trim());
     const last = lines.findLast((line) => line.startsWith("error: ")) ?? lines.at(-1) ?? "";
     // What is an option on a computer is another file here.
-    let text = last.replace(/^error: /, "").replaceAll(" by --nav", ", dropped beside it").replaceAll("with --nav", "beside it");
-    if (/ is empty$|; it is [^:]*$/.test(text)) text += ". Drop what a receiver sent (UBX, SBF or RTCM 3), or RINEX observations with their navigation file";
+    const text = last.replace(/^error: /, "").replaceAll(" by --nav", ", dropped beside it").replaceAll("with --nav", "beside it");
     // The name of a file keeps its letters.
     const begins = /^[a-z]+ /.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text;
     return begins + (/[.?!]$/.test(begins) ? "" : ".");

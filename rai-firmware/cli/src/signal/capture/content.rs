@@ -78,7 +78,7 @@ impl Content {
     /// Returns the reason for which the bytes, which begin with `head`, have no epoch with ranges.
     pub(super) fn no_epoch(&self, head: &[u8]) -> String {
         if head.is_empty() {
-            return "is empty".to_owned();
+            return format!("is empty: {}", foreign::GIVE);
         }
         if self.frames.is_empty() && !self.is_text() {
             return format!("holds no frame of UBX, SBF or RTCM 3; it is {}", foreign::foreign(head));

@@ -125,7 +125,12 @@ fn is_rtcm_2(bytes: &[u8]) -> bool {
     })
 }
 
-/// Returns the kind of a file that is not a capture, from its first bytes.
+/// What to give instead of a file in which there is nothing to read.
+pub(super) const GIVE: &str =
+    "give what a receiver sent (UBX, SBF or RTCM 3), or RINEX observations with their navigation file";
+
+/// Returns the kind of a file that is not a capture, from its first bytes, and what to do with it or
+/// instead.
 pub(super) fn foreign(bytes: &[u8]) -> String {
     let start = bytes.get(..bytes.len().min(4096)).unwrap_or_default();
     let text = String::from_utf8_lossy(start);
@@ -147,14 +152,14 @@ pub(super) fn foreign(bytes: &[u8]) -> String {
         () if is(b"\x7fELF") => "a program",
         () if is(b"<") => "a page or XML",
         () if is(b"{") || is(b"[") => "JSON",
-        () if text.contains("$PRAI") => "what a module said: monitor --file shows it",
+        () if text.contains("$PRAI") => return "what a module said: monitor --file shows it".to_owned(),
         () => match native(start) {
             Some(native) => return native,
             None if is_text => "text",
             None => "nothing that is known",
         },
     };
-    kind.to_owned()
+    format!("{kind}: {GIVE}")
 }
 
 #[cfg(test)]

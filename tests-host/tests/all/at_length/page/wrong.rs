@@ -69,10 +69,10 @@ fn every_wrong_file_gets_a_sentence_that_says_what_to_do() {
         .collect();
     let packed = gzip(&capture(5));
     let all: [(&[File], &str); 9] = [
-        (&[("empty.ubx", Vec::new())], "empty.ubx: is empty. Drop what a receiver sent"),
+        (&[("empty.ubx", Vec::new())], "empty.ubx: is empty: give what a receiver sent"),
         (
             &[("photo.jpg", b"\xFF\xD8\xFF\xE0\0\x10JFIF".to_vec())],
-            "it is a picture. Drop what a receiver sent",
+            "it is a picture: give what a receiver sent",
         ),
         (&[("head.gz", packed[..8].to_vec())], "head.gz: "),
         (
