@@ -16,16 +16,12 @@
 //! | `bits` | fields of navigation messages |
 //! | `elements` | places of the orbital elements in each message |
 //! | `preference` | choice between sources of ranges |
-//! | `assembly` | joins the messages of one instant to one epoch |
-//! | `chain` | detection of a system whose tag contradicts the messages around it |
+//! | `assembly` | joins the messages of one instant to one epoch; systems whose tag contradicts, receivers that take turns |
 //! | `message` | what a frame says, or why it says nothing |
-//! | `epoch_ranges` | ranges of one epoch |
 //! | `event` | what [`Input`] passes on |
-//! | `turns` | detection of two receivers that take turns on one line |
 //! | `suspicion` | a receiver's reports of jamming and spoofing |
 //! | `system` | satellite numbers of each system |
-//! | `calendar`, `message_week`, `present_week`, `roll_over`, `week_votes` | the present week, and time that only goes forward |
-//! | `leap_seconds` | GPS time minus UTC |
+//! | `calendar` | the present week, time that only goes forward, and GPS time minus UTC |
 //! | [`Counters`] | counters of received and unused input |
 //!
 //! Code behind [`Message`] is independent of the wire format. A new format is a folder next to
@@ -54,22 +50,16 @@
 mod assembly;
 pub(crate) mod bits;
 mod calendar;
-mod chain;
 mod counters;
 mod crc24q;
 mod elements;
-mod epoch_ranges;
 mod event;
 mod framer;
-mod leap_seconds;
 mod message;
-mod message_week;
 #[cfg(feature = "ubx")]
 mod navigation;
 mod preference;
-mod present_week;
 mod protocol;
-mod roll_over;
 mod rtcm;
 #[cfg(feature = "sbf")]
 mod sbf;
@@ -77,10 +67,8 @@ mod suspicion;
 mod system;
 #[cfg(test)]
 mod toy;
-mod turns;
 #[cfg(feature = "ubx")]
 pub mod ubx;
-mod week_votes;
 
 use raim_core::frame::Ecef;
 use raim_core::satellite::{Constellation, SatelliteId};
@@ -104,9 +92,8 @@ use protocol::{Extent, Frame, Measurements, Protocol, formats};
 pub use counters::Counters;
 pub use event::{Event, Rivalry};
 #[cfg(feature = "osnma")]
-pub(crate) use leap_seconds::begins_half_year;
-pub use leap_seconds::{LeapSecond, LeapSource};
-pub use message_week::NOT_BEFORE_WEEK;
+pub(crate) use calendar::begins_half_year;
+pub use calendar::{LeapSecond, LeapSource, NOT_BEFORE_WEEK};
 pub use suspicion::{Jamming, LoggedEvents, ReceiverLevels, Reporter, SelfReport, Suspicion, Suspicions};
 
 // One row for each wire format.

@@ -1,7 +1,7 @@
 //! The present week, and time that only goes forward.
 //!
 //! Observations carry the second of the week, and ephemerides carry a week
-//! ([`super::message_week`], [`super::roll_over`]). GPS counts weeks modulo 1,024: the week is
+//! ([`message_week`], [`roll_over`]). GPS counts weeks modulo 1,024: the week is
 //! taken in the cycle nearest to the known time. Before any time is known, it is taken in the cycle
 //! that begins with [`NOT_BEFORE_WEEK`].
 //!
@@ -14,17 +14,29 @@
 //! epoch that continues from there by the module's own clock ([`Tick::leads_to`]) is accepted at
 //! once, in its week. No leap and no vote on the week in between changes this.
 //!
-//! The systems vote on the week ([`super::present_week`]).
+//! The systems vote on the week ([`present_week`]).
+
+mod leap_seconds;
+mod message_week;
+mod present_week;
+mod roll_over;
+mod week_votes;
 
 use raim_core::satellite::Constellation;
 
 use super::Counters;
-use super::leap_seconds::{LeapSecond, LeapSeconds, LeapSource};
-use super::message_week::{MessageWeek, NOT_BEFORE_WEEK};
-use super::present_week::{PresentWeek, Ruling};
-use super::roll_over::dated;
 use crate::counters::count;
 use crate::time::{GpsTime, WEEK_MS};
+
+use leap_seconds::LeapSeconds;
+use present_week::{PresentWeek, Ruling};
+use roll_over::dated;
+
+pub(super) use leap_seconds::MOST_S;
+pub(crate) use leap_seconds::begins_half_year;
+pub use leap_seconds::{LeapSecond, LeapSource};
+pub(super) use message_week::MessageWeek;
+pub use message_week::NOT_BEFORE_WEEK;
 
 /// Step of time that exceeds most gaps between epochs, ms.
 const LEAP_MS: u64 = 60_000;

@@ -35,7 +35,7 @@ use crate::ephemeris::{Broadcast, Health, Source, ura_m};
 use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::Calendar;
 use crate::input::elements::{BEIDOU, Head, Layout, on};
-use crate::input::message_week::MessageWeek;
+use crate::input::calendar::MessageWeek;
 use crate::input::{Message, Unread};
 use crate::time::GpsTime;
 

@@ -32,7 +32,7 @@ use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::Calendar;
 use crate::input::crc24q::crc24q;
 use crate::input::elements::{GALILEO, Head, Layout, on};
-use crate::input::message_week::MessageWeek;
+use crate::input::calendar::MessageWeek;
 use crate::input::{Message, Unread};
 use crate::raw::Band;
 

@@ -26,7 +26,7 @@ use crate::ephemeris::{Broadcast, Health, Source, ura_m};
 use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::Calendar;
 use crate::input::elements::{GPS, Head, Layout, on};
-use crate::input::message_week::MessageWeek;
+use crate::input::calendar::MessageWeek;
 use crate::input::{Message, Unread};
 
 /// First eight bits of every subframe.

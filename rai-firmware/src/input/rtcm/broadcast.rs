@@ -13,7 +13,7 @@ use crate::input::Unread;
 use crate::input::bits::Bits;
 use crate::input::calendar::Calendar;
 use crate::input::elements::{BEIDOU, GALILEO, GPS, Head, Layout, Place, at, on};
-use crate::input::message_week::MessageWeek;
+use crate::input::calendar::MessageWeek;
 use crate::raw::Band;
 
 /// First bit of the satellite number.

@@ -22,7 +22,7 @@ use crate::ephemeris::{Health, StateBroadcast, glonass_accuracy_m};
 use crate::input::Unread;
 use crate::input::bits::Bits;
 use crate::input::calendar::Calendar;
-use crate::input::leap_seconds::MOST_S;
+use crate::input::calendar::MOST_S;
 use crate::time::{DAY_MS, GpsTime, glonass_time};
 
 /// Bytes of the message.

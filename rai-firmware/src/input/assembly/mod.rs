@@ -13,18 +13,23 @@
 //! | a message without satellites comes between the others with another tag | it is left out, with its statement whether others follow |
 //! | ranges come again under a new tag, bit for bit | the repeat is dropped: satellites move by metres in a millisecond, so that its tag must be wrong |
 //! | bytes are lost | the open epoch is dropped; the next message and all others of its instant are dropped too |
-//! | two receivers with one station number share the line | the first ranges are used; a second, different range of a satellite is reported ([`Rivalry`]), and so are ranges that alternate between two receivers ([`super::turns`]) |
-//! | the tag of one system is half a second or more off | the system is left out and counted ([`super::chain`]) |
+//! | two receivers with one station number share the line | the first ranges are used; a second, different range of a satellite is reported ([`Rivalry`]), and so are ranges that alternate between two receivers ([`turns`]) |
+//! | the tag of one system is half a second or more off | the system is left out and counted ([`chain`]) |
 //! | the tags of one system are wrong by 10 ms to half a second | one instant comes as two epochs without a common system, which is reported before the second one is judged ([`HALVES_MS`]) |
 
+mod chain;
+mod epoch_ranges;
+mod turns;
+
 use super::calendar::{Calendar, TimeError};
-use super::chain::{ASTRAY_MS, Chain, apart_ms, bit};
-use super::epoch_ranges::{Comparison, add, hash_of_ranges};
-use super::turns::Turns;
 use super::{Counters, Event, Ranges, Rivalry, Series};
 use crate::counters::count;
 use crate::raw::RawEpoch;
 use crate::time::GpsTime;
+
+use chain::{ASTRAY_MS, Chain, apart_ms, bit};
+use epoch_ranges::{Comparison, add, hash_of_ranges};
+use turns::Turns;
 
 /// Difference below which tags are of one instant, ms, because receivers round each system's own
 /// time separately.

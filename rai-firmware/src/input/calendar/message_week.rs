@@ -25,9 +25,9 @@ pub const NOT_BEFORE_WEEK: u16 = 2048;
 
 /// Week number of a message.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct MessageWeek {
-    pub(super) constellation: Constellation,
-    pub(super) week: u16,
+pub(in crate::input) struct MessageWeek {
+    pub(in crate::input) constellation: Constellation,
+    pub(in crate::input) week: u16,
 }
 
 impl MessageWeek {

@@ -13,7 +13,7 @@
 //! | the tag is in UTC | the tag may be wrong by a leap second; the calendar needs the message to infer the leap seconds |
 //! | the line was silent, or bytes were lost | the chain may have ended meanwhile |
 
-use super::{Ranges, Series};
+use crate::input::{Ranges, Series};
 use crate::time::WEEK_MS;
 
 /// Smallest difference of tags that contradicts a chain, ms. If the difference is smaller, the

@@ -30,8 +30,8 @@ use heapless::Vec;
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
 use raim_core::satellite::SatelliteId;
 
-use super::Rivalry;
 use crate::ephemeris::nearest;
+use crate::input::Rivalry;
 use crate::median::{apart_m, median};
 use crate::raw::{Band, RawEpoch};
 use crate::time::GpsTime;

@@ -4,8 +4,8 @@ use heapless::Vec;
 use raim_core::internals::numeric::bounds::is_within;
 use raim_core::satellite::SatelliteId;
 
-use super::Counters;
 use crate::counters::count;
+use crate::input::Counters;
 use crate::raw::{RawEpoch, RawSatellite, RawSignal};
 
 /// Possible pseudoranges, m.

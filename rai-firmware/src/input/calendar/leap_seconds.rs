@@ -34,7 +34,7 @@ const AFTER_STEP_MS: u32 = 60_000;
 const LEAP_SECOND_MS: u32 = 1000;
 
 /// Upper bound of leap seconds, s.
-pub(super) const MOST_S: u32 = 63;
+pub(in crate::input) const MOST_S: u32 = 63;
 
 /// Difference below which tags are of one instant, ms.
 const TAG_MS: u32 = 10;
