@@ -13,8 +13,8 @@
 //! | `v` | speed there; `VMAX` if it is unknown | m/s |
 //! | `a` | [`ACCELERATION_M_S2`] | m/s² |
 //!
-//! It is asked if an epoch is an alert `FAULT` or `AMBIGUOUS`, and never if a majority of systems has
-//! decided. Galileo wins if
+//! It is asked if an epoch is an alert `FAULT` or `AMBIGUOUS`, or if a majority leaves out most of the proved
+//! satellites: whoever forges two systems alike has the majority, but not the signature. Galileo wins if
 //!
 //! - the settings demand proof (`PREFER`, `ONLY`), and the time is known so well that all tags are
 //!   proof; under tags with a later key alone it never wins
@@ -24,7 +24,8 @@
 //!
 //! The levels are then those of its proved satellites; nothing else is used. Proved data say nothing about
 //! ranges, so that the last condition is what keeps true data with forged ranges from winning. Without an
-//! earlier place, or without levels of the others, nothing shows which has moved, and the alert stays.
+//! earlier place, or without levels of the others, nothing shows which has moved. Then an alert stays, and a
+//! majority against at least [`LEAST`] proved satellites becomes `AMBIGUOUS`.
 //!
 //! **Limits.** Others that are led away slowly stay an alert until they are beyond the first bound. Whoever
 //! sends the true data of Galileo with forged ranges, and other counterfeit systems that leap, decides with
@@ -72,12 +73,20 @@ impl Held {
     }
 }
 
-/// Reasons of an epoch that are a tie.
-const fn is_tie(verdict: Verdict) -> Option<Alert> {
-    match verdict {
+/// Returns the alert that stays if Galileo does not decide; `None` if nothing is contradicted.
+fn contradiction(report: &Report<CAPACITY>) -> Option<Alert> {
+    let has_left_out = !report.excluded.is_empty() || report.excluded_constellations != 0;
+    match report.verdict {
         Verdict::Alert(reason @ (Alert::Fault | Alert::Ambiguous)) => Some(reason),
+        Verdict::Protected(_) if has_left_out => Some(Alert::Ambiguous),
         _ => None,
     }
+}
+
+/// Returns true if an epoch is an alert, or promised by a majority that leaves out most of the proved satellites.
+fn is_against(witnesses: u64, report: &Report<CAPACITY>) -> bool {
+    let used = report.used.iter().filter(|its| is_in(witnesses, **its)).count() as u32;
+    matches!(report.verdict, Verdict::Alert(_)) || 2 * used < witnesses.count_ones()
 }
 
 /// Returns true if a satellite is of a set of numbers of Galileo.
@@ -181,10 +190,10 @@ impl Navigator {
     }
 
     /// Lets Galileo decide where systems contradict each other; returns true if it has. If it has not,
-    /// the alert stays.
+    /// the epoch is an alert.
     #[inline]
     pub(super) fn break_tie(&mut self, time: GpsTime, ranges: Ranges, configuration: &Configuration) -> bool {
-        let Some(reason) = is_tie(self.report().verdict) else { return false };
+        let Some(reason) = contradiction(self.report()) else { return false };
         let witnesses = self.witnesses_in_sky(time);
         self.decide(reason, witnesses, time, ranges, configuration)
     }
@@ -200,25 +209,27 @@ impl Navigator {
         ranges: Ranges,
         configuration: &Configuration,
     ) -> bool {
-        if self.distrusted.is_some() || witnesses.count_ones() < LEAST {
+        if witnesses.count_ones() < LEAST || !is_against(witnesses, self.report()) {
             return false;
         }
         let highest_m_s = configuration.continuity().max_speed_m_s;
-        let Some((place, apart_m)) = self.unmoved(witnesses, time, highest_m_s) else { return false };
-        // What follows from the epoch, such as its velocity, is of the same satellites.
-        keep(&mut self.room.sky, witnesses);
-        let before = self.tally.mark();
-        let known = [const { Cell::new(f32::NAN) }; CAPACITY];
-        self.judge_about(place, time, ranges, configuration, Search::Known(&[]), &known);
-        self.tally.restore(before);
-        self.apart.decide(apart_m);
-        let outcome = self.room.memory.outcome_mut();
-        let wins = outcome.report.verdict == Verdict::Protected(Protected::Ok);
-        if !wins {
-            outcome.override_alert(reason);
-            outcome.report.verdict = Verdict::Alert(reason);
+        let unmoved = self.unmoved(witnesses, time, highest_m_s).filter(|_| self.distrusted.is_none());
+        if let Some((place, apart_m)) = unmoved {
+            // What follows from the epoch, such as its velocity, is of the same satellites.
+            keep(&mut self.room.sky, witnesses);
+            let before = self.tally.mark();
+            let known = [const { Cell::new(f32::NAN) }; CAPACITY];
+            self.judge_about(place, time, ranges, configuration, Search::Known(&[]), &known);
+            self.tally.restore(before);
+            self.apart.decide(apart_m);
+            if self.report().verdict == Verdict::Protected(Protected::Ok) {
+                return true;
+            }
         }
-        wins
+        let outcome = self.room.memory.outcome_mut();
+        outcome.override_alert(reason);
+        outcome.report.verdict = Verdict::Alert(reason);
+        false
     }
 }
 

@@ -92,11 +92,11 @@ impl Draw {
         let up = dice.direction(Ecef::new(0.0, 0.0, 1.0), -1.0);
         let truth = scaled(up, 6.371e6);
         let mut sky = Vec::new();
-        let has_third = dice.roll() < 0.3;
+        let has_third = dice.roll() < 0.5;
         let mut counts = [(Constellation::Galileo, 4 + (8.0 * dice.roll()) as u8), (Constellation::Gps, 0)];
         counts[1].1 = 5 + (8.0 * dice.roll()) as u8;
-        // A lone satellite is no third system that could decide.
-        let third = has_third.then_some((Constellation::Beidou, 1));
+        // The others are a majority of two systems, or of one beside a lone satellite, or one alone.
+        let third = has_third.then_some((Constellation::Beidou, 1 + (8.0 * dice.roll()) as u8));
         let noise = dice.within(0.5, 6.0);
         for (system, count) in counts.into_iter().chain(third) {
             for number in 1..=count {
@@ -176,7 +176,8 @@ fn fates(kind: Forged, draws: u32, seed: u64) -> Fates {
         let Some(before) = navigator.place() else { continue };
         draw.fill(&mut navigator.room.epoch, 3.0, Some(kind), &mut dice);
         judge(&mut navigator, Search::Anew, before);
-        if is_tie(navigator.report().verdict).is_none() {
+        let report = navigator.report();
+        if contradiction(report).is_none() || !is_against(draw.witnesses, report) {
             continue;
         }
         fates.ties += 1;

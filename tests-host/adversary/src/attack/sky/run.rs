@@ -52,12 +52,13 @@ pub(super) fn course(skies: &Skies, scene: &Scene, means: Means) -> Result<Cours
     let commands = commands(skies, means);
     let commands: Vec<&str> = commands.iter().map(String::as_str).collect();
     let mut victim = Victim::new(&commands, 1.0 / f64::from(PASSES))?;
-    let mut gps = skies.ephemerides().to_vec();
-    gps.retain(|set| set.satellite.constellation() == Constellation::Gps);
+    // The sets of Galileo come with its pages.
+    let mut others = skies.ephemerides().to_vec();
+    others.retain(|set| set.satellite.constellation() != Constellation::Galileo);
     let utc =
         IonosphereAndUtc { klobuchar: KLOBUCHAR, leap_s: (LEAP_S as i8, LEAP_S as i8), change: (1929, 7) };
-    let selection = Selection::new("GE", Frequency::Dual)?;
-    let mut encoder = Encoder::new(&gps, selection, Some(utc)).as_receiver();
+    let selection = Selection::new("GEC", Frequency::Dual)?;
+    let mut encoder = Encoder::new(&others, selection, Some(utc)).as_receiver();
     let is_poisoned = scene.pages == Pages::Poisoned;
     let mut course = Course { is_poisoned, said: Vec::new(), first_four_s: None };
     for second in 0..LENGTH {

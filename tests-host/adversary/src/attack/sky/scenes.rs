@@ -46,6 +46,8 @@ pub(super) enum Ranges {
     Elsewhere,
     /// Those of one system at the other place.
     OneElsewhere(Constellation),
+    /// Those of all systems but Galileo at the other place.
+    OthersElsewhere,
     /// At a place that walks off.
     Walking,
 }
@@ -80,6 +82,14 @@ const GPS_FORGED: Scene = Scene {
     ..GENUINE
 };
 
+const OTHERS_FORGED: Scene = Scene {
+    name: "(c) GPS and BeiDou forged alike 555 m away, Galileo genuine",
+    short: "GPS and BeiDou forged, Galileo genuine",
+    ranges: Ranges::OthersElsewhere,
+    systems: "GEC",
+    ..GENUINE
+};
+
 const GALILEO_FORGED: Scene = Scene {
     name: "(c) Galileo's ranges forged 555 m away with its signed data, GPS genuine",
     short: "Galileo's ranges forged, GPS genuine",
@@ -88,7 +98,7 @@ const GALILEO_FORGED: Scene = Scene {
 };
 
 /// All attacks, behind the genuine sky of a module that has run before and of one that starts.
-pub(super) const SCENES: [Scene; 20] = [
+pub(super) const SCENES: [Scene; 22] = [
     GENUINE,
     Scene { is_cold: true, ..GENUINE },
     Scene { is_sudden: true, ..GENUINE },
@@ -149,6 +159,13 @@ pub(super) const SCENES: [Scene; 20] = [
         is_sudden: true,
         ..GALILEO_FORGED
     },
+    OTHERS_FORGED,
+    Scene {
+        name: "(c) GPS and BeiDou forged alike 555 m away, Galileo genuine, without jamming",
+        short: "GPS and BeiDou forged, without jamming",
+        is_sudden: true,
+        ..OTHERS_FORGED
+    },
     Scene {
         name: "(d) all ranges and rates pulled off at 0.5 m/s",
         short: "all ranges pulled off at 0.5 m/s",
@@ -190,14 +207,9 @@ impl Scene {
                 epoch
             }
             (_, Ranges::Elsewhere) => skies.there(second, self.late_s, has_rates).clone(),
-            (_, Ranges::OneElsewhere(system)) => {
-                let mut epoch = skies.here(second, 0, has_rates).clone();
-                epoch.satellites.retain(|seen| seen.satellite.constellation() != system);
-                let others = skies.there(second, 0, has_rates).satellites.iter();
-                epoch
-                    .satellites
-                    .extend(others.filter(|seen| seen.satellite.constellation() == system).cloned());
-                epoch
+            (_, Ranges::OneElsewhere(system)) => skies.mixed(second, has_rates, |its| its == system),
+            (_, Ranges::OthersElsewhere) => {
+                skies.mixed(second, has_rates, |its| its != Constellation::Galileo)
             }
             (_, Ranges::Walking) => {
                 let moved_m = SPEED_M_S * f64::from(second - ATTACKED);

@@ -1,7 +1,7 @@
 //! What arrives at the antenna: the genuine sky, that of another place, and pages of several signers.
 
 use anyhow::{Context as _, Result};
-use raim::signal::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
+use raim::signal::measurement::{Ephemeris, MeasuredEpoch, MeasuredSatellite, TimedEphemeris};
 use raim::signal::osnma::words::{Sets, Words as _};
 use raim::signal::osnma::{Chain, Page, Secret, System};
 use raim::signal::recording::Recording;
@@ -64,7 +64,7 @@ pub(super) struct Skies {
 impl Skies {
     pub(super) fn new() -> Result<Self> {
         let simulation = |has_range_rates| Simulation {
-            satellites: [Fleet::Gps31, Fleet::Galileo24].into_iter().flat_map(Fleet::satellites).collect(),
+            satellites: [Fleet::Gps31, Fleet::Galileo24, Fleet::Beidou24].into_iter().flat_map(Fleet::satellites).collect(),
             has_range_rates,
             ..Simulation::above_xian(START_S - f64::from(AHEAD), AHEAD + LENGTH, 1)
         };
@@ -119,6 +119,21 @@ impl Skies {
     /// Returns that of the other place.
     pub(super) fn there(&self, second: u32, late_s: u32, has_rates: bool) -> &MeasuredEpoch {
         &self.there[usize::from(has_rates)].epochs[(AHEAD + second - late_s) as usize]
+    }
+
+    /// Returns the epoch at the antenna with some systems as at the other place.
+    pub(super) fn mixed(
+        &self,
+        second: u32,
+        has_rates: bool,
+        is_there: impl Fn(Constellation) -> bool,
+    ) -> MeasuredEpoch {
+        let mut epoch = self.here(second, 0, has_rates).clone();
+        let is_elsewhere = |seen: &&MeasuredSatellite| is_there(seen.satellite.constellation());
+        epoch.satellites.retain(|seen| !is_elsewhere(&seen));
+        let there = self.there(second, 0, has_rates).satellites.iter();
+        epoch.satellites.extend(there.filter(is_elsewhere).cloned());
+        epoch
     }
 
     /// Returns an epoch whose ranges and rates are those of a place that has moved to the north.
