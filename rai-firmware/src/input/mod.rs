@@ -89,11 +89,11 @@ use message::{Message, Ranges, Series, Unread};
 use preference::{Preference, Source};
 use protocol::{Extent, Frame, Measurements, Protocol, formats};
 
-pub use counters::Counters;
-pub use event::{Event, Rivalry};
 #[cfg(feature = "osnma")]
 pub(crate) use calendar::begins_half_year;
 pub use calendar::{LeapSecond, LeapSource, NOT_BEFORE_WEEK};
+pub use counters::Counters;
+pub use event::{Event, Rivalry};
 pub use suspicion::{Jamming, LoggedEvents, ReceiverLevels, Reporter, SelfReport, Suspicion, Suspicions};
 
 // One row for each wire format.

@@ -34,8 +34,8 @@ use super::{Kind, Refusal};
 use crate::ephemeris::{Broadcast, Health, Source, ura_m};
 use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::Calendar;
-use crate::input::elements::{BEIDOU, Head, Layout, on};
 use crate::input::calendar::MessageWeek;
+use crate::input::elements::{BEIDOU, Head, Layout, on};
 use crate::input::{Message, Unread};
 use crate::time::GpsTime;
 

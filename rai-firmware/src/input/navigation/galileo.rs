@@ -30,9 +30,9 @@ use super::message::{NavigationMessage, Reader};
 use crate::ephemeris::{Broadcast, Health, Source, galileo_sisa_m};
 use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::Calendar;
+use crate::input::calendar::MessageWeek;
 use crate::input::crc24q::crc24q;
 use crate::input::elements::{GALILEO, Head, Layout, on};
-use crate::input::calendar::MessageWeek;
 use crate::input::{Message, Unread};
 use crate::raw::Band;
 

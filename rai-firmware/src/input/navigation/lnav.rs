@@ -25,8 +25,8 @@ use super::parity::is_lnav_word;
 use crate::ephemeris::{Broadcast, Health, Source, ura_m};
 use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::Calendar;
-use crate::input::elements::{GPS, Head, Layout, on};
 use crate::input::calendar::MessageWeek;
+use crate::input::elements::{GPS, Head, Layout, on};
 use crate::input::{Message, Unread};
 
 /// First eight bits of every subframe.

@@ -12,8 +12,8 @@ use crate::ephemeris::{Broadcast, Health, Source, galileo_sisa_m, ura_m};
 use crate::input::Unread;
 use crate::input::bits::Bits;
 use crate::input::calendar::Calendar;
-use crate::input::elements::{BEIDOU, GALILEO, GPS, Head, Layout, Place, at, on};
 use crate::input::calendar::MessageWeek;
+use crate::input::elements::{BEIDOU, GALILEO, GPS, Head, Layout, Place, at, on};
 use crate::raw::Band;
 
 /// First bit of the satellite number.
