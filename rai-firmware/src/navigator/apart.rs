@@ -44,11 +44,9 @@ impl Apart {
     }
 
     fn add(&mut self, place: Ecef) {
-        let farthest_m = self.places.iter().fold(None, |farthest_m: Option<f32>, other| {
-            Some(farthest_m.unwrap_or(0.0).max(distance_m(place, *other)))
-        });
-        if farthest_m > self.so_far_m {
-            self.so_far_m = farthest_m;
+        for other in &self.places {
+            let apart_m = distance_m(place, *other);
+            self.so_far_m = Some(self.so_far_m.map_or(apart_m, |so_far_m| so_far_m.max(apart_m)));
         }
         // Never full: each system is asked once.
         let _ = self.places.push(place);
@@ -58,7 +56,7 @@ impl Apart {
 impl Navigator {
     /// Computes the place of the next system of the last epoch; returns false if there is none left.
     #[inline(never)]
-    pub(crate) fn compare_systems(&mut self) -> bool {
+    pub fn compare_systems(&mut self) -> bool {
         let start = found(self.report()).or_else(|| self.place()).unwrap_or(Ecef::CENTRE);
         let Self { apart, room: Room { epoch, memory, .. }, .. } = self;
         while let Some(system) = Constellation::ALL.get(apart.next) {

@@ -66,6 +66,7 @@ fn run_in<T: Precision>(
         15 => answers.write(0, &roots::compare()),
         16 => judge_in_a_thread(input, answers, stages::process_sixteen_in),
         18 => authenticate(input, stopwatch, answers),
+        19 => wire::compare(input, stopwatch, answers),
         17 => judge_in_a_thread(input, answers, stages::process_in),
         _ => None,
     }

@@ -106,15 +106,13 @@ pub fn correct(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut An
     answers.write(ticks, &epoch.observations().len())
 }
 
-/// Times the sentences of the last epoch's report.
+/// Judges all epochs of some bytes; returns the time of the last.
 #[inline(never)]
-pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
+fn judge(bytes: &[u8], navigator: &mut Navigator, configuration: &Configuration) -> Option<GpsTime> {
     let (mut gnss, mut last) = (Gnss::new(), None);
-    let configuration = Configuration::at_start();
-    let mut navigator = Navigator::new(configuration.requirements()).ok()?;
-    gnss.feed(input.0, 0, |event| match event {
+    gnss.feed(bytes, 0, |event| match event {
         Event::Epoch(raw, _) => {
-            navigator.judge(raw, 0, &configuration);
+            navigator.judge(raw, 0, configuration);
             last = Some(raw.time);
         }
         Event::Ephemeris(ephemeris) => {
@@ -122,7 +120,32 @@ pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
         }
         _ => {}
     });
-    let time = last?;
+    last
+}
+
+/// Times the places of single systems behind the last epoch; the answer has the longest of them.
+#[inline(never)]
+pub fn compare(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
+    let configuration = Configuration::at_start();
+    let mut navigator = Navigator::new(configuration.requirements()).ok()?;
+    judge(input.0, &mut navigator, &configuration)?;
+    let (mut most_ticks, mut places) = (0, 0);
+    loop {
+        let (is_one, ticks) = stopwatch.time(|| navigator.compare_systems());
+        most_ticks = most_ticks.max(ticks);
+        if !is_one {
+            return answers.write(most_ticks, &places);
+        }
+        places += 1;
+    }
+}
+
+/// Times the sentences of the last epoch's report.
+#[inline(never)]
+pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
+    let configuration = Configuration::at_start();
+    let mut navigator = Navigator::new(configuration.requirements()).ok()?;
+    let time = judge(input.0, &mut navigator, &configuration)?;
     let mut host = Host { bytes: 0 };
     let statement = Statement {
         report: navigator.report(),

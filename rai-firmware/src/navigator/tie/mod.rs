@@ -49,7 +49,7 @@ use crate::time::GpsTime;
 type Epoch = raim_core::epoch::Epoch<CAPACITY>;
 
 /// Least number of proved satellites that may decide.
-const LEAST: u32 = 4;
+const LEAST: usize = 4;
 
 /// Largest acceleration of a receiver, m/s².
 const ACCELERATION_M_S2: f32 = 10.0;
@@ -73,23 +73,21 @@ impl Held {
     }
 }
 
-/// Returns the alert that stays if Galileo does not decide; `None` if nothing is contradicted.
-fn contradiction(report: &Report<CAPACITY>) -> Option<Alert> {
-    let has_left_out = !report.excluded.is_empty() || report.excluded_constellations != 0;
+/// Returns the alert that stays if Galileo does not decide, for an epoch that is an alert, or promised by
+/// a majority that leaves out most of the proved satellites; `None` if nothing contradicts these.
+fn contradiction(report: &Report<CAPACITY>, witnesses: u64, count: usize) -> Option<Alert> {
     match report.verdict {
         Verdict::Alert(reason @ (Alert::Fault | Alert::Ambiguous)) => Some(reason),
-        Verdict::Protected(_) if has_left_out => Some(Alert::Ambiguous),
+        Verdict::Protected(_) => {
+            let used = report.used.iter().filter(|its| is_in(witnesses, **its)).count();
+            (2 * used < count).then_some(Alert::Ambiguous)
+        }
         _ => None,
     }
 }
 
-/// Returns true if an epoch is an alert, or promised by a majority that leaves out most of the proved satellites.
-fn is_against(witnesses: u64, report: &Report<CAPACITY>) -> bool {
-    let used = report.used.iter().filter(|its| is_in(witnesses, **its)).count() as u32;
-    matches!(report.verdict, Verdict::Alert(_)) || 2 * used < witnesses.count_ones()
-}
-
 /// Returns true if a satellite is of a set of numbers of Galileo.
+#[inline(never)]
 fn is_in(witnesses: u64, satellite: SatelliteId) -> bool {
     satellite.constellation() == Constellation::Galileo && witnesses >> (satellite.number() & 63) & 1 != 0
 }
@@ -180,41 +178,33 @@ impl Navigator {
         (is_leap && distance_m(own, before) < leap_m).then(|| (own, distance_m(own, others)))
     }
 
-    /// Returns those satellites of the sky whose set in use is the proved one.
-    fn witnesses_in_sky(&self, time: GpsTime) -> u64 {
+    /// Returns those satellites of the sky whose set in use is the proved one, and their number.
+    fn witnesses_in_sky(&self, time: GpsTime) -> (u64, usize) {
         let is_proved = |satellite: SatelliteId| {
             is_in(self.witnesses, satellite) && self.store.is_proved(satellite, time)
         };
         let proved = self.room.sky.iter().map(Located::satellite).filter(|satellite| is_proved(*satellite));
-        proved.fold(0, |set, its| set | 1 << (its.number() & 63))
+        proved.fold((0, 0), |(set, count), its| (set | 1 << (its.number() & 63), count + 1))
     }
 
     /// Lets Galileo decide where systems contradict each other; returns true if it has. If it has not,
     /// the epoch is an alert.
     #[inline]
     pub(super) fn break_tie(&mut self, time: GpsTime, ranges: Ranges, configuration: &Configuration) -> bool {
-        let Some(reason) = contradiction(self.report()) else { return false };
-        let witnesses = self.witnesses_in_sky(time);
-        self.decide(reason, witnesses, time, ranges, configuration)
+        self.witnesses != 0 && self.decide(time, ranges, configuration)
     }
 
-    /// Works like [`Self::break_tie`], with the satellites whose sets are proved.
+    /// Works like [`Self::break_tie`], where the data of some satellites are proved.
     #[cold]
     #[inline(never)]
-    fn decide(
-        &mut self,
-        reason: Alert,
-        witnesses: u64,
-        time: GpsTime,
-        ranges: Ranges,
-        configuration: &Configuration,
-    ) -> bool {
-        if witnesses.count_ones() < LEAST || !is_against(witnesses, self.report()) {
+    fn decide(&mut self, time: GpsTime, ranges: Ranges, configuration: &Configuration) -> bool {
+        let (witnesses, count) = self.witnesses_in_sky(time);
+        if count < LEAST {
             return false;
         }
+        let Some(reason) = contradiction(self.report(), witnesses, count) else { return false };
         let highest_m_s = configuration.continuity().max_speed_m_s;
-        let unmoved = self.unmoved(witnesses, time, highest_m_s).filter(|_| self.distrusted.is_none());
-        if let Some((place, apart_m)) = unmoved {
+        if let Some((place, apart_m)) = self.unmoved(witnesses, time, highest_m_s) {
             // What follows from the epoch, such as its velocity, is of the same satellites.
             keep(&mut self.room.sky, witnesses);
             let before = self.tally.mark();

@@ -176,13 +176,13 @@ fn fates(kind: Forged, draws: u32, seed: u64) -> Fates {
         let Some(before) = navigator.place() else { continue };
         draw.fill(&mut navigator.room.epoch, 3.0, Some(kind), &mut dice);
         judge(&mut navigator, Search::Anew, before);
-        let report = navigator.report();
-        if contradiction(report).is_none() || !is_against(draw.witnesses, report) {
+        let count = draw.witnesses.count_ones() as usize;
+        if contradiction(navigator.report(), draw.witnesses, count).is_none() {
             continue;
         }
         fates.ties += 1;
         navigator.held = Held { time: GpsTime::from_ms(0), speed_m_s: Some(0.0) };
-        let is_enough = draw.witnesses.count_ones() >= LEAST;
+        let is_enough = count >= LEAST;
         let found = navigator.unmoved(draw.witnesses, GpsTime::from_ms(1000), 515.0);
         let Some((place, _)) = found.filter(|_| is_enough) else { continue };
         navigator.room.epoch = some_of(&navigator.room.epoch, &|satellite| is_in(draw.witnesses, satellite));

@@ -100,7 +100,7 @@ pub fn cycles() -> Result<(String, Cycles)> {
 }
 
 fn cases() -> Result<Vec<Case>> {
-    let mut cases = authentication();
+    let mut cases = authentication()?;
     for constellations in [1, 2] {
         for count in SIZES {
             cases.extend(tests(count, constellations, Scalar::Single)?);
@@ -136,7 +136,7 @@ fn run(cases: &[Case], machine: Machine) -> Result<Vec<Answer>> {
 const SIGNED: &[u8] = include_bytes!("../../../vectors/osnma_pages.bin");
 
 /// Returns the slices of the authentication, none of which may exceed 60,000 instructions.
-fn authentication() -> Vec<Case> {
+fn authentication() -> Result<Vec<Case>> {
     let case = |number: u8, name: &str, target| Case {
         name: format!("OSNMA: {name}"),
         stage: Stage::Authenticate,
@@ -145,12 +145,19 @@ fn authentication() -> Vec<Case> {
         target: Some(target),
         epochs: 1,
     };
-    vec![
+    let contradicting = Wrong { faults: 7, scale: 100.0, from_s: 1.0 };
+    let compared = Case {
+        stage: Stage::Compare,
+        input: Stream::with(2, 40, contradicting)?.epochs.concat(),
+        ..case(0, "largest slice with the place of one system", 60_000)
+    };
+    Ok(vec![
         case(0, "largest slice", 60_000),
         case(1, "largest slice with a tag", 60_000),
         case(2, "largest slice with steps of the chain", 60_000),
+        compared,
         case(3, "page", 20_000),
-    ]
+    ])
 }
 
 /// Encodes starting point and epoch.

@@ -69,6 +69,8 @@ pub enum Stage {
     JudgeInAThread = 17,
     /// Slices of the authentication over the pages of a signed sky.
     Authenticate = 18,
+    /// Places of single systems.
+    Compare = 19,
 }
 
 /// Scalar type of the core.
