@@ -41,7 +41,6 @@ mod osnma;
 mod own_evidence;
 mod pin_in_time;
 mod precision;
-mod python;
 mod recordings;
 mod report;
 mod roots;

@@ -10,6 +10,7 @@ mod merged_stream;
 mod no_panic;
 mod page;
 mod parity;
+mod python;
 mod second_board;
 mod sky;
 mod soak;
