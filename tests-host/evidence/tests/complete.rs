@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use adversary::attack::ATTACKS;
+use adversary::attack::attacks;
 use evidence::fault_tree::HAZARD;
 use evidence::requirement::REQUIREMENTS;
 use experiments::EXPERIMENTS;
@@ -16,7 +16,7 @@ fn top() -> std::path::PathBuf {
 #[test]
 fn every_attack_is_one_leaf_of_the_tree() {
     let leaves = HAZARD.attacks();
-    let known: BTreeSet<&str> = ATTACKS.iter().map(|attack| attack.name).collect();
+    let known: BTreeSet<&str> = attacks().iter().map(|attack| attack.name).collect();
     let named: BTreeSet<&str> = leaves.iter().copied().collect();
     assert_eq!(named, known, "the tree and the list of attacks differ");
     assert_eq!(leaves.len(), named.len(), "an attack is two leaves: {leaves:?}");
@@ -46,7 +46,7 @@ fn every_command_names_something_that_can_be_run() {
         let words: Vec<&str> = command.split(' ').collect();
         let can_be_run = match words[..] {
             ["cargo", "xtask", "reproduce", name] => EXPERIMENTS.iter().any(|known| known.name == name),
-            ["cargo", "xtask", "attack", name] => ATTACKS.iter().any(|known| known.name == name),
+            ["cargo", "xtask", "attack", name] => attacks().iter().any(|known| known.name == name),
             ["cargo", "xtask", "campaign", file] => top().join(file).is_file(),
             ["cargo", "xtask", verb, ..] => verbs.contains(&format!("verb(\"{verb}\",")),
             ["cargo", "test", "-p", package, "--test", program, "--", module, ..] => {

@@ -11,53 +11,10 @@
 //! protected epoch has an error above its level (or no more often than the probability of missed
 //! detection allows), and no healthy epoch is lost to harmless input.
 //!
-//! | module | attack |
-//! |---|---|
-//! | [`false_tracking`] | signals lost and tracked falsely: ranges that agree by chance |
-//! | [`leap`] | a counterfeit sky elsewhere, and a time tag that leaps with it |
-//! | [`single_fault`] | one satellite wrong by a step or a ramp of any size, or by milliseconds, every method, policy and aid |
-//! | [`faulty_orbit`] | a satellite that is not where it broadcasts |
-//! | [`clock_ramp`] | too few satellites, and a clock forecast that follows the fault |
-//! | [`several_faults`] | two to four satellites wrong at once |
-//! | [`reflections`] | all low satellites of one side late |
-//! | [`shifted_system`] | all satellites of a system wrong at once, in agreement |
-//! | [`two_truths`] | counterfeit signals of one system beside genuine ones of another |
-//! | [`broken_system`] | more satellites of one system wrong than an exclusion may take |
-//! | [`poor_ranges`] | all ranges noisier than their sigmas, beside wrong orbits, or rounded |
-//! | [`early_ephemeris`] | ephemerides that are hours early, and crowds of absent satellites |
-//! | [`false_orbits`] | false sets of orbits and clocks, one by one in small steps, or before all others |
-//! | [`ionosphere`] | one frequency under a dense ionosphere; forged coefficients |
-//! | [`one_frequency`] | one frequency: a step of 60 m on each satellite in turn, and the levels without it |
-//! | [`health`] | signals that one message calls healthy and another out of service |
-//! | [`held_back`] | epochs that a line delays more and more; a recording that is replayed |
-//! | [`false_rates`] | range rates with the wrong sign, and random range rates |
-//! | [`rates_apart`] | ranges that move while their rates do not; a counterfeit sky after a silence |
-//! | [`walks`] | places that walk off for 20 minutes, leap or swing, with true, missing and contradicting rates |
-//! | [`repeater`] | all ranges longer by one delay, without range rates |
-//! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
-//! | [`forged_frames`] | frames with another time, week or place, or other leap seconds |
-//! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it; the end of a cycle of weeks |
-//! | [`two_stations`] | ranges of a reference station on the receiver's line; a receiver in a tunnel; a receiver that sends everything twice |
-//! | [`namesakes`] | two receivers with one station number, from the start, or one after the other |
-//! | [`half_epochs`] | one system tagged wrong by tens of milliseconds: one instant as two epochs |
-//! | [`doubled_satellite`] | one satellite under two numbers |
-//! | [`second_frequency`] | the second frequency of some satellites wrong |
-//! | [`settings`] | a time to alert that hides a silence; restarts that lose settings; a setting that rules out faults |
-//! | [`after_quiet`] | a ramp of one satellite, and a street, after quiet minutes; a suspicion that was true once |
-//! | [`learned_sigmas`] | sigmas learned in quiet minutes, used for ranges these do not describe |
-//! | [`wrong_tags`] | time tags wrong by milliseconds, every method and policy, and sigmas that learn from them |
-//! | [`suspicions`] | a receiver that detects counterfeit signals, and messages that could cancel its warning |
-//! | [`alike_strengths`] | signals of one strength, as one antenna sends them |
-//! | [`wrong_height`] | a height of the host that is wrong or drifts, and a sky that rises away from it |
-//! | [`unsaid_delays`] | group delays that the navigation message does not carry |
-//! | [`unsaid_strength`] | noisy signals whose strength the receiver does not report |
-//! | [`upheaval`] | leaps of place and time, a failing line, wrong ranges and commands, all at random |
-//! | [`sky`] | a signed sky: jammed, then forged, relayed, pulled off, poisoned or signed by another key |
-//! | [`streets`] | real recordings between walls that block low satellites or reflect them late |
-//! | [`gaps`] | nature: receivers of any rate that fall silent again and again |
-//! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
+//! The folders hold the attacks, by what is attacked; the folder's `ATTACKS` has a row for each.
 
 pub mod module;
+pub mod ranges;
 pub mod record;
 pub mod seen;
 pub mod sky;
@@ -65,52 +22,11 @@ pub mod small;
 pub mod tally;
 pub mod victim;
 
-mod after_quiet;
-mod alike_strengths;
-mod broken_system;
-mod clock_ramp;
-mod doubled_satellite;
-mod early_ephemeris;
-mod false_orbits;
-mod false_rates;
-mod false_signs;
-mod false_tracking;
-mod faulty_orbit;
-mod forged_frames;
 mod forgery;
-mod gaps;
-mod gross_pairs;
-mod half_epochs;
-mod health;
-mod held_back;
-mod ionosphere;
-mod leap;
-mod learned_sigmas;
-mod namesakes;
-mod odd_ranges;
-mod one_frequency;
-mod poor_ranges;
-mod rates_apart;
-mod recordings;
-mod reflections;
-mod repeater;
-mod second_frequency;
-mod settings;
-pub mod several_faults;
-pub mod several_record;
-mod shifted_system;
-mod single_fault;
-mod streets;
-mod suspicions;
-mod two_stations;
-mod two_truths;
-mod unsaid_delays;
-mod unsaid_strength;
-mod upheaval;
-mod walks;
-mod week_edge;
-mod wrong_height;
-mod wrong_tags;
+mod line;
+mod motion;
+mod nature;
+mod orbits;
 
 use anyhow::Result;
 use serde::Serialize;
@@ -161,101 +77,14 @@ pub struct Attack {
     pub run: fn(Effort) -> Result<Vec<Figure>>,
 }
 
-/// All attacks.
-pub const ATTACKS: &[&Attack] = &[
-    &false_tracking::ATTACK,
-    &false_tracking::AFTERWARDS,
-    &leap::ATTACK,
-    &leap::WITH_TIME,
-    &single_fault::STEPS,
-    &single_fault::RAMPS,
-    &single_fault::GROSS,
-    &gross_pairs::ATTACK,
-    &faulty_orbit::ATTACK,
-    &clock_ramp::ATTACK,
-    &several_faults::PAIRS,
-    &several_faults::CHOSEN,
-    &reflections::ATTACK,
-    &shifted_system::WHOLE,
-    &shifted_system::FEW,
-    &two_truths::ATTACK,
-    &broken_system::ATTACK,
-    &poor_ranges::NOISE,
-    &poor_ranges::ORBITS,
-    &poor_ranges::ROUNDED,
-    &early_ephemeris::EARLY,
-    &early_ephemeris::ABSENT,
-    &early_ephemeris::CROWD,
-    &false_orbits::TURNED,
-    &false_orbits::CLOCKS,
-    &false_orbits::LEAP,
-    &false_orbits::FIRST,
-    &false_orbits::ONE,
-    &ionosphere::EVEN,
-    &ionosphere::SLOPED,
-    &ionosphere::ZEROS,
-    &ionosphere::FORGED,
-    &one_frequency::RECORDED,
-    &one_frequency::SIMULATED,
-    &health::ATTACK,
-    &odd_ranges::AHEAD,
-    &odd_ranges::NEXT,
-    &held_back::ATTACK,
-    &held_back::AGAIN,
-    &held_back::WEEK_OLD,
-    &false_rates::NEGATED,
-    &false_rates::RANDOM,
-    &rates_apart::WALK,
-    &rates_apart::DRAG,
-    &rates_apart::SILENCE,
-    &walks::LONG,
-    &walks::LEAPS,
-    &repeater::ATTACK,
-    &odd_ranges::APART,
-    &odd_ranges::WEEK,
-    &forged_frames::MOVED,
-    &forged_frames::NEAR,
-    &forged_frames::LATER,
-    &forged_frames::CYCLE,
-    &forged_frames::OUTVOTED,
-    &week_edge::ATTACK,
-    &week_edge::CYCLE,
-    &forged_frames::FIRST,
-    &forged_frames::LEAP_SECONDS,
-    &two_stations::ATTACK,
-    &two_stations::TUNNEL,
-    &two_stations::NAMESAKE,
-    &two_stations::TWICE,
-    &namesakes::JOINED,
-    &namesakes::IN_TURN,
-    &namesakes::TAKEN_OVER,
-    &half_epochs::ATTACK,
-    &doubled_satellite::ATTACK,
-    &second_frequency::ATTACK,
-    &settings::TIME_TO_ALERT,
-    &settings::RESTARTS,
-    &settings::NEVER,
-    &learned_sigmas::ATTACK,
-    &after_quiet::RAMP,
-    &after_quiet::STREET,
-    &after_quiet::SUSPICION,
-    &wrong_tags::BRIEFLY,
-    &wrong_tags::LEARNED,
-    &suspicions::ATTACK,
-    &alike_strengths::ATTACK,
-    &wrong_height::WRONG,
-    &wrong_height::RISING,
-    &wrong_height::RAMPS,
-    &unsaid_delays::ATTACK,
-    &unsaid_strength::ATTACK,
-    &upheaval::ATTACK,
-    &recordings::NOMINAL,
-    &recordings::URBAN,
-    &false_signs::ATTACK,
-    &gaps::ATTACK,
-    &streets::ATTACK,
-    &sky::ATTACK,
-];
+/// Attacks of all folders, in the order of the documents.
+const FOLDERS: [&[&Attack]; 6] =
+    [ranges::ATTACKS, motion::ATTACKS, orbits::ATTACKS, line::ATTACKS, nature::ATTACKS, &[&sky::ATTACK]];
+
+/// Returns all attacks.
+pub fn attacks() -> Vec<&'static Attack> {
+    FOLDERS.concat()
+}
 
 /// Bound of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

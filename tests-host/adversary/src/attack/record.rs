@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 
-use super::{ATTACKS, Effort, Outcome, rounded};
+use super::{Effort, Outcome, attacks, rounded};
 
 /// Quantity of the first line.
 const VERSION: &str = "version";
@@ -107,7 +107,7 @@ impl Record {
 
     fn text(&self) -> String {
         let mut text = String::new();
-        let all = ATTACKS.iter().flat_map(|attack| Effort::ALL.map(|effort| self.entry(attack.name, effort)));
+        let all = attacks().into_iter().flat_map(|attack| Effort::ALL.map(|effort| self.entry(attack.name, effort)));
         for entry in all.flatten() {
             let version = (VERSION.to_owned(), entry.version.clone());
             for (quantity, value) in [version].iter().chain(&entry.figures) {

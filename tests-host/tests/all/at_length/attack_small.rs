@@ -5,7 +5,7 @@
 
 use adversary::attack::module::attack_small;
 use adversary::attack::small::{self, attempt, committed};
-use adversary::attack::{ATTACKS, Effort};
+use adversary::attack::{Effort, attacks};
 use rig::image::build_small_module;
 use rig::{document, shared};
 
@@ -42,7 +42,7 @@ fn lines() -> Vec<Line> {
 fn the_small_module_withstands_what_its_record_says() {
     attack_small(build_small_module().expect("the program of the small module"));
     let (record, has_recordings) = (committed().expect("a record"), shared::path("data").is_some());
-    for attack in ATTACKS {
+    for attack in attacks() {
         let want = record.lines().find(|text| text.split('\t').next() == Some(attack.name));
         let want = want.unwrap_or_else(|| panic!("{} is not in the record", attack.name));
         let short = line(want).filter(|line| line.protected <= MOST);
@@ -67,7 +67,7 @@ fn the_documents_say_which_attacks_mislead_the_small_module() {
     });
     document::must_have("results/adversary.md", "small", &[head.to_owned(), rows.collect()].concat());
 
-    let (all, of_others) = (ATTACKS.len(), ATTACKS.len() - lines().len());
+    let (all, of_others) = (attacks().len(), attacks().len() - lines().len());
     let words = format!(
         "It withstands {} of the {all} attacks of this page, {of_others} have no opportunity, and {} mislead it",
         all - of_others - misled.len(),

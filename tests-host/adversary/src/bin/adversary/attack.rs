@@ -4,7 +4,8 @@
 use std::time::Instant;
 
 use adversary::attack::record::{Entry, Record};
-use adversary::attack::{ATTACKS, Attack, Effort, Outcome, several_faults, several_record};
+use adversary::attack::ranges::{several_faults, several_record};
+use adversary::attack::{Attack, Effort, Outcome, attacks};
 use anyhow::{Context as _, ensure};
 
 /// Arguments of the command.
@@ -83,14 +84,14 @@ fn effort_of(arguments: &Arguments) -> Effort {
 
 fn chosen(names: &[String]) -> anyhow::Result<Vec<&'static Attack>> {
     if names.is_empty() || names.iter().any(|name| name == "all") {
-        return Ok(ATTACKS.to_vec());
+        return Ok(attacks());
     }
     names.iter().map(|name| named(name)).collect()
 }
 
 fn named(name: &str) -> anyhow::Result<&'static Attack> {
-    let known = || ATTACKS.iter().map(|attack| attack.name).collect::<Vec<_>>().join(", ");
-    let found = ATTACKS.iter().find(|attack| attack.name == name).copied();
+    let known = || attacks().iter().map(|attack| attack.name).collect::<Vec<_>>().join(", ");
+    let found = attacks().into_iter().find(|attack| attack.name == name);
     found.with_context(|| format!("`{name}` is not an attack; the attacks are {}, or all", known()))
 }
 

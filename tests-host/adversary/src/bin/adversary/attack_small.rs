@@ -4,13 +4,13 @@ use std::time::Instant;
 
 use adversary::attack::module::attack_small;
 use adversary::attack::small::{Finding, attempt, write};
-use adversary::attack::{ATTACKS, Attack, Effort};
+use adversary::attack::{Attack, Effort, attacks as all};
 use anyhow::{Context as _, ensure};
 
 /// Runs the attacks and prints what they did.
 pub(crate) fn run(attacks: &[&Attack], effort: Effort, is_recorded: bool) -> anyhow::Result<()> {
     ensure!(
-        !is_recorded || attacks.len() == ATTACKS.len(),
+        !is_recorded || attacks.len() == all().len(),
         "only all attacks can be recorded: leave out the names, or `--record`"
     );
     attack_small(rig::image::build_small_module()?);

@@ -1,0 +1,186 @@
+//! A receiver that detects counterfeit signals, and messages that could make the module discard
+//! that warning.
+//!
+//! The messages are: one of another kind with less knowledge; one of the same kind from a receiver
+//! that has restarted and does not know; and a single denial without a later one.
+//!
+//! A warning that suspects spoofing, and nothing more, is no reason to withdraw anything: a
+//! receiver at rest repeated it in a clean sky for ten minutes.
+//!
+//! The sky itself is healthy, so only the receiver's warning contradicts the promise.
+
+use anyhow::Result;
+use raim::signal::encode::ubx;
+use raim_firmware::input::Suspicion;
+
+use crate::attack::forgery::Sky;
+use crate::attack::tally::Tally;
+use crate::attack::victim::{Seen, Victim};
+use crate::attack::{Attack, Effort, Figure};
+
+/// Attack with a warning that another message denies.
+pub(super) const ATTACK: Attack = Attack {
+    name: "suspicion-denied",
+    about: "the receiver detects counterfeit signals; a message with less knowledge denies them",
+    run,
+};
+
+/// Epochs before the warning, during it, and after the receiver withdraws it.
+const EPOCHS: [usize; 3] = [10, 20, 20];
+
+/// Epochs for which the satellites must agree after an alert, at start.
+const RECOVER: f64 = 3.0;
+
+/// Epochs after a certainty for which nothing is promised.
+const AFTER: f64 = 10.0;
+
+/// Returns SEC-SIG, version 2: jamming detection on, without jamming; spoofing detection on, in the
+/// given state.
+pub(in crate::attack) fn of_both(spoofing: u8) -> Vec<u8> {
+    ubx::frame([0x27, 0x09], &[2, 0b0000_1011 | spoofing << 4, 0, 0])
+}
+
+/// Returns NAV-STATUS with an unknown spoofing state.
+fn of_spoofing_unknown() -> Vec<u8> {
+    ubx::frame([0x01, 0x03], &[0; 16])
+}
+
+fn run(_: Effort) -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    // With levels above the limits, too, the state must be an alert, because the position must not
+    // be used.
+    for commands in [&[][..], &["HAL,5"]] {
+        let (mut before, mut sure, mut after) = (Tally::default(), Tally::default(), Tally::default());
+        let (mut alerts, mut until_promised) = (0, 0);
+        let sky = Sky::quiet(EPOCHS.iter().sum::<usize>() as u32, 1)?;
+        let mut victim = Victim::new(commands, 1.0)?;
+        for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+            let said = match index.checked_sub(EPOCHS[0]) {
+                None => Vec::new(),
+                Some(since) if since < EPOCHS[1] => [of_both(3), of_spoofing_unknown()].concat(),
+                Some(_) => of_both(1),
+            };
+            let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+            match index.checked_sub(EPOCHS[0]) {
+                None => before.add_all(&seen),
+                Some(since) if since < EPOCHS[1] => {
+                    sure.add_all(&seen);
+                    alerts += seen.iter().filter(|seen| is_spoofed(seen)).count();
+                }
+                Some(_) => {
+                    after.add_all(&seen);
+                    until_promised += usize::from(after.outcomes.promised == 0);
+                }
+            }
+        }
+        let name = if commands.is_empty() { "" } else { " with HAL 5 m" };
+        figures.push(Figure::at_most(
+            format!("promised while it is sure{name}"),
+            sure.outcomes.promised as f64,
+            0.0,
+        ));
+        figures.push(Figure::at_least(format!("`SPOOFED` then{name}"), alerts as f64, EPOCHS[1] as f64));
+        if commands.is_empty() {
+            figures.push(Figure::at_least(
+                "promised before",
+                before.outcomes.promised as f64,
+                EPOCHS[0] as f64,
+            ));
+            figures.push(Figure::at_least("epochs to recover after", until_promised as f64, AFTER + RECOVER));
+            figures.push(Figure::at_least("promised after", after.outcomes.promised as f64, 1.0));
+        }
+    }
+    let (promised, alerts) = begun_anew()?;
+    figures.push(Figure::at_most("promised once it does not know any more", promised, 0.0));
+    figures.push(Figure::at_least("`SPOOFED` then", alerts, 20.0));
+    figures.push(Figure::at_most("s for which one word of none holds", word_of_none_s()?, 4.0));
+    figures.push(Figure::at_least(
+        "promised after one word of it and `FORGET`",
+        forgotten()?,
+        20.0 - RECOVER,
+    ));
+    figures.push(Figure::at_least("promised of 30 while it suspects", suspected(&[])?, 30.0));
+    figures.push(Figure::at_least(
+        "promised of 30 with `SPOOFFLAG,SAY` while it is sure",
+        said_only()?,
+        30.0,
+    ));
+    Ok(figures)
+}
+
+/// Returns the promised epochs of thirty in which the receiver suspects spoofing and jamming.
+fn suspected(commands: &[&str]) -> Result<f64> {
+    promised_during(commands, &ubx::frame([0x27, 0x09], &[2, 0b0010_1101, 0, 0]))
+}
+
+/// Returns the promised epochs of thirty in which the receiver is sure, and its word is only
+/// reported.
+fn said_only() -> Result<f64> {
+    promised_during(&["SPOOFFLAG,SAY"], &of_both(3))
+}
+
+/// Returns the promised epochs of thirty with a message before each of them.
+fn promised_during(commands: &[&str], message: &[u8]) -> Result<f64> {
+    let sky = Sky::quiet(30, 1)?;
+    let (mut victim, mut tally) = (Victim::new(commands, 1.0)?, Tally::default());
+    for bytes in sky.bytes(|_, _| {})? {
+        tally.add_all(&victim.hear(&[message, &bytes].concat(), sky.truth)?);
+    }
+    Ok(tally.outcomes.promised as f64)
+}
+
+/// Returns promised epochs and alerts of twenty in which SEC-SIG has spoofing detection off, after
+/// ten with a warning.
+fn begun_anew() -> Result<(f64, f64)> {
+    let sky = Sky::quiet(40, 1)?;
+    let (mut victim, mut after, mut alerts) = (Victim::new(&[], 1.0)?, Tally::default(), 0);
+    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+        let said = match index {
+            0..10 => of_both(1),
+            10..20 => of_both(3),
+            _ => ubx::frame([0x27, 0x09], &[2, 0b0000_0011, 0, 0]),
+        };
+        let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+        if index >= 20 {
+            after.add_all(&seen);
+            alerts += seen.iter().filter(|seen| is_spoofed(seen)).count();
+        }
+    }
+    Ok((after.outcomes.promised as f64, alerts as f64))
+}
+
+/// Returns the time for which the module reports no counterfeit signals after one denial, s.
+fn word_of_none_s() -> Result<f64> {
+    let sky = Sky::quiet(120, 1)?;
+    let (mut victim, mut holds_s) = (Victim::new(&[], 1.0)?, 0.0);
+    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+        let said = if index == 10 { of_both(1) } else { Vec::new() };
+        victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+        holds_s += f64::from(u8::from(victim.spoofing() == Suspicion::None));
+    }
+    Ok(holds_s)
+}
+
+/// Returns the promised epochs of the twenty after `FORGET`, on the line of a receiver that sends
+/// no SEC-SIG, after a single forged one.
+fn forgotten() -> Result<f64> {
+    let sky = Sky::quiet(40, 1)?;
+    let (mut victim, mut after) = (Victim::new(&[], 1.0)?, Tally::default());
+    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+        let said = if index == 10 { of_both(3) } else { Vec::new() };
+        if index == 20 {
+            victim.obey("FORGET")?;
+        }
+        let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+        if index >= 20 {
+            after.add_all(&seen);
+        }
+    }
+    Ok(after.outcomes.promised as f64)
+}
+
+/// Returns true for a spoofing alert without a protection level.
+fn is_spoofed(seen: &Seen) -> bool {
+    let state = &seen.said.state;
+    state.reason == "SPOOFED" && state.hpl_m.is_none()
+}

@@ -1,0 +1,111 @@
+//! Counterfeit signals of one antenna: all of one strength. The sign alone withdraws nothing;
+//! beside a receiver that suspects spoofing it does.
+
+use anyhow::{Context as _, Result};
+use raim::in_order::Together as _;
+use raim::signal::encode::{Encoder, Frequency, Selection, ubx};
+use raim::signal::recording::Recording;
+use raim_core::frame::Ecef;
+use rig::shared;
+
+use crate::attack::forgery::Sky;
+use crate::attack::nature::recordings::{STATIONS, skipped};
+use crate::attack::tally::Tally;
+use crate::attack::victim::Victim;
+use crate::attack::{Attack, Effort, Figure};
+
+/// Attack with signals of one strength, and the false alarms of the sign in nature.
+pub(super) const ATTACK: Attack = Attack {
+    name: "alike-strengths",
+    about: "signals that become alike in strength, beside a suspicion of the receiver; false signs in recordings",
+    run,
+};
+
+/// Genuine epochs before.
+const BEFORE: usize = 20;
+
+/// Counterfeit epochs.
+const DURING: usize = 40;
+
+/// Largest number of false signs in an hour.
+const FALSE_SIGNS: f64 = 0.1;
+
+/// Spread of the strengths of the counterfeit about its mean, dB.
+const SPREAD_DB: f64 = 0.5;
+
+fn run(effort: Effort) -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    for is_suspected in [true, false] {
+        let sky = Sky::quiet((BEFORE + DURING) as u32, 3)?;
+        let bytes = sky.bytes(|index, epoch| {
+            if index >= BEFORE {
+                for (number, raw) in epoch.satellites.iter_mut().enumerate() {
+                    for signal in &mut raw.signals {
+                        let apart_db = if number % 2 == 0 { SPREAD_DB } else { -SPREAD_DB };
+                        signal.cn0_dbhz = Some(46.0 + apart_db);
+                    }
+                }
+            }
+        })?;
+        let (mut victim, mut before, mut during) =
+            (Victim::new(&[], 1.0)?, Tally::default(), Tally::default());
+        let mut alert_s = f64::INFINITY;
+        for (index, bytes) in bytes.iter().enumerate() {
+            let state = if is_suspected { 0b0010_1011 } else { 0b0001_1011 };
+            let said = ubx::frame([0x27, 0x09], &[2, state, 0, 0]);
+            let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+            let Some(seconds) = index.checked_sub(BEFORE) else {
+                before.add_all(&seen);
+                continue;
+            };
+            if seen.iter().any(|seen| seen.said.state.reason == "SPOOFED") {
+                alert_s = alert_s.min(seconds as f64);
+            }
+            during.add_all(&seen);
+        }
+        figures.push(Figure::at_least("promised before", before.outcomes.promised as f64, BEFORE as f64));
+        if is_suspected {
+            figures.push(Figure::at_most("s to `SPOOFED` beside a suspicion", alert_s, 11.0));
+        } else {
+            let promised = during.outcomes.promised as f64;
+            figures.push(Figure::at_least("promised without a suspicion", promised, DURING as f64));
+        }
+    }
+    if shared::path("data").is_none() {
+        figures.extend(skipped());
+        return Ok(figures);
+    }
+    let most = effort.pick(2880, usize::MAX);
+    let signs = STATIONS
+        .iter()
+        .together(|(station, systems)| {
+            let recording = station.load().with_context(|| format!("{} is missing", station.folder))?;
+            false_signs(&recording, systems, most)
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let (count, hours) = signs.iter().fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+    figures.push(Figure::plain("hours of recordings", hours));
+    figures.push(Figure::at_most("false signs an hour", count / hours, FALSE_SIGNS));
+    if let Some(folder) = shared::path("data/urban") {
+        let file = |name: &str| folder.join(name);
+        let recording = Recording::load(&[file("car.obs.gz")], &[file("gps.nav.gz"), file("beidou.nav.gz")])?;
+        let (count, hours) = false_signs(&recording, "GC", most)?;
+        figures.push(Figure::at_most(format!("false signs in {hours:.2} h of streets"), count, 0.0));
+    }
+    Ok(figures)
+}
+
+/// Returns the epochs of a recording with the sign, and its hours.
+fn false_signs(recording: &Recording, systems: &str, most: usize) -> Result<(f64, f64)> {
+    let step_s = match recording.epochs.as_slice() {
+        [first, second, ..] => second.time.since_ms(first.time) as f64 * 1e-3,
+        _ => 1.0,
+    };
+    let mut victim = Victim::new(&[], step_s)?;
+    let mut encoder = Encoder::new(&recording.ephemerides, Selection::new(systems, Frequency::Dual)?);
+    for epoch in recording.epochs.iter().take(most) {
+        victim.hear(&encoder.epoch(epoch)?, Ecef::CENTRE)?;
+    }
+    let hours = step_s * recording.epochs.len().min(most) as f64 / 3600.0;
+    Ok((f64::from(victim.counter("strengths_alike")?), hours))
+}

@@ -1,0 +1,82 @@
+//! A clock forecast that follows a fault, with too few satellites to notice.
+//!
+//! The module learns its clock with the whole sky. Then four, five or six satellites remain and one
+//! of them drifts. The drift is slow enough that a forecast learning only from positions it vouches
+//! for itself would follow it.
+
+use anyhow::Result;
+use raim::in_order::Together as _;
+use raim::signal::fault::{Fault, Kind, Measured, Target};
+use raim_core::satellite::{Constellation, SatelliteId};
+use rand::seq::IndexedRandom as _;
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use crate::attack::forgery::Sky;
+use crate::attack::tally::Tally;
+use crate::attack::victim::Victim;
+use crate::attack::{Attack, Effort, Figure};
+
+/// Attack with a ramp on one of the few satellites that remain.
+pub(super) const ATTACK: Attack = Attack {
+    name: "clock-ramp",
+    about: "CLOCKAID, 4 to 6 satellites of one or two systems, one of them drifting off by 0.3 to 10 m/s",
+    run,
+};
+
+/// Epochs with all satellites, in which the module learns its clock.
+const LEARNT: u32 = 90;
+
+/// Drifts, m/s.
+const RATES_M_S: [f64; 4] = [10.0, 2.0, -5.0, 0.3];
+
+fn run(effort: Effort) -> Result<Vec<Figure>> {
+    let (geometries, epochs) = effort.pick((6, 150), (40, 1200));
+    let mut figures = Vec::new();
+    for systems in [&[Constellation::Gps][..], &[Constellation::Gps, Constellation::Beidou]] {
+        for count in 4..=6 {
+            let tallies: Vec<Tally> = (0..geometries)
+                .together(|seed| attempt(systems, count, epochs, seed))
+                .collect::<Result<_>>()?;
+            let tally = tallies.iter().fold(Tally::default(), Tally::with);
+            let what = format!("{count} of {} systems", systems.len());
+            figures.push(Figure::plain(format!("protected with {what}"), tally.outcomes.promised as f64));
+            figures.push(Figure::at_most(
+                format!("beyond with {what}"),
+                tally.outcomes.misleading as f64,
+                0.0,
+            ));
+        }
+    }
+    Ok(figures)
+}
+
+fn attempt(systems: &[Constellation], count: usize, epochs: u32, seed: u64) -> Result<Tally> {
+    let sky = Sky::quiet(LEARNT + epochs, seed)?;
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    let last = sky.recording.epochs.last().map_or_else(Vec::new, Measured::satellites);
+    let seen: Vec<SatelliteId> =
+        last.into_iter().filter(|satellite| systems.contains(&satellite.constellation())).collect();
+    let kept: Vec<SatelliteId> = seen.choose_multiple(&mut chance, count).copied().collect();
+    let rate_m_s = RATES_M_S[chance.random_range(0..RATES_M_S.len())];
+    let fault = Fault {
+        target: Target::Satellite(kept[0]),
+        kind: Kind::Ramp { rate_m_s, limit_m: f64::INFINITY },
+        start_s: f64::from(LEARNT),
+        end_s: f64::INFINITY,
+    };
+    let bytes = sky.bytes(|index, epoch| {
+        if index >= LEARNT as usize {
+            epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
+        }
+        fault.apply(epoch, index as f64);
+    })?;
+    let (mut victim, mut tally) = (Victim::new(&["CLOCKAID,ON"], 1.0)?, Tally::default());
+    for (index, bytes) in bytes.iter().enumerate() {
+        let seen = victim.hear(bytes, sky.truth)?;
+        if index >= LEARNT as usize {
+            tally.add_all(&seen);
+        }
+    }
+    Ok(tally)
+}

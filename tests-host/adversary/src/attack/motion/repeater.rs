@@ -1,0 +1,172 @@
+//! Signals that arrive by a repeater: all ranges are longer by its delay, and the receiver measures
+//! no Doppler frequencies.
+//!
+//! All ranges agree, and the position stays. Only the receiver clock shows the repeater. It must
+//! not show one where there is none: on hours of simulated oscillators, with a clock that is
+//! steered, and on recordings whose Doppler frequencies are removed.
+
+use anyhow::{Context as _, Result};
+use raim::in_order::Together as _;
+use raim::signal::encode::{Encoder, Frequency, Selection};
+use raim::signal::fault::Measured as _;
+use raim::signal::measurement::MeasuredEpoch;
+use raim::signal::recording::Recording;
+use raim::signal::sky::Oscillator;
+use raim::signal::sky::raw::Simulation;
+use raim_core::frame::Ecef;
+use rig::shared;
+use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
+
+use crate::attack::forgery::Sky;
+use crate::attack::tally::Tally;
+use crate::attack::victim::Victim;
+use crate::attack::{Attack, Effort, Figure};
+
+/// Attack with a repeater.
+pub(super) const ATTACK: Attack = Attack {
+    name: "repeater",
+    about: "all ranges longer by 200 m to 50 km at once, without range rates; and clean clocks beside",
+    run,
+};
+
+/// Delays of the repeater, m.
+const DELAYS_M: [f64; 4] = [200.0, 500.0, 3000.0, 50_000.0];
+
+/// Epochs before the repeater.
+const BEFORE: u32 = 60;
+
+/// Largest change of a steered clock from epoch to epoch, m.
+const STEERED_M: f64 = 15.0;
+
+/// Largest number of false alarms in an hour.
+const FALSE_AN_HOUR: f64 = 0.1;
+
+fn run(effort: Effort) -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    for delay_m in DELAYS_M {
+        let seeds: Vec<u64> = (0..effort.pick(4, 40)).collect();
+        let runs: Vec<[usize; 2]> =
+            seeds.iter().together(|&seed| repeated(seed, delay_m)).collect::<Result<_>>()?;
+        let seen: usize = runs.iter().map(|[seen, _]| seen).sum();
+        let early: usize = runs.iter().map(|[_, early]| early).sum();
+        let share = seen as f64 / runs.len().max(1) as f64;
+        figures.push(Figure::at_least(format!("delay of {delay_m} m seen at once, share"), share, 1.0));
+        figures.push(Figure::at_most("CLOCK before", early as f64, 0.0));
+    }
+    let quartz = Oscillator::temperature_compensated();
+    let ovens = Oscillator::oven_controlled();
+    for (name, oscillator, step_s, steered_m) in [
+        ("quartz at 1 Hz", quartz, 1.0, 0.0),
+        ("quartz at 30 s", quartz, 30.0, 0.0),
+        ("quartz at 60 s", quartz, 60.0, 0.0),
+        ("oven at 1 Hz", ovens, 1.0, 0.0),
+        ("steered quartz at 1 Hz", quartz, 1.0, STEERED_M),
+    ] {
+        let epochs = effort.pick(1200, 14_400);
+        let seeds: Vec<u64> = (0..effort.pick(2, 8)).collect();
+        let runs = seeds.iter().together(|&seed| clean(seed, epochs, oscillator, step_s, steered_m));
+        let runs: Vec<Tally> = runs.collect::<Result<_>>()?;
+        let all = runs.iter().fold(Tally::default(), Tally::with);
+        figures.push(false_alarms(name, &all, step_s));
+    }
+    figures.extend(recorded(effort)?);
+    Ok(figures)
+}
+
+/// Returns whether the first repeated epoch is an alert of the clock, and the number of those
+/// before.
+fn repeated(seed: u64, delay_m: f64) -> Result<[usize; 2]> {
+    let simulation = Simulation::above_xian(3700.0 + 7200.0 * (seed % 12) as f64, BEFORE + 1, seed);
+    let sky = Sky::of(&simulation, Frequency::Dual)?;
+    let bytes = sky.bytes(|index, epoch| {
+        if index as u32 >= BEFORE {
+            lengthen_all(epoch, delay_m);
+        }
+    })?;
+    let mut victim = Victim::new(&[], 1.0)?;
+    let (mut seen, mut before) = (Tally::default(), Tally::default());
+    for (index, bytes) in (0_u32..).zip(&bytes) {
+        let tally = if index < BEFORE { &mut before } else { &mut seen };
+        tally.add_all(&victim.hear(bytes, sky.truth)?);
+    }
+    Ok([seen.of_reason("CLOCK").min(1), before.of_reason("CLOCK")])
+}
+
+fn clean(seed: u64, epochs: u32, oscillator: Oscillator, step_s: f64, steered_m: f64) -> Result<Tally> {
+    let simulation = Simulation {
+        oscillator,
+        step_s,
+        ..Simulation::above_xian(3700.0 + 7200.0 * (seed % 12) as f64, epochs, seed)
+    };
+    let sky = Sky::of(&simulation, Frequency::Dual)?;
+    let bytes = sky.bytes(|index, epoch| lengthen_all(epoch, steered_m * (2.4 * index as f64).sin()))?;
+    let (mut victim, mut tally) = (Victim::new(&[], step_s)?, Tally::default());
+    for bytes in &bytes {
+        tally.add_all(&victim.hear(bytes, sky.truth)?);
+    }
+    Ok(tally)
+}
+
+/// Makes all ranges of an epoch longer, m.
+fn lengthen_all(epoch: &mut MeasuredEpoch, by_m: f64) {
+    for satellite in epoch.satellites() {
+        epoch.lengthen(satellite, by_m);
+    }
+}
+
+/// Returns the number of alerts of the clock, bounded by their rate.
+fn false_alarms(name: &str, tally: &Tally, step_s: f64) -> Figure {
+    let hours = tally.outcomes.epochs() as f64 * step_s / 3600.0;
+    let count = tally.of_reason("CLOCK") as f64;
+    Figure::at_most(format!("CLOCK in {hours:.1} h of {name}"), count, (FALSE_AN_HOUR * hours).floor())
+}
+
+/// Stations, the systems sent of each, and the time between two epochs, s.
+const STATIONS: [(&Station, &str, f64); 5] = [
+    (&ESBC, "GCE", 30.0),
+    (&DGAR, "G", 30.0),
+    (&STATIC_BASE, "GCE", 1.0),
+    (&TLSE, "GCE", 1.0),
+    (&KMS3, "GCE", 30.0),
+];
+
+/// Returns the false alarms of the reference folder's recordings without Doppler frequencies.
+fn recorded(effort: Effort) -> Result<Vec<Figure>> {
+    let Some(folder) = shared::path("data/urban") else { return Ok(crate::attack::nature::recordings::skipped()) };
+    let most = effort.pick(900, usize::MAX);
+    let of_station = |&(station, systems, step_s): &(&Station, &str, f64)| -> Result<[Figure; 2]> {
+        let recording = station.load().with_context(|| format!("recording {} is missing", station.folder))?;
+        let both = [Frequency::Dual, Frequency::Single].map(|frequency| -> Result<Figure> {
+            let tally = play(&recording, systems, frequency, step_s, most)?;
+            Ok(false_alarms(&format!("{} {frequency:?}", station.folder), &tally, step_s))
+        });
+        let [dual, single] = both;
+        Ok([dual?, single?])
+    };
+    let stations: Vec<[Figure; 2]> = STATIONS.iter().together(of_station).collect::<Result<_>>()?;
+    let mut figures: Vec<Figure> = stations.into_iter().flatten().collect();
+    let file = |name: &str| folder.join(name);
+    let car = Recording::load(&[file("car.obs.gz")], &[file("gps.nav.gz"), file("beidou.nav.gz")])?;
+    let tally = play(&car, "GC", Frequency::Single, 1.0, usize::MAX)?;
+    figures.push(false_alarms("a car between buildings", &tally, 1.0));
+    Ok(figures)
+}
+
+/// Sends a recording without its Doppler frequencies.
+fn play(
+    recording: &Recording,
+    systems: &str,
+    frequency: Frequency,
+    step_s: f64,
+    most: usize,
+) -> Result<Tally> {
+    let mut encoder = Encoder::new(&recording.ephemerides, Selection::new(systems, frequency)?);
+    let (mut victim, mut tally) = (Victim::new(&[], step_s)?, Tally::default());
+    for epoch in recording.epochs.iter().take(most) {
+        let mut epoch = epoch.clone();
+        let signals = epoch.satellites.iter_mut().flat_map(|satellite| &mut satellite.signals);
+        signals.for_each(|signal| signal.doppler_hz = None);
+        tally.add_all(&victim.hear(&encoder.epoch(&epoch)?, Ecef::CENTRE)?);
+    }
+    Ok(tally)
+}

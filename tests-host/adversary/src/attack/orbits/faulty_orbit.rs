@@ -1,0 +1,76 @@
+//! A satellite that is not where it broadcasts: a manoeuvre that its ephemeris does not describe.
+//!
+//! The broadcast orbit is ahead of the satellite by a distance, or moves ahead of it. All broadcast
+//! values agree with each other.
+
+use std::f64::consts::PI;
+
+use anyhow::Result;
+use raim::in_order::Together as _;
+use raim::signal::fault::Measured as _;
+use raim::signal::measurement::{Ephemeris, TimedEphemeris};
+use raim_core::satellite::SatelliteId;
+use rand::seq::IndexedRandom as _;
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use crate::attack::forgery::Sky;
+use crate::attack::tally::Tally;
+use crate::attack::victim::Victim;
+use crate::attack::{Attack, Effort, Figure};
+
+/// Attack with a wrong orbit.
+pub(super) const ATTACK: Attack =
+    Attack { name: "orbit", about: "a satellite 10 m to 30 km away from its broadcast orbit", run };
+
+/// Distances along the orbit, m, drawn uniformly in their logarithm.
+const SIZES_M: std::ops::Range<f64> = 10.0..30_000.0;
+
+/// Epochs of a run.
+const EPOCHS: u32 = 40;
+
+/// Probability of missed detection at start.
+const MISSED: f64 = 1e-3;
+
+fn run(effort: Effort) -> Result<Vec<Figure>> {
+    let seeds: Vec<u64> = (0..effort.pick(8, 400)).collect();
+    let tallies: Vec<Tally> = seeds.iter().together(|&seed| attempt(seed)).collect::<Result<_>>()?;
+    Ok(tallies.iter().fold(Tally::default(), Tally::with).figures_by_rate(MISSED))
+}
+
+fn attempt(seed: u64) -> Result<Tally> {
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    let mut sky = Sky::quiet(EPOCHS, seed)?;
+    let seen: Vec<SatelliteId> = sky.recording.epochs[0].satellites();
+    let count = chance.random_range(7..=seen.len().max(8));
+    let kept: Vec<SatelliteId> = seen.choose_multiple(&mut chance, count).copied().collect();
+    let astray = *kept.choose(&mut chance).unwrap_or(&seen[0]);
+    let along_m = chance.random_range(SIZES_M.start.ln()..SIZES_M.end.ln()).exp();
+    sky.recording
+        .ephemerides
+        .iter_mut()
+        .filter(|ephemeris| ephemeris.satellite == astray)
+        .for_each(|ephemeris| move_ahead(ephemeris, along_m));
+    let (mut victim, mut tally) = (Victim::new(&["HAL,60"], 1.0)?, Tally::default());
+    for bytes in sky.bytes(|_, epoch| epoch.satellites.retain(|raw| kept.contains(&raw.satellite)))? {
+        tally.add_all(&victim.hear(&bytes, sky.truth)?);
+    }
+    Ok(tally)
+}
+
+/// Moves a satellite along its orbit.
+pub(in crate::attack) fn move_ahead(ephemeris: &mut TimedEphemeris, along_m: f64) {
+    let turned_sc = |sqrt_a_sqrt_m: f64| along_m / (sqrt_a_sqrt_m * sqrt_a_sqrt_m * PI);
+    match &mut ephemeris.message {
+        Ephemeris::Gps(message) => message.m0_sc = wrapped(message.m0_sc + turned_sc(message.sqrt_a_sqrt_m)),
+        Ephemeris::Beidou(message) => {
+            message.m0_sc = wrapped(message.m0_sc + turned_sc(message.sqrt_a_sqrt_m));
+        }
+        _ => {}
+    }
+}
+
+/// Wraps an angle to between −1 and 1 semicircle.
+fn wrapped(angle_sc: f64) -> f64 {
+    (angle_sc + 1.0).rem_euclid(2.0) - 1.0
+}

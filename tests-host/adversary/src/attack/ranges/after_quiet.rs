@@ -1,0 +1,149 @@
+//! What begins after quiet minutes: a slow ramp of one satellite, a street, and silence after a
+//! suspicion that was true once.
+//!
+//! In quiet minutes `NOISE,AUTO` lowers the receiver's part of the variances, to a ninth at the
+//! least. The past says nothing about the next second, so a level must hold from the first epoch of
+//! what comes. A ramp also raises the residuals, by which the module raises the variances: the
+//! scale must not hide the ramp from the level.
+
+use anyhow::Result;
+use raim::in_order::Together as _;
+use raim::signal::encode::{Frequency, Selection};
+use raim::signal::fault::{Fault, Kind, Measured as _, Target};
+use raim::signal::sky::raw::Simulation;
+use rand::seq::IndexedRandom as _;
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use crate::attack::forgery::Sky;
+use crate::attack::nature::streets::{self, Streets};
+use crate::attack::line::suspicions::of_both;
+use crate::attack::tally::Tally;
+use crate::attack::victim::Victim;
+use crate::attack::{Attack, Effort, Figure};
+
+/// Attack with a slow ramp of one satellite.
+pub(super) const RAMP: Attack = Attack {
+    name: "ramp-after-quiet",
+    about: "one satellite drifts by 0.01 to 1 m/s after twelve quiet minutes of NOISE,AUTO",
+    run: ramps,
+};
+
+/// Attack with walls.
+pub(super) const STREET: Attack = Attack {
+    name: "street-after-quiet",
+    about: "walls that block or reflect after twelve quiet minutes of NOISE,AUTO",
+    run: street,
+};
+
+/// Promises after a warning that was true once.
+pub(super) const SUSPICION: Attack = Attack {
+    name: "suspicion-once",
+    about: "a receiver that is sure of counterfeit signals for five seconds, and denies them from then on",
+    run: suspicion,
+};
+
+/// Quiet epochs before it begins, one a second: more than the ten minutes of learning.
+const QUIET: u32 = 720;
+
+/// Growth of the error of a range, m/s, and its largest error, m.
+const RATES_M_S: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
+const LIMIT_M: f64 = 600.0;
+
+/// Epochs of a ramp.
+const DRIFTING: u32 = 600;
+
+/// Probability of missed detection at start.
+const MISSED: f64 = 1e-3;
+
+fn ramps(effort: Effort) -> Result<Vec<Figure>> {
+    let runs: Vec<(f64, u64)> = RATES_M_S
+        .into_iter()
+        .flat_map(|rate_m_s| (0..effort.pick(2, 40)).map(move |seed| (rate_m_s, seed)))
+        .collect();
+    let tallies: Vec<Tally> =
+        runs.iter().together(|&(rate_m_s, seed)| ramp(rate_m_s, seed)).collect::<Result<_>>()?;
+    let all = tallies.iter().fold(Tally::default(), Tally::with);
+    let mut figures = all.figures_by_rate(MISSED);
+    for rate_m_s in RATES_M_S {
+        let of_rate = runs.iter().zip(&tallies).filter(|((of, _), _)| of.to_bits() == rate_m_s.to_bits());
+        let tally = of_rate.map(|(_, tally)| tally).fold(Tally::default(), Tally::with);
+        let share = 100.0 * tally.outcomes.promised as f64 / tally.outcomes.epochs().max(1) as f64;
+        figures.push(Figure::plain(format!("% protected at {rate_m_s} m/s"), share));
+    }
+    Ok(figures)
+}
+
+/// Lets one satellite of a sky drift, of which seven satellites to all are received from the start.
+fn ramp(rate_m_s: f64, seed: u64) -> Result<Tally> {
+    let sky = Sky::quiet(QUIET + DRIFTING, seed)?;
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    let seen = sky.recording.epochs[0].satellites();
+    let count = chance.random_range(7..=seen.len().max(8));
+    let kept: Vec<_> = seen.choose_multiple(&mut chance, count).copied().collect();
+    let faulty = *kept.choose(&mut chance).unwrap_or(&seen[0]);
+    let rate_m_s = if chance.random() { rate_m_s } else { -rate_m_s };
+    let fault = Fault {
+        target: Target::Satellite(faulty),
+        kind: Kind::Ramp { rate_m_s, limit_m: LIMIT_M },
+        start_s: f64::from(QUIET),
+        end_s: f64::INFINITY,
+    };
+    let bytes = sky.bytes(|index, epoch| {
+        epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
+        fault.apply(epoch, index as f64);
+    })?;
+    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
+    for (index, bytes) in bytes.iter().enumerate() {
+        let seen = victim.hear(bytes, sky.truth)?;
+        if index >= QUIET as usize {
+            tally.add_all(&seen);
+        }
+    }
+    Ok(tally)
+}
+
+/// Epochs of a street.
+const STREET_EPOCHS: u32 = 300;
+
+fn street(effort: Effort) -> Result<Vec<Figure>> {
+    let drives: Vec<Streets> = (0..effort.pick(8, 160)).together(drive_after_quiet).collect::<Result<_>>()?;
+    let all = drives.iter().fold(Tally::default(), |sum, drive| sum.with(&drive.all));
+    let share = all.outcomes.promised as f64 / all.outcomes.epochs().max(1) as f64;
+    let mut figures = vec![Figure::plain("share protected", share)];
+    let promised = all.outcomes.promised.max(1) as f64;
+    let beyond = all.outcomes.misleading as f64 / promised;
+    figures.push(Figure::at_most(
+        format!("{} beyond, share", all.outcomes.misleading),
+        beyond,
+        streets::BEYOND,
+    ));
+    Ok(figures)
+}
+
+fn drive_after_quiet(seed: u64) -> Result<Streets> {
+    let simulation = Simulation::above_xian(3600.0, QUIET + STREET_EPOCHS, seed);
+    let sky = Sky::with(&simulation, "GCE", Frequency::Dual)?;
+    let selection = Selection::new("GCE", Frequency::Dual)?;
+    let directions = streets::directions(&sky.recording, &selection, sky.truth, usize::MAX)?;
+    streets::drive(&sky.recording, &selection, &directions, sky.truth, (QUIET as usize, seed))
+}
+
+/// Seconds in which the receiver is sure, and epochs until all must be promised again.
+const SURE: usize = 5;
+const AGAIN: usize = 60;
+
+fn suspicion(effort: Effort) -> Result<Vec<Figure>> {
+    let epochs = effort.pick(400, 3600);
+    let sky = Sky::quiet(epochs, 1)?;
+    let (mut victim, mut after) = (Victim::new(&[], 1.0)?, Tally::default());
+    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+        let said = of_both(if (100..100 + SURE).contains(&index) { 3 } else { 1 });
+        let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+        if index >= 100 + SURE + AGAIN {
+            after.add_all(&seen);
+        }
+    }
+    let lost = after.outcomes.epochs() - after.outcomes.promised;
+    Ok(vec![Figure::at_most("epochs not promised a minute after it", lost as f64, 0.0)])
+}

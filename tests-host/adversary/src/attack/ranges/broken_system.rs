@@ -1,0 +1,126 @@
+//! One system of three is broken: more of its satellites are wrong than an exclusion may take.
+//!
+//! ```text
+//! orbits   every BeiDou range is off by a constant of its own, 50 m to 1 km
+//! jumps    every second BeiDou range is 1,875 m too long, in half of the epochs
+//! ```
+//!
+//! GPS and Galileo are right and agree. The position must be promised as often as without `BeiDou`,
+//! and never beyond its level.
+
+use anyhow::Result;
+use raim::in_order::Together as _;
+use raim::signal::encode::Frequency;
+use raim::signal::fault::Measured as _;
+use raim::signal::measurement::MeasuredEpoch;
+use raim::signal::sky::Fleet;
+use raim::signal::sky::raw::Simulation;
+use raim_core::satellite::{Constellation, SatelliteId};
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use crate::attack::forgery::Sky;
+use crate::attack::tally::Tally;
+use crate::attack::victim::Victim;
+use crate::attack::{Attack, Effort, Figure};
+
+/// Attack with a broken system.
+pub(super) const ATTACK: Attack = Attack {
+    name: "broken-system",
+    about: "BeiDou with wrong orbits, or with ranges that jump by 1,875 m, beside GPS and Galileo that agree",
+    run,
+};
+
+/// Kind of the fault.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Fault {
+    Absent,
+    Orbits,
+    Jumps,
+}
+
+/// Size of a jump, m.
+const JUMP_M: f64 = 1875.0;
+
+/// Epochs of a run.
+const EPOCHS: u32 = 120;
+
+/// Least share of the epochs promised without `BeiDou` that must be promised with it.
+const KEPT: f64 = 0.97;
+
+fn run(effort: Effort) -> Result<Vec<Figure>> {
+    let seeds: Vec<u64> = (0..effort.pick(6, 60)).collect();
+    let mut figures = Vec::new();
+    for method in ["AUTO", "BAARDA", "ARAIM"] {
+        let all = |fault: Fault| -> Result<Tally> {
+            let tallies = seeds.iter().together(|&seed| attempt(method, fault, seed));
+            let tallies: Vec<Tally> = tallies.collect::<Result<_>>()?;
+            Ok(tallies.iter().fold(Tally::default(), Tally::with))
+        };
+        let without = all(Fault::Absent)?;
+        figures.push(Figure::plain(
+            format!("{method}: promised without BeiDou"),
+            without.outcomes.promised as f64,
+        ));
+        for fault in [Fault::Orbits, Fault::Jumps] {
+            let tally = all(fault)?;
+            let share = tally.outcomes.promised as f64 / without.outcomes.promised.max(1) as f64;
+            figures.push(Figure::at_least(format!("{fault:?}: share of it"), share, KEPT));
+            figures.push(Figure::at_most("beyond their level", tally.outcomes.misleading as f64, 0.0));
+            figures.push(Figure::plain("alerts", tally.outcomes.alerts as f64));
+        }
+    }
+    Ok(figures)
+}
+
+fn attempt(method: &str, fault: Fault, seed: u64) -> Result<Tally> {
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    let start_s = 600.0 + 3600.0 * (seed % 24) as f64;
+    let fleets = [Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal];
+    let simulation = Simulation {
+        satellites: fleets.into_iter().flat_map(Fleet::satellites).collect(),
+        ..Simulation::above_xian(start_s, EPOCHS, seed)
+    };
+    let letters = if fault == Fault::Absent { "GE" } else { "GEC" };
+    let sky = Sky::with(&simulation, letters, Frequency::Dual)?;
+    let mut errors_m = Vec::new();
+    let mut is_jumping = false;
+    let bytes = sky.bytes(|_, epoch| {
+        is_jumping ^= chance.random_bool(0.15);
+        for (index, satellite) in beidou(epoch).into_iter().enumerate() {
+            let error_m = match fault {
+                Fault::Orbits => constant_of(satellite, &mut errors_m, &mut chance),
+                Fault::Jumps if is_jumping && index.is_multiple_of(2) => JUMP_M,
+                Fault::Absent | Fault::Jumps => 0.0,
+            };
+            epoch.lengthen(satellite, error_m);
+        }
+    })?;
+    let (mut victim, mut tally) = (Victim::new(&[&format!("METHOD,{method}")], 1.0)?, Tally::default());
+    for bytes in &bytes {
+        tally.add_all(&victim.hear(bytes, sky.truth)?);
+    }
+    Ok(tally)
+}
+
+fn beidou(epoch: &MeasuredEpoch) -> Vec<SatelliteId> {
+    let mut satellites = epoch.satellites();
+    satellites.retain(|satellite| satellite.constellation() == Constellation::Beidou);
+    satellites.sort_unstable();
+    satellites
+}
+
+/// Returns the error of a satellite's orbit along the line of sight, m, drawn once.
+fn constant_of(
+    satellite: SatelliteId,
+    errors_m: &mut Vec<(SatelliteId, f64)>,
+    chance: &mut ChaCha8Rng,
+) -> f64 {
+    if let Some((_, error_m)) = errors_m.iter().find(|(known, _)| *known == satellite) {
+        return *error_m;
+    }
+    let size_m = chance.random_range(50_f64.ln()..1000_f64.ln()).exp();
+    let error_m = if chance.random() { size_m } else { -size_m };
+    errors_m.push((satellite, error_m));
+    error_m
+}

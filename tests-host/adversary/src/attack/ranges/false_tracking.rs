@@ -1,0 +1,114 @@
+//! Signals that are lost and tracked falsely: every range is kilometres wrong, and sometimes a few
+//! agree.
+//!
+//! Six satellites of one system leave two degrees of freedom, and one after an exclusion. In every
+//! epoch each range has its own error, up to [`SPREAD_M`]. A third of the epochs have one satellite
+//! more or less. The receiver reports good signal strengths, so that only the disagreement of the
+//! ranges reveals the fault.
+
+use anyhow::Result;
+use raim::signal::fault::Measured as _;
+use raim_core::satellite::Constellation;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::attack::forgery::{Sky, keep_first};
+use crate::attack::tally::Tally;
+use crate::attack::victim::Victim;
+use crate::attack::{Attack, Effort, Figure};
+
+/// Attack with false tracking after healthy epochs.
+pub(super) const ATTACK: Attack = Attack {
+    name: "false-tracking",
+    about: "every range wrong by up to 3 km, anew in each epoch, so that some sets agree by chance",
+    run,
+};
+
+/// The same in the first epoch after a silence, or after the host has sent `FORGET`.
+pub(super) const AFTERWARDS: Attack = Attack {
+    name: "false-tracking-afterwards",
+    about: "the same in the first epoch after a silence of a minute, or after FORGET, without earlier epochs",
+    run: afterwards,
+};
+
+/// Largest error of a range, m.
+const SPREAD_M: f64 = 3000.0;
+
+/// Epochs of a run, and the healthy ones at its start.
+const EPOCHS: u32 = 960;
+const HEALTHY: usize = 20;
+
+fn run(effort: Effort) -> Result<Vec<Figure>> {
+    let mut tally = Tally::default();
+    for seed in 0..effort.pick(2, 40) {
+        tally = tally.with(&attempt(seed)?);
+    }
+    let mut figures = tally.figures(0.0);
+    figures.push(Figure::plain("alerts", tally.outcomes.alerts as f64));
+    Ok(figures)
+}
+
+/// Length of the silence, s.
+const SILENCE_S: usize = 60;
+
+fn afterwards(effort: Effort) -> Result<Vec<Figure>> {
+    let sky = Sky::quiet((HEALTHY + SILENCE_S + 1) as u32, 1)?;
+    let healthy = sky.bytes(|_, _| {})?;
+    let draws: u32 = effort.pick(300, 3000);
+    let (mut silent, mut forgotten) = (Tally::default(), Tally::default());
+    for (seed, count) in (0..u64::from(draws)).flat_map(|seed| [(seed, 5), (seed, 6)]) {
+        let mut chance = ChaCha8Rng::seed_from_u64(seed);
+        let mut falsely = |which: usize| {
+            let mut epoch = sky.recording.epochs[which].clone();
+            keep_first(&mut epoch, Constellation::Gps, count);
+            for satellite in epoch.satellites() {
+                epoch.lengthen(satellite, chance.random_range(-SPREAD_M..SPREAD_M));
+            }
+            sky.ranges(&epoch)
+        };
+        for (tally, gap_s) in [(&mut silent, SILENCE_S), (&mut forgotten, 0)] {
+            let mut victim = Victim::new(&[], 1.0)?;
+            for bytes in &healthy[..HEALTHY] {
+                let _ = victim.hear(bytes, sky.truth)?;
+            }
+            if gap_s == 0 {
+                victim.obey("FORGET")?;
+            } else {
+                let _ = victim.silence(gap_s as f64, sky.truth)?;
+            }
+            tally.add_all(&victim.hear(&falsely(HEALTHY + gap_s)?, sky.truth)?);
+        }
+    }
+    let figure = |what: &str, tally: &Tally| {
+        Figure::at_most(format!("promised {what}"), tally.outcomes.promised as f64, 0.0)
+    };
+    let epochs = Figure::at_least(
+        "epochs",
+        (silent.outcomes.epochs() + forgotten.outcomes.epochs()) as f64,
+        f64::from(4 * draws),
+    );
+    Ok(vec![figure("after a silence", &silent), figure("after FORGET", &forgotten), epochs])
+}
+
+fn attempt(seed: u64) -> Result<Tally> {
+    let sky = Sky::quiet(EPOCHS, seed)?;
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    let bytes = sky.bytes(|index, epoch| {
+        if index < HEALTHY {
+            return;
+        }
+        let count = [6, 6, 5, 6, 6, 7][chance.random_range(0..6)];
+        keep_first(epoch, Constellation::Gps, count);
+        for satellite in epoch.satellites() {
+            epoch.lengthen(satellite, chance.random_range(-SPREAD_M..SPREAD_M));
+        }
+    })?;
+    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
+    for (index, bytes) in bytes.iter().enumerate() {
+        let seen = victim.hear(bytes, sky.truth)?;
+        if index >= HEALTHY {
+            tally.add_all(&seen);
+        }
+    }
+    Ok(tally)
+}

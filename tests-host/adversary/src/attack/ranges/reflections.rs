@@ -1,0 +1,114 @@
+//! A building on one side: the receiver tracks the reflection of every low satellite in one sector
+//! of the sky, and its range is late.
+//!
+//! ```text
+//! δρ_i = s u_i      azimuth within the sector, elevation below the roof, u_i in [0.5, 1]
+//! ```
+//!
+//! Levels bound one fault. Several late ranges on one side resemble a shift of the place more than
+//! any others do, and nothing in the ranges separates the two. The signal strength is the same as
+//! without the building, so it reveals nothing either. The rate of promised epochs above their
+//! level is therefore bounded, but not zero.
+
+use anyhow::Result;
+use raim::in_order::Together as _;
+use raim::signal::encode::Frequency;
+use raim::signal::fault::Measured as _;
+use raim::signal::sky::raw::Simulation;
+use raim::signal::sky::{Fleet, Sight};
+use raim_core::satellite::SatelliteId;
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use crate::attack::forgery::Sky;
+use super::several_faults::by_every_method;
+use crate::attack::tally::{Tally, least_rate};
+use crate::attack::{Attack, Figure};
+
+/// Attack with a building on one side.
+pub(super) const ATTACK: Attack = Attack {
+    name: "reflections",
+    about: "all satellites below 50 degrees in a sector of 60 are 5 to 80 m late, one to three systems, every method",
+    run: |effort| run(effort.pick(8, 100)),
+};
+
+/// Letters of the systems, and their satellites.
+const SYSTEMS: [(&str, &[Fleet]); 3] = [
+    ("G", &[Fleet::Gps31]),
+    ("GC", &[Fleet::Gps31, Fleet::BeidouRegional]),
+    ("GEC", &[Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal]),
+];
+
+/// Largest delay, m.
+const SIZES_M: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
+
+/// Half the width of the sector, and the height of the roof, rad.
+const HALF_WIDTH_RAD: f64 = 30.0 * RAD_PER_DEG;
+const ROOF_RAD: f64 = 50.0 * RAD_PER_DEG;
+const RAD_PER_DEG: f64 = std::f64::consts::PI / 180.0;
+
+/// Largest share of the epochs that may be promised above their level, as with two faults, on two
+/// frequencies, whose sigmas do not account for reflections.
+const BEYOND: f64 = 0.01;
+
+fn run(seeds: u64) -> Result<Vec<Figure>> {
+    let mut trials = Vec::new();
+    for systems in SYSTEMS {
+        for size_m in SIZES_M {
+            for frequency in [Frequency::Single, Frequency::Dual] {
+                trials.extend((0..seeds).map(|seed| (systems, frequency, size_m, seed)));
+            }
+        }
+    }
+    let tallies: Vec<(Frequency, Tally)> = trials
+        .iter()
+        .together(|&(systems, frequency, size_m, seed)| {
+            Ok((frequency, attempt(systems, frequency, size_m, seed)?))
+        })
+        .collect::<Result<_>>()?;
+    let of = |wanted: &dyn Fn(Frequency) -> bool| {
+        let these = tallies.iter().filter(|(frequency, _)| wanted(*frequency)).map(|(_, tally)| tally);
+        these.fold(Tally::default(), Tally::with)
+    };
+    let all = of(&|_| true);
+    let on_one = of(&|frequency| matches!(frequency, Frequency::Single));
+    let mut figures = all.figures(f64::INFINITY);
+    figures.push(Figure::at_most("on one frequency", on_one.outcomes.misleading as f64, 0.0));
+    figures.push(Figure::at_most(
+        "their rate is above",
+        least_rate(all.outcomes.misleading, all.outcomes.epochs()),
+        BEYOND,
+    ));
+    Ok(figures)
+}
+
+/// Sends one epoch under every method.
+fn attempt(systems: (&str, &[Fleet]), frequency: Frequency, size_m: f64, seed: u64) -> Result<Tally> {
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    // Each seed has its own time of day, on the full minute.
+    let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
+    let towards_rad = chance.random_range(0.0..std::f64::consts::TAU);
+    let (letters, fleets) = systems;
+    let simulation = Simulation {
+        satellites: fleets.iter().flat_map(|fleet| fleet.satellites()).collect(),
+        ..Simulation::above_xian(start_s, 1, seed)
+    };
+    let behind = |sight: &Sight| {
+        let los = sight.line_of_sight;
+        let aside_rad = (los.east.atan2(los.north) - towards_rad).rem_euclid(std::f64::consts::TAU);
+        aside_rad.min(std::f64::consts::TAU - aside_rad) < HALF_WIDTH_RAD && sight.elevation_rad() < ROOF_RAD
+    };
+    let late: Vec<(SatelliteId, f64)> = simulation
+        .sights_at(0)
+        .iter()
+        .filter(|sight| behind(sight))
+        .map(|sight| (sight.satellite, size_m * chance.random_range(0.5..1.0)))
+        .collect();
+    let sky = Sky::with(&simulation, letters, frequency)?;
+    let bytes = sky.bytes(|_, epoch| {
+        for &(satellite, late_m) in &late {
+            epoch.lengthen(satellite, late_m);
+        }
+    })?;
+    by_every_method(&bytes.concat(), sky.truth)
+}

@@ -1,0 +1,134 @@
+//! All satellites of one system wrong at once: orbits in a wrong frame, which agree with each other
+//! on a place beside the true one.
+//!
+//! ```text
+//! δρ_i = −LOS_i · d        every satellite of the system, and no other
+//! ```
+//!
+//! The shifted system is in view with all its satellites, or with four or fewer, which agree on
+//! some place and clock whatever their ranges are.
+//!
+//! Levels bound one fault. A detected shift must not be blamed on the few satellites whose
+//! exclusion leaves others that agree by chance. No method detects small shifts that leave no
+//! residual; only ARAIM bounds them, by their prior probability.
+
+use anyhow::Result;
+use raim::in_order::Together as _;
+use raim::signal::encode::Frequency;
+use raim::signal::fault::Measured as _;
+use raim::signal::sky::Fleet;
+use raim::signal::sky::raw::Simulation;
+use raim_core::frame::Enu;
+use raim_core::satellite::SatelliteId;
+use rand::seq::IndexedRandom as _;
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use crate::attack::forgery::Sky;
+use super::several_faults::by_every_method;
+use crate::attack::tally::{Tally, least_rate};
+use crate::attack::{Attack, Figure};
+
+/// Attack on a system that is fully in view.
+pub(super) const WHOLE: Attack = Attack {
+    name: "shifted-system",
+    about: "all satellites of one of two or three systems agree on a place 20 to 300 m beside the true one, every method",
+    run: |effort| run(&[None], effort.pick(8, 100), BEYOND),
+};
+
+/// Attack on a system with few satellites in view.
+pub(super) const FEW: Attack = Attack {
+    name: "few-shifted",
+    about: "the same for a system with two to four satellites in view, and five or seven of others",
+    run: |effort| run(&FEW_IN_VIEW.map(Some), effort.pick(2, 25), BEYOND_OF_FEW),
+};
+
+/// Satellites in view of the shifted system, and of others.
+const FEW_IN_VIEW: [(usize, usize); 5] = [(2, 7), (3, 5), (3, 7), (4, 5), (4, 7)];
+
+/// Letters of the systems, and their satellites.
+const SYSTEMS: [(&str, &[Fleet]); 3] = [
+    ("GC", &[Fleet::Gps31, Fleet::BeidouRegional]),
+    ("GE", &[Fleet::Gps31, Fleet::Galileo24]),
+    ("GEC", &[Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal]),
+];
+
+/// Distance from the true place, m.
+const SIZES_M: [f64; 4] = [20.0, 50.0, 100.0, 300.0];
+
+/// Largest share of the epochs that may be promised above their level, as with two faults.
+const BEYOND: f64 = 0.01;
+
+/// The same share if few satellites of the system are in view.
+const BEYOND_OF_FEW: f64 = 0.002;
+
+fn run(in_view: &[Option<(usize, usize)>], seeds: u64, beyond: f64) -> Result<Vec<Figure>> {
+    let mut trials = Vec::new();
+    for systems in SYSTEMS {
+        for shifted in systems.0.chars() {
+            for size_m in SIZES_M {
+                for &in_view in in_view {
+                    trials.extend((0..seeds).map(|seed| (systems, shifted, size_m, in_view, seed)));
+                }
+            }
+        }
+    }
+    let tallies: Vec<Tally> = trials
+        .iter()
+        .together(|&(systems, shifted, size_m, in_view, seed)| {
+            attempt(systems, shifted, size_m, in_view, seed)
+        })
+        .collect::<Result<_>>()?;
+    let all = tallies.iter().fold(Tally::default(), Tally::with);
+    let mut figures = all.figures(f64::INFINITY);
+    figures.push(Figure::at_most(
+        "their rate is above",
+        least_rate(all.outcomes.misleading, all.outcomes.epochs()),
+        beyond,
+    ));
+    figures.push(Figure::at_most("of these with several left out", all.misled_by_several as f64, 0.0));
+    Ok(figures)
+}
+
+/// Sends one epoch under every method.
+fn attempt(
+    systems: (&str, &[Fleet]),
+    shifted: char,
+    size_m: f64,
+    in_view: Option<(usize, usize)>,
+    seed: u64,
+) -> Result<Tally> {
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    // Each seed has its own time of day, on the full minute.
+    let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
+    let azimuth = chance.random_range(0.0..std::f64::consts::TAU);
+    let elevation = chance.random_range(-1.5..1.5_f64);
+    let away = Enu {
+        east: size_m * elevation.cos() * azimuth.sin(),
+        north: size_m * elevation.cos() * azimuth.cos(),
+        up: size_m * elevation.sin(),
+    };
+    let (letters, fleets) = systems;
+    let simulation = Simulation {
+        satellites: fleets.iter().flat_map(|fleet| fleet.satellites()).collect(),
+        ..Simulation::above_xian(start_s, 1, seed)
+    };
+    let of_system = |satellite: SatelliteId| satellite.constellation().letter() == shifted;
+    let sights = simulation.sights_at(0);
+    let sky = Sky::with(&simulation, letters, Frequency::Dual)?;
+    let seen = sky.recording.epochs[0].satellites();
+    let (of_it, of_others): (Vec<SatelliteId>, Vec<SatelliteId>) =
+        seen.into_iter().partition(|&satellite| of_system(satellite));
+    let (mine, others) = in_view.unwrap_or((of_it.len(), of_others.len()));
+    let kept = [of_it.choose_multiple(&mut chance, mine), of_others.choose_multiple(&mut chance, others)];
+    let kept: Vec<SatelliteId> = kept.into_iter().flatten().copied().collect();
+    let bytes = sky.bytes(|_, epoch| {
+        epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
+        for sight in sights.iter().filter(|sight| of_system(sight.satellite)) {
+            let los = sight.line_of_sight;
+            let along_m = los.east * away.east + los.north * away.north + los.up * away.up;
+            epoch.lengthen(sight.satellite, -along_m);
+        }
+    })?;
+    by_every_method(&bytes.concat(), sky.truth)
+}

@@ -1,0 +1,94 @@
+//! Weak signals whose strength the receiver does not report.
+//!
+//! Some satellites are behind leaves or in a null of the antenna. Their code noise is that of a
+//! weak signal, while their C/N0 field is 0, which MSM defines as *not computed*. The other
+//! satellites report theirs. The sky is GPS alone, with pairs of frequencies.
+//!
+//! ```text
+//! σ = a · 10^((42 − C/N0)/20)        a: code noise and multipath at the zenith, 0.42 m
+//! ```
+//!
+//! A receiver that reports no strength for any signal, because its format carries none, is believed
+//! as before.
+
+use anyhow::Result;
+use raim::signal::encode::Frequency;
+use raim::signal::fault::Measured as _;
+use raim::signal::sky::raw::Simulation;
+use raim_core::satellite::{Constellation, SatelliteId};
+use rand::seq::IndexedRandom as _;
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+use crate::attack::forgery::Sky;
+use crate::attack::tally::{Tally, least_rate};
+use crate::attack::victim::Victim;
+use crate::attack::{Attack, Effort, Figure};
+
+/// Attack with weak signals of unknown strength.
+pub(super) const ATTACK: Attack = Attack {
+    name: "unsaid-strength",
+    about: "a third to two thirds of the satellites as noisy as at 14 to 28 dB-Hz with C/N0 0; a healthy sky with C/N0 0 for all",
+    run,
+};
+
+/// Strength of the weak signals, dB-Hz: at the mask, and below it.
+const WEAK_DBHZ: [f64; 4] = [28.0, 24.0, 20.0, 14.0];
+
+/// Probability of missed detection at start.
+const MISSED: f64 = 1e-3;
+
+/// Code noise and multipath of a strong signal at the zenith, m.
+const STRONG_M: f64 = 0.42;
+
+fn run(effort: Effort) -> Result<Vec<Figure>> {
+    let (mut all, mut silent) = (Tally::default(), Tally::default());
+    let mut figures = Vec::new();
+    for weak_dbhz in WEAK_DBHZ {
+        let mut tally = Tally::default();
+        for seed in 0..effort.pick(60, 600) {
+            tally = tally.with(&hear(seed, Some(weak_dbhz))?);
+        }
+        figures.push(Figure::plain(format!("beyond at {weak_dbhz} dB-Hz"), tally.outcomes.misleading as f64));
+        figures.push(Figure::plain("of protected", tally.outcomes.promised as f64));
+        all = all.with(&tally);
+    }
+    for seed in 0..effort.pick(12, 120) {
+        silent = silent.with(&hear(seed, None)?);
+    }
+    let rate = least_rate(all.outcomes.misleading, all.outcomes.epochs());
+    figures.push(Figure::at_most("their rate is above", rate, MISSED));
+    figures.extend(all.figures(f64::INFINITY));
+    let lost = silent.outcomes.epochs() - silent.outcomes.promised;
+    figures.push(Figure::at_most("not promised where no strength is said", lost as f64, 0.0));
+    Ok(figures)
+}
+
+/// Sends half a minute in which some satellites are that weak and report no strength. If
+/// `weak_dbhz` is `None`, no satellite reports its strength.
+fn hear(seed: u64, weak_dbhz: Option<f64>) -> Result<Tally> {
+    let start_s = 600.0 + 5400.0 * (seed % 16) as f64;
+    let sky = Sky::with(&Simulation::above_xian(start_s, 30, seed), "G", Frequency::Dual)?;
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    let mut seen = sky.recording.epochs[0].satellites();
+    seen.retain(|id| id.constellation() == Constellation::Gps);
+    let count = match weak_dbhz {
+        Some(_) => chance.random_range(seen.len() / 3..=2 * seen.len() / 3),
+        None => seen.len(),
+    };
+    let unsaid: Vec<SatelliteId> = seen.choose_multiple(&mut chance, count).copied().collect();
+    let noise_m = weak_dbhz.map_or(0.0, |weak_dbhz| STRONG_M * 10_f64.powf((42.0 - weak_dbhz) / 20.0));
+    let bytes = sky.bytes(|_, epoch| {
+        let hidden = epoch.satellites.iter_mut().filter(|raw| unsaid.contains(&raw.satellite));
+        for signal in hidden.flat_map(|raw| &mut raw.signals) {
+            signal.cn0_dbhz = None;
+            signal.pseudorange_m += noise_m * chance.sample::<f64, _>(StandardNormal);
+        }
+    })?;
+    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
+    for bytes in &bytes {
+        tally.add_all(&victim.hear(bytes, sky.truth)?);
+    }
+    Ok(tally)
+}

@@ -1,0 +1,205 @@
+//! Ranges that a relay on the way tags with another time, because it dates what it forwards by its
+//! own clock.
+//!
+//! ```text
+//! δρ_i = ṙ_i δ        every satellite is wrong by so much of its range rate, up to 800 m/s
+//! ```
+//!
+//! An offset of 10 ms hides in the noise; 20 ms to 200 ms do not. Of satellites that are all wrong,
+//! though, a few can always be left out so that the others agree. Tags are first right, then wrong
+//! by `δ`, then right again; or wrong from the start.
+
+use anyhow::Result;
+use raim::in_order::Together as _;
+use raim::signal::encode::Frequency;
+use raim::signal::sky::Fleet;
+use raim::signal::sky::raw::Simulation;
+use raim_firmware::time::GpsTime;
+
+use crate::attack::forgery::Sky;
+use crate::attack::tally::{Tally, least_rate};
+use crate::attack::victim::Victim;
+use crate::attack::{Attack, Effort, Figure};
+
+/// Attack with wrong tags for some epochs.
+pub(super) const BRIEFLY: Attack = Attack {
+    name: "wrong-tags",
+    about: "time tags wrong by 5 ms to 200 ms for ten epochs, four sets of systems, every method and policy",
+    run: briefly,
+};
+
+/// Attack with wrong tags while sigmas learn.
+pub(super) const LEARNED: Attack = Attack {
+    name: "wrong-tags-learned",
+    about: "time tags wrong by 20 ms to 200 ms for minutes, while NOISE,AUTO learns",
+    run: while_learning,
+};
+
+/// Offsets of the tags, ms, applied ahead and behind.
+const OFFSETS_MS: [i64; 8] = [5, 10, 15, 20, 30, 50, 100, 200];
+
+/// Letters of the systems, and their satellites.
+const SYSTEMS: [(&str, &[Fleet]); 4] = [
+    ("G", &[Fleet::Gps31]),
+    ("GC", &[Fleet::Gps31, Fleet::BeidouRegional]),
+    ("GE", &[Fleet::Gps31, Fleet::Galileo24]),
+    ("GEC", &[Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal]),
+];
+
+/// Settings of the module.
+const SETTINGS: [&[&str]; 12] = [
+    &["METHOD,AUTO"],
+    &["METHOD,BAARDA"],
+    &["METHOD,SIMULTANEOUS"],
+    &["METHOD,SEQUENTIAL"],
+    &["METHOD,HYBRID"],
+    &["METHOD,GROUPING"],
+    &["METHOD,RANSAC"],
+    &["METHOD,SEPARATION"],
+    &["METHOD,SEPARATION", "PHASE,LPV200"],
+    &["CLOCKAID,ON"],
+    &["POLICY,T2", "HAL,60"],
+    &["POLICY,TOP", "HAL,60"],
+];
+
+/// Epochs with right tags, with wrong tags, and with right tags again, at whose end the position
+/// must be promised.
+const RIGHT: u32 = 5;
+const WRONG: u32 = 10;
+const AGAIN: u32 = 10;
+
+/// Epochs with wrong tags while sigmas learn: several times what learning needs.
+const LONG: u32 = 240;
+
+/// Probability of missed detection at start.
+const MISSED: f64 = 1e-3;
+
+/// State of the pin at the end: after wrong tags, and of a module that had right tags only.
+type InTheEnd = (bool, bool);
+
+/// Parameters of one attempt.
+#[derive(Clone, Copy)]
+struct Trial {
+    systems: (&'static str, &'static [Fleet]),
+    commands: &'static [&'static str],
+    offset_ms: i64,
+    right: u32,
+    wrong: u32,
+    seed: u64,
+}
+
+fn briefly(effort: Effort) -> Result<Vec<Figure>> {
+    let mut trials = Vec::new();
+    for systems in SYSTEMS {
+        for commands in SETTINGS {
+            for offset_ms in OFFSETS_MS {
+                for seed in 0..effort.pick(4, 60) {
+                    let (offset_ms, right) = of_seed(seed, offset_ms);
+                    trials.push(Trial { systems, commands, offset_ms, right, wrong: WRONG, seed });
+                }
+            }
+        }
+    }
+    let (wrong, again) = attempt_all(&trials)?;
+    let mut figures = told(&trials, &wrong);
+    let promised = again.iter().filter(|(ended_well, _)| *ended_well).count();
+    let healthy = again.iter().filter(|(_, reference)| *reference).count();
+    let share = 100.0 * promised as f64 / healthy.max(1) as f64;
+    figures.push(Figure::at_least("% promised once tags are right again", share, 99.0));
+    Ok(figures)
+}
+
+fn while_learning(effort: Effort) -> Result<Vec<Figure>> {
+    let mut trials = Vec::new();
+    for systems in SYSTEMS {
+        for commands in [&["NOISE,AUTO"] as &[&str], &["NOISE,AUTO", "METHOD,BAARDA"]] {
+            for offset_ms in [20, 50, 200] {
+                for seed in 0..effort.pick(2, 12) {
+                    let (offset_ms, right) = of_seed(seed, offset_ms);
+                    trials.push(Trial { systems, commands, offset_ms, right, wrong: LONG, seed });
+                }
+            }
+        }
+    }
+    let (wrong, _) = attempt_all(&trials)?;
+    Ok(told(&trials, &wrong))
+}
+
+/// Returns the signed offset and the number of right epochs before it. Every four seeds cover all
+/// combinations.
+fn of_seed(seed: u64, offset_ms: i64) -> (i64, u32) {
+    let (is_ahead, is_right_first) = (seed & 1 == 0, seed & 2 == 0);
+    (if is_ahead { offset_ms } else { -offset_ms }, if is_right_first { RIGHT } else { 0 })
+}
+
+/// Runs the trials; returns the tallies and the states at the end.
+fn attempt_all(trials: &[Trial]) -> Result<(Vec<Tally>, Vec<InTheEnd>)> {
+    let seen: Vec<(Tally, InTheEnd)> = trials.iter().together(attempt).collect::<Result<_>>()?;
+    Ok(seen.into_iter().unzip())
+}
+
+fn told(trials: &[Trial], tallies: &[Tally]) -> Vec<Figure> {
+    let all = tallies.iter().fold(Tally::default(), Tally::with);
+    let mut figures = all.figures(f64::INFINITY);
+    let rate = least_rate(all.outcomes.misleading, all.outcomes.epochs());
+    figures.push(Figure::at_most("their rate is above", rate, MISSED));
+    figures.push(Figure::plain("of satellites left out in promised epochs", all.left_out as f64));
+    figures.push(Figure::plain("`TIME`", all.of_reason("TIME") as f64));
+    figures.push(Figure::plain("other alerts", (all.outcomes.alerts - all.of_reason("TIME")) as f64));
+    let of = |is_of: &dyn Fn(&Trial) -> bool| {
+        let these = trials.iter().zip(tallies).filter(|(trial, _)| is_of(trial));
+        these.fold(Tally::default(), |sum, (_, tally)| sum.with(tally))
+    };
+    let mut beyond = |what: String, tally: &Tally| {
+        if tally.outcomes.misleading > 0 {
+            let quantity = format!("beyond {what} of {} promised", tally.outcomes.promised);
+            figures.push(Figure::plain(quantity, tally.outcomes.misleading as f64));
+        }
+    };
+    for offset_ms in OFFSETS_MS {
+        beyond(format!("by {offset_ms} ms"), &of(&|trial| trial.offset_ms.abs() == offset_ms));
+    }
+    for (name, _) in SYSTEMS {
+        beyond(format!("with {name}"), &of(&|trial| trial.systems.0 == name));
+    }
+    for commands in SETTINGS {
+        beyond(commands.join(" "), &of(&|trial| trial.commands == commands));
+    }
+    figures
+}
+
+fn attempt(trial: &Trial) -> Result<(Tally, InTheEnd)> {
+    let Trial { systems: (letters, fleets), commands, offset_ms, right, wrong, seed } = *trial;
+    let epochs = right + wrong + AGAIN;
+    let simulation = Simulation {
+        satellites: fleets.iter().flat_map(|fleet| fleet.satellites()).collect(),
+        // Each seed has its own sky, between two changes of ephemerides.
+        ..Simulation::above_xian(
+            600.0 + 7200.0 * (seed % 12) as f64 + 130.0 * (seed / 12) as f64,
+            epochs,
+            seed,
+        )
+    };
+    let sky = Sky::with(&simulation, letters, Frequency::Dual)?;
+    let is_wrong = |index: usize| (right as usize..(right + wrong) as usize).contains(&index);
+    let bytes = sky.bytes(|index, epoch| {
+        if is_wrong(index) {
+            epoch.time = GpsTime::from_ms(epoch.time.to_ms().wrapping_add_signed(offset_ms));
+        }
+    })?;
+    let mut victim = Victim::new(commands, 1.0)?;
+    let mut tally = Tally::default();
+    for (index, bytes) in bytes.iter().enumerate() {
+        let seen = victim.hear(bytes, sky.truth)?;
+        if is_wrong(index) {
+            tally.add_all(&seen);
+        }
+    }
+    let ended_well = victim.is_promised();
+    // With limits close to the levels, a healthy module may promise nothing either.
+    let mut reference = Victim::new(commands, 1.0)?;
+    for bytes in sky.bytes(|_, _| {})? {
+        reference.hear(&bytes, sky.truth)?;
+    }
+    Ok((tally, (ended_well, reference.is_promised())))
+}
