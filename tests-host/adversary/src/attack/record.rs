@@ -107,7 +107,9 @@ impl Record {
 
     fn text(&self) -> String {
         let mut text = String::new();
-        let all = attacks().into_iter().flat_map(|attack| Effort::ALL.map(|effort| self.entry(attack.name, effort)));
+        let all = attacks()
+            .into_iter()
+            .flat_map(|attack| Effort::ALL.map(|effort| self.entry(attack.name, effort)));
         for entry in all.flatten() {
             let version = (VERSION.to_owned(), entry.version.clone());
             for (quantity, value) in [version].iter().chain(&entry.figures) {

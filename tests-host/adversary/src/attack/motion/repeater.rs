@@ -132,7 +132,9 @@ const STATIONS: [(&Station, &str, f64); 5] = [
 
 /// Returns the false alarms of the reference folder's recordings without Doppler frequencies.
 fn recorded(effort: Effort) -> Result<Vec<Figure>> {
-    let Some(folder) = shared::path("data/urban") else { return Ok(crate::attack::nature::recordings::skipped()) };
+    let Some(folder) = shared::path("data/urban") else {
+        return Ok(crate::attack::nature::recordings::skipped());
+    };
     let most = effort.pick(900, usize::MAX);
     let of_station = |&(station, systems, step_s): &(&Station, &str, f64)| -> Result<[Figure; 2]> {
         let recording = station.load().with_context(|| format!("recording {} is missing", station.folder))?;

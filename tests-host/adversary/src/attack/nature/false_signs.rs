@@ -18,8 +18,8 @@ use raim::signal::sky::raw::Simulation;
 use raim_core::frame::Ecef;
 use rig::shared;
 
-use crate::attack::forgery::Sky;
 use super::recordings::{STATIONS, at, skipped};
+use crate::attack::forgery::Sky;
 use crate::attack::victim::{Seen, Victim};
 use crate::attack::{Attack, Effort, Figure};
 

@@ -8,10 +8,5 @@ pub(super) mod streets;
 use super::Attack;
 
 /// Attacks of this folder.
-pub(super) const ATTACKS: &[&Attack] = &[
-    &recordings::NOMINAL,
-    &recordings::URBAN,
-    &false_signs::ATTACK,
-    &gaps::ATTACK,
-    &streets::ATTACK,
-];
+pub(super) const ATTACKS: &[&Attack] =
+    &[&recordings::NOMINAL, &recordings::URBAN, &false_signs::ATTACK, &gaps::ATTACK, &streets::ATTACK];

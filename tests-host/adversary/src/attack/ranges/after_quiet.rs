@@ -16,8 +16,8 @@ use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
 use crate::attack::forgery::Sky;
-use crate::attack::nature::streets::{self, Streets};
 use crate::attack::line::suspicions::of_both;
+use crate::attack::nature::streets::{self, Streets};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
 use crate::attack::{Attack, Effort, Figure};

@@ -20,8 +20,8 @@ use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use crate::attack::orbits::faulty_orbit::move_ahead;
 use crate::attack::forgery::Sky;
+use crate::attack::orbits::faulty_orbit::move_ahead;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
 use crate::attack::{Attack, Effort, Figure};

@@ -24,8 +24,8 @@ use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-use crate::attack::forgery::Sky;
 use super::several_faults::by_every_method;
+use crate::attack::forgery::Sky;
 use crate::attack::tally::{Tally, least_rate};
 use crate::attack::{Attack, Figure};
 

@@ -3,8 +3,8 @@
 
 use std::time::Instant;
 
-use adversary::attack::record::{Entry, Record};
 use adversary::attack::ranges::{several_faults, several_record};
+use adversary::attack::record::{Entry, Record};
 use adversary::attack::{Attack, Effort, Outcome, attacks};
 use anyhow::{Context as _, ensure};
 

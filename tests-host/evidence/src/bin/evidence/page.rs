@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use adversary::attack::{Effort as Form, attacks};
+use adversary::attack::{Effort as Form, attacks as all};
 use anyhow::{Context as _, ensure};
 use evidence::configuration;
 use evidence::document::Evidence;
@@ -22,9 +22,9 @@ pub(crate) fn run(quick: bool, report: &Path) -> anyhow::Result<()> {
     let rates = (fde.run)(effort, &bar)?;
     bar.finish_and_clear();
     let bar = progress("attacks");
-    bar.set_length(attacks().len() as u64);
+    bar.set_length(all().len() as u64);
     let mut attacks = Vec::new();
-    for attack in attacks() {
+    for attack in all() {
         bar.set_message(attack.name);
         let outcome = attack.attempt(Form::Quick);
         attacks.push(outcome.with_context(|| format!("attack {}", attack.name))?);

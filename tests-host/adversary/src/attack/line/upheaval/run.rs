@@ -14,9 +14,9 @@ use raim_firmware::time::GpsTime;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-use crate::attack::victim::{Seen, Victim};
 use super::oracle::{Finding, Oracle, Sent};
 use super::scenes::{Break, Line, Scene, Wrong};
+use crate::attack::victim::{Seen, Victim};
 use crate::soak::noise::frames;
 
 /// Number of scenes of a run.
