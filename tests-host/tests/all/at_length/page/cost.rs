@@ -23,7 +23,7 @@ const MEMORY: f64 = 256.0 * 1024.0 * 1024.0;
 /// Most time of the page, in that of `rai replay` on the same computer.
 const TIMES: f64 = 2.5;
 
-/// Most time of a day, s, and of the same for a part of it.
+/// Most time of a day, s, and of the same for a part of it, but for that of an hour.
 const DAY_S: f64 = 12.0;
 
 /// Most rounds until all times are within their bars.
@@ -35,7 +35,8 @@ const OWN_HOUR_S: f64 = 0.30;
 /// Number of epochs in a day.
 const DAY: f64 = 86_400.0;
 
-/// Most time of an hour that is judged first, s: the browser compiles the program meanwhile.
+/// Most time of an hour, s: the browser compiles the program meanwhile, and compiles again what is
+/// called most.
 const HOUR_S: f64 = 1.0;
 
 /// Writes a recording of 28 satellites of three systems on two frequencies at 1 Hz, as UBX.
@@ -95,10 +96,8 @@ impl Least {
     /// Returns true if all are within their bars for this part of a day.
     fn is_short(&self, part: f64) -> bool {
         let slower = (self.own_s / (24.0 * OWN_HOUR_S * part)).max(1.0);
-        self.cold_s < slower * HOUR_S.max(DAY_S * part)
-            && self.warm_s < slower * DAY_S * part
-            && self.warm_s < TIMES * self.own_s
-            && self.first_ms < FIRST_MS
+        let most_s = slower * HOUR_S.max(DAY_S * part);
+        self.cold_s < most_s && self.warm_s < most_s.min(TIMES * self.own_s) && self.first_ms < FIRST_MS
     }
 }
 
