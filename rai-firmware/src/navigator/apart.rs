@@ -38,15 +38,13 @@ impl Apart {
         self.places.clear();
     }
 
-    /// Takes the distance of one system from all others.
-    pub(super) const fn decide(&mut self, apart_m: f32) {
-        (self.next, self.so_far_m) = (Constellation::COUNT, Some(apart_m));
-    }
-
-    fn add(&mut self, place: Ecef) {
+    /// Adds the place of a system, or of several.
+    pub(super) fn add(&mut self, place: Ecef) {
         for other in &self.places {
-            let apart_m = distance_m(place, *other);
-            self.so_far_m = Some(self.so_far_m.map_or(apart_m, |so_far_m| so_far_m.max(apart_m)));
+            let apart_m = Some(distance_m(place, *other));
+            if self.so_far_m < apart_m {
+                self.so_far_m = apart_m;
+            }
         }
         // Never full: each system is asked once.
         let _ = self.places.push(place);

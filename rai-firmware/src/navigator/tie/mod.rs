@@ -13,7 +13,7 @@
 //! | `v` | speed there; `VMAX` if it is unknown | m/s |
 //! | `a` | [`ACCELERATION_M_S2`] | m/s² |
 //!
-//! It is asked if an epoch is an alert `FAULT` or `AMBIGUOUS`, or if a majority leaves out most of the proved
+//! It is asked if an epoch is an alert `FAULT` or `AMBIGUOUS`, or if a majority leaves out half of the proved
 //! satellites: whoever forges two systems alike has the majority, but not the signature. Galileo wins if
 //!
 //! - the settings demand proof (`PREFER`, `ONLY`), and the time is known so well that all tags are
@@ -42,7 +42,7 @@ use raim_single::{Monitor, MonitorMemory, Workspace};
 
 use super::{Navigator, Room, found};
 use crate::correction::horizon::coordinates_m;
-use crate::correction::{CAPACITY, Located, Ranges, Sky, remove};
+use crate::correction::{CAPACITY, Ranges, Sky, remove};
 use crate::settings::Configuration;
 use crate::time::GpsTime;
 
@@ -74,13 +74,13 @@ impl Held {
 }
 
 /// Returns the alert that stays if Galileo does not decide, for an epoch that is an alert, or promised by
-/// a majority that leaves out most of the proved satellites; `None` if nothing contradicts these.
+/// a majority that leaves out half of the proved satellites or more; `None` if nothing contradicts these.
 fn contradiction(report: &Report<CAPACITY>, witnesses: u64, count: usize) -> Option<Alert> {
     match report.verdict {
         Verdict::Alert(reason @ (Alert::Fault | Alert::Ambiguous)) => Some(reason),
         Verdict::Protected(_) => {
             let used = report.used.iter().filter(|its| is_in(witnesses, **its)).count();
-            (2 * used < count).then_some(Alert::Ambiguous)
+            (2 * used <= count).then_some(Alert::Ambiguous)
         }
         _ => None,
     }
@@ -161,13 +161,13 @@ impl Navigator {
         report
     }
 
-    /// Returns the place by satellites of Galileo, and its distance from that by the others, m, if these
-    /// have leapt and not Galileo.
-    fn unmoved(&mut self, witnesses: u64, time: GpsTime, highest_m_s: f64) -> Option<(Ecef, f32)> {
+    /// Returns the place by satellites of Galileo if the others have leapt and not Galileo, and keeps the
+    /// place of the others, whose ranges are then left out.
+    fn unmoved(&mut self, witnesses: u64, time: GpsTime, highest_m_s: f64) -> Option<Ecef> {
         let before = self.place()?;
         let way_m = self.held.way_m(time, highest_m_s);
         let noise = self.monitor.noise(time.to_s());
-        let Self { monitor, room: Room { epoch, memory, .. }, .. } = self;
+        let Self { monitor, apart, room: Room { epoch, memory, .. }, .. } = self;
         let own = place_by(&|its| is_in(witnesses, its), epoch, before, memory.workspace())?;
         let is_other = |its: SatelliteId| its.constellation() != Constellation::Galileo;
         let others = place_by(&is_other, epoch, before, memory.workspace())?;
@@ -175,15 +175,18 @@ impl Navigator {
         let leap_m = distance_m(others, before);
         // NaN fails these comparisons.
         let is_leap = leap_m > (levels.hpl_m + levels.vpl_m) as f32 + way_m;
-        (is_leap && distance_m(own, before) < leap_m).then(|| (own, distance_m(own, others)))
+        if is_leap && distance_m(own, before) < leap_m {
+            apart.add(others);
+            return Some(own);
+        }
+        None
     }
 
-    /// Returns those satellites of the sky whose set in use is the proved one, and their number.
-    fn witnesses_in_sky(&self, time: GpsTime) -> (u64, usize) {
-        let is_proved = |satellite: SatelliteId| {
-            is_in(self.witnesses, satellite) && self.store.is_proved(satellite, time)
-        };
-        let proved = self.room.sky.iter().map(Located::satellite).filter(|satellite| is_proved(*satellite));
+    /// Returns those satellites of the epoch whose set in use is the proved one, and their number. Others
+    /// of the sky are below the mask or lack a range, which contradicts nothing.
+    fn witnesses_in_epoch(&self, time: GpsTime) -> (u64, usize) {
+        let seen = self.room.epoch.observations().iter().map(|seen| seen.satellite);
+        let proved = seen.filter(|its| is_in(self.witnesses, *its) && self.store.is_proved(*its, time));
         proved.fold((0, 0), |(set, count), its| (set | 1 << (its.number() & 63), count + 1))
     }
 
@@ -198,20 +201,19 @@ impl Navigator {
     #[cold]
     #[inline(never)]
     fn decide(&mut self, time: GpsTime, ranges: Ranges, configuration: &Configuration) -> bool {
-        let (witnesses, count) = self.witnesses_in_sky(time);
+        let (witnesses, count) = self.witnesses_in_epoch(time);
         if count < LEAST {
             return false;
         }
         let Some(reason) = contradiction(self.report(), witnesses, count) else { return false };
         let highest_m_s = configuration.continuity().max_speed_m_s;
-        if let Some((place, apart_m)) = self.unmoved(witnesses, time, highest_m_s) {
+        if let Some(place) = self.unmoved(witnesses, time, highest_m_s) {
             // What follows from the epoch, such as its velocity, is of the same satellites.
             keep(&mut self.room.sky, witnesses);
             let before = self.tally.mark();
             let known = [const { Cell::new(f32::NAN) }; CAPACITY];
             self.judge_about(place, time, ranges, configuration, Search::Known(&[]), &known);
             self.tally.restore(before);
-            self.apart.decide(apart_m);
             if self.report().verdict == Verdict::Protected(Protected::Ok) {
                 return true;
             }

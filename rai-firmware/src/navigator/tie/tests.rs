@@ -151,13 +151,28 @@ impl Draw {
 struct Fates {
     ties: u32,
     wins: u32,
-    /// Wins with an error beyond a level.
+    /// Wins, and promises without half of the proved satellites, with an error beyond a level.
     misleading: u32,
 }
 
 fn judge(navigator: &mut Navigator, search: Search<'_>, start: Ecef) {
     let Room { epoch, memory, .. } = &mut navigator.room;
     raim_single::judge(&navigator.monitor, epoch, start, search, None, memory);
+}
+
+/// Returns how many of the witnesses are used.
+fn proved_of(report: &Report<CAPACITY>, witnesses: u64) -> usize {
+    report.used.iter().filter(|its| is_in(witnesses, **its)).count()
+}
+
+/// Returns true if a promise has an error beyond a level.
+fn is_misleading(report: &Report<CAPACITY>, truth: Ecef) -> bool {
+    let Verdict::Protected(_) = report.verdict else { return false };
+    let levels = report.protection.expect("levels");
+    let error = report.solution.as_ref().expect("a position").position - truth;
+    let up_m = dot(error, scaled(truth, 1.0 / length_m(truth)));
+    let horizontal_m = (dot(error, error) - up_m * up_m).max(0.0).sqrt();
+    horizontal_m > levels.hpl_m || up_m.abs() > levels.vpl_m
 }
 
 /// Returns the fates of draws in which something is forged behind three genuine epochs.
@@ -178,13 +193,18 @@ fn fates(kind: Forged, draws: u32, seed: u64) -> Fates {
         judge(&mut navigator, Search::Anew, before);
         let count = draw.witnesses.count_ones() as usize;
         if contradiction(navigator.report(), draw.witnesses, count).is_none() {
+            let report = navigator.report();
+            let left_out = count - proved_of(report, draw.witnesses);
+            if count >= LEAST && 2 * left_out >= count && is_misleading(report, draw.truth) {
+                fates.misleading += 1;
+            }
             continue;
         }
         fates.ties += 1;
         navigator.held = Held { time: GpsTime::from_ms(0), speed_m_s: Some(0.0) };
         let is_enough = count >= LEAST;
         let found = navigator.unmoved(draw.witnesses, GpsTime::from_ms(1000), 515.0);
-        let Some((place, _)) = found.filter(|_| is_enough) else { continue };
+        let Some(place) = found.filter(|_| is_enough) else { continue };
         navigator.room.epoch = some_of(&navigator.room.epoch, &|satellite| is_in(draw.witnesses, satellite));
         judge(&mut navigator, Search::Known(&[]), place);
         let report = navigator.report();
@@ -193,12 +213,7 @@ fn fates(kind: Forged, draws: u32, seed: u64) -> Fates {
         }
         fates.wins += 1;
         assert!(report.used.len() >= 4 && report.used.iter().all(|its| is_in(draw.witnesses, *its)));
-        let solution = report.solution.as_ref().expect("a position");
-        let levels = report.protection.expect("levels");
-        let error = solution.position - draw.truth;
-        let up_m = dot(error, scaled(draw.truth, 1.0 / length_m(draw.truth)));
-        let horizontal_m = (dot(error, error) - up_m * up_m).max(0.0).sqrt();
-        if horizontal_m > levels.hpl_m || up_m.abs() > levels.vpl_m {
+        if is_misleading(report, draw.truth) {
             fates.misleading += 1;
         }
     }

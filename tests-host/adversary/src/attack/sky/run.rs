@@ -49,7 +49,7 @@ pub(super) fn course(skies: &Skies, scene: &Scene, means: Means) -> Result<Cours
         Pages::OfAttacker => skies.of_attacker.clone(),
     };
     let before = if scene.pages == Pages::Poisoned { &attack } else { &skies.pages };
-    let commands = commands(skies, means);
+    let commands = commands(skies, scene, means);
     let commands: Vec<&str> = commands.iter().map(String::as_str).collect();
     let mut victim = Victim::new(&commands, 1.0 / f64::from(PASSES))?;
     // The sets of Galileo come with its pages.
@@ -97,8 +97,8 @@ pub(super) fn course(skies: &Skies, scene: &Scene, means: Means) -> Result<Cours
 /// Ionosphere of a quiet day, as GPS broadcasts it.
 const KLOBUCHAR: [f64; 8] = [1e-8, 0.0, -6e-8, 0.0, 9e4, 0.0, -2e5, 0.0];
 
-fn commands(skies: &Skies, means: Means) -> Vec<String> {
-    let mut commands = Vec::new();
+fn commands(skies: &Skies, scene: &Scene, means: Means) -> Vec<String> {
+    let mut commands: Vec<String> = scene.settings.iter().map(|&setting| setting.to_owned()).collect();
     if means.has_key {
         let digits: String =
             skies.key().iter().map(|byte| format!("{byte:02X}")).collect::<Vec<_>>().concat();

@@ -27,6 +27,8 @@ pub(super) struct Scene {
     pub(super) pages: Pages,
     /// Systems that are received, all the time.
     pub(super) systems: &'static str,
+    /// Settings of the module beside those of its means.
+    pub(super) settings: &'static [&'static str],
     /// Seconds by which everything is late.
     pub(super) late_s: u32,
     /// True if the module starts under the attack.
@@ -68,6 +70,7 @@ const GENUINE: Scene = Scene {
     ranges: Ranges::Genuine,
     pages: Pages::Genuine,
     systems: "GE",
+    settings: &[],
     late_s: 0,
     is_cold: false,
     is_sudden: false,
@@ -98,10 +101,12 @@ const GALILEO_FORGED: Scene = Scene {
 };
 
 /// All attacks, behind the genuine sky of a module that has run before and of one that starts.
-pub(super) const SCENES: [Scene; 22] = [
+pub(super) const SCENES: [Scene; 23] = [
     GENUINE,
     Scene { is_cold: true, ..GENUINE },
     Scene { is_sudden: true, ..GENUINE },
+    // Most proved satellites are below the mask, and contradict nothing.
+    Scene { is_sudden: true, systems: "GEC", settings: &["MASK,35"], ..GENUINE },
     Scene {
         name: "(a) forged data of one Galileo satellite, its clock wrong by 300 m",
         short: "forged data of one Galileo satellite",
