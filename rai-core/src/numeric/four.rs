@@ -90,7 +90,7 @@ impl<T: RealField + Copy> Four<T> for Apart<T> {
     }
 }
 
-#[cfg(not(target_os = "none"))]
+#[cfg(not(any(target_os = "none", target_family = "wasm")))]
 impl Four<f32> for wide::f32x4 {
     #[inline]
     fn join(numbers: [f32; 4]) -> Self {

@@ -45,9 +45,9 @@ impl Real for f64 {
 
 impl Real for f32 {
     type Absolute = Grid;
-    #[cfg(target_os = "none")]
+    #[cfg(any(target_os = "none", target_family = "wasm"))]
     type Four = Apart<f32>;
-    #[cfg(not(target_os = "none"))]
+    #[cfg(not(any(target_os = "none", target_family = "wasm")))]
     type Four = wide::f32x4;
 
     // Some hundred units in the last place of sums over 40 satellites, with which it is compared.
