@@ -6,6 +6,7 @@ mod false_rates;
 mod leap;
 mod rates_apart;
 mod repeater;
+mod steering;
 mod walks;
 mod wrong_height;
 
@@ -24,6 +25,7 @@ pub(super) const ATTACKS: &[&Attack] = &[
     &walks::LONG,
     &walks::LEAPS,
     &repeater::ATTACK,
+    &steering::ATTACK,
     &alike_strengths::ATTACK,
     &wrong_height::WRONG,
     &wrong_height::RISING,
