@@ -104,6 +104,7 @@ const COUNTERFEIT: &[Cause] = &[
     Attack("long-walk-off"),
     Attack("leaps-and-waves"),
     Attack("repeater"),
+    Attack("steering"),
     Attack("after-silence"),
     Attack("two-truths"),
     Attack("suspicion-denied"),

@@ -119,6 +119,7 @@ attacks! {
     sky_that_rises_away_from_a_height_is_noticed = "rising-sky",
     delays_that_are_not_broadcast_are_within_the_sigmas = "unsaid-delays",
     no_muddle_makes_a_promise_wrong_or_ends_all_promises = "upheaval",
+    clock_that_is_set_back_from_now_on_is_promised_again = "steering",
     nominal_recordings_are_protected_and_within_their_levels = "nominal-recordings",
     reflections_between_buildings_seldom_pass = "urban",
     } at_length {
