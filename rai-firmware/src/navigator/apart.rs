@@ -46,7 +46,7 @@ impl Apart {
                 self.so_far_m = apart_m;
             }
         }
-        // Never full: each system is asked once.
+        // Never full: each system is asked once, and Galileo alone behind the place of all others.
         let _ = self.places.push(place);
     }
 }

@@ -80,6 +80,7 @@ const ALL: Cause = AnyOf(
         Attack("ionosphere-forged"),
         Attack("nominal-recordings"),
         Attack("drag-off"),
+        Attack("steering"),
     ],
 );
 
@@ -104,7 +105,6 @@ const COUNTERFEIT: &[Cause] = &[
     Attack("long-walk-off"),
     Attack("leaps-and-waves"),
     Attack("repeater"),
-    Attack("steering"),
     Attack("after-silence"),
     Attack("two-truths"),
     Attack("suspicion-denied"),

@@ -35,6 +35,9 @@ const DURING: u32 = 900;
 /// never stands out against it.
 const LASTING_S: f64 = 300.0;
 
+/// At most one of so many skies may lose it.
+const ONE_OF: usize = 6;
+
 fn run(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for drift_m_s in DRIFTS_M_S {
@@ -45,7 +48,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         let lasting = waits.clone().filter(|until_s| *until_s > LASTING_S).count();
         let until_s = waits.filter(|until_s| *until_s <= LASTING_S).fold(0.0, f64::max);
         figures.push(Figure::plain(format!("s until promised for good at {drift_m_s} m/s"), until_s));
-        figures.push(Figure::plain("skies without a promise for longer", lasting as f64));
+        let most = (runs.len() / ONE_OF) as f64;
+        figures.push(Figure::at_most("skies without a promise for longer", lasting as f64, most));
         figures.push(Figure::at_most("beyond", all.outcomes.misleading as f64, 0.0));
     }
     Ok(figures)
