@@ -34,9 +34,10 @@ mod time;
 use std::fs;
 use std::io::{Read as _, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -146,9 +147,21 @@ fn receiver() -> (TcpListener, Option<String>) {
     (listener, Some(input))
 }
 
-/// Returns an address on which nobody listens.
+/// Ports below those that a system gives to connections of its own choice.
+const PORTS: Range<u32> = 10_000..32_000;
+
+/// Returns an address on which nobody listens, and which no connection takes before the service does.
 fn free_address() -> SocketAddr {
-    TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap()
+    static TAKEN: AtomicU32 = AtomicU32::new(0);
+    // Tests that run at the same time are processes with consecutive numbers.
+    let first = std::process::id().wrapping_mul(32);
+    let mut ports = std::iter::repeat_with(|| {
+        let number = first.wrapping_add(TAKEN.fetch_add(1, Ordering::Relaxed));
+        PORTS.start + number % (PORTS.end - PORTS.start)
+    });
+    let bind =
+        |port: u32| TcpListener::bind(("127.0.0.1", u16::try_from(port).ok()?)).ok()?.local_addr().ok();
+    ports.find_map(bind).unwrap()
 }
 
 /// Connects to the service as soon as it listens.
