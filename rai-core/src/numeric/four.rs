@@ -6,8 +6,8 @@
 //!
 //! A range has three directions and a residual, and every sum over the ranges treats them alike. A
 //! host adds or multiplies four singles by one instruction. The compiler does not find this form in
-//! sums that were written one by one. A microcontroller has no such instruction: its four numbers
-//! lie [`Apart`], and those that nobody reads are not computed.
+//! sums that were written one by one. A microcontroller has no such instruction, and a browser gains
+//! nothing by it: there the four numbers lie [`Apart`], and those that nobody reads are not computed.
 //!
 //! Each number is rounded as it would be alone, so that a host has the bits of the chip.
 #![allow(clippy::inline_always, reason = "what is not inlined computes numbers that nobody reads")]
