@@ -1,4 +1,4 @@
-//! Square roots in single precision, by the processor's instruction.
+//! Square roots by the processor's instruction.
 //!
 //! ```text
 //! vsqrt.f32  s0, s0
@@ -10,7 +10,8 @@
 //!
 //! | processor | root |
 //! |---|---|
-//! | Arm with floating-point registers in its calling convention (`eabihf`) | `VSQRT.F32`; flush-to-zero and default NaN are off after a reset |
+//! | Arm with floating-point registers in its calling convention (`eabihf`) | `VSQRT.F32` for a single; flush-to-zero and default NaN are off after a reset |
+//! | WebAssembly with vectors (`simd128`), as in a browser | `f32.sqrt` and `f64.sqrt` |
 //! | any other | libm: an instruction on x86-64 and 64-bit Arm, else software |
 //!
 //! The crate exists because the instruction needs `unsafe`, which `raim-core` forbids. Reference:
@@ -50,7 +51,39 @@ pub fn sqrt(x: f32) -> f32 {
 #[inline]
 #[must_use]
 pub fn sqrt(x: f32) -> f32 {
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    return browser::sqrt(x);
+    #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
     libm::sqrtf(x)
+}
+
+/// Returns the same of a double.
+#[inline]
+#[must_use]
+pub fn sqrt_f64(x: f64) -> f64 {
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    return browser::sqrt_f64(x);
+    #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+    libm::sqrt(x)
+}
+
+/// Roots of vectors of equal numbers: `core` has words for those, and the compiler makes them the
+/// instruction of one number.
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod browser {
+    use core::arch::wasm32::{
+        f32x4_extract_lane, f32x4_splat, f32x4_sqrt, f64x2_extract_lane, f64x2_splat, f64x2_sqrt,
+    };
+
+    #[inline]
+    pub(super) fn sqrt(x: f32) -> f32 {
+        f32x4_extract_lane::<0>(f32x4_sqrt(f32x4_splat(x)))
+    }
+
+    #[inline]
+    pub(super) fn sqrt_f64(x: f64) -> f64 {
+        f64x2_extract_lane::<0>(f64x2_sqrt(f64x2_splat(x)))
+    }
 }
 
 /// The example of the readme.

@@ -27,6 +27,7 @@ use crate::numeric::angle;
 use crate::numeric::four::Four;
 use crate::numeric::real::Real;
 use crate::numeric::space::{columns, combination, dot, transposed_product};
+use crate::numeric::sqrt_f64;
 
 /// Speed of light in vacuum, m/s (exact by definition of the metre).
 pub const SPEED_OF_LIGHT_M_S: f64 = 299_792_458.0;
@@ -87,7 +88,7 @@ impl Ecef {
 
     /// Returns the distance from the centre of the earth, m.
     pub fn radius_m(self) -> f64 {
-        libm::sqrt(self.x_m * self.x_m + self.y_m * self.y_m + self.z_m * self.z_m)
+        sqrt_f64(self.x_m * self.x_m + self.y_m * self.y_m + self.z_m * self.z_m)
     }
 
     /// Returns the straight-line distance to another point, m.
@@ -137,8 +138,7 @@ impl Geodetic {
     pub fn to_ecef(self) -> Ecef {
         let (sin_latitude, cos_latitude) = libm::sincos(self.latitude_rad);
         let (sin_longitude, cos_longitude) = libm::sincos(self.longitude_rad);
-        let normal_m =
-            SEMI_MAJOR_AXIS_M / libm::sqrt(1.0 - ECCENTRICITY_SQUARED * sin_latitude * sin_latitude);
+        let normal_m = SEMI_MAJOR_AXIS_M / sqrt_f64(1.0 - ECCENTRICITY_SQUARED * sin_latitude * sin_latitude);
         let axial_m = (normal_m + self.height_m) * cos_latitude;
         Ecef::new(
             axial_m * cos_longitude,
@@ -164,7 +164,7 @@ impl Enu {
     /// Returns the length of the horizontal part, in the unit of the components.
     #[doc(hidden)]
     pub fn horizontal(self) -> f64 {
-        libm::sqrt(self.east * self.east + self.north * self.north)
+        sqrt_f64(self.east * self.east + self.north * self.north)
     }
 }
 
@@ -245,7 +245,7 @@ impl LocalFrame {
             return Self { directions: Directions::of_origin(), height_m: -SEMI_MAJOR_AXIS_M };
         };
         let Directions { sin_latitude, cos_latitude, .. } = directions;
-        let curvature = libm::sqrt(1.0 - ECCENTRICITY_SQUARED * sin_latitude * sin_latitude);
+        let curvature = sqrt_f64(1.0 - ECCENTRICITY_SQUARED * sin_latitude * sin_latitude);
         let height_m = axial_m * cos_latitude + point.z_m * sin_latitude - SEMI_MAJOR_AXIS_M * curvature;
         Self { directions, height_m }
     }

@@ -11,6 +11,7 @@ use crate::least_squares::Snapshot;
 use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
 use crate::numeric::space::{dot, upper_triangle};
+use crate::numeric::sqrt_f64;
 use crate::report::{
     AraimReport, HeightReport, MAX_EXCLUDED, Report, Solution, Suspect, TestStatistic, Verdict,
 };
@@ -51,7 +52,7 @@ pub(super) fn suspects<T: Real, const N: usize>(
             satellite: observation.satellite,
             w_test: excluded.w_test.widen(),
             bias_m: fit.residual.widen(),
-            bias_sigma_m: libm::sqrt(row.sigma.widen() * row.sigma.widen() + predicted_m2.max(0.0)),
+            bias_sigma_m: sqrt_f64(row.sigma.widen() * row.sigma.widen() + predicted_m2.max(0.0)),
         })
     });
     gather(listed)
@@ -95,7 +96,7 @@ pub(super) fn describe<T: Real, const N: usize>(
     report.test = test.map(|test| statistic(test, judgement.araim.as_ref()));
     report.protection = judgement.levels();
     report.suspect = test.and_then(|_| suspect(fix.snapshot(), epoch));
-    report.residual_rms_m = libm::sqrt(squares.widen() / report.used.len().max(1) as f64);
+    report.residual_rms_m = sqrt_f64(squares.widen() / report.used.len().max(1) as f64);
     report.tracked = epoch.observations().len() as u8;
     report.araim = judgement.araim;
 }

@@ -24,7 +24,7 @@
 
 use core::fmt::Debug;
 
-use super::sqrt;
+use super::{sqrt, sqrt_f64};
 
 /// A length in two parts, a large and a small one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +96,7 @@ impl Absolute<f64> for f64 {
     }
 
     fn length([x, y, z]: [Self; 3]) -> Length<Self, f64> {
-        let length = libm::sqrt(x * x + y * y + z * z);
+        let length = sqrt_f64(x * x + y * y + z * z);
         Length { whole: length, rounded: length, rest: 0.0 }
     }
 }

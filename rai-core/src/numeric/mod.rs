@@ -13,4 +13,4 @@ pub mod real;
 mod scalars;
 pub(crate) mod space;
 
-pub use raim_root::sqrt;
+pub use raim_root::{sqrt, sqrt_f64};

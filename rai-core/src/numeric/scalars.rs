@@ -6,7 +6,7 @@ use super::four::Apart;
 use super::normal;
 use super::precision::{DOUBLE, Precision, SINGLE};
 use super::real::{Real, Tail};
-use super::sqrt;
+use super::{sqrt, sqrt_f64};
 
 impl Real for f64 {
     type Absolute = f64;
@@ -27,10 +27,10 @@ impl Real for f64 {
         self
     }
     fn sqrt_approx(self) -> Self {
-        libm::sqrt(self)
+        sqrt_f64(self)
     }
     fn inverse_sqrt_approx(self) -> Self {
-        libm::sqrt(self).recip()
+        sqrt_f64(self).recip()
     }
     fn sine_and_cosine(self) -> (Self, Self) {
         libm::sincos(self)

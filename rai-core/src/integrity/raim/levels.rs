@@ -83,6 +83,7 @@ use crate::numeric::normal;
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 use crate::numeric::space::dot;
+use crate::numeric::sqrt_f64;
 use crate::report::ProtectionLevels;
 
 /// Effect of a row's bias on the position, per unit of its effect on the test.
@@ -375,5 +376,5 @@ pub fn largest_hdop_change<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N
 ///
 /// [Lin2016]: crate#references
 pub fn hdop_change_limit(hal_m: f64, sigma_m: f64, lambda: f64) -> f64 {
-    hal_m / (sigma_m * libm::sqrt(lambda))
+    hal_m / (sigma_m * sqrt_f64(lambda))
 }

@@ -22,9 +22,12 @@
 
 mod host;
 
-/// True on a processor with doubles and products of 128 bits in hardware. The functions in [`host`]
-/// then replace those of this file, and give the same bits.
+/// True on a processor with doubles in hardware. The functions in [`host`] then replace those of this
+/// file, and give the same bits.
 const ON_HOST: bool = cfg!(not(target_os = "none"));
+
+/// True if that processor has products of 128 bits, too. A browser calls a function for each.
+const ON_WIDE_HOST: bool = ON_HOST && cfg!(target_pointer_width = "64");
 
 /// The number 1 in 2⁻⁶².
 pub(super) const ONE_Q62: i64 = 1 << 62;
@@ -38,7 +41,7 @@ const TURN_RAD_Q60: i64 = 7_244_019_458_077_122_842;
 /// The lower halves have signs, because this processor multiplies and adds those in one
 /// instruction. Their product, a quarter of a unit at most, is left out.
 pub(crate) const fn mul_high(a: i64, b: i64) -> i64 {
-    if ON_HOST { host::mul_high(a, b) } else { mul_high_of_halves(a, b) }
+    if ON_WIDE_HOST { host::mul_high(a, b) } else { mul_high_of_halves(a, b) }
 }
 
 const fn mul_high_of_halves(a: i64, b: i64) -> i64 {
