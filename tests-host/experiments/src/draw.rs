@@ -1,8 +1,8 @@
 //! Random numbers by address: the draws of a run depend neither on the thread nor on the other
 //! runs.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
 
 /// Returns the random numbers of one run of an experiment.
 pub(super) fn generator(seed: u64, run: u64) -> ChaCha8Rng {

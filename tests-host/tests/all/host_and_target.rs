@@ -14,9 +14,9 @@ use raim_core::monitor::{Method, Monitor, Strategy};
 use raim_core::requirements::Requirements;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::correction::CAPACITY;
-use rand::Rng;
+use rand::RngExt;
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use rig::board::is_installed;
 use rig::laboratory::{Bench, Scalar, Stage, epoch_bytes, point_bytes};
 

@@ -8,9 +8,9 @@ use raim_core::requirements::Requirements;
 use raim_core::satellite::Constellation;
 use raim_firmware::settings::Configuration;
 use raim_single::{CAPACITY, Monitor, MonitorMemory};
-use rand::Rng as _;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng as _;
+use rand::RngExt as _;
+use rand::SeedableRng as _;
+use rand::rngs::ChaCha8Rng;
 
 use super::errors::{ErrorModel, Said, Seen, epoch, seen};
 use super::place::Place;

@@ -1,8 +1,8 @@
 //! Random changes of known inputs, the same for the same seed.
 
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom;
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 
 /// Longest input that a mutation makes.
 const LONGEST: usize = 4096;

@@ -5,8 +5,8 @@ use raim::signal::encode::{Encoder, Frequency, Selection, sbf, ubx};
 use raim::signal::measurement::TimedEphemeris;
 use raim::signal::recording::Recording;
 use raim::signal::sky::raw::Simulation;
-use rand::{RngCore, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{Rng, SeedableRng};
 
 use super::broadcasts;
 use super::navigation_bits::MESSAGES;

@@ -17,9 +17,9 @@
 use raim::signal::fault::{Fault, Kind, Target};
 use raim::signal::measurement::MeasuredEpoch;
 use raim_core::satellite::{Constellation, SatelliteId};
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom;
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 
 /// Length of an incident, and of the quiet after it, epochs.
 const LENGTH_EPOCHS: std::ops::RangeInclusive<u32> = 8..=40;
@@ -53,7 +53,7 @@ impl Falsified {
 }
 
 /// The incidents of a run.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Incidents {
     rng: ChaCha8Rng,
     step_s: f64,
@@ -125,7 +125,7 @@ impl Incidents {
     }
 
     fn some(&mut self, satellites: &[SatelliteId], many: usize) -> Vec<Target> {
-        satellites.choose_multiple(&mut self.rng, many).copied().map(Target::Satellite).collect()
+        satellites.sample(&mut self.rng, many).copied().map(Target::Satellite).collect()
     }
 
     fn constellation(&mut self, satellites: &[SatelliteId]) -> Target {

@@ -15,8 +15,8 @@
 //!
 //! A burst between two frames can look like the beginning of a frame and delay the frames after it.
 
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 
 /// Longest pause that does not end a burst of frames, ms. The module waits for half a second.
 pub const HARMLESS_PAUSE_MS: u64 = 400;
@@ -89,7 +89,7 @@ pub struct Carried {
 }
 
 /// A line with random disturbances.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Line {
     rng: ChaCha8Rng,
     probability: f64,

@@ -14,7 +14,7 @@ use raim::in_order::Together as _;
 use raim_core::internals::integrity::araim::{Allocation, Priors, judge};
 use raim_core::internals::least_squares::Workspace;
 use raim_core::internals::weighting::Ism;
-use rand::Rng as _;
+use rand::RngExt as _;
 
 use super::risk::{hypotheses, normal, site};
 use super::scene::Scene;

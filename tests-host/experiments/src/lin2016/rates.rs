@@ -22,7 +22,7 @@ use anyhow::Context as _;
 use raim::in_order::Together as _;
 use raim_core::internals::integrity::raim::detection::detect;
 use raim_core::internals::integrity::raim::isolation::baarda::identify;
-use rand::Rng as _;
+use rand::RngExt as _;
 
 use super::{Day, EPOCHS, Finding, Judgement, Picture, Row, SEED, SIGMA_M, Section, faulty, pose};
 use crate::draw::generator;

@@ -4,7 +4,7 @@ use raim_core::internals::integrity::raim::detection::{Detection, detect};
 use raim_core::internals::integrity::raim::isolation::baarda::exclude_sequentially;
 use raim_core::internals::integrity::raim::isolation::exclusion::ExclusionOutcome;
 use raim_core::internals::least_squares::Snapshot;
-use rand::Rng as _;
+use rand::RngExt as _;
 
 use anyhow::Context as _;
 use raim::page::canvas::{BLUE, GREY, Mark, ORANGE};

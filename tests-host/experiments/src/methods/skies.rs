@@ -17,8 +17,8 @@ use raim::signal::sky::{Fleet, Satellite, Sight, Site, sights};
 use raim_core::epoch::{Epoch, Observation};
 use raim_core::frame::Ecef;
 use raim_core::internals::weighting::{ErrorBudget, UserModel, sigma_m};
-use rand::Rng as _;
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt as _;
+use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::super::draw::{distinct, generator};

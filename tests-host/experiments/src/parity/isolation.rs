@@ -18,8 +18,8 @@ use raim_core::internals::integrity::raim::isolation::parity::{
 use raim_core::internals::least_squares::Workspace;
 use raim_core::internals::least_squares::equations::LinearEpoch;
 use raim_core::satellite::Constellation;
-use rand::Rng as _;
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt as _;
+use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::super::draw::{distinct, generator};

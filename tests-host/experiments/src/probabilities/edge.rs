@@ -42,8 +42,8 @@ use raim_core::internals::integrity::raim::levels::Levels;
 use raim_core::monitor::{Monitor, MonitorMemory, Search, Strategy};
 use raim_core::report::{Protected, Report, Verdict};
 use raim_core::requirements::Requirements;
-use rand::Rng as _;
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt as _;
+use rand::rngs::ChaCha8Rng;
 
 use super::exclusion::{FAILED_EXCLUSION, Failures, HardestExclusion};
 use super::geometry::{Worst, epoch};

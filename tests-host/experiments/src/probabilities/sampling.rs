@@ -28,7 +28,7 @@ use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
 use raim_core::internals::integrity::raim::levels::largest_slopes;
 use raim_core::internals::least_squares::Workspace;
 use raim_core::internals::numeric::real::Real;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::CAPACITY;

@@ -3,8 +3,8 @@
 
 use raim::signal::sky::{Fleet, Satellite, Sight, Site, sights};
 use raim_core::satellite::{Constellation, SatelliteId};
-use rand::Rng as _;
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt as _;
+use rand::rngs::ChaCha8Rng;
 
 use super::geometry::Geometry;
 use crate::draw::{distinct, generator};

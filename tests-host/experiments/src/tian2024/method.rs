@@ -22,7 +22,7 @@ use raim_core::internals::least_squares::Excludable;
 use raim_core::internals::least_squares::equations::Row;
 use raim_core::internals::numeric::probability::Probability;
 use raim_firmware::correction::CAPACITY;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 
 use super::super::draw::distinct;
 use super::super::{Finding, Interval};

@@ -21,7 +21,7 @@ use raim_core::internals::integrity::raim::isolation::parity;
 use raim_core::internals::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
 use raim_core::internals::least_squares::Workspace;
 use raim_core::internals::least_squares::fix::Fix;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use rig::shared;
 
 use super::super::draw::{distinct, generator};

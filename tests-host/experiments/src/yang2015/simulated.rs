@@ -10,7 +10,7 @@ use raim_core::internals::integrity::raim::detection::Detection;
 use raim_core::internals::integrity::raim::detection::threshold::policy::Policy;
 use raim_core::internals::least_squares::Snapshot;
 use raim_core::internals::numeric::real::Real as _;
-use rand::Rng as _;
+use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::case::{Case, Errors, ErrorsByCase, FAULT_M, FAULT_S};

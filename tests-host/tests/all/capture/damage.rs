@@ -1,8 +1,8 @@
 //! Captures that break off, that have noise between their frames, or damaged frames.
 
 use raim::signal::pieces::{Kind, pieces};
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use super::{epochs, judged, times};
 

@@ -5,8 +5,8 @@
 //! tests the check behind the messages with those; here the nearest possible values are sent.
 
 use raim::signal::checksum::rtcm_frame;
-use rand::{RngCore, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{Rng, SeedableRng};
 use rtcm_rs::Message;
 use rtcm_rs::msg::{Msg1019T, Msg1042T};
 

@@ -1,8 +1,8 @@
 //! Invalid bytes and frames.
 
 use raim::signal::checksum::rtcm_frame;
-use rand::{RngCore, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{Rng, SeedableRng};
 
 use super::frames::{claiming, frames, payload};
 use super::module::{Module, Sky};

@@ -7,8 +7,8 @@ use raim_firmware::input::{Event, Input, SelfReport, Suspicion};
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::time::GpsTime;
-use rand::{Rng as _, RngCore as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{Rng as _, RngExt as _, SeedableRng as _};
 
 use super::said;
 

@@ -4,8 +4,8 @@ use raim::signal::encode::ubx;
 use raim::signal::measurement::{Ephemeris, TimedEphemeris};
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::ephemeris::EphemerisError;
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1045T, Msg1046T};
 
 use super::{NOON, by_rtcm, said};

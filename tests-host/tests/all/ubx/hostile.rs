@@ -7,8 +7,8 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::input::Counters;
 use raim_firmware::raw::Band;
 use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
 use rtcm_rs::{Message, MessageBuilder};
 
 use super::bits::{SOURCES, beidou, gps, inav};

@@ -11,7 +11,7 @@ use raim_firmware::input::{Event, Input};
 use raim_firmware::navigator::Navigator;
 use raim_firmware::settings::{Configuration, Systems};
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use rig::stations::{ESBC, STATIC_BASE, Station};
 use rtcm_rs::msg::{Msg1019T, Msg1044T};
 use rtcm_rs::{Message, MessageBuilder};

@@ -9,7 +9,7 @@ use raim::signal::recording::{Recording, readable};
 use raim::signal::sky::raw::Simulation;
 use raim_firmware::time::GpsTime;
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 
 /// Writes bytes, lets `convbin` convert them to RINEX and reads that; returns `None` without
 /// `convbin`.

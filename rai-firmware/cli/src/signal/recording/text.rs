@@ -325,8 +325,8 @@ pub(super) fn number(text: &str) -> Result<Option<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use rand::{Rng as _, SeedableRng as _};
-    use rand_chacha::ChaCha8Rng;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt as _, SeedableRng as _};
 
     use super::{any_decimal, decimal, number, usual};
 

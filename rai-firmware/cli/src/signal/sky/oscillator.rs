@@ -24,8 +24,8 @@
 
 use std::collections::VecDeque;
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// Memory of the flicker filter, steps.
@@ -63,7 +63,7 @@ impl Oscillator {
 }
 
 /// A running clock: its offset from true time, step by step.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct ReceiverClock {
     oscillator: Oscillator,
     step_s: f64,

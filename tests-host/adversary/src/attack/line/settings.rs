@@ -7,9 +7,9 @@ use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
 use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::SatelliteId;
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom as _;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;

@@ -8,9 +8,9 @@ use anyhow::Result;
 use raim::in_order::Together as _;
 use raim::signal::fault::{Fault, Kind, Measured, Target};
 use raim_core::satellite::{Constellation, SatelliteId};
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom as _;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
@@ -57,7 +57,7 @@ fn attempt(systems: &[Constellation], count: usize, epochs: u32, seed: u64) -> R
     let last = sky.recording.epochs.last().map_or_else(Vec::new, Measured::satellites);
     let seen: Vec<SatelliteId> =
         last.into_iter().filter(|satellite| systems.contains(&satellite.constellation())).collect();
-    let kept: Vec<SatelliteId> = seen.choose_multiple(&mut chance, count).copied().collect();
+    let kept: Vec<SatelliteId> = seen.sample(&mut chance, count).copied().collect();
     let rate_m_s = RATES_M_S[chance.random_range(0..RATES_M_S.len())];
     let fault = Fault {
         target: Target::Satellite(kept[0]),

@@ -11,8 +11,8 @@ use raim::signal::measurement::MeasuredEpoch;
 use raim::signal::sky::Fleet;
 use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::Constellation;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use crate::attack::forgery::{Sky, keep_first};
 use crate::attack::tally::least_rate;

@@ -12,8 +12,8 @@ use raim::signal::measurement::MeasuredEpoch;
 use raim::signal::recording::Recording;
 use raim::signal::sky::raw::Simulation;
 use raim_core::frame::Ecef;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 use rig::shared;
 use rig::stations::{STATIC_BASE, Station, TLSE};
 

@@ -14,9 +14,9 @@ use raim::signal::sky::raw::Simulation;
 use raim::signal::sky::{Sight, Site};
 use raim_core::frame::LocalFrame;
 use raim_core::satellite::{Constellation, SatelliteId};
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom as _;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
@@ -123,7 +123,7 @@ fn kept(sky: &Sky, count: usize, chance: &mut ChaCha8Rng) -> Vec<SatelliteId> {
     let all = sky.recording.epochs.last().map_or_else(Vec::new, Measured::satellites);
     let of_gps: Vec<SatelliteId> =
         all.iter().copied().filter(|id| id.constellation() == Constellation::Gps).collect();
-    if count > of_gps.len() { all } else { of_gps.choose_multiple(chance, count).copied().collect() }
+    if count > of_gps.len() { all } else { of_gps.sample(chance, count).copied().collect() }
 }
 
 fn attempt(count: usize, has_fault: bool, epochs: u32, seed: u64) -> Result<Tally> {
@@ -283,7 +283,7 @@ fn ramp(seed: u64, of_satellite: Option<f64>, of_altimeter: Option<f64>) -> Resu
     let simulation = Simulation::above_xian(3600.0 + 3600.0 * seed as f64, BEFORE + 900, seed);
     let sky = Sky::of(&simulation, Frequency::Dual)?;
     let high = high(&simulation);
-    let kept: Vec<SatelliteId> = high.choose_multiple(&mut chance, 6).copied().collect();
+    let kept: Vec<SatelliteId> = high.sample(&mut chance, 6).copied().collect();
     let Some(faulty) = kept.first() else { return Ok(None) };
     let fault = Fault {
         target: Target::Satellite(*faulty),

@@ -8,9 +8,9 @@ use raim::in_order::Together as _;
 use raim::signal::encode::Frequency;
 use raim::signal::sky::Oscillator;
 use raim::signal::sky::raw::Simulation;
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom as _;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;

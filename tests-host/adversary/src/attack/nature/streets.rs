@@ -24,8 +24,8 @@ use anyhow::{Context as _, Result};
 use raim::in_order::Together as _;
 use raim_core::frame::{Ecef, Enu};
 use raim_core::satellite::SatelliteId;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use super::recordings::skipped;
 use crate::attack::tally::Tally;

@@ -10,9 +10,9 @@ use raim::in_order::Together as _;
 use raim::signal::fault::Measured as _;
 use raim::signal::measurement::{Ephemeris, TimedEphemeris};
 use raim_core::satellite::SatelliteId;
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom as _;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
@@ -43,7 +43,7 @@ fn attempt(seed: u64) -> Result<Tally> {
     let mut sky = Sky::quiet(EPOCHS, seed)?;
     let seen: Vec<SatelliteId> = sky.recording.epochs[0].satellites();
     let count = chance.random_range(7..=seen.len().max(8));
-    let kept: Vec<SatelliteId> = seen.choose_multiple(&mut chance, count).copied().collect();
+    let kept: Vec<SatelliteId> = seen.sample(&mut chance, count).copied().collect();
     let astray = *kept.choose(&mut chance).unwrap_or(&seen[0]);
     let along_m = chance.random_range(SIZES_M.start.ln()..SIZES_M.end.ln()).exp();
     sky.recording

@@ -11,9 +11,9 @@ use raim::in_order::Together as _;
 use raim::signal::encode::{Frequency, Selection};
 use raim::signal::fault::{Fault, Kind, Measured as _, Target};
 use raim::signal::sky::raw::Simulation;
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom as _;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use crate::attack::forgery::Sky;
 use crate::attack::line::suspicions::of_both;
@@ -80,7 +80,7 @@ fn ramp(rate_m_s: f64, seed: u64) -> Result<Tally> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     let seen = sky.recording.epochs[0].satellites();
     let count = chance.random_range(7..=seen.len().max(8));
-    let kept: Vec<_> = seen.choose_multiple(&mut chance, count).copied().collect();
+    let kept: Vec<_> = seen.sample(&mut chance, count).copied().collect();
     let faulty = *kept.choose(&mut chance).unwrap_or(&seen[0]);
     let rate_m_s = if chance.random() { rate_m_s } else { -rate_m_s };
     let fault = Fault {

@@ -16,8 +16,8 @@ use raim::signal::measurement::MeasuredEpoch;
 use raim::signal::sky::Fleet;
 use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::{Constellation, SatelliteId};
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;

@@ -7,8 +7,8 @@
 
 use anyhow::Result;
 use raim_core::satellite::{Constellation, SatelliteId};
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;

@@ -9,8 +9,8 @@
 use anyhow::Result;
 use raim::signal::fault::Measured as _;
 use raim_core::satellite::Constellation;
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 
 use crate::attack::forgery::{Sky, keep_first};
 use crate::attack::tally::Tally;

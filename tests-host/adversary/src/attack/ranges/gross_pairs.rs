@@ -10,9 +10,9 @@ use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
 use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::{Constellation, SatelliteId};
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom as _;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use crate::attack::forgery::Sky;
 use crate::attack::tally::{Tally, least_rate};
@@ -114,7 +114,7 @@ fn draw(seen: &[SatelliteId], faults: Faults, chance: &mut ChaCha8Rng) -> Vec<(S
     };
     let system = systems[usize::from(chance.random_bool(0.5))];
     let error_m = size_m(GROSS_M, chance);
-    let own: Vec<SatelliteId> = of(system).choose_multiple(chance, 3).copied().collect();
+    let own: Vec<SatelliteId> = of(system).sample(chance, 3).copied().collect();
     let pair = |other_m: f64| own.iter().copied().zip([error_m, other_m]).collect();
     match faults {
         Faults::Equal => pair(error_m),

@@ -16,8 +16,8 @@ use raim::in_order::Together as _;
 use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
 use raim::signal::sky::raw::Simulation;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 use rand_distr::StandardNormal;
 
 use crate::attack::forgery::Sky;

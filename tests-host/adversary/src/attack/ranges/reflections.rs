@@ -17,8 +17,8 @@ use raim::signal::fault::Measured as _;
 use raim::signal::sky::raw::Simulation;
 use raim::signal::sky::{Fleet, Sight};
 use raim_core::satellite::SatelliteId;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use super::several_faults::by_every_method;
 use crate::attack::forgery::Sky;

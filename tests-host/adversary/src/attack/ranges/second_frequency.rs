@@ -9,9 +9,9 @@
 
 use anyhow::Result;
 use raim_core::satellite::SatelliteId;
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom as _;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
@@ -59,7 +59,7 @@ fn attempt(seed: u64, method: &str, sign: f64) -> Result<(Tally, u32)> {
         .map(|raw| raw.satellite)
         .filter(|satellite| satellite.constellation().letter() == 'G')
         .collect();
-    let wrong: Vec<SatelliteId> = of_gps.choose_multiple(&mut chance, of_gps.len() / 3).copied().collect();
+    let wrong: Vec<SatelliteId> = of_gps.sample(&mut chance, of_gps.len() / 3).copied().collect();
     let size_m = sign * chance.random_range(40.0..60.0);
     let bytes = sky.bytes(|_, epoch| {
         for raw in epoch.satellites.iter_mut().filter(|raw| wrong.contains(&raw.satellite)) {

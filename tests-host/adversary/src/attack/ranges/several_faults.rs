@@ -21,9 +21,9 @@ use raim::signal::sky::Sight;
 use raim::signal::sky::raw::Simulation;
 use raim_core::frame::Ecef;
 use raim_core::satellite::{Constellation, SatelliteId};
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom as _;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 use serde::Serialize;
 
 use crate::attack::forgery::Sky;
@@ -139,7 +139,7 @@ fn random(commands: &[&str], satellites: usize, faults: usize, epochs: u64) -> R
         let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
         let sky = Sky::of(&Simulation::above_xian(start_s, 1, run), Frequency::Dual)?;
         let seen = sky.recording.epochs[0].satellites();
-        let kept: Vec<SatelliteId> = seen.choose_multiple(&mut chance, satellites).copied().collect();
+        let kept: Vec<SatelliteId> = seen.sample(&mut chance, satellites).copied().collect();
         let bytes = sky.bytes(|_, epoch| {
             epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
             for faulty in kept.iter().take(faults) {

@@ -20,9 +20,9 @@ use raim::signal::sky::Fleet;
 use raim::signal::sky::raw::Simulation;
 use raim_core::frame::Enu;
 use raim_core::satellite::SatelliteId;
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom as _;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use super::several_faults::by_every_method;
 use crate::attack::forgery::Sky;
@@ -120,7 +120,7 @@ fn attempt(
     let (of_it, of_others): (Vec<SatelliteId>, Vec<SatelliteId>) =
         seen.into_iter().partition(|&satellite| of_system(satellite));
     let (mine, others) = in_view.unwrap_or((of_it.len(), of_others.len()));
-    let kept = [of_it.choose_multiple(&mut chance, mine), of_others.choose_multiple(&mut chance, others)];
+    let kept = [of_it.sample(&mut chance, mine), of_others.sample(&mut chance, others)];
     let kept: Vec<SatelliteId> = kept.into_iter().flatten().copied().collect();
     let bytes = sky.bytes(|_, epoch| {
         epoch.satellites.retain(|raw| kept.contains(&raw.satellite));

@@ -9,9 +9,9 @@ use raim::signal::encode::Frequency;
 use raim::signal::fault::{Fault, Kind, Measured as _, Target};
 use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::{Constellation, SatelliteId};
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom as _;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
@@ -149,7 +149,7 @@ fn attempt(commands: &[&str], seed: u64, kind: fn(f64) -> Kind) -> Result<Tally>
     let bias_m = if chance.random() { size_m } else { -size_m };
     // The number kept ranges from all in view down to hardly a redundant one.
     let kept = chance.random_range(7..=seen.len().max(8));
-    let kept: Vec<SatelliteId> = seen.choose_multiple(&mut chance, kept).copied().collect();
+    let kept: Vec<SatelliteId> = seen.sample(&mut chance, kept).copied().collect();
     let faulty = *kept.choose(&mut chance).unwrap_or(&seen[0]);
     let fault = Fault {
         target: Target::Satellite(faulty),

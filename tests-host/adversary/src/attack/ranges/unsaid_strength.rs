@@ -16,9 +16,9 @@ use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
 use raim::signal::sky::raw::Simulation;
 use raim_core::satellite::{Constellation, SatelliteId};
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom as _;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 use rand_distr::StandardNormal;
 
 use crate::attack::forgery::Sky;
@@ -77,7 +77,7 @@ fn hear(seed: u64, weak_dbhz: Option<f64>) -> Result<Tally> {
         Some(_) => chance.random_range(seen.len() / 3..=2 * seen.len() / 3),
         None => seen.len(),
     };
-    let unsaid: Vec<SatelliteId> = seen.choose_multiple(&mut chance, count).copied().collect();
+    let unsaid: Vec<SatelliteId> = seen.sample(&mut chance, count).copied().collect();
     let noise_m = weak_dbhz.map_or(0.0, |weak_dbhz| STRONG_M * 10_f64.powf((42.0 - weak_dbhz) / 20.0));
     let bytes = sky.bytes(|_, epoch| {
         let hidden = epoch.satellites.iter_mut().filter(|raw| unsaid.contains(&raw.satellite));

@@ -1,7 +1,7 @@
 //! Next occurrence of each mishap: at random, after so many epochs on average.
 
-use rand::Rng;
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
 
 /// A recurring event.
 #[derive(Clone, Copy, Debug)]

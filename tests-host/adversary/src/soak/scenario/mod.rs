@@ -22,9 +22,9 @@ use raim::signal::recording::Recording;
 use raim_core::frame::Ecef;
 use raim_core::satellite::SatelliteId;
 use raim_firmware::time::GpsTime;
+use rand::rngs::ChaCha8Rng;
 use rand::seq::IndexedRandom;
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 
 use super::early;
 use super::incident::{Falsified, Incidents};

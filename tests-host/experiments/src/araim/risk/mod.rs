@@ -35,7 +35,7 @@ use raim_core::internals::integrity::araim::{Allocation, AraimJudgement, AraimOu
 use raim_core::internals::least_squares::Workspace;
 use raim_core::internals::weighting::Ism;
 use raim_core::satellite::Constellation;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::scene::Scene;

@@ -4,8 +4,8 @@
 use std::collections::BTreeMap;
 
 use raim_firmware::time::GpsTime;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 use rtcm_rs::msg::Msg1020T;
 use rtcm_rs::{Message, MessageBuilder, MsgFrameIter};
 

@@ -11,8 +11,8 @@ use raim::signal::sky::Fleet;
 use raim::signal::sky::raw::Simulation;
 use raim_core::frame::Ecef;
 use raim_firmware::time::GpsTime;
-use rand::{Rng as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt as _, SeedableRng as _};
 
 use super::oracle::{Finding, Oracle, Sent};
 use super::scenes::{Break, Line, Scene, Wrong};

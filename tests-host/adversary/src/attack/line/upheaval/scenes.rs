@@ -13,9 +13,9 @@ use raim::signal::fault::Measured as _;
 use raim::signal::measurement::MeasuredEpoch;
 use raim::signal::sky::Site;
 use raim_core::satellite::SatelliteId;
-use rand::Rng as _;
+use rand::RngExt as _;
+use rand::rngs::ChaCha8Rng;
 use rand::seq::{IndexedRandom as _, SliceRandom as _};
-use rand_chacha::ChaCha8Rng;
 
 /// Number of epochs of a scene.
 const EPOCHS: std::ops::RangeInclusive<u32> = 2..=25;
