@@ -101,7 +101,7 @@ pub struct Excluded {
 
 /// Content of `PRAIO`, as far as it is about satellites.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "replay", derive(serde::Serialize))]
+#[cfg_attr(feature = "commands", derive(serde::Serialize))]
 pub struct Authentication {
     /// State, as in the interface.
     pub state: String,
@@ -110,7 +110,7 @@ pub struct Authentication {
     /// Those whose ephemerides are not.
     pub unproved: u32,
     /// Those whose ephemerides are false.
-    #[cfg_attr(feature = "replay", serde(rename = "false"))]
+    #[cfg_attr(feature = "commands", serde(rename = "false"))]
     pub wrong: u32,
     /// Age of the oldest proof, s; `None` without a proof.
     pub oldest_proof_s: Option<u32>,

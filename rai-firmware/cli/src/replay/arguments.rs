@@ -102,7 +102,9 @@ pub struct Arguments {
     #[arg(long, value_name = "KEY=VALUE")]
     pub(super) set: Vec<String>,
     /// Print the summary as JSON.
-    #[arg(long)]
+    // A browser has its own form of it.
+    #[cfg_attr(feature = "commands", arg(long))]
+    #[cfg_attr(not(feature = "commands"), arg(skip))]
     pub(super) json: bool,
     /// Write one row per epoch.
     #[arg(long, value_name = "FILE")]

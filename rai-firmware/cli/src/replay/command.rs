@@ -124,9 +124,11 @@ fn print(
     board: Option<&BoardRun>,
     advice: Option<&str>,
 ) -> Result<()> {
+    #[cfg(feature = "commands")]
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(summary)?);
-    } else {
+    }
+    if !arguments.json {
         print!("{summary}");
         if let Some(identical) = summary.host_target_identical {
             let answer = if identical { "yes" } else { "NO" };

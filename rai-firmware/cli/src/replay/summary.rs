@@ -5,7 +5,6 @@ use std::fmt;
 
 use raim_core::frame::Enu;
 use raim_firmware::output::geoid::Altitude;
-use serde::Serialize;
 
 use super::quantiles::Quantiles;
 use super::track::{Moment, Track};
@@ -16,7 +15,8 @@ use crate::signal::recording::Skipped;
 
 /// Counts and errors of a run. Errors, misleading and hazardous epochs are known only with a truth.
 /// Errors are those of protected epochs, because the others must not be used.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "commands", derive(serde::Serialize))]
 pub struct Summary {
     /// Epochs sent to the module.
     pub epochs: usize,
@@ -86,7 +86,8 @@ pub struct Summary {
 }
 
 /// Outcome of one injected fault.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "commands", derive(serde::Serialize))]
 pub struct Injected {
     /// Target of the fault, as on the command line.
     pub sat: String,

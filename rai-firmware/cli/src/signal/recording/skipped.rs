@@ -16,7 +16,7 @@ use anyhow::{Result, ensure};
 
 /// Place of a flaw.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "replay", derive(serde::Serialize))]
+#[cfg_attr(feature = "commands", derive(serde::Serialize))]
 pub struct Place {
     /// File as the caller names it.
     pub file: String,
@@ -26,7 +26,7 @@ pub struct Place {
 
 /// Counts of skipped records, and the place of the first flaw.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "replay", derive(serde::Serialize))]
+#[cfg_attr(feature = "commands", derive(serde::Serialize))]
 pub struct Skipped {
     /// Records, or single values beside a pseudorange, that cannot be read.
     pub damaged: u64,
