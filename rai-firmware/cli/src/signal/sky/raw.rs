@@ -151,12 +151,16 @@ impl Simulation {
         (first..=last).flat_map(of_hour).collect()
     }
 
+    /// Returns the receiver's clock before the first epoch. It advances from epoch to epoch.
+    pub fn clock(&self) -> ReceiverClock {
+        const AT_START_S: f64 = 5e-5;
+        ReceiverClock::new(self.oscillator, self.step_s, AT_START_S, self.seed ^ u64::MAX)
+    }
+
     /// Returns the epochs one by one, for recordings of any length.
     pub fn epochs(&self) -> impl Iterator<Item = MeasuredEpoch> + '_ {
-        const CLOCK_AT_START_S: f64 = 5e-5;
         let noise = Noise::new(self.seed);
-        let mut clock =
-            ReceiverClock::new(self.oscillator, self.step_s, CLOCK_AT_START_S, self.seed ^ u64::MAX);
+        let mut clock = self.clock();
         (0..self.epochs).map(move |epoch| {
             let tag_s = self.start_s + f64::from(epoch) * self.step_s;
             let clock_s = clock.advance();
