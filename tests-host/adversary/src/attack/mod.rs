@@ -11,7 +11,11 @@
 //! protected epoch has an error above its level (or no more often than the probability of missed
 //! detection allows), and no healthy epoch is lost to harmless input.
 //!
-//! The folders hold the attacks, by what is attacked; the folder's `ATTACKS` has a row for each.
+//! The folders hold the attacks, by what is attacked. A row in the folder's `mod.rs` lists an attack
+//! and makes its test ([`rows`]).
+
+#[macro_use]
+mod rows;
 
 pub mod module;
 pub mod ranges;
@@ -77,9 +81,13 @@ pub struct Attack {
     pub run: fn(Effort) -> Result<Vec<Figure>>,
 }
 
+attacks! {
+    at_length signed_sky_is_jammed_and_attacked: sky::ATTACK,
+}
+
 /// Attacks of all folders, in the order of the documents.
 const FOLDERS: [&[&Attack]; 6] =
-    [ranges::ATTACKS, motion::ATTACKS, orbits::ATTACKS, line::ATTACKS, nature::ATTACKS, &[&sky::ATTACK]];
+    [ranges::ATTACKS, motion::ATTACKS, orbits::ATTACKS, line::ATTACKS, nature::ATTACKS, ATTACKS];
 
 /// Returns all attacks.
 pub fn attacks() -> Vec<&'static Attack> {
