@@ -26,6 +26,7 @@ pub mod small;
 pub mod tally;
 pub mod victim;
 
+mod branch;
 mod forgery;
 mod line;
 mod motion;
@@ -34,6 +35,8 @@ mod orbits;
 
 use anyhow::Result;
 use serde::Serialize;
+
+pub use self::branch::Branch;
 
 /// Amount of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +80,8 @@ pub struct Attack {
     pub name: &'static str,
     /// Description of the attack, one line.
     pub about: &'static str,
+    /// Place in the fault tree.
+    pub branch: Branch,
     /// Function that runs the attack.
     pub run: fn(Effort) -> Result<Vec<Figure>>,
 }

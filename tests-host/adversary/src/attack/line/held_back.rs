@@ -12,12 +12,13 @@ use raim_firmware::time::GpsTime;
 use crate::attack::forgery::{Sky, elsewhere};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a line that is too slow.
 pub(super) const ATTACK: Attack = Attack {
     name: "held-back",
     about: "each second of signals takes 1.05 to 9 s of the module's clock; old epochs must not be promised",
+    branch: Branch::Late,
     run: hold_back,
 };
 
@@ -25,6 +26,7 @@ pub(super) const ATTACK: Attack = Attack {
 pub(super) const AGAIN: Attack = Attack {
     name: "sent-again",
     about: "after minutes of signals the same bytes are replayed; none of them may be promised",
+    branch: Branch::Line,
     run: send_again,
 };
 
@@ -32,6 +34,7 @@ pub(super) const AGAIN: Attack = Attack {
 pub(super) const WEEK_OLD: Attack = Attack {
     name: "week-old",
     about: "a recording of a week ago from 5.5 km away, at the same second of the week, with its ephemerides",
+    branch: Branch::Line,
     run: week_old,
 };
 

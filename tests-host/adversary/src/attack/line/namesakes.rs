@@ -12,7 +12,7 @@ use rtcm_rs::Message;
 use crate::attack::forgery::{Sky, elsewhere, read, write};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 use crate::soak::noise::frames;
 use raim::signal::encode::Frequency;
 use raim::signal::sky::raw::Simulation;
@@ -21,6 +21,7 @@ use raim::signal::sky::raw::Simulation;
 pub(super) const JOINED: Attack = Attack {
     name: "namesake-first",
     about: "from the start, the ranges of a second receiver of the same number come first and announce more",
+    branch: Branch::Line,
     run: joined,
 };
 
@@ -28,6 +29,7 @@ pub(super) const JOINED: Attack = Attack {
 pub(super) const IN_TURN: Attack = Attack {
     name: "namesake-between",
     about: "a second receiver of the same number sends half a second later, and continues when the own one is silent",
+    branch: Branch::Line,
     run: in_turn,
 };
 
@@ -35,6 +37,7 @@ pub(super) const IN_TURN: Attack = Attack {
 pub(super) const TAKEN_OVER: Attack = Attack {
     name: "namesake-later",
     about: "the own receiver falls silent, and 1.5 to 60.5 s later a second one of the same number continues",
+    branch: Branch::Line,
     run: taken_over,
 };
 

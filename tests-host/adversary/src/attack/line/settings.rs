@@ -14,12 +14,13 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a time to alert of an hour.
 pub(super) const TIME_TO_ALERT: Attack = Attack {
     name: "time-to-alert",
     about: "TTA,3600 in NPA, then a silent line; the pin must fall in time",
+    branch: Branch::Settings,
     run: time_to_alert,
 };
 
@@ -27,6 +28,7 @@ pub(super) const TIME_TO_ALERT: Attack = Attack {
 pub(super) const RESTARTS: Attack = Attack {
     name: "restarts",
     about: "settings damaged in a restart, then restarts without damage; nothing may be promised under the settings at start",
+    branch: Branch::Settings,
     run: restarts,
 };
 
@@ -34,6 +36,7 @@ pub(super) const RESTARTS: Attack = Attack {
 pub(super) const NEVER: Attack = Attack {
     name: "never-faulty",
     about: "ARAIM with a fault prior of zero or 1e-12, and one satellite wrong by 100 m to 300 km",
+    branch: Branch::OneSatellite,
     run: never,
 };
 

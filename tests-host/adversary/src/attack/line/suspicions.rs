@@ -16,12 +16,13 @@ use raim_firmware::input::Suspicion;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::{Seen, Victim};
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a warning that another message denies.
 pub(super) const ATTACK: Attack = Attack {
     name: "suspicion-denied",
     about: "the receiver detects counterfeit signals; a message with less knowledge denies them",
+    branch: Branch::Counterfeit,
     run,
 };
 

@@ -13,13 +13,14 @@ use rtcm_rs::Message;
 use crate::attack::forgery::{read, write};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 use crate::soak::noise::frames;
 
 /// Attack at the end of a week.
 pub(super) const ATTACK: Attack = Attack {
     name: "week-edge",
     about: "GPS sets in the last 20 min of a week, dated with the week of their transmission; the next week must be promised",
+    branch: Branch::Time,
     run,
 };
 
@@ -27,6 +28,7 @@ pub(super) const ATTACK: Attack = Attack {
 pub(super) const CYCLE: Attack = Attack {
     name: "cycle-edge",
     about: "the GPS week rolls over to 0: ten minutes before it, and a start in the first hour after it",
+    branch: Branch::Time,
     run: cycle,
 };
 

@@ -12,12 +12,13 @@ use crate::attack::forgery::Sky;
 use crate::attack::nature::recordings::{STATIONS, skipped};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with signals of one strength, and the false alarms of the sign in nature.
 pub(super) const ATTACK: Attack = Attack {
     name: "alike-strengths",
     about: "signals that become alike in strength, beside a suspicion of the receiver; false signs in recordings",
+    branch: Branch::Counterfeit,
     run,
 };
 

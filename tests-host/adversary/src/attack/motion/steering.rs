@@ -15,12 +15,13 @@ use raim_core::frame::SPEED_OF_LIGHT_M_S;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Steering that begins in the middle.
 pub(super) const ATTACK: Attack = Attack {
     name: "steering",
     about: "a clock that drifts by 0.1 m/s to 1 km/s, and is set back every second from the fifth minute on",
+    branch: Branch::All,
     run,
 };
 

@@ -19,12 +19,13 @@ use rig::stations::{STATIC_BASE, Station, TLSE};
 
 use crate::attack::nature::streets::{Directions, directions};
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a place that walks off.
 pub(super) const LONG: Attack = Attack {
     name: "long-walk-off",
     about: "a place that walks off at 1 to 100 m/s for 20 minutes, from second 30 and 200, with true, missing and contradicting rates",
+    branch: Branch::Counterfeit,
     run: long,
 };
 
@@ -32,6 +33,7 @@ pub(super) const LONG: Attack = Attack {
 pub(super) const LEAPS: Attack = Attack {
     name: "leaps-and-waves",
     about: "a place that leaps by 10 to 500 m, climbs 30 m a minute, or swings ever wider, with true rates",
+    branch: Branch::Counterfeit,
     run: leaps,
 };
 

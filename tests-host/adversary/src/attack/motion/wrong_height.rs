@@ -21,12 +21,13 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::{NoOpportunity, Seen, Victim};
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with wrong heights, few satellites, and a fault of one of them.
 pub(super) const WRONG: Attack = Attack {
     name: "wrong-height",
     about: "HEIGHTAID wrong by 5 to 1000 m or drifting, said to be good to 3 m; 4 to 6 satellites, or all",
+    branch: Branch::Settings,
     run: wrong,
 };
 
@@ -34,6 +35,7 @@ pub(super) const WRONG: Attack = Attack {
 pub(super) const RISING: Attack = Attack {
     name: "rising-sky",
     about: "all satellites agree on a place that rises by 0.2 to 2 m/s, without range rates; true HEIGHTAID",
+    branch: Branch::Counterfeit,
     run: rising,
 };
 
@@ -41,6 +43,7 @@ pub(super) const RISING: Attack = Attack {
 pub(super) const RAMPS: Attack = Attack {
     name: "altimeter-ramps",
     about: "TSO-C129a ramps of a satellite and of the altimeter, six satellites: seconds to the alarm",
+    branch: Branch::OneSatellite,
     run: ramps,
 };
 

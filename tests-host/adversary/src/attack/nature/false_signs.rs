@@ -21,12 +21,13 @@ use rig::shared;
 use super::recordings::{STATIONS, at, skipped};
 use crate::attack::forgery::Sky;
 use crate::attack::victim::{Seen, Victim};
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack by nature alone.
 pub(super) const ATTACK: Attack = Attack {
     name: "false-signs",
     about: "no fault: alarms of the module's own signs an hour, in all recordings and with drifting clocks",
+    branch: Branch::Sigmas,
     run,
 };
 

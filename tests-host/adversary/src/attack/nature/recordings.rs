@@ -21,12 +21,13 @@ use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 use crate::attack::ranges::several_faults::METHODS;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with nominal recordings.
 pub(super) const NOMINAL: Attack = Attack {
     name: "nominal-recordings",
     about: "five real recordings without a fault, non-precision approach and LPV-200",
+    branch: Branch::All,
     run: nominal,
 };
 
@@ -34,6 +35,7 @@ pub(super) const NOMINAL: Attack = Attack {
 pub(super) const URBAN: Attack = Attack {
     name: "urban",
     about: "a car between tall buildings, up to five satellites wrong at once, every method",
+    branch: Branch::Several,
     run: urban,
 };
 

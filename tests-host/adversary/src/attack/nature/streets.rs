@@ -30,7 +30,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use super::recordings::skipped;
 use crate::attack::tally::Tally;
 use crate::attack::victim::{Seen, Victim};
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::fault::Measured as _;
 use raim::signal::lumps::{Broadcast, Heaven};
@@ -42,6 +42,7 @@ use rig::stations::{ESBC, STATIC_BASE, Station, TLSE};
 pub(super) const ATTACK: Attack = Attack {
     name: "streets",
     about: "three real recordings on two frequencies between walls that block or reflect, the method at start",
+    branch: Branch::Several,
     run,
 };
 

@@ -18,12 +18,13 @@ use rtcm_rs::{Message, MessageBuilder};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with early ephemerides.
 pub(super) const EARLY: Attack = Attack {
     name: "early-ephemeris",
     about: "five ephemerides up to 3.9 h early come first; two hours before their time they are 60 m wrong",
+    branch: Branch::Orbits,
     run: early,
 };
 
@@ -31,6 +32,7 @@ pub(super) const EARLY: Attack = Attack {
 pub(super) const ABSENT: Attack = Attack {
     name: "absent-satellites",
     about: "96 valid ephemerides of absent satellites, two days early, before the first real one",
+    branch: Branch::Orbits,
     run: absent,
 };
 
@@ -38,6 +40,7 @@ pub(super) const ABSENT: Attack = Attack {
 pub(super) const CROWD: Attack = Attack {
     name: "crowd",
     about: "ephemerides of a hundred satellites, repeated between those of the satellites in view",
+    branch: Branch::Orbits,
     run: crowd,
 };
 

@@ -17,12 +17,13 @@ use super::faulty_orbit::move_ahead;
 use crate::attack::forgery::{Sky, elsewhere};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with orbits that turn about the earth's axis.
 pub(super) const TURNED: Attack = Attack {
     name: "turned-orbits",
     about: "new sets of all satellites every second or half minute, turned together so that the place moves at 0.5 to 50 m/s",
+    branch: Branch::Orbits,
     run: turned,
 };
 
@@ -30,6 +31,7 @@ pub(super) const TURNED: Attack = Attack {
 pub(super) const CLOCKS: Attack = Attack {
     name: "stepping-clocks",
     about: "new sets of all satellites every 7 s, whose clocks step so that the place moves by 2 to 30 m",
+    branch: Branch::Orbits,
     run: clocks,
 };
 
@@ -37,6 +39,7 @@ pub(super) const CLOCKS: Attack = Attack {
 pub(super) const FIRST: Attack = Attack {
     name: "false-first-sets",
     about: "true sets, those of 96 absent satellites, then sets of all satellites turned by 5 km, before the first epoch",
+    branch: Branch::Orbits,
     run: first,
 };
 
@@ -44,6 +47,7 @@ pub(super) const FIRST: Attack = Attack {
 pub(super) const LEAP: Attack = Attack {
     name: "leaping-orbits",
     about: "two new sets of every satellite, turned by 50 m to 5 km, a minute apart, again and again",
+    branch: Branch::Orbits,
     run: leap,
 };
 
@@ -51,6 +55,7 @@ pub(super) const LEAP: Attack = Attack {
 pub(super) const ONE: Attack = Attack {
     name: "one-false-set",
     about: "one set of one satellite, 50 m to 50 km away, once, between epochs of six and of all satellites",
+    branch: Branch::Orbits,
     run: one,
 };
 

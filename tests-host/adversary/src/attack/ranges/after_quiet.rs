@@ -20,12 +20,13 @@ use crate::attack::line::suspicions::of_both;
 use crate::attack::nature::streets::{self, Streets};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a slow ramp of one satellite.
 pub(super) const RAMP: Attack = Attack {
     name: "ramp-after-quiet",
     about: "one satellite drifts by 0.01 to 1 m/s after twelve quiet minutes of NOISE,AUTO",
+    branch: Branch::Several,
     run: ramps,
 };
 
@@ -33,6 +34,7 @@ pub(super) const RAMP: Attack = Attack {
 pub(super) const STREET: Attack = Attack {
     name: "street-after-quiet",
     about: "walls that block or reflect after twelve quiet minutes of NOISE,AUTO",
+    branch: Branch::Several,
     run: street,
 };
 
@@ -40,6 +42,7 @@ pub(super) const STREET: Attack = Attack {
 pub(super) const SUSPICION: Attack = Attack {
     name: "suspicion-once",
     about: "a receiver that is sure of counterfeit signals for five seconds, and denies them from then on",
+    branch: Branch::Counterfeit,
     run: suspicion,
 };
 

@@ -22,12 +22,13 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a broken system.
 pub(super) const ATTACK: Attack = Attack {
     name: "broken-system",
     about: "BeiDou with wrong orbits, or with ranges that jump by 1,875 m, beside GPS and Galileo that agree",
+    branch: Branch::Several,
     run,
 };
 

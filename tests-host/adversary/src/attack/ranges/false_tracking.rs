@@ -15,12 +15,13 @@ use rand::{RngExt, SeedableRng};
 use crate::attack::forgery::{Sky, keep_first};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with false tracking after healthy epochs.
 pub(super) const ATTACK: Attack = Attack {
     name: "false-tracking",
     about: "every range wrong by up to 3 km, anew in each epoch, so that some sets agree by chance",
+    branch: Branch::Sigmas,
     run,
 };
 
@@ -28,6 +29,7 @@ pub(super) const ATTACK: Attack = Attack {
 pub(super) const AFTERWARDS: Attack = Attack {
     name: "false-tracking-afterwards",
     about: "the same in the first epoch after a silence of a minute, or after FORGET, without earlier epochs",
+    branch: Branch::Sigmas,
     run: afterwards,
 };
 

@@ -24,12 +24,13 @@ use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 use crate::attack::nature::recordings::skipped;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with real recordings.
 pub(super) const RECORDED: Attack = Attack {
     name: "one-frequency-recorded",
     about: "five real recordings on one frequency, a step of 60 m on each satellite in turn",
+    branch: Branch::OneSatellite,
     run: recorded,
 };
 
@@ -37,6 +38,7 @@ pub(super) const RECORDED: Attack = Attack {
 pub(super) const SIMULATED: Attack = Attack {
     name: "one-frequency-simulated",
     about: "skies at three latitudes on one frequency, a step of 60 m on each satellite in turn",
+    branch: Branch::OneSatellite,
     run: simulated,
 };
 

@@ -23,12 +23,13 @@ use rand::{RngExt as _, SeedableRng as _};
 use super::several_faults::by_every_method;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::{Tally, least_rate};
-use crate::attack::{Attack, Figure};
+use crate::attack::{Attack, Branch, Figure};
 
 /// Attack with a building on one side.
 pub(super) const ATTACK: Attack = Attack {
     name: "reflections",
     about: "all satellites below 50 degrees in a sector of 60 are 5 to 80 m late, one to three systems, every method",
+    branch: Branch::Several,
     run: |effort| run(effort.pick(8, 100)),
 };
 

@@ -22,12 +22,13 @@ use raim_core::frame::SPEED_OF_LIGHT_M_S;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with group delays that D1 does not carry.
 pub(super) const ATTACK: Attack = Attack {
     name: "unsaid-delays",
     about: "BeiDou's B1C and B2a, and B2b as B2I, with real group delays that D1 does not carry",
+    branch: Branch::Several,
     run,
 };
 

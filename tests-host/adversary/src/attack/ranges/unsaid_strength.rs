@@ -24,12 +24,13 @@ use rand_distr::StandardNormal;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::{Tally, least_rate};
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with weak signals of unknown strength.
 pub(super) const ATTACK: Attack = Attack {
     name: "unsaid-strength",
     about: "a third to two thirds of the satellites as noisy as at 14 to 28 dB-Hz with C/N0 0; a healthy sky with C/N0 0 for all",
+    branch: Branch::Sigmas,
     run,
 };
 

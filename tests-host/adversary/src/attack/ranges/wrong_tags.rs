@@ -19,12 +19,13 @@ use raim_firmware::time::GpsTime;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::{Tally, least_rate};
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with wrong tags for some epochs.
 pub(super) const BRIEFLY: Attack = Attack {
     name: "wrong-tags",
     about: "time tags wrong by 5 ms to 200 ms for ten epochs, four sets of systems, every method and policy",
+    branch: Branch::Time,
     run: briefly,
 };
 
@@ -32,6 +33,7 @@ pub(super) const BRIEFLY: Attack = Attack {
 pub(super) const LEARNED: Attack = Attack {
     name: "wrong-tags-learned",
     about: "time tags wrong by 20 ms to 200 ms for minutes, while NOISE,AUTO learns",
+    branch: Branch::Time,
     run: while_learning,
 };
 

@@ -19,12 +19,13 @@ use raim::in_order::Together as _;
 
 use self::oracle::{Finding, Oracle};
 use self::run::Run;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with random scenes.
 pub(super) const ATTACK: Attack = Attack {
     name: "upheaval",
     about: "leaps of place and time, a failing line, wrong ranges and commands of the host, all at random",
+    branch: Branch::Settings,
     run,
 };
 
