@@ -111,6 +111,25 @@ pub enum Bound {
     Anywhere,
 }
 
+impl Bound {
+    /// Returns the words of the bound, none for a figure without one.
+    fn words(self) -> String {
+        match self {
+            Self::AtMost(bound) => format!("≤ {}", precise(bound)),
+            Self::AtLeast(bound) => format!("≥ {}", precise(bound)),
+            Self::Anywhere => String::new(),
+        }
+    }
+}
+
+/// Formats a bound, which its value may come close to, with four decimals at most.
+fn precise(bound: f64) -> String {
+    if bound != 0.0 && bound.abs() < 0.001 {
+        return format!("{bound:.1e}");
+    }
+    format!("{bound:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// A figure that an attack measures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figure {
@@ -168,11 +187,8 @@ impl Outcome {
     /// Formats the figures in one line, and adds the bound to each one that exceeds it.
     pub fn words(&self) -> String {
         let word = |figure: &Figure| {
-            let mark = match figure.bound {
-                Bound::AtMost(bound) if !figure.holds() => format!(" (not ≤ {})", rounded(bound)),
-                Bound::AtLeast(bound) if !figure.holds() => format!(" (not ≥ {})", rounded(bound)),
-                _ => String::new(),
-            };
+            let mark =
+                if figure.holds() { String::new() } else { format!(" (not {})", figure.bound.words()) };
             format!("{} {}{mark}", figure.quantity, rounded(figure.value))
         };
         self.figures.iter().map(word).collect::<Vec<_>>().join(", ")
