@@ -27,6 +27,8 @@ pub mod tally;
 pub mod victim;
 
 mod branch;
+#[cfg(test)]
+mod document;
 mod forgery;
 mod line;
 mod motion;
@@ -82,6 +84,10 @@ pub struct Attack {
     pub about: &'static str,
     /// Place in the fault tree.
     pub branch: Branch,
+    /// What the same attack did before the countermeasures, which no command measures again. Markdown.
+    pub before: &'static str,
+    /// What its figures do not say, such as a reason. Markdown.
+    pub note: &'static str,
     /// Function that runs the attack.
     pub run: fn(Effort) -> Result<Vec<Figure>>,
 }

@@ -24,6 +24,8 @@ pub(super) const MOVED: Attack = Attack {
     name: "moved-week",
     about: "ranges of one satellite tagged 280,000 s ahead, twice, so that the receiver's own appear to be of the next week",
     branch: Branch::Time,
+    before: "nothing promised for the remaining 80 s",
+    note: "",
     run: moved,
 };
 
@@ -32,6 +34,8 @@ pub(super) const NEAR: Attack = Attack {
     name: "near-ahead",
     about: "before every fifth epoch the range of one satellite, tagged 59 s ahead",
     branch: Branch::Time,
+    before: "27 of 120 promised",
+    note: "",
     run: near,
 };
 
@@ -40,6 +44,8 @@ pub(super) const LATER: Attack = Attack {
     name: "once-later",
     about: "one epoch of the place itself, tagged five minutes ahead, in the middle and before all others",
     branch: Branch::Time,
+    before: "41 of 121 and 5 of 120 promised",
+    note: "",
     run: once_later,
 };
 
@@ -48,6 +54,8 @@ pub(super) const CYCLE: Attack = Attack {
     name: "other-cycle",
     about: "the first ephemeris is one of BeiDou, 1,024 weeks ahead, which dates the weeks of GPS",
     branch: Branch::Time,
+    before: "BeiDou lost until a restart",
+    note: "BeiDou is used from the second time on that its ephemerides come",
     run: other_cycle,
 };
 
@@ -56,6 +64,8 @@ pub(super) const OUTVOTED: Attack = Attack {
     name: "outvoted-week",
     about: "four ephemerides of the next week, of one system or of two; ten of each",
     branch: Branch::Time,
+    before: "nothing promised for the remaining 80 s",
+    note: "",
     run: outvoted,
 };
 
@@ -64,6 +74,8 @@ pub(super) const FIRST: Attack = Attack {
     name: "first-elsewhere",
     about: "one epoch from 6,000 km away before all others",
     branch: Branch::Line,
+    before: "`JUMP` for 3.4 h",
+    note: "promised from the eleventh epoch on",
     run: first,
 };
 
@@ -72,6 +84,8 @@ pub(super) const LEAP_SECONDS: Attack = Attack {
     name: "leap-seconds",
     about: "one message with 28 leap seconds among those of a receiver that uses GLONASS",
     branch: Branch::Time,
+    before: "GLONASS lost until a restart",
+    note: "GLONASS is used as without it",
     run: leap_seconds,
 };
 

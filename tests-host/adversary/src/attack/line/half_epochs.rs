@@ -24,6 +24,8 @@ pub(super) const ATTACK: Attack = Attack {
     name: "half-epochs",
     about: "GPS or Galileo tagged 60 to 200 ms ahead or behind: one instant arrives as two epochs",
     branch: Branch::Time,
+    before: "83 of 530 beyond",
+    note: "",
     run,
 };
 

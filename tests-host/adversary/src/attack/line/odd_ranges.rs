@@ -16,6 +16,8 @@ pub(super) const AHEAD: Attack = Attack {
     name: "empty-ahead",
     about: "before each epoch an empty message of ranges, tagged an hour ahead",
     branch: Branch::Time,
+    before: "no epoch protected",
+    note: "",
     run: |_| run(KEPT, |_, frame| [empty_ahead(frame, 3_600_000, 1), frame.to_vec()].concat()),
 };
 
@@ -24,6 +26,8 @@ pub(super) const NEXT: Attack = Attack {
     name: "empty-next",
     about: "an empty message of ranges, tagged 5 ms to 1 s ahead, before, between and behind the others, the last of its epoch or not",
     branch: Branch::Time,
+    before: "nothing beyond",
+    note: "",
     run: |_| next(),
 };
 
@@ -32,6 +36,8 @@ pub(super) const APART: Attack = Attack {
     name: "systems-apart",
     about: "GPS and BeiDou of one epoch tagged 1 ms apart, as receivers with a drifting clock do",
     branch: Branch::Time,
+    before: "120 halves judged",
+    note: "",
     run: |_| run(KEPT, |_, frame| apart(frame)),
 };
 
@@ -40,6 +46,8 @@ pub(super) const WEEK: Attack = Attack {
     name: "wrong-week",
     about: "GPS ephemerides of another week beside right ones of BeiDou",
     branch: Branch::Time,
+    before: "nothing beyond",
+    note: "",
     run: |_| run(OTHERS, |index, frame| if index == 0 { of_week(frame, 3) } else { frame.to_vec() }),
 };
 

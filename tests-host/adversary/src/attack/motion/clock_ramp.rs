@@ -22,6 +22,8 @@ pub(super) const ATTACK: Attack = Attack {
     name: "clock-ramp",
     about: "CLOCKAID, 4 to 6 satellites of one or two systems, one of them drifting off by 0.3 to 10 m/s",
     branch: Branch::OneSatellite,
+    before: "367 of 2,462",
+    note: "",
     run,
 };
 

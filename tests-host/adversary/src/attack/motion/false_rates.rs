@@ -24,6 +24,8 @@ pub(super) const NEGATED: Attack = Attack {
     name: "negated-rates",
     about: "right ranges, and all range rates of 5 to 10 satellites with the wrong sign",
     branch: Branch::Counterfeit,
+    before: "84 velocities reported, up to 24.7 km/s",
+    note: "",
     run: negated,
 };
 
@@ -32,6 +34,8 @@ pub(super) const RANDOM: Attack = Attack {
     name: "random-rates",
     about: "right ranges, and all range rates of 5 to 10 satellites off by a random number, up to 0.5 to 100 m/s",
     branch: Branch::Counterfeit,
+    before: "3,019 of 16,000 reported, 1,172 beyond their levels, up to 376 m/s",
+    note: "",
     run: random,
 };
 

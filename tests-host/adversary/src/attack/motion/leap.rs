@@ -18,6 +18,8 @@ pub(super) const ATTACK: Attack = Attack {
     name: "leap",
     about: "a counterfeit sky 400 km away, from one second to the next",
     branch: Branch::Counterfeit,
+    before: "120 of 120 epochs protected there",
+    note: "",
     run: |effort| run(effort, 0.0),
 };
 
@@ -26,6 +28,8 @@ pub(super) const WITH_TIME: Attack = Attack {
     name: "leap-of-time",
     about: "the same with a time tag that leaps ahead by 20 minutes",
     branch: Branch::Counterfeit,
+    before: "120 of 120",
+    note: "",
     run: |effort| run(effort, 1200.0),
 };
 

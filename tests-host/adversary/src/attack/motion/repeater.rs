@@ -27,6 +27,8 @@ pub(super) const ATTACK: Attack = Attack {
     name: "repeater",
     about: "all ranges longer by 200 m to 50 km at once, without range rates; and clean clocks beside",
     branch: Branch::Counterfeit,
+    before: "without the clock's past none of 16 seen",
+    note: "`CLOCK` in the epoch of the delay",
     run,
 };
 

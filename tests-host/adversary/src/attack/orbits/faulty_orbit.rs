@@ -24,6 +24,8 @@ pub(super) const ATTACK: Attack = Attack {
     name: "orbit",
     about: "a satellite 10 m to 30 km away from its broadcast orbit",
     branch: Branch::Orbits,
+    before: "0 of 239",
+    note: "",
     run,
 };
 

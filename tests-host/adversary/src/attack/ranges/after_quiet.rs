@@ -25,8 +25,10 @@ use crate::attack::{Attack, Branch, Effort, Figure};
 /// Attack with a slow ramp of one satellite.
 pub(super) const RAMP: Attack = Attack {
     name: "ramp-after-quiet",
-    about: "one satellite drifts by 0.01 to 1 m/s after twelve quiet minutes of NOISE,AUTO",
+    about: "one satellite of seven or more drifts by 0.01 to 1 m/s for ten minutes, after twelve quiet ones in which NOISE,AUTO lowered the variances",
     branch: Branch::Several,
+    before: "not tried",
+    note: "levels grow with the errors",
     run: ramps,
 };
 
@@ -35,6 +37,8 @@ pub(super) const STREET: Attack = Attack {
     name: "street-after-quiet",
     about: "walls that block or reflect after twelve quiet minutes of NOISE,AUTO",
     branch: Branch::Several,
+    before: "not tried",
+    note: "",
     run: street,
 };
 
@@ -43,6 +47,8 @@ pub(super) const SUSPICION: Attack = Attack {
     name: "suspicion-once",
     about: "a receiver that is sure of counterfeit signals for five seconds, and denies them from then on",
     branch: Branch::Counterfeit,
+    before: "not tried",
+    note: "",
     run: suspicion,
 };
 

@@ -25,6 +25,8 @@ pub(super) const ATTACK: Attack = Attack {
     name: "doubled-satellite",
     about: "a satellite that is 20 to 300 m wrong comes under two or three numbers, AUTO and SEPARATION",
     branch: Branch::Several,
+    before: "6 of 76 beyond",
+    note: "",
     run,
 };
 

@@ -23,8 +23,10 @@ use raim::signal::sky::raw::Simulation;
 /// Attack on the second frequency.
 pub(super) const ATTACK: Attack = Attack {
     name: "second-frequency",
-    about: "the second frequency of a third of GPS is 40 to 60 m wrong, AUTO and SEPARATION",
+    about: "the second frequency of a third of GPS 40 to 60 m too long or too short, AUTO and SEPARATION",
     branch: Branch::Several,
+    before: "25 of 76 beyond",
+    note: "",
     run,
 };
 

@@ -31,6 +31,8 @@ pub(super) const ATTACK: Attack = Attack {
     name: "sky",
     about: "a signed sky, jammed, then forged, relayed, pulled off, poisoned, or signed by another key",
     branch: Branch::Counterfeit,
+    before: "not tried",
+    note: "quick with `KEY`, `TRUST` and Doppler, at length also without: [the table](#a-signed-sky)",
     run: figures,
 };
 
