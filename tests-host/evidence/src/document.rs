@@ -7,7 +7,7 @@ use adversary::attack::Outcome;
 use raim::page::html::Page;
 
 use crate::configuration::Part;
-use crate::fault_tree::{Cause, HAZARD};
+use crate::fault_tree::{Cause, HAZARD, of_branch};
 use crate::not_shown::NOT_SHOWN;
 use crate::requirement::{REQUIREMENTS, Standing};
 
@@ -107,8 +107,8 @@ impl Evidence {
         page.paragraph(&format!("Hazard: {hazard}."));
         for branch in branches {
             let mut rows = Vec::new();
-            let title = leaves(branch, "", &outcomes, &mut rows);
-            page.subheading(title);
+            leaves(branch, "", &outcomes, &mut rows);
+            page.subheading(if let Cause::AnyOf(title, _) = branch { title } else { "" });
             page.table_with_notes(&["cause", "shown by", "result"], &rows);
         }
     }
@@ -139,41 +139,38 @@ fn trace() -> Vec<(Vec<String>, String)> {
     REQUIREMENTS.iter().map(row).collect()
 }
 
-/// Adds the leaves below a cause, each with the gates above it, and returns the name of the cause.
+/// Adds the leaves below a cause, each with the gates above it.
 fn leaves(
     cause: &Cause,
     above: &str,
     outcomes: &BTreeMap<&str, &Outcome>,
     rows: &mut Vec<(Vec<String>, String)>,
-) -> &'static str {
+) {
     let of = |words: &str| {
         if above.is_empty() { words.to_owned() } else { format!("{above}: {words}") }
     };
     match cause {
-        Cause::AnyOf(name, causes) => {
+        Cause::AnyOf(_, causes) => {
             for cause in *causes {
-                let below = if matches!(cause, Cause::AnyOf(..)) { "" } else { above };
-                let below = if let Cause::AnyOf(inner, _) = cause { *inner } else { below };
+                let below = if let Cause::AnyOf(inner, _) = cause { *inner } else { above };
                 leaves(cause, below, outcomes, rows);
             }
-            name
         }
-        Cause::Attack(name) => {
-            let outcome = outcomes.get(name);
-            let about = outcome.map_or("", |outcome| outcome.about);
-            let held =
-                outcome.map_or("not run", |outcome| if outcome.is_held() { "held" } else { "NOT HELD" });
-            let words = outcome.map_or_else(String::new, |outcome| outcome.words());
-            rows.push((vec![of(about), format!("cargo xtask attack {name}"), held.into()], words));
-            name
+        Cause::Attacks(branch) => {
+            for name in of_branch(*branch) {
+                let outcome = outcomes.get(name);
+                let about = outcome.map_or("", |outcome| outcome.about);
+                let held =
+                    outcome.map_or("not run", |outcome| if outcome.is_held() { "held" } else { "NOT HELD" });
+                let words = outcome.map_or_else(String::new, |outcome| outcome.words());
+                rows.push((vec![of(about), format!("cargo xtask attack {name}"), held.into()], words));
+            }
         }
         Cause::Test(about, command) => {
             rows.push((vec![of(about), (*command).into(), "in its own run".into()], String::new()));
-            about
         }
         Cause::Open(about) => {
             rows.push((vec![of(about), String::new(), "NOT SHOWN".into()], String::new()));
-            about
         }
     }
 }

@@ -3,22 +3,24 @@
 //! The hazard is a promise (a high pin, or sentences with a position) while the error exceeds the
 //! protection level, without an alert within the time to alert. Every gate is an OR, because each
 //! branch alone causes the hazard. A leaf is an attack that is run, a test, or a cause that nothing
-//! here covers.
+//! here covers. Each attack says below which branch it stands.
+
+use adversary::attack::{Branch, attacks};
 
 /// Cause in the tree.
 #[derive(Clone, Copy, Debug)]
 pub enum Cause {
     /// Any of several causes.
     AnyOf(&'static str, &'static [Cause]),
-    /// Cause that an attack tries, by its name.
-    Attack(&'static str),
+    /// Causes that the attacks of this branch try.
+    Attacks(Branch),
     /// Cause that a command tests.
     Test(&'static str, &'static str),
     /// Cause that nothing here covers.
     Open(&'static str),
 }
 
-use Cause::{AnyOf, Attack, Open, Test};
+use Cause::{AnyOf, Attacks, Open, Test};
 
 /// The hazard with all its causes.
 pub const HAZARD: Cause = AnyOf(
@@ -38,142 +40,39 @@ pub const HAZARD: Cause = AnyOf(
 const ONE_SATELLITE: Cause = AnyOf(
     "of one satellite",
     &[
-        Attack("step"),
-        Attack("ramp"),
-        Attack("gross-fault"),
-        Attack("clock-ramp"),
-        Attack("altimeter-ramps"),
-        Attack("one-frequency-recorded"),
-        Attack("one-frequency-simulated"),
-        Attack("never-faulty"),
+        Attacks(Branch::OneSatellite),
         Test("each satellite in turn by 100 m", "cargo test -p tests-host --test all -- injection"),
         Test("the size that is missed most often", "cargo xtask reproduce fde"),
     ],
 );
 
-const SEVERAL: Cause = AnyOf(
-    "of several satellites",
-    &[
-        Attack("two-faults"),
-        Attack("chosen-pairs"),
-        Attack("gross-pairs"),
-        Attack("reflections"),
-        Attack("streets"),
-        Attack("street-after-quiet"),
-        Attack("ramp-after-quiet"),
-        Attack("urban"),
-        Attack("second-frequency"),
-        Attack("doubled-satellite"),
-        Attack("shifted-system"),
-        Attack("few-shifted"),
-        Attack("broken-system"),
-        Attack("unsaid-delays"),
-    ],
-);
+const SEVERAL: Cause = AnyOf("of several satellites", &[Attacks(Branch::Several)]);
 
-const ALL: Cause = AnyOf(
-    "of all satellites",
-    &[
-        Attack("ionosphere"),
-        Attack("ionosphere-slope"),
-        Attack("ionosphere-zeros"),
-        Attack("ionosphere-forged"),
-        Attack("nominal-recordings"),
-        Attack("drag-off"),
-        Attack("steering"),
-    ],
-);
+const ALL: Cause = AnyOf("of all satellites", &[Attacks(Branch::All)]);
 
-const SIGMAS: Cause = AnyOf(
-    "by more than their sigmas describe",
-    &[
-        Attack("noise-four-times"),
-        Attack("rounded-ranges"),
-        Attack("learned-sigmas"),
-        Attack("unsaid-strength"),
-        Attack("false-tracking"),
-        Attack("false-tracking-afterwards"),
-        Attack("false-signs"),
-        Attack("gaps"),
-    ],
-);
+const SIGMAS: Cause = AnyOf("by more than their sigmas describe", &[Attacks(Branch::Sigmas)]);
 
 const COUNTERFEIT: &[Cause] = &[
-    Attack("leap"),
-    Attack("leap-of-time"),
-    Attack("walk-off"),
-    Attack("long-walk-off"),
-    Attack("leaps-and-waves"),
-    Attack("repeater"),
-    Attack("after-silence"),
-    Attack("two-truths"),
-    Attack("suspicion-denied"),
-    Attack("suspicion-once"),
-    Attack("alike-strengths"),
-    Attack("rising-sky"),
-    Attack("sky"),
-    Attack("negated-rates"),
-    Attack("random-rates"),
+    Attacks(Branch::Counterfeit),
     Open("a slow attack from a genuine start that is consistent in code, phase, rates and clock"),
 ];
 
 const ORBITS: &[Cause] = &[
-    Attack("orbit"),
-    Attack("orbits-astray"),
-    Attack("early-ephemeris"),
-    Attack("absent-satellites"),
-    Attack("crowd"),
-    Attack("turned-orbits"),
-    Attack("stepping-clocks"),
-    Attack("leaping-orbits"),
-    Attack("false-first-sets"),
-    Attack("one-false-set"),
-    Attack("health"),
+    Attacks(Branch::Orbits),
     Test("navigation bits as receivers send them", "cargo test -p tests-host --test all -- evidence"),
 ];
 
-const TIME: &[Cause] = &[
-    Attack("wrong-tags"),
-    Attack("wrong-tags-learned"),
-    Attack("half-epochs"),
-    Attack("systems-apart"),
-    Attack("week-edge"),
-    Attack("cycle-edge"),
-    Attack("wrong-week"),
-    Attack("outvoted-week"),
-    Attack("other-cycle"),
-    Attack("moved-week"),
-    Attack("near-ahead"),
-    Attack("once-later"),
-    Attack("leap-seconds"),
-    Attack("empty-ahead"),
-    Attack("empty-next"),
-];
+const TIME: &[Cause] = &[Attacks(Branch::Time)];
 
-const LINE: &[Cause] = &[
-    Attack("two-stations"),
-    Attack("tunnel"),
-    Attack("namesake"),
-    Attack("namesake-first"),
-    Attack("namesake-between"),
-    Attack("namesake-later"),
-    Attack("twice"),
-    Attack("first-elsewhere"),
-    Attack("sent-again"),
-    Attack("week-old"),
-    Test("arbitrary bytes", "cargo xtask fuzz"),
-];
+const LINE: &[Cause] = &[Attacks(Branch::Line), Test("arbitrary bytes", "cargo xtask fuzz")];
 
 const SETTINGS: &[Cause] = &[
-    Attack("time-to-alert"),
-    Attack("wrong-height"),
-    Attack("restarts"),
-    Attack("upheaval"),
+    Attacks(Branch::Settings),
     Test("every setting that affects a promise ends it", "cargo test -p tests-host --test all -- settings"),
 ];
 
 const LATE: &[Cause] = &[
-    Attack("held-back"),
+    Attacks(Branch::Late),
     Test("the pin before the sentence, at 1 to 20 Hz", "cargo test -p tests-host --test all -- pin_in_time"),
     Test("silence of the receiver", "cargo test -p tests-host --test all -- service"),
 ];
@@ -191,7 +90,7 @@ impl Cause {
     pub fn attacks(&self) -> Vec<&'static str> {
         match self {
             Self::AnyOf(_, causes) => causes.iter().flat_map(Self::attacks).collect(),
-            Self::Attack(name) => vec![name],
+            Self::Attacks(branch) => of_branch(*branch),
             Self::Test(..) | Self::Open(_) => vec![],
         }
     }
@@ -201,7 +100,12 @@ impl Cause {
         match self {
             Self::AnyOf(_, causes) => causes.iter().flat_map(Self::commands).collect(),
             Self::Test(_, command) => vec![command],
-            Self::Attack(_) | Self::Open(_) => vec![],
+            Self::Attacks(_) | Self::Open(_) => vec![],
         }
     }
+}
+
+/// Returns the attacks of a branch, by name.
+pub(crate) fn of_branch(branch: Branch) -> Vec<&'static str> {
+    attacks().into_iter().filter(|attack| attack.branch == branch).map(|attack| attack.name).collect()
 }

@@ -18,8 +18,8 @@ fn every_attack_is_one_leaf_of_the_tree() {
     let leaves = HAZARD.attacks();
     let known: BTreeSet<&str> = attacks().iter().map(|attack| attack.name).collect();
     let named: BTreeSet<&str> = leaves.iter().copied().collect();
-    assert_eq!(named, known, "the tree and the list of attacks differ");
-    assert_eq!(leaves.len(), named.len(), "an attack is two leaves: {leaves:?}");
+    assert_eq!(named, known, "the tree lacks a branch");
+    assert_eq!(leaves.len(), named.len(), "the tree has a branch twice: {leaves:?}");
 }
 
 #[test]

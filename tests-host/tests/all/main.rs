@@ -7,7 +7,6 @@ mod accuracy;
 mod araim;
 mod araim_constellation;
 mod at_length;
-mod attack;
 mod board;
 mod board_recording;
 mod campaign;

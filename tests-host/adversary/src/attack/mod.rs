@@ -11,7 +11,11 @@
 //! protected epoch has an error above its level (or no more often than the probability of missed
 //! detection allows), and no healthy epoch is lost to harmless input.
 //!
-//! The folders hold the attacks, by what is attacked; the folder's `ATTACKS` has a row for each.
+//! The folders hold the attacks, by what is attacked. A row in the folder's `mod.rs` lists an attack
+//! and makes its test ([`rows`]).
+
+#[macro_use]
+mod rows;
 
 pub mod module;
 pub mod ranges;
@@ -22,6 +26,9 @@ pub mod small;
 pub mod tally;
 pub mod victim;
 
+mod branch;
+#[cfg(test)]
+mod document;
 mod forgery;
 mod line;
 mod motion;
@@ -30,6 +37,8 @@ mod orbits;
 
 use anyhow::Result;
 use serde::Serialize;
+
+pub use self::branch::Branch;
 
 /// Amount of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,13 +82,23 @@ pub struct Attack {
     pub name: &'static str,
     /// Description of the attack, one line.
     pub about: &'static str,
+    /// Place in the fault tree.
+    pub branch: Branch,
+    /// What the same attack did before the countermeasures, which no command measures again. Markdown.
+    pub before: &'static str,
+    /// What its figures do not say, such as a reason. Markdown.
+    pub note: &'static str,
     /// Function that runs the attack.
     pub run: fn(Effort) -> Result<Vec<Figure>>,
 }
 
+attacks! {
+    at_length signed_sky_is_jammed_and_attacked: sky::ATTACK,
+}
+
 /// Attacks of all folders, in the order of the documents.
 const FOLDERS: [&[&Attack]; 6] =
-    [ranges::ATTACKS, motion::ATTACKS, orbits::ATTACKS, line::ATTACKS, nature::ATTACKS, &[&sky::ATTACK]];
+    [ranges::ATTACKS, motion::ATTACKS, orbits::ATTACKS, line::ATTACKS, nature::ATTACKS, ATTACKS];
 
 /// Returns all attacks.
 pub fn attacks() -> Vec<&'static Attack> {
@@ -96,6 +115,25 @@ pub enum Bound {
     AtLeast(f64),
     /// The figure has no bound and is only printed.
     Anywhere,
+}
+
+impl Bound {
+    /// Returns the words of the bound, none for a figure without one.
+    fn words(self) -> String {
+        match self {
+            Self::AtMost(bound) => format!("≤ {}", precise(bound)),
+            Self::AtLeast(bound) => format!("≥ {}", precise(bound)),
+            Self::Anywhere => String::new(),
+        }
+    }
+}
+
+/// Formats a bound, which its value may come close to, with four decimals at most.
+fn precise(bound: f64) -> String {
+    if bound != 0.0 && bound.abs() < 0.001 {
+        return format!("{bound:.1e}");
+    }
+    format!("{bound:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// A figure that an attack measures.
@@ -155,11 +193,8 @@ impl Outcome {
     /// Formats the figures in one line, and adds the bound to each one that exceeds it.
     pub fn words(&self) -> String {
         let word = |figure: &Figure| {
-            let mark = match figure.bound {
-                Bound::AtMost(bound) if !figure.holds() => format!(" (not ≤ {})", rounded(bound)),
-                Bound::AtLeast(bound) if !figure.holds() => format!(" (not ≥ {})", rounded(bound)),
-                _ => String::new(),
-            };
+            let mark =
+                if figure.holds() { String::new() } else { format!(" (not {})", figure.bound.words()) };
             format!("{} {}{mark}", figure.quantity, rounded(figure.value))
         };
         self.figures.iter().map(word).collect::<Vec<_>>().join(", ")

@@ -1,9 +1,9 @@
 //! Record of the figures that each attack measured last, in `records/attacks.tsv`.
 //!
-//! A line has four columns: attack, form (`quick` or `long`), quantity, value. The first line of an
-//! attack in a form has the quantity `version`. Values are rounded as [`Outcome::words`] prints
-//! them. The documents are compared with the record, and the quick form is compared with it by the
-//! test of each attack.
+//! A line has four or five columns: attack, form (`quick` or `long`), quantity, value, and its bound
+//! if it has one. The first line of an attack in a form has the quantity `version`. Values are
+//! rounded as [`Outcome::words`] prints them. The table of the document comes from the record, and
+//! the quick form is compared with it by the test of each attack.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -11,10 +11,21 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 
-use super::{Effort, Outcome, attacks, rounded};
+use super::{Bound, Effort, Outcome, attacks, rounded};
 
 /// Quantity of the first line.
 const VERSION: &str = "version";
+
+/// Figure as it is recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recorded {
+    /// Name of the quantity, with its unit.
+    pub quantity: String,
+    /// Rounded value.
+    pub value: String,
+    /// Words of the bound, empty without one.
+    pub bound: String,
+}
 
 /// Figures of one attack in one form.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,15 +36,22 @@ pub struct Entry {
     pub effort: Effort,
     /// Version of the sources, as git describes it.
     pub version: String,
-    /// Quantities with their values, in the order of the attack.
-    pub figures: Vec<(String, String)>,
+    /// Figures in the order of the attack.
+    pub figures: Vec<Recorded>,
 }
 
 impl Entry {
     /// Returns the entry of an outcome.
     pub fn of(outcome: &Outcome, effort: Effort, version: &str) -> Self {
         let cell = |text: &str| text.replace(['\t', '\n'], " ");
-        let figure = |figure: &super::Figure| (cell(&figure.quantity), rounded(figure.value));
+        let figure = |figure: &super::Figure| Recorded {
+            quantity: cell(&figure.quantity),
+            value: rounded(figure.value),
+            bound: match figure.bound {
+                Bound::AtMost(f64::INFINITY) => String::new(),
+                bound => bound.words(),
+            },
+        };
         Self {
             attack: outcome.name.to_owned(),
             effort,
@@ -84,8 +102,10 @@ impl Record {
         let mut entries: Vec<Entry> = Vec::new();
         for line in text.lines() {
             let cells: Vec<&str> = line.split('\t').collect();
-            let &[attack, form, quantity, value] = &cells[..] else {
-                anyhow::bail!("`{line}` must have four columns");
+            let (attack, form, quantity, value, bound) = match cells[..] {
+                [attack, form, quantity, value] => (attack, form, quantity, value, ""),
+                [attack, form, quantity, value, bound] => (attack, form, quantity, value, bound),
+                _ => anyhow::bail!("`{line}` must have four or five columns"),
             };
             let effort =
                 Effort::of(form).with_context(|| format!("`{line}`: {form} must be quick or long"))?;
@@ -97,7 +117,8 @@ impl Record {
                     figures: Vec::new(),
                 }),
                 Some(last) if last.attack == attack && last.effort == effort => {
-                    last.figures.push((quantity.to_owned(), value.to_owned()));
+                    let [quantity, value, bound] = [quantity, value, bound].map(str::to_owned);
+                    last.figures.push(Recorded { quantity, value, bound });
                 }
                 _ => anyhow::bail!("`{line}` must follow the version of {attack}, {form}"),
             }
@@ -111,9 +132,11 @@ impl Record {
             .into_iter()
             .flat_map(|attack| Effort::ALL.map(|effort| self.entry(attack.name, effort)));
         for entry in all.flatten() {
-            let version = (VERSION.to_owned(), entry.version.clone());
-            for (quantity, value) in [version].iter().chain(&entry.figures) {
-                let _ = writeln!(text, "{}\t{}\t{quantity}\t{value}", entry.attack, entry.effort.word());
+            let start = format!("{}\t{}", entry.attack, entry.effort.word());
+            let _ = writeln!(text, "{start}\t{VERSION}\t{}", entry.version);
+            for Recorded { quantity, value, bound } in &entry.figures {
+                let mark = if bound.is_empty() { "" } else { "\t" };
+                let _ = writeln!(text, "{start}\t{quantity}\t{value}{mark}{bound}");
             }
         }
         text
@@ -129,7 +152,8 @@ mod tests {
     use super::*;
 
     fn entry(attack: &str, effort: Effort, value: &str) -> Entry {
-        let figures = vec![("epochs".to_owned(), value.to_owned())];
+        let [quantity, value, bound] = ["epochs", value, "≤ 3"].map(str::to_owned);
+        let figures = vec![Recorded { quantity, value, bound }];
         Entry { attack: attack.to_owned(), effort, version: "v1".to_owned(), figures }
     }
 
@@ -160,7 +184,8 @@ mod tests {
     #[test]
     fn line_that_is_not_of_a_record_is_named() {
         for (text, want) in [
-            ("step\tquick\tepochs", "four columns"),
+            ("step\tquick\tepochs", "four or five columns"),
+            ("step\tquick\tepochs\t1\t≤ 3\t0", "four or five columns"),
             ("step\tbriefly\tepochs\t1", "must be quick or long"),
             ("step\tquick\tepochs\t1", "must follow the version of step, quick"),
         ] {

@@ -16,13 +16,16 @@ use crate::attack::forgery::{Sky, elsewhere, of_week, read, write};
 use crate::attack::nature::recordings::skipped;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 use crate::soak::noise::frames;
 
 /// Attack with two leaps of time, by nearly half a week each.
 pub(super) const MOVED: Attack = Attack {
     name: "moved-week",
     about: "ranges of one satellite tagged 280,000 s ahead, twice, so that the receiver's own appear to be of the next week",
+    branch: Branch::Time,
+    before: "nothing promised for the remaining 80 s",
+    note: "",
     run: moved,
 };
 
@@ -30,6 +33,9 @@ pub(super) const MOVED: Attack = Attack {
 pub(super) const NEAR: Attack = Attack {
     name: "near-ahead",
     about: "before every fifth epoch the range of one satellite, tagged 59 s ahead",
+    branch: Branch::Time,
+    before: "27 of 120 promised",
+    note: "",
     run: near,
 };
 
@@ -37,6 +43,9 @@ pub(super) const NEAR: Attack = Attack {
 pub(super) const LATER: Attack = Attack {
     name: "once-later",
     about: "one epoch of the place itself, tagged five minutes ahead, in the middle and before all others",
+    branch: Branch::Time,
+    before: "41 of 121 and 5 of 120 promised",
+    note: "",
     run: once_later,
 };
 
@@ -44,6 +53,9 @@ pub(super) const LATER: Attack = Attack {
 pub(super) const CYCLE: Attack = Attack {
     name: "other-cycle",
     about: "the first ephemeris is one of BeiDou, 1,024 weeks ahead, which dates the weeks of GPS",
+    branch: Branch::Time,
+    before: "BeiDou lost until a restart",
+    note: "BeiDou is used from the second time on that its ephemerides come",
     run: other_cycle,
 };
 
@@ -51,17 +63,29 @@ pub(super) const CYCLE: Attack = Attack {
 pub(super) const OUTVOTED: Attack = Attack {
     name: "outvoted-week",
     about: "four ephemerides of the next week, of one system or of two; ten of each",
+    branch: Branch::Time,
+    before: "nothing promised for the remaining 80 s",
+    note: "",
     run: outvoted,
 };
 
 /// Attack with a first epoch from elsewhere.
-pub(super) const FIRST: Attack =
-    Attack { name: "first-elsewhere", about: "one epoch from 6,000 km away before all others", run: first };
+pub(super) const FIRST: Attack = Attack {
+    name: "first-elsewhere",
+    about: "one epoch from 6,000 km away before all others",
+    branch: Branch::Line,
+    before: "`JUMP` for 3.4 h",
+    note: "promised from the eleventh epoch on",
+    run: first,
+};
 
 /// Attack with a wrong number of leap seconds.
 pub(super) const LEAP_SECONDS: Attack = Attack {
     name: "leap-seconds",
     about: "one message with 28 leap seconds among those of a receiver that uses GLONASS",
+    branch: Branch::Time,
+    before: "GLONASS lost until a restart",
+    note: "GLONASS is used as without it",
     run: leap_seconds,
 };
 

@@ -13,7 +13,7 @@ use rtcm_rs::Message;
 use crate::attack::forgery::{Sky, read, write};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 use crate::soak::noise::frames;
 use raim::signal::encode::Frequency;
 use raim::signal::sky::Fleet;
@@ -23,6 +23,9 @@ use raim::signal::sky::raw::Simulation;
 pub(super) const ATTACK: Attack = Attack {
     name: "half-epochs",
     about: "GPS or Galileo tagged 60 to 200 ms ahead or behind: one instant arrives as two epochs",
+    branch: Branch::Time,
+    before: "83 of 530 beyond",
+    note: "",
     run,
 };
 

@@ -12,12 +12,15 @@ use raim_firmware::time::GpsTime;
 use crate::attack::forgery::{Sky, elsewhere};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a line that is too slow.
 pub(super) const ATTACK: Attack = Attack {
     name: "held-back",
-    about: "each second of signals takes 1.05 to 9 s of the module's clock; old epochs must not be promised",
+    about: "each second of signals takes 1.05, 2 or 9 s of the module's clock; old epochs must not be promised",
+    branch: Branch::Late,
+    before: "promised at any age: 4,792 s old after ten minutes of signals",
+    note: "`STALE` thereafter",
     run: hold_back,
 };
 
@@ -25,6 +28,9 @@ pub(super) const ATTACK: Attack = Attack {
 pub(super) const AGAIN: Attack = Attack {
     name: "sent-again",
     about: "after minutes of signals the same bytes are replayed; none of them may be promised",
+    branch: Branch::Line,
+    before: "196 of 200 promised",
+    note: "",
     run: send_again,
 };
 
@@ -32,6 +38,9 @@ pub(super) const AGAIN: Attack = Attack {
 pub(super) const WEEK_OLD: Attack = Attack {
     name: "week-old",
     about: "a recording of a week ago from 5.5 km away, at the same second of the week, with its ephemerides",
+    branch: Branch::Line,
+    before: "269 of 300 beyond, 5.5 km",
+    note: "",
     run: week_old,
 };
 

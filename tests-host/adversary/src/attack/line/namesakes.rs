@@ -12,7 +12,7 @@ use rtcm_rs::Message;
 use crate::attack::forgery::{Sky, elsewhere, read, write};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 use crate::soak::noise::frames;
 use raim::signal::encode::Frequency;
 use raim::signal::sky::raw::Simulation;
@@ -20,21 +20,30 @@ use raim::signal::sky::raw::Simulation;
 /// Attack with a receiver whose messages join those of the own one.
 pub(super) const JOINED: Attack = Attack {
     name: "namesake-first",
-    about: "from the start, the ranges of a second receiver of the same number come first and announce more",
+    about: "from the start a second receiver with the same station number, 55 m to 11 km away, comes first and announces more",
+    branch: Branch::Line,
+    before: "480 of 480 epochs promised there, up to 11 km off",
+    note: "",
     run: joined,
 };
 
 /// Attack with a receiver whose epochs lie between those of the own one.
 pub(super) const IN_TURN: Attack = Attack {
     name: "namesake-between",
-    about: "a second receiver of the same number sends half a second later, and continues when the own one is silent",
+    about: "a second receiver of the same number sends half a second later, and continues alone when the own one is silent",
+    branch: Branch::Line,
+    before: "all promised at 30 to 250 m, and after the silence",
+    note: "none promised in the silence",
     run: in_turn,
 };
 
 /// Attack with a receiver that takes over.
 pub(super) const TAKEN_OVER: Attack = Attack {
     name: "namesake-later",
-    about: "the own receiver falls silent, and 1.5 to 60.5 s later a second one of the same number continues",
+    about: "the own receiver falls silent; 1.5 to 60.5 s later a second one of the same number continues half a second apart, 670 m and 11 km away, without range rates",
+    branch: Branch::Line,
+    before: "1,344 of 1,440 epochs beyond, up to 11 km",
+    note: "`JUMP`. The second receiver is promised 670 m away after 60.5 s, where a vehicle can be expected",
     run: taken_over,
 };
 

@@ -8,13 +8,16 @@ use rtcm_rs::msg::{Msg1077Data, Msg1077T};
 use crate::attack::forgery::{Sky, of_week, read, write};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Figure};
+use crate::attack::{Attack, Branch, Figure};
 use crate::soak::noise::frames;
 
 /// Attack with empty messages tagged ahead of time.
 pub(super) const AHEAD: Attack = Attack {
     name: "empty-ahead",
     about: "before each epoch an empty message of ranges, tagged an hour ahead",
+    branch: Branch::Time,
+    before: "no epoch protected",
+    note: "",
     run: |_| run(KEPT, |_, frame| [empty_ahead(frame, 3_600_000, 1), frame.to_vec()].concat()),
 };
 
@@ -22,6 +25,9 @@ pub(super) const AHEAD: Attack = Attack {
 pub(super) const NEXT: Attack = Attack {
     name: "empty-next",
     about: "an empty message of ranges, tagged 5 ms to 1 s ahead, before, between and behind the others, the last of its epoch or not",
+    branch: Branch::Time,
+    before: "nothing beyond",
+    note: "",
     run: |_| next(),
 };
 
@@ -29,6 +35,9 @@ pub(super) const NEXT: Attack = Attack {
 pub(super) const APART: Attack = Attack {
     name: "systems-apart",
     about: "GPS and BeiDou of one epoch tagged 1 ms apart, as receivers with a drifting clock do",
+    branch: Branch::Time,
+    before: "120 halves judged",
+    note: "",
     run: |_| run(KEPT, |_, frame| apart(frame)),
 };
 
@@ -36,6 +45,9 @@ pub(super) const APART: Attack = Attack {
 pub(super) const WEEK: Attack = Attack {
     name: "wrong-week",
     about: "GPS ephemerides of another week beside right ones of BeiDou",
+    branch: Branch::Time,
+    before: "nothing beyond",
+    note: "",
     run: |_| run(OTHERS, |index, frame| if index == 0 { of_week(frame, 3) } else { frame.to_vec() }),
 };
 

@@ -14,26 +14,35 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a time to alert of an hour.
 pub(super) const TIME_TO_ALERT: Attack = Attack {
     name: "time-to-alert",
     about: "TTA,3600 in NPA, then a silent line; the pin must fall in time",
+    branch: Branch::Settings,
+    before: "pin high for 3,599 s",
+    note: "`TTA,3600` is refused",
     run: time_to_alert,
 };
 
 /// Attack with restarts, the first of which loses the settings.
 pub(super) const RESTARTS: Attack = Attack {
     name: "restarts",
-    about: "settings damaged in a restart, then restarts without damage; nothing may be promised under the settings at start",
+    about: "settings damaged in a restart, then restarts without damage, and PFF in a named phase; nothing may be promised under the settings at start",
+    branch: Branch::Settings,
+    before: "from the second restart on the pin was high under the settings at start (10 of 15 epochs); any restart after `PFF` lost all settings",
+    note: "nothing is promised until `CONFIRM`; settings are kept",
     run: restarts,
 };
 
 /// Attack with a setting that rules out faults.
 pub(super) const NEVER: Attack = Attack {
     name: "never-faulty",
-    about: "ARAIM with a fault prior of zero or 1e-12, and one satellite wrong by 100 m to 300 km",
+    about: "ISM states that satellites never fail, or once in 1e12, and one is wrong by 100 m to 300 km",
+    branch: Branch::OneSatellite,
+    before: "112 of 115 beyond, up to 38 km; no alert",
+    note: "",
     run: never,
 };
 

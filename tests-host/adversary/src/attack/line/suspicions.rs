@@ -16,12 +16,15 @@ use raim_firmware::input::Suspicion;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::{Seen, Victim};
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a warning that another message denies.
 pub(super) const ATTACK: Attack = Attack {
     name: "suspicion-denied",
-    about: "the receiver detects counterfeit signals; a message with less knowledge denies them",
+    about: "the receiver is sure of counterfeit signals (SEC-SIG), then NAV-STATUS or SEC-SIG itself reports unknown; one report of none, then silence",
+    branch: Branch::Counterfeit,
+    before: "all 20 epochs promised, and 17 of 20; the first epoch after the end as well; `1` until a restart",
+    note: "`SPOOFED`, also if the levels are beyond the limits; promised again after it with 10 s and `RECOVER`",
     run,
 };
 

@@ -13,16 +13,25 @@ use raim::signal::sky::raw::Simulation;
 use crate::attack::forgery::{Sky, elsewhere};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a reference station 11 km away.
-pub(super) const ATTACK: Attack =
-    Attack { name: "two-stations", about: "ranges of a reference station 11 km away on the same line", run };
+pub(super) const ATTACK: Attack = Attack {
+    name: "two-stations",
+    about: "the ranges of a reference station 11 km away on the same line, before the receiver's",
+    branch: Branch::Line,
+    before: "95 of 96 beyond, 11 km",
+    note: "",
+    run,
+};
 
 /// Attack with a receiver that is silent for long, or slow.
 pub(super) const TUNNEL: Attack = Attack {
     name: "tunnel",
-    about: "a receiver is silent for 80 s, has no satellites, or is slow; the corrections of a base 1 to 11 km away continue",
+    about: "a receiver is silent for 80 s, has no satellites, or sends one epoch in five; the corrections of a base 1 to 11 km away continue",
+    branch: Branch::Line,
+    before: "273 of 627 beyond, 11 km",
+    note: "",
     run: tunnel,
 };
 
@@ -30,6 +39,9 @@ pub(super) const TUNNEL: Attack = Attack {
 pub(super) const NAMESAKE: Attack = Attack {
     name: "namesake",
     about: "after half a minute the ranges of a base 55 m to 11 km away, of the receiver's own station number, before or behind its own",
+    branch: Branch::Line,
+    before: "156 of 336 beyond, 11 km",
+    note: "`AMBIGUOUS`",
     run: namesake,
 };
 
@@ -37,6 +49,9 @@ pub(super) const NAMESAKE: Attack = Attack {
 pub(super) const TWICE: Attack = Attack {
     name: "twice",
     about: "every epoch comes twice, with two codes of one band that a reflection sets 12 m apart",
+    branch: Branch::Line,
+    before: "nothing promised, `AMBIGUOUS`",
+    note: "",
     run: twice,
 };
 

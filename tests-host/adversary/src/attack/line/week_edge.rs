@@ -13,20 +13,26 @@ use rtcm_rs::Message;
 use crate::attack::forgery::{read, write};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 use crate::soak::noise::frames;
 
 /// Attack at the end of a week.
 pub(super) const ATTACK: Attack = Attack {
     name: "week-edge",
     about: "GPS sets in the last 20 min of a week, dated with the week of their transmission; the next week must be promised",
+    branch: Branch::Time,
+    before: "a date a week early, then `EPHEMERIS` until a restart: 262 of 420 epochs promised",
+    note: "",
     run,
 };
 
 /// Attack at the end of a cycle of 1,024 weeks.
 pub(super) const CYCLE: Attack = Attack {
     name: "cycle-edge",
-    about: "the GPS week rolls over to 0: ten minutes before it, and a start in the first hour after it",
+    about: "the week of GPS returns to 0: from ten minutes before, and a start in the hour after; GPS, with BeiDou, with Galileo",
+    branch: Branch::Time,
+    before: "nothing beyond",
+    note: "",
     run: cycle,
 };
 

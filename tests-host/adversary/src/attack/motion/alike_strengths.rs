@@ -12,12 +12,15 @@ use crate::attack::forgery::Sky;
 use crate::attack::nature::recordings::{STATIONS, skipped};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with signals of one strength, and the false alarms of the sign in nature.
 pub(super) const ATTACK: Attack = Attack {
     name: "alike-strengths",
-    about: "signals that become alike in strength, beside a suspicion of the receiver; false signs in recordings",
+    about: "signals that become alike in strength within 0.5 dB, beside a suspicion of the receiver; 48 h of recordings and half an hour of streets without",
+    branch: Branch::Counterfeit,
+    before: "not tried",
+    note: "",
     run,
 };
 

@@ -15,12 +15,15 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a ramp on one of the few satellites that remain.
 pub(super) const ATTACK: Attack = Attack {
     name: "clock-ramp",
     about: "CLOCKAID, 4 to 6 satellites of one or two systems, one of them drifting off by 0.3 to 10 m/s",
+    branch: Branch::OneSatellite,
+    before: "367 of 2,462",
+    note: "",
     run,
 };
 

@@ -17,12 +17,15 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::{Sky, keep_first};
 use crate::attack::tally::least_rate;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with negated range rates.
 pub(super) const NEGATED: Attack = Attack {
     name: "negated-rates",
     about: "right ranges, and all range rates of 5 to 10 satellites with the wrong sign",
+    branch: Branch::Counterfeit,
+    before: "84 velocities reported, up to 24.7 km/s",
+    note: "",
     run: negated,
 };
 
@@ -30,6 +33,9 @@ pub(super) const NEGATED: Attack = Attack {
 pub(super) const RANDOM: Attack = Attack {
     name: "random-rates",
     about: "right ranges, and all range rates of 5 to 10 satellites off by a random number, up to 0.5 to 100 m/s",
+    branch: Branch::Counterfeit,
+    before: "3,019 of 16,000 reported, 1,172 beyond their levels, up to 376 m/s",
+    note: "",
     run: random,
 };
 

@@ -11,12 +11,15 @@ use raim::signal::sky::raw::Simulation;
 use crate::attack::forgery::{Sky, elsewhere};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a leap of the place.
 pub(super) const ATTACK: Attack = Attack {
     name: "leap",
     about: "a counterfeit sky 400 km away, from one second to the next",
+    branch: Branch::Counterfeit,
+    before: "120 of 120 epochs protected there",
+    note: "",
     run: |effort| run(effort, 0.0),
 };
 
@@ -24,6 +27,9 @@ pub(super) const ATTACK: Attack = Attack {
 pub(super) const WITH_TIME: Attack = Attack {
     name: "leap-of-time",
     about: "the same with a time tag that leaps ahead by 20 minutes",
+    branch: Branch::Counterfeit,
+    before: "120 of 120",
+    note: "",
     run: |effort| run(effort, 1200.0),
 };
 

@@ -10,24 +10,21 @@ mod steering;
 mod walks;
 mod wrong_height;
 
-use super::Attack;
-
-/// Attacks of this folder.
-pub(super) const ATTACKS: &[&Attack] = &[
-    &leap::ATTACK,
-    &leap::WITH_TIME,
-    &clock_ramp::ATTACK,
-    &false_rates::NEGATED,
-    &false_rates::RANDOM,
-    &rates_apart::WALK,
-    &rates_apart::DRAG,
-    &rates_apart::SILENCE,
-    &walks::LONG,
-    &walks::LEAPS,
-    &repeater::ATTACK,
-    &steering::ATTACK,
-    &alike_strengths::ATTACK,
-    &wrong_height::WRONG,
-    &wrong_height::RISING,
-    &wrong_height::RAMPS,
-];
+attacks! {
+    place_that_leaps_is_not_promised: leap::ATTACK,
+    time_that_leaps_with_the_place_makes_nothing_reachable: leap::WITH_TIME,
+    clock_forecast_does_not_follow_a_fault: clock_ramp::ATTACK,
+    at_length rates_of_the_wrong_sign_are_no_velocity: false_rates::NEGATED,
+    at_length rates_that_mean_nothing_are_seldom_a_velocity: false_rates::RANDOM,
+    place_that_walks_off_from_its_velocity_is_an_alert: rates_apart::WALK,
+    clock_that_is_dragged_off_its_drift_is_an_alert: rates_apart::DRAG,
+    silence_makes_no_far_place_good: rates_apart::SILENCE,
+    at_length walks_of_twenty_minutes_are_promised_no_more_once_seen: walks::LONG,
+    at_length leaps_stairs_and_waves_are_promised_no_more_once_seen: walks::LEAPS,
+    at_length repeater_is_seen_without_range_rates: repeater::ATTACK,
+    clock_that_is_set_back_from_now_on_is_promised_again: steering::ATTACK,
+    at_length signals_of_one_strength_confirm_a_suspicion: alike_strengths::ATTACK,
+    at_length height_that_is_wrong_vouches_for_nothing: wrong_height::WRONG,
+    sky_that_rises_away_from_a_height_is_noticed: wrong_height::RISING,
+    at_length ramps_of_satellite_and_altimeter_are_noticed: wrong_height::RAMPS,
+}

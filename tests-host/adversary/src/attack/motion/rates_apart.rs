@@ -12,12 +12,15 @@ use raim::signal::sky::raw::Simulation;
 use crate::attack::forgery::{Sky, elsewhere};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack on the position.
 pub(super) const WALK: Attack = Attack {
     name: "walk-off",
     about: "ranges of a place that walks off at 1 to 500 m/s, and range rates at rest",
+    branch: Branch::Counterfeit,
+    before: "700 of 700 promised, up to 319 km off",
+    note: "",
     run: walk,
 };
 
@@ -25,6 +28,9 @@ pub(super) const WALK: Attack = Attack {
 pub(super) const DRAG: Attack = Attack {
     name: "drag-off",
     about: "all ranges longer by 0.5 to 500 m/s, and true range rates",
+    branch: Branch::All,
+    before: "all promised; nothing compared the clock",
+    note: "",
     run: drag,
 };
 
@@ -32,6 +38,9 @@ pub(super) const DRAG: Attack = Attack {
 pub(super) const SILENCE: Attack = Attack {
     name: "after-silence",
     about: "a counterfeit sky 300 km away after ten minutes without satellites",
+    branch: Branch::Counterfeit,
+    before: "promised in its first epoch",
+    note: "",
     run: silence,
 };
 

@@ -20,12 +20,15 @@ use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a repeater.
 pub(super) const ATTACK: Attack = Attack {
     name: "repeater",
     about: "all ranges longer by 200 m to 50 km at once, without range rates; and clean clocks beside",
+    branch: Branch::Counterfeit,
+    before: "without the clock's past none of 16 seen",
+    note: "`CLOCK` in the epoch of the delay",
     run,
 };
 

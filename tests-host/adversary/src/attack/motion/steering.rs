@@ -15,12 +15,15 @@ use raim_core::frame::SPEED_OF_LIGHT_M_S;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Steering that begins in the middle.
 pub(super) const ATTACK: Attack = Attack {
     name: "steering",
-    about: "a clock that drifts by 0.1 m/s to 1 km/s, and is set back every second from the fifth minute on",
+    about: "a clock that drifts by 0.1 m/s to 1 km/s, and is set back every second from the fifth minute on, which is no fault",
+    branch: Branch::All,
+    before: "not tried",
+    note: "`CLOCK` until then. At length it was promised again after at most 173 s, but two of twelve skies stayed `CLOCK` at 1 m/s, because their clock is as noisy as it drifts in a minute",
     run,
 };
 

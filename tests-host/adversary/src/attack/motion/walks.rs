@@ -19,19 +19,25 @@ use rig::stations::{STATIC_BASE, Station, TLSE};
 
 use crate::attack::nature::streets::{Directions, directions};
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a place that walks off.
 pub(super) const LONG: Attack = Attack {
     name: "long-walk-off",
-    about: "a place that walks off at 1 to 100 m/s for 20 minutes, from second 30 and 200, with true, missing and contradicting rates",
+    about: "a place that walks off at 1 to 100 m/s for 20 minutes, from second 30 and 200, with true, missing and contradicting rates; real recordings too",
+    branch: Branch::Counterfeit,
+    before: "with true rates promised again after 2 to 8 minutes, up to 21 km off; with contradicting ones no alert",
+    note: "with contradicting rates not promised after 5 s, without rates not seen: [the table](#walks-of-twenty-minutes)",
     run: long,
 };
 
 /// Attack with leaps, stairs and waves.
 pub(super) const LEAPS: Attack = Attack {
     name: "leaps-and-waves",
-    about: "a place that leaps by 10 to 500 m, climbs 30 m a minute, or swings ever wider, with true rates",
+    about: "leaps of 10 to 500 m, stairs of 10 and 30 m a minute, growing waves, with true rates",
+    branch: Branch::Counterfeit,
+    before: "stairs of 30 m a minute reached 603 m under a simulated sky; waves of 300 s 177 m",
+    note: "on recordings a leap of 10 m is an alert at once: [the table](#leaps-stairs-and-waves)",
     run: leaps,
 };
 

@@ -21,12 +21,15 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::{NoOpportunity, Seen, Victim};
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with wrong heights, few satellites, and a fault of one of them.
 pub(super) const WRONG: Attack = Attack {
     name: "wrong-height",
-    about: "HEIGHTAID wrong by 5 to 1000 m or drifting, said to be good to 3 m; 4 to 6 satellites, or all",
+    about: "HEIGHTAID wrong by 5 to 1000 m, stepping or drifting by 0.3 to 10 m/s, said to be good to 3 m; four, five, six or all satellites",
+    branch: Branch::Settings,
+    before: "without the memory of the height 0 of 12,452; with a drifting satellite as well 38 of 902 with four satellites, 14 of 3,586 with five or six, 0 of 5,101 with all",
+    note: "two errors at once, of the height and of a satellite, are beyond what a level bounds; at length they last five minutes",
     run: wrong,
 };
 
@@ -34,13 +37,19 @@ pub(super) const WRONG: Attack = Attack {
 pub(super) const RISING: Attack = Attack {
     name: "rising-sky",
     about: "all satellites agree on a place that rises by 0.2 to 2 m/s, without range rates; true HEIGHTAID",
+    branch: Branch::Counterfeit,
+    before: "without a height 258, 101 and 24 beyond",
+    note: "the alert is `AMBIGUOUS`",
     run: rising,
 };
 
 /// The ramps of the standard.
 pub(super) const RAMPS: Attack = Attack {
     name: "altimeter-ramps",
-    about: "TSO-C129a ramps of a satellite and of the altimeter, six satellites: seconds to the alarm",
+    about: "the ramps of TSO-C129a of one satellite (86.2, 135, 26.6, 19 m/min) and of the altimeter (−275, 200, 50, 37 m/min), six satellites: seconds to the alarm",
+    branch: Branch::OneSatellite,
+    before: "satellite without a height, at length: 14, 9, 38 and 56 s to the alarm or exclusion (median), 108 s at the latest",
+    note: "",
     run: ramps,
 };
 

@@ -21,12 +21,15 @@ use rig::shared;
 use super::recordings::{STATIONS, at, skipped};
 use crate::attack::forgery::Sky;
 use crate::attack::victim::{Seen, Victim};
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack by nature alone.
 pub(super) const ATTACK: Attack = Attack {
     name: "false-signs",
-    about: "no fault: alarms of the module's own signs an hour, in all recordings and with drifting clocks",
+    about: "no fault: alarms of the module's own signs an hour, in seven recordings under an open sky on two frequencies and on one, and with simulated clocks; a car beside",
+    branch: Branch::Sigmas,
+    before: "",
+    note: "[the table](#the-modules-own-signs-without-a-fault)",
     run,
 };
 

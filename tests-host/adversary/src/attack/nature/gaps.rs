@@ -15,12 +15,15 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack without an attack.
 pub(super) const ATTACK: Attack = Attack {
     name: "gaps",
-    about: "no fault: receivers of 1 to 20 Hz with silences of 1 to 120 s, with and without range rates",
+    about: "no fault: receivers of 1, 5, 10 and 20 Hz, silent for 1 to 120 s every minute, two oscillators, with and without range rates",
+    branch: Branch::Sigmas,
+    before: "",
+    note: "",
     run,
 };
 

@@ -21,19 +21,25 @@ use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 use crate::attack::ranges::several_faults::METHODS;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with nominal recordings.
 pub(super) const NOMINAL: Attack = Attack {
     name: "nominal-recordings",
-    about: "five real recordings without a fault, non-precision approach and LPV-200",
+    about: "no fault: five real recordings on two frequencies, non-precision approach and LPV-200",
+    branch: Branch::All,
+    before: "",
+    note: "quick the first three hours of `esbc` and `dgar`; `dgar` is of GPS alone, whose share with `LPV200` is the smallest",
     run: nominal,
 };
 
 /// Attack with a car between tall buildings.
 pub(super) const URBAN: Attack = Attack {
     name: "urban",
-    about: "a car between tall buildings, up to five satellites wrong at once, every method",
+    about: "a car between tall buildings, up to five satellites wrong at once, one frequency, every method",
+    branch: Branch::Several,
+    before: "18 of 248, up to 378 m",
+    note: "",
     run: urban,
 };
 

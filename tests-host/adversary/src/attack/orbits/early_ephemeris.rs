@@ -18,12 +18,15 @@ use rtcm_rs::{Message, MessageBuilder};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with early ephemerides.
 pub(super) const EARLY: Attack = Attack {
     name: "early-ephemeris",
     about: "five ephemerides up to 3.9 h early come first; two hours before their time they are 60 m wrong",
+    branch: Branch::Orbits,
+    before: "5 alerts, 135 exclusions",
+    note: "",
     run: early,
 };
 
@@ -31,13 +34,19 @@ pub(super) const EARLY: Attack = Attack {
 pub(super) const ABSENT: Attack = Attack {
     name: "absent-satellites",
     about: "96 valid ephemerides of absent satellites, two days early, before the first real one",
+    branch: Branch::Orbits,
+    before: "no epoch protected",
+    note: "",
     run: absent,
 };
 
 /// Attack with ephemerides of a hundred satellites in one stream.
 pub(super) const CROWD: Attack = Attack {
     name: "crowd",
-    about: "ephemerides of a hundred satellites, repeated between those of the satellites in view",
+    about: "ephemerides of a hundred absent satellites, repeated between those of the satellites in view",
+    branch: Branch::Orbits,
+    before: "no epoch protected",
+    note: "",
     run: crowd,
 };
 

@@ -17,12 +17,15 @@ use super::faulty_orbit::move_ahead;
 use crate::attack::forgery::{Sky, elsewhere};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with orbits that turn about the earth's axis.
 pub(super) const TURNED: Attack = Attack {
     name: "turned-orbits",
     about: "new sets of all satellites every second or half minute, turned together so that the place moves at 0.5 to 50 m/s",
+    branch: Branch::Orbits,
+    before: "1,768 of 1,860 promised epochs beyond, up to 4.5 km, no alert",
+    note: "nothing is promised after some metres",
     run: turned,
 };
 
@@ -30,13 +33,19 @@ pub(super) const TURNED: Attack = Attack {
 pub(super) const CLOCKS: Attack = Attack {
     name: "stepping-clocks",
     about: "new sets of all satellites every 7 s, whose clocks step so that the place moves by 2 to 30 m",
+    branch: Branch::Orbits,
+    before: "605 of 612 promised epochs beyond, up to 898 m",
+    note: "",
     run: clocks,
 };
 
 /// Attack with the first sets.
 pub(super) const FIRST: Attack = Attack {
     name: "false-first-sets",
-    about: "true sets, those of 96 absent satellites, then sets of all satellites turned by 5 km, before the first epoch",
+    about: "sets turned by 5 km are the first to come; or come after true ones and 96 of absent satellites",
+    branch: Branch::Orbits,
+    before: "not tried",
+    note: "beyond until a true set comes, if false ones came first",
     run: first,
 };
 
@@ -44,6 +53,9 @@ pub(super) const FIRST: Attack = Attack {
 pub(super) const LEAP: Attack = Attack {
     name: "leaping-orbits",
     about: "two new sets of every satellite, turned by 50 m to 5 km, a minute apart, again and again",
+    branch: Branch::Orbits,
+    before: "nothing promised",
+    note: "without true sets nothing is promised for 9 to 17 minutes, then up to 5 km off",
     run: leap,
 };
 
@@ -51,6 +63,9 @@ pub(super) const LEAP: Attack = Attack {
 pub(super) const ONE: Attack = Attack {
     name: "one-false-set",
     about: "one set of one satellite, 50 m to 50 km away, once, between epochs of six and of all satellites",
+    branch: Branch::Orbits,
+    before: "0 beyond",
+    note: "",
     run: one,
 };
 

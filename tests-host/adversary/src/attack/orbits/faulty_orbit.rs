@@ -17,11 +17,17 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a wrong orbit.
-pub(super) const ATTACK: Attack =
-    Attack { name: "orbit", about: "a satellite 10 m to 30 km away from its broadcast orbit", run };
+pub(super) const ATTACK: Attack = Attack {
+    name: "orbit",
+    about: "a satellite 10 m to 30 km away from its broadcast orbit",
+    branch: Branch::Orbits,
+    before: "0 of 239",
+    note: "",
+    run,
+};
 
 /// Distances along the orbit, m, drawn uniformly in their logarithm.
 const SIZES_M: std::ops::Range<f64> = 10.0..30_000.0;

@@ -20,12 +20,15 @@ use crate::attack::line::suspicions::of_both;
 use crate::attack::nature::streets::{self, Streets};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a slow ramp of one satellite.
 pub(super) const RAMP: Attack = Attack {
     name: "ramp-after-quiet",
-    about: "one satellite drifts by 0.01 to 1 m/s after twelve quiet minutes of NOISE,AUTO",
+    about: "one satellite of seven or more drifts by 0.01 to 1 m/s for ten minutes, after twelve quiet ones in which NOISE,AUTO lowered the variances",
+    branch: Branch::Several,
+    before: "not tried",
+    note: "levels grow with the errors",
     run: ramps,
 };
 
@@ -33,6 +36,9 @@ pub(super) const RAMP: Attack = Attack {
 pub(super) const STREET: Attack = Attack {
     name: "street-after-quiet",
     about: "walls that block or reflect after twelve quiet minutes of NOISE,AUTO",
+    branch: Branch::Several,
+    before: "not tried",
+    note: "",
     run: street,
 };
 
@@ -40,6 +46,9 @@ pub(super) const STREET: Attack = Attack {
 pub(super) const SUSPICION: Attack = Attack {
     name: "suspicion-once",
     about: "a receiver that is sure of counterfeit signals for five seconds, and denies them from then on",
+    branch: Branch::Counterfeit,
+    before: "not tried",
+    note: "",
     run: suspicion,
 };
 

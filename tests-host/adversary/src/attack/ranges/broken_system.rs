@@ -22,12 +22,15 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a broken system.
 pub(super) const ATTACK: Attack = Attack {
     name: "broken-system",
-    about: "BeiDou with wrong orbits, or with ranges that jump by 1,875 m, beside GPS and Galileo that agree",
+    about: "every BeiDou range off by 50 m to 1 km, or every second one by 1,875 m in half of the epochs, beside GPS and Galileo that agree; AUTO, BAARDA, SEPARATION",
+    branch: Branch::Several,
+    before: "without the exclusion of a system `AUTO` and `BAARDA` promise 0 and 31 % of the epochs",
+    note: "as many promised as without BeiDou",
     run,
 };
 

@@ -13,7 +13,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 use raim::signal::encode::Frequency;
 use raim::signal::fault::Measured as _;
 use raim::signal::measurement::Ephemeris;
@@ -24,6 +24,9 @@ use raim::signal::sky::raw::Simulation;
 pub(super) const ATTACK: Attack = Attack {
     name: "doubled-satellite",
     about: "a satellite that is 20 to 300 m wrong comes under two or three numbers, AUTO and SEPARATION",
+    branch: Branch::Several,
+    before: "6 of 76 beyond",
+    note: "",
     run,
 };
 

@@ -15,19 +15,25 @@ use rand::{RngExt, SeedableRng};
 use crate::attack::forgery::{Sky, keep_first};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with false tracking after healthy epochs.
 pub(super) const ATTACK: Attack = Attack {
     name: "false-tracking",
-    about: "every range wrong by up to 3 km, anew in each epoch, so that some sets agree by chance",
+    about: "every range wrong by up to 3 km, independently in each epoch, so that some sets agree by chance",
+    branch: Branch::Sigmas,
+    before: "43 of 43 protected epochs beyond, up to 11.5 km",
+    note: "",
     run,
 };
 
 /// The same in the first epoch after a silence, or after the host has sent `FORGET`.
 pub(super) const AFTERWARDS: Attack = Attack {
     name: "false-tracking-afterwards",
-    about: "the same in the first epoch after a silence of a minute, or after FORGET, without earlier epochs",
+    about: "the same in the first epoch after a minute of silence, or after FORGET, without earlier epochs; five and six satellites",
+    branch: Branch::Sigmas,
+    before: "12 of 1,200",
+    note: "",
     run: afterwards,
 };
 

@@ -17,12 +17,15 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::{Tally, least_rate};
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with several gross faults.
 pub(super) const ATTACK: Attack = Attack {
     name: "gross-pairs",
-    about: "two or three satellites wrong by 1 km to 10,000 km, or one beside one of 20 to 100 m",
+    about: "two or three satellites of one system wrong by 1 km to 10,000 km, equal, opposite or drawn; one of each of two systems; one beside one of 20 to 100 m; from the first epoch and after a quiet minute, SEPARATION and AUTO",
+    branch: Branch::Several,
+    before: "not tried",
+    note: "",
     run,
 };
 

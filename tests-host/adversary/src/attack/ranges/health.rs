@@ -22,12 +22,15 @@ use rtcm_rs::{Message, MessageBuilder};
 
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with E5a out of service.
 pub(super) const ATTACK: Attack = Attack {
     name: "health",
     about: "Galileo's E5a out of service by F/NAV, healthy I/NAV, ranges on E5a that agree on a place 40 m away",
+    branch: Branch::Orbits,
+    before: "79 m off under an HPL of 22 m, with eight such",
+    note: "E5a is not used",
     run,
 };
 

@@ -26,12 +26,15 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with the same electron content everywhere.
 pub(super) const EVEN: Attack = Attack {
     name: "ionosphere",
     about: "one frequency, 60 to 150 TECU, three latitudes, no coefficients",
+    branch: Branch::All,
+    before: "72 of 288",
+    note: "",
     run: |effort| run(effort, 0.0, None),
 };
 
@@ -39,6 +42,9 @@ pub(super) const EVEN: Attack = Attack {
 pub(super) const SLOPED: Attack = Attack {
     name: "ionosphere-slope",
     about: "the same with 6 % more or less per degree of latitude",
+    branch: Branch::All,
+    before: "116 of 288",
+    note: "",
     run: |effort| run(effort, -0.06, None),
 };
 
@@ -46,13 +52,19 @@ pub(super) const SLOPED: Attack = Attack {
 pub(super) const ZEROS: Attack = Attack {
     name: "ionosphere-zeros",
     about: "the same with broadcast coefficients that are all zero, if they are accepted",
+    branch: Branch::All,
+    before: "209 of 288",
+    note: "coefficients of zero are refused",
     run: |effort| run(effort, 0.0, Some("IONO,0,0,0,0,0,0,0,0")),
 };
 
 /// Attack with forged coefficients.
 pub(super) const FORGED: Attack = Attack {
     name: "ionosphere-forged",
-    about: "one frequency, `NOISE,AUTO`, and after quiet minutes one forged page of coefficients",
+    about: "one frequency, NOISE,AUTO, and after quiet minutes one forged page of coefficients",
+    branch: Branch::All,
+    before: "368 of 1,138, up to 75 m",
+    note: "",
     run: forged,
 };
 

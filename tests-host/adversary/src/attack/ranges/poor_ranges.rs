@@ -24,12 +24,15 @@ use crate::attack::forgery::Sky;
 use crate::attack::orbits::faulty_orbit::move_ahead;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with noise.
 pub(super) const NOISE: Attack = Attack {
     name: "noise-four-times",
     about: "ranges of all satellites four times as noisy as their standard deviations, ARAIM and the method at start",
+    branch: Branch::Sigmas,
+    before: "without the evidence of the last minute `AUTO` 3 of 32 and `SEPARATION` 0 of 230 beyond; another program's skies 26 of 116",
+    note: "",
     run: |effort| run(effort, Poor::Noise, [0.0, 0.05]),
 };
 
@@ -37,6 +40,9 @@ pub(super) const NOISE: Attack = Attack {
 pub(super) const ORBITS: Attack = Attack {
     name: "orbits-astray",
     about: "all satellites 7 to 15 m from their broadcast orbits, ARAIM and the method at start",
+    branch: Branch::Orbits,
+    before: "0 of 960 beyond by each; another program's skies up to 11 of 21",
+    note: "",
     run: |effort| run(effort, Poor::Orbits, [0.0, 0.0]),
 };
 
@@ -44,6 +50,9 @@ pub(super) const ORBITS: Attack = Attack {
 pub(super) const ROUNDED: Attack = Attack {
     name: "rounded-ranges",
     about: "all ranges rounded to 100 m, ARAIM and the method at start",
+    branch: Branch::Sigmas,
+    before: "nothing promised; another program's skies 25 of 52",
+    note: "",
     run: |effort| run(effort, Poor::Rounded, [0.0, 0.0]),
 };
 

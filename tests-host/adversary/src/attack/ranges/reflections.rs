@@ -23,12 +23,15 @@ use rand::{RngExt as _, SeedableRng as _};
 use super::several_faults::by_every_method;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::{Tally, least_rate};
-use crate::attack::{Attack, Figure};
+use crate::attack::{Attack, Branch, Figure};
 
 /// Attack with a building on one side.
 pub(super) const ATTACK: Attack = Attack {
     name: "reflections",
-    about: "all satellites below 50 degrees in a sector of 60 are 5 to 80 m late, one to three systems, every method",
+    about: "all satellites below 50° in a sector of 60° are 5 to 80 m late, each by half of that or more; one to three systems, on one frequency and two, every method",
+    branch: Branch::Several,
+    before: "7 of 701 on two frequencies, at length 83 of 8,987, before the rest after an exclusion counted; on one none",
+    note: "",
     run: |effort| run(effort.pick(8, 100)),
 };
 

@@ -16,14 +16,17 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 use raim::signal::encode::Frequency;
 use raim::signal::sky::raw::Simulation;
 
 /// Attack on the second frequency.
 pub(super) const ATTACK: Attack = Attack {
     name: "second-frequency",
-    about: "the second frequency of a third of GPS is 40 to 60 m wrong, AUTO and SEPARATION",
+    about: "the second frequency of a third of GPS 40 to 60 m too long or too short, AUTO and SEPARATION",
+    branch: Branch::Several,
+    before: "25 of 76 beyond",
+    note: "",
     run,
 };
 

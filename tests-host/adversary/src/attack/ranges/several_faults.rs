@@ -29,12 +29,15 @@ use serde::Serialize;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::{Tally, least_rate};
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with random pairs of satellites.
 pub(super) const PAIRS: Attack = Attack {
     name: "two-faults",
-    about: "two of 7 to 12 satellites wrong by 20 m to 2 km, the method at start",
+    about: "two of 7 to 12 satellites wrong by 20 m to 2 km, more than a level bounds, the method at start",
+    branch: Branch::Several,
+    before: "6 of 137; at length 10 of 1,178",
+    note: "",
     run: pairs,
 };
 
@@ -42,6 +45,9 @@ pub(super) const PAIRS: Attack = Attack {
 pub(super) const CHOSEN: Attack = Attack {
     name: "chosen-pairs",
     about: "two of seven satellites wrong so that leaving out two healthy ones explains the ranges as well, every method",
+    branch: Branch::Several,
+    before: "15 of 18",
+    note: "one healthy satellite explains both faults of the pair that is beyond its level",
     run: chosen,
 };
 

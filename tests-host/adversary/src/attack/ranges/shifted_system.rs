@@ -27,12 +27,15 @@ use rand::{RngExt as _, SeedableRng as _};
 use super::several_faults::by_every_method;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::{Tally, least_rate};
-use crate::attack::{Attack, Figure};
+use crate::attack::{Attack, Branch, Figure};
 
 /// Attack on a system that is fully in view.
 pub(super) const WHOLE: Attack = Attack {
     name: "shifted-system",
     about: "all satellites of one of two or three systems agree on a place 20 to 300 m beside the true one, every method",
+    branch: Branch::Several,
+    before: "95 of 581; at length 1,032 of 7,387, up to 299 m, 648 with several satellites excluded",
+    note: "five satellites of that system do not reveal where it stands",
     run: |effort| run(&[None], effort.pick(8, 100), BEYOND),
 };
 
@@ -40,6 +43,9 @@ pub(super) const WHOLE: Attack = Attack {
 pub(super) const FEW: Attack = Attack {
     name: "few-shifted",
     about: "the same for a system with two to four satellites in view, and five or seven of others",
+    branch: Branch::Several,
+    before: "at length 86 of 10,186, up to 408 m, 20 with several satellites excluded",
+    note: "",
     run: |effort| run(&FEW_IN_VIEW.map(Some), effort.pick(2, 25), BEYOND_OF_FEW),
 };
 

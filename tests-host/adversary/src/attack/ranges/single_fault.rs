@@ -16,12 +16,15 @@ use rand::{RngExt as _, SeedableRng as _};
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with steps.
 pub(super) const STEPS: Attack = Attack {
     name: "step",
     about: "one satellite wrong by 2 m to 2 km, every method, policy and aid",
+    branch: Branch::OneSatellite,
+    before: "0 of 1,122 beyond",
+    note: "",
     run: |effort| run(effort, |bias_m| Kind::Step { bias_m }),
 };
 
@@ -29,6 +32,9 @@ pub(super) const STEPS: Attack = Attack {
 pub(super) const RAMPS: Attack = Attack {
     name: "ramp",
     about: "one satellite drifting by 2 m to 2 km within a minute, every method, policy and aid",
+    branch: Branch::OneSatellite,
+    before: "14 of 1,249, all with `CLOCKAID`",
+    note: "",
     run: |effort| {
         run(effort, |bias_m| Kind::Ramp { rate_m_s: bias_m / f64::from(FAULTY), limit_m: bias_m.abs() })
     },
@@ -38,6 +44,9 @@ pub(super) const RAMPS: Attack = Attack {
 pub(super) const GROSS: Attack = Attack {
     name: "gross-fault",
     about: "one satellite wrong by 20 km, 100 km or a millisecond and more, every method and aid",
+    branch: Branch::OneSatellite,
+    before: "promised: `AUTO`, `RANSAC` 75 %, `SEQUENTIAL`, `HYBRID`, `GROUPING` 33 %",
+    note: "",
     run: gross,
 };
 

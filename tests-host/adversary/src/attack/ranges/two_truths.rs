@@ -23,12 +23,15 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use crate::attack::forgery::{Sky, elsewhere};
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with a counterfeit system that outnumbers a genuine one.
 pub(super) const ATTACK: Attack = Attack {
     name: "two-truths",
-    about: "eight counterfeit GPS satellites agree on a place 400 km away, two to six genuine Galileo satellites on the true one",
+    about: "eight counterfeit GPS satellites agree on a place 400 km away, two to six genuine Galileo satellites on the true one, SEPARATION and AUTO",
+    branch: Branch::Counterfeit,
+    before: "`SEPARATION` promised there with three and more, up to 85 % of the epochs",
+    note: "",
     run,
 };
 

@@ -22,12 +22,15 @@ use raim_core::frame::SPEED_OF_LIGHT_M_S;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::Tally;
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with group delays that D1 does not carry.
 pub(super) const ATTACK: Attack = Attack {
     name: "unsaid-delays",
-    about: "BeiDou's B1C and B2a, and B2b as B2I, with real group delays that D1 does not carry",
+    about: "BeiDou's third generation on B1C and B2a, and on B1I and B2b labelled B2I, with the group delays of 18 real satellites, which D1 does not contain",
+    branch: Branch::Several,
+    before: "9 of 12,689 beyond; of 19,200 epochs 5,261 alerts, 273 healthy satellites excluded",
+    note: "",
     run,
 };
 

@@ -24,12 +24,15 @@ use rand_distr::StandardNormal;
 use crate::attack::forgery::Sky;
 use crate::attack::tally::{Tally, least_rate};
 use crate::attack::victim::Victim;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with weak signals of unknown strength.
 pub(super) const ATTACK: Attack = Attack {
     name: "unsaid-strength",
-    about: "a third to two thirds of the satellites as noisy as at 14 to 28 dB-Hz with C/N0 0; a healthy sky with C/N0 0 for all",
+    about: "GPS, a third to two thirds of the satellites as noisy as at 28, 24, 20 and 14 dB-Hz with a C/N0 of 0, which means not computed; a healthy sky with C/N0 0 for all",
+    branch: Branch::Sigmas,
+    before: "19 of 2,196 beyond, up to 170 m; at length 26 of 52,052 at 14 dB-Hz, while the rest after an exclusion did not count",
+    note: "a healthy sky without any C/N0 is promised as before",
     run,
 };
 

@@ -22,7 +22,7 @@ use self::scenes::SCENES;
 use self::signals::Skies;
 use super::module::is_small;
 use super::victim::NoOpportunity;
-use super::{Attack, Effort, Figure};
+use super::{Attack, Branch, Effort, Figure};
 
 pub use self::table::{Cell, Row, markdown, summary};
 
@@ -30,6 +30,9 @@ pub use self::table::{Cell, Row, markdown, summary};
 pub(super) const ATTACK: Attack = Attack {
     name: "sky",
     about: "a signed sky, jammed, then forged, relayed, pulled off, poisoned, or signed by another key",
+    branch: Branch::Counterfeit,
+    before: "not tried",
+    note: "quick with `KEY`, `TRUST` and Doppler, at length also without: [the table](#a-signed-sky)",
     run: figures,
 };
 

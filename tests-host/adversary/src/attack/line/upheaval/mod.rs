@@ -19,12 +19,15 @@ use raim::in_order::Together as _;
 
 use self::oracle::{Finding, Oracle};
 use self::run::Run;
-use crate::attack::{Attack, Effort, Figure};
+use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with random scenes.
 pub(super) const ATTACK: Attack = Attack {
     name: "upheaval",
-    about: "leaps of place and time, a failing line, wrong ranges and commands of the host, all at random",
+    about: "random events: the place jumps by up to 1,000 km, tags go ahead and back, the line is silent, cuts, delays and repeats, ranges are wrong, the host sends commands",
+    branch: Branch::Settings,
+    before: "at length 12 jumps of up to 930 km promised, after a longer `RECOVER` was set; 116 runs with `RECOVERING` until a restart, with epochs farther apart than the time to alert",
+    note: "at length 2,000 runs with epochs 1, 5 and 30 s apart",
     run,
 };
 
