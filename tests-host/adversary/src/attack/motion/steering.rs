@@ -23,7 +23,7 @@ pub(super) const ATTACK: Attack = Attack {
     about: "a clock that drifts by 0.1 m/s to 1 km/s, and is set back every second from the fifth minute on, which is no fault",
     branch: Branch::All,
     before: "not tried",
-    note: "`CLOCK` until then. At length it was promised again after at most 173 s, but two of twelve skies stayed `CLOCK` at 1 m/s, because their clock is as noisy as it drifts in a minute",
+    note: "`CLOCK` until then, as for a drag-off",
     run,
 };
 
