@@ -62,14 +62,18 @@ pub fn command_for(text: &str) -> Result<String> {
     Ok(if value.is_empty() { key } else { format!("{key},{value}") })
 }
 
-/// Returns what a refusal leaves open, to be said behind it: the nearest key, the values that the
-/// key takes, or an example.
+/// Returns what a refusal leaves open, to be said behind it: the nearest key or where all are, the
+/// values that the key takes, or an example.
 pub(crate) fn advice(key: &str, why: &str) -> String {
     if why == "unknown key" {
         let distance = |other: &Setting| differences(&key.to_uppercase(), other.key());
         let nearest = Setting::ALL.iter().min_by_key(|other| distance(other));
-        let near = nearest.filter(|other| distance(other) <= 2);
-        return near.map_or_else(String::new, |other| format!("; is {} meant?", other.key()));
+        // At least half of a misspelt word is right.
+        let near = nearest.filter(|other| distance(other) <= 2 && 2 * distance(other) <= key.len());
+        return near.map_or_else(
+            || "; INTERFACES.md lists every key and its values".to_owned(),
+            |other| format!("; is {} meant?", other.key()),
+        );
     }
     let Some(setting) = Setting::named(key) else { return String::new() };
     let documentation = setting.documentation();
@@ -149,7 +153,9 @@ mod tests {
     fn refusals_name_the_nearest_key_the_range_and_the_words() {
         assert_eq!(advice("MAKS", "unknown key"), "; is MASK meant?");
         assert_eq!(advice("phse", "unknown key"), "; is PHASE meant?");
-        assert_eq!(advice("COLOUR", "unknown key"), "");
+        for key in ["COLOUR", "FOO"] {
+            assert_eq!(advice(key, "unknown key"), "; INTERFACES.md lists every key and its values");
+        }
         assert_eq!(advice("MASK", "out of range"), "; it takes 0 to 60 °");
         assert!(advice("PHASE", "unknown value").contains("NPA, LPV200"));
         assert_eq!(differences("kitten", "sitting"), 3);

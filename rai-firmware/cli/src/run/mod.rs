@@ -323,9 +323,7 @@ fn apply(plan: &Plan, receiver: &mut Module) -> Result<()> {
         let (_, why) = answer.split_once(",ERR,").unwrap_or_default();
         let why = why.split('*').next().unwrap_or_default();
         let advice = settings::advice(key, why);
-        bail!(
-            "the module refuses {key} = \"{value}\": {why}{advice} (INTERFACES.md lists every key and its values)"
-        );
+        bail!("the module refuses {key} = \"{value}\": {why}{advice}");
     }
     let configuration = receiver.configuration();
     let is_silent =
