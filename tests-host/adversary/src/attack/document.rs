@@ -5,8 +5,6 @@ use std::fmt::Write as _;
 use super::record::{Entry, Record, Recorded};
 use super::{Effort, attacks};
 
-/// Largest number of figures that are listed one by one, in their order.
-const EACH: usize = 12;
 /// Largest number of quantities that are listed although no bound holds for them.
 const QUANTITIES: usize = 16;
 
@@ -24,14 +22,14 @@ impl Same<'_> {
     }
 }
 
-/// Returns the figures of one attack in one form: each, or the range of each quantity if they are
-/// many, and only quantities with a bound, if any, if these are many as well.
+/// Returns the figures of one attack in one form: the range of each quantity, and only quantities
+/// with a bound, if any, if these are many.
 fn cell(entry: Option<&Entry>, is_bounded: impl Fn(&str) -> bool) -> String {
     let figures = entry.map_or(&[][..], |entry| &entry.figures);
     let mut all: Vec<Same> = Vec::new();
     for Recorded { quantity, value, bound } in figures {
         let same = all.iter_mut().find(|same| same.quantity == *quantity && same.bound == *bound);
-        match same.filter(|_| figures.len() > EACH) {
+        match same {
             Some(same) => same.values.push(value),
             None => all.push(Same { quantity, bound, values: vec![value] }),
         }
@@ -88,12 +86,8 @@ fn entry(count: usize, quantities: usize, bound: &str) -> Entry {
 }
 
 #[test]
-fn few_figures_are_listed_one_by_one_with_their_bounds() {
-    assert_eq!(cell(Some(&entry(3, 2, "≤ 2")), |_| true), "q0 0 (≤ 2); q1 1; q0 2 (≤ 2)");
-}
-
-#[test]
-fn many_figures_are_a_range_of_each_quantity() {
+fn figures_are_a_range_of_each_quantity_with_its_bound() {
+    assert_eq!(cell(Some(&entry(3, 2, "≤ 2")), |_| true), "q0 0 to 2 (≤ 2); q1 1");
     assert_eq!(cell(Some(&entry(14, 3, "≤ 20")), |_| true), "q0 0 to 12 (≤ 20); q1 1 to 13; q2 2 to 11");
 }
 

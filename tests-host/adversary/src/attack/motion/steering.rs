@@ -23,7 +23,7 @@ pub(super) const ATTACK: Attack = Attack {
     about: "a clock that drifts by 0.1 m/s to 1 km/s, and is set back every second from the fifth minute on, which is no fault",
     branch: Branch::All,
     before: "not tried",
-    note: "`CLOCK` until then, as for a drag-off",
+    note: "`CLOCK` meanwhile, as for a drag-off",
     run,
 };
 
