@@ -101,7 +101,7 @@ pub(crate) const VERBS: &[Verb] = &[
     verb("bench", "Measures the cost of the module on the chip: instructions, flash, RAM, stack", RIG, BOARD),
     verb("image", "Builds named images, and compares their memory with their limits", RIG, &[Need::Chip]),
     verb("flash", "Writes an image to a chip, or checks that it fits", RIG, &[Need::Chip]),
-    verb("header", "Generates the header of the C interface", RIG, &[]),
+    verb("header", "Generates the header of the C interface", RELEASE, &[]),
     verb(
         "archives",
         "Builds the library for C for every processor: Cortex-M0+, M4F, M7, M33 and RV32",

@@ -23,6 +23,7 @@ mod deb;
 mod debian;
 mod elf;
 mod files;
+mod header;
 mod manual;
 mod packages;
 mod page;
@@ -57,6 +58,8 @@ enum Command {
     Archives(archives::Arguments),
     /// Packs the libraries and the command as users receive them, and compiles the result.
     Packages,
+    /// Generates the header of the C interface.
+    Header(header::Arguments),
 }
 
 /// Arguments of the command.
@@ -103,7 +106,7 @@ type Part = (&'static str, fn(&Path) -> Result<Built>);
 
 const PARTS: [Part; 10] = [
     ("packages", of_packages),
-    ("header", header),
+    ("header", header::copy),
     ("C archives", |out| archives::build(out).map(Built::of)),
     ("shared C library", archives::shared),
     ("images", images),
@@ -120,6 +123,7 @@ fn main() -> ExitCode {
         Command::Release(arguments) => release(&arguments),
         Command::Archives(arguments) => archives::run(&arguments),
         Command::Packages => packages::verify(),
+        Command::Header(arguments) => header::run(&arguments),
     })
 }
 
@@ -173,12 +177,6 @@ fn rai(out: &Path) -> Result<Built> {
     } else {
         Built::of(vec![archive])
     })
-}
-
-fn header(out: &Path) -> Result<Built> {
-    let (committed, header) = (fs::read_to_string(rig::capi::header_path())?, rig::capi::header()?);
-    ensure!(committed == header, "{}", rig::capi::STALE_HEADER);
-    Ok(Built::of(vec![files::copy(&rig::capi::header_path(), &out.join("rai.h"))?]))
 }
 
 /// Builds the named images.

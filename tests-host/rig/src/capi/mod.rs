@@ -1,8 +1,7 @@
-//! The C interface: its header, and C programs that use it.
+//! The C interface: its libraries, and C programs that use it.
 //!
 //! | step | with |
 //! |---|---|
-//! | header from the sources | cbindgen |
 //! | static and shared library of the host, static library of the chip | cargo |
 //! | program, for the host and for the chip | gcc, arm-none-eabi-gcc |
 
@@ -18,10 +17,6 @@ use crate::image;
 pub mod calls;
 pub mod program;
 
-/// Message if the committed header differs from that of the sources.
-pub const STALE_HEADER: &str = "the C interface has changed and its header has not: run `cargo xtask header`, and raise \
-                                RAI_ABI_VERSION if a program compiled against the old header would misunderstand the new library";
-
 /// Returns the folder of the C interface's package.
 pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../rai-firmware/capi")
@@ -30,22 +25,6 @@ pub fn folder() -> PathBuf {
 /// Returns the path of the committed header.
 pub fn header_path() -> PathBuf {
     folder().join("include/rai.h")
-}
-
-/// Generates the header from the sources.
-///
-/// # Errors
-/// If a source cannot be parsed as Rust.
-pub fn header() -> anyhow::Result<String> {
-    let config = cbindgen::Config::from_file(folder().join("cbindgen.toml")).map_err(anyhow::Error::msg)?;
-    // The root comes first, because it lists the modules in the reader's order.
-    let builder = cbindgen::Builder::new().with_config(config).with_src(folder().join("src/lib.rs"));
-    let mut header = Vec::new();
-    builder
-        .generate()
-        .context("the header cannot be generated from the sources of the C interface")?
-        .write(&mut header);
-    Ok(String::from_utf8(header)?.replace("@VERSION@", env!("CARGO_PKG_VERSION")))
 }
 
 /// Target of the boards.

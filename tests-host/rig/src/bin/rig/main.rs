@@ -4,7 +4,6 @@
 mod bench;
 mod demo;
 mod flash;
-mod header;
 mod image;
 mod replay;
 
@@ -37,8 +36,6 @@ enum Command {
     Image(image::Arguments),
     /// Writes an image to a chip, or checks that it fits.
     Flash(flash::Arguments),
-    /// Generates the header of the C interface.
-    Header(header::Arguments),
     /// Fetches real recordings that packages carry.
     Recordings,
 }
@@ -65,7 +62,6 @@ fn dispatch(command: Command) -> Result<()> {
         Command::Prove(Prove { image: None }) => rig::no_panic::prove(),
         Command::Image(arguments) => image::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
-        Command::Header(arguments) => header::run(&arguments),
         Command::Recordings => rig::recordings::fetch(),
     }
 }
