@@ -47,6 +47,7 @@ const BOARD: &[Need] = &[Need::Chip, Need::Emulator];
 
 /// The programs.
 const RAI: Place = Program { package: "raim", name: "rai" };
+const DEMO: Place = Program { package: "emulated", name: "demo" };
 const RIG: Place = Program { package: "rig", name: "rig" };
 const ORACLE: Place = Program { package: "oracle", name: "oracle" };
 const ADVERSARY: Place = Program { package: "adversary", name: "adversary" };
@@ -58,7 +59,7 @@ pub(crate) const VERBS: &[Verb] = &[
     verb(
         "demo",
         "Shows the module at work: a simulated sky, a drifting satellite, the emulated board",
-        RIG,
+        DEMO,
         BOARD,
     ),
     verb(

@@ -14,7 +14,6 @@
 //! [ARMv7-M]: crate#references
 //! [DS8626]: crate#references
 
-mod build;
 mod chips;
 mod named;
 
@@ -25,9 +24,11 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind};
 
-pub use build::{CompiledFor, SHIPPED, build, build_for, build_rai, build_small_module, build_with};
-pub(crate) use build::{SECOND_BOARD_FLAGS, apart, cargo, executable};
 pub use chips::Chip;
+pub use emulated::image::{
+    CompiledFor, SHIPPED, build, build_for, build_rai, build_small_module, build_with,
+};
+pub(crate) use emulated::image::{SECOND_BOARD_FLAGS, apart, cargo, executable};
 pub use named::{NAMED, Named};
 
 /// Largest size of the statics: the receiver (60 KiB), the ports' rings (8 KiB), and little more.

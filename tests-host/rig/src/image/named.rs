@@ -21,9 +21,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 
-use super::build::{CompiledFor, SHIPPED, apart, built, cargo};
 use super::chips::{Chip, OTHERS, SUPPORTED};
 use super::{Image, build};
+use emulated::image::{CompiledFor, SHIPPED, apart, built, cargo};
 
 /// An image that has a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,6 @@
 //! `cargo xtask` builds and calls this program.
 
 mod bench;
-mod demo;
 mod flash;
 mod image;
 mod replay;
@@ -22,8 +21,6 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Shows the module at work: a simulated sky, a drifting satellite, the emulated board.
-    Demo(demo::Arguments),
     /// Replays a recording through the module, on the host or on the emulated board.
     Replay(Box<raim::replay::command::Arguments>),
     /// Shows the state of a module on a serial port.
@@ -54,9 +51,8 @@ fn main() -> ExitCode {
 
 fn dispatch(command: Command) -> Result<()> {
     match command {
-        Command::Demo(arguments) => demo::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
-        Command::Monitor(arguments) => raim::monitor::command::run(&arguments, Some(&rig::demo::watched)),
+        Command::Monitor(arguments) => raim::monitor::command::run(&arguments, Some(&rig::watched)),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Prove(Prove { image: Some(name) }) => rig::no_panic::prove_image(Named::of(&name)?),
         Command::Prove(Prove { image: None }) => rig::no_panic::prove(),

@@ -1,20 +1,29 @@
 //! `cargo xtask demo`: one satellite drifts off while the emulated board is watched.
 
 use std::path::Path;
+use std::process::ExitCode;
 
 use anyhow::Context;
+use clap::Parser;
+use emulated::demo::{Live, Plan, View};
+use emulated::image;
 use raim::page::canvas::Ground;
 use raim::page::html::write_file;
 use raim::signal::fault;
-use rig::demo::{Live, Plan, View};
-use rig::image;
 
 /// Folder of the report.
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/rai-demo");
 
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+enum Command {
+    /// Shows the module at work: a simulated sky, a drifting satellite, the emulated board.
+    Demo(Arguments),
+}
+
 /// Arguments of the command.
 #[derive(clap::Args)]
-pub(crate) struct Arguments {
+struct Arguments {
     /// Satellite that drifts off
     #[arg(long, default_value = "G15")]
     sat: String,
@@ -26,8 +35,12 @@ pub(crate) struct Arguments {
     headless: bool,
 }
 
-/// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+fn main() -> ExitCode {
+    let Command::Demo(arguments) = raim::exit::arguments();
+    raim::exit::code_of(|| run(&arguments))
+}
+
+fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let satellite = fault::satellite(&arguments.sat)
         .with_context(|| format!("--sat {} is not a satellite; write a name such as G15", arguments.sat))?;
     let plan = Plan { satellite, bias_m: arguments.bias, seed: 1 };

@@ -10,8 +10,8 @@ use raim::replay::Module;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::fault::{Injector, satellite};
 
-use super::Plan;
 use crate::board::EmulatedBoard;
+use crate::demo::Plan;
 use crate::image;
 
 /// Interval between two epochs of the emulated board: ten epochs a second.

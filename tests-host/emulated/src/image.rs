@@ -1,4 +1,4 @@
-//! Builds of the firmware image by cargo.
+//! The image of the firmware, built by cargo.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ impl CompiledFor {
     pub const ALL: [Self; 2] = [Self::Speed, Self::Size];
 
     /// Returns cargo's profile.
-    pub(crate) fn profile(self) -> &'static str {
+    pub fn profile(self) -> &'static str {
         match self {
             Self::Speed => "firmware",
             Self::Size => "firmware-for-size",
@@ -30,7 +30,7 @@ impl CompiledFor {
     }
 
     /// Returns the alias of cargo that builds such an image.
-    pub(super) fn command(self) -> &'static str {
+    pub fn command(self) -> &'static str {
         match self {
             Self::Speed => "image",
             Self::Size => "image-for-size",
@@ -68,19 +68,22 @@ pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
 
 /// Makes cargo write its results to a folder without files of the same names. Intermediate files
 /// are shared with other builds: a library with the same features and flags is compiled once.
-pub(crate) fn apart<'c>(cargo: &'c mut Command, folder: &Path) -> &'c mut Command {
+pub fn apart<'c>(cargo: &'c mut Command, folder: &Path) -> &'c mut Command {
     cargo.arg("--target-dir").arg(folder).env("CARGO_BUILD_BUILD_DIR", "target")
 }
 
 /// Returns cargo's command at the project's root.
-pub(crate) fn cargo() -> Command {
+pub fn cargo() -> Command {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
     cargo
 }
 
-/// Builds an image and returns its path.
-pub(crate) fn built(cargo: &mut Command) -> anyhow::Result<PathBuf> {
+/// Runs a build and returns the path of its program.
+///
+/// # Errors
+/// As [`build`].
+pub fn built(cargo: &mut Command) -> anyhow::Result<PathBuf> {
     let output = cargo
         .args(["--quiet", "--message-format=json-render-diagnostics"])
         .stderr(Stdio::inherit())
@@ -111,7 +114,7 @@ pub fn build_rai() -> anyhow::Result<PathBuf> {
 }
 
 /// Compiler flags for the second board's processor.
-pub(crate) const SECOND_BOARD_FLAGS: &str =
+pub const SECOND_BOARD_FLAGS: &str =
     "-C target-cpu=cortex-m7 -C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
 
 /// Builds the image that the arguments select for a board, and returns its path. Each board has its
@@ -133,7 +136,8 @@ pub fn build_for(machine: Machine, chosen: &[&str]) -> anyhow::Result<PathBuf> {
     built(apart(&mut cargo, Path::new("target/mps2_an500")))
 }
 
-pub(crate) fn executable(messages: &str) -> Option<PathBuf> {
+/// Returns the program that cargo's messages name.
+pub fn executable(messages: &str) -> Option<PathBuf> {
     messages
         .lines()
         .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())

@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 
-use crate::setup::emulator::{self, PROGRAM};
-use crate::setup::on_path;
+use xtask::setup::emulator::{self, PROGRAM};
+use xtask::setup::on_path;
 
 /// Time within which the emulator must connect its ports.
 const START_PATIENCE: Duration = Duration::from_secs(20);
@@ -39,7 +39,7 @@ pub enum Machine {
 
 impl Machine {
     /// Returns the emulator's arguments for the board.
-    pub(crate) const fn arguments(self) -> &'static [&'static str] {
+    pub const fn arguments(self) -> &'static [&'static str] {
         match self {
             Self::Stm32f405 => &["-machine", "netduinoplus2"],
             Self::Mps2An500 => &["-machine", "mps2-an500", "-cpu", "cortex-m7"],

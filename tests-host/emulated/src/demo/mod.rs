@@ -22,7 +22,6 @@
 mod live;
 mod ordinary;
 mod story;
-mod watched;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -42,7 +41,6 @@ use raim_core::satellite::SatelliteId;
 pub use live::{Live, View};
 pub use ordinary::{Accepter, Ordinary};
 pub use story::Story;
-pub use watched::watched;
 
 use crate::board::EmulatedBoard;
 
