@@ -11,7 +11,7 @@ use raim::signal::sky::raw::Simulation;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use rig::capi::program::{STRICT, SYSTEM};
-use rig::capi::{self, Kind, WHOLE, folder, library, run};
+use rig::capi::{Kind, WHOLE, folder, library, run};
 use rig::skip;
 
 fn example(name: &str) -> PathBuf {
