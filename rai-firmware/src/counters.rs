@@ -6,7 +6,7 @@ macro_rules! counters {
     ($(#[$of_struct:meta])* $name:ident { $($(#[$of_field:meta])* $([$feature:literal])? $field:ident,)* }) => {
         $(#[$of_struct])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-        #[cfg_attr(all(target_os = "none", feature = "cortex-m-board"), derive(defmt::Format))]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         #[non_exhaustive]
         pub struct $name {
             $($(#[$of_field])* $(#[cfg(feature = $feature)])? pub $field: u32,)*

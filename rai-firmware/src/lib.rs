@@ -68,8 +68,8 @@
 //! | `log` | the log of a board |
 //! | `observer` | an account of each judged epoch, satellite by satellite, for a program on a computer ([`observer`]); off at start |
 //!
-//! Commands that need a missing feature are refused with `not in this build`. `stm32f405` and
-//! `mps2-an500` are the boards; only they need the crates of a Cortex-M.
+//! Commands that need a missing feature are refused with `not in this build`. Boards are
+//! packages of their own, which bring the crates of their chips.
 //!
 //! # Output
 //!
@@ -147,7 +147,7 @@
 //! | `UBX-M8` | u-blox UBX-13003221, *u-blox 8/u-blox M8 receiver description including protocol specification* |
 //! | `Yang2015` | Yang Lin et al., RAIM threshold optimisation, Electronics Optics & Control 22(7) (2015) 38–42 |
 #![no_std]
-#![deny(unsafe_code)] // Only the files of a board allow it.
+#![forbid(unsafe_code)]
 #![warn(clippy::missing_panics_doc)]
 // A small build leaves shared parts unused, and marking each part with its features would be noise.
 #![cfg_attr(not(feature = "whole"), allow(dead_code))]

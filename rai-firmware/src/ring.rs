@@ -120,11 +120,7 @@ impl<const N: usize> Ring<N> {
 
     /// Moves the oldest bytes into `chunk` (reader's side) and returns their number.
     pub fn read_into(&self, chunk: &mut [u8]) -> usize {
-        let read = self.read.load(Ordering::Relaxed);
-        let fill = self.written.load(Ordering::Acquire).wrapping_sub(read);
-        if fill > self.peak.load(Ordering::Relaxed) {
-            self.peak.store(fill, Ordering::Relaxed);
-        }
+        let (read, fill) = self.waiting();
         let count = fill.min(chunk.len());
         for (offset, byte) in chunk.iter_mut().take(count).enumerate() {
             if let Some(slot) = self.slot(read.wrapping_add(offset)) {
@@ -133,6 +129,24 @@ impl<const N: usize> Ring<N> {
         }
         self.read.store(read.wrapping_add(count), Ordering::Release);
         count
+    }
+
+    /// Drops all waiting bytes and returns their number (reader's side).
+    pub(crate) fn discard(&self) -> usize {
+        let (read, fill) = self.waiting();
+        self.read.store(read.wrapping_add(fill), Ordering::Release);
+        fill
+    }
+
+    /// Returns the position of the oldest byte and the number of bytes that wait, and notes the
+    /// largest number (reader's side).
+    fn waiting(&self) -> (usize, usize) {
+        let read = self.read.load(Ordering::Relaxed);
+        let fill = self.written.load(Ordering::Acquire).wrapping_sub(read);
+        if fill > self.peak.load(Ordering::Relaxed) {
+            self.peak.store(fill, Ordering::Relaxed);
+        }
+        (read, fill)
     }
 
     /// Returns the position of the next byte written (writer's side).

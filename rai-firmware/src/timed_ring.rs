@@ -177,18 +177,8 @@ impl<const N: usize, const M: usize> TimedRing<N, M> {
 
     /// Drops all waiting bytes.
     fn give_up(&self) {
-        let mut chunk = [0; 32];
-        let mut left = self.bytes.len();
-        while left > 0 {
-            let most = left.min(chunk.len());
-            let count = self.bytes.read_into(chunk.get_mut(..most).unwrap_or_default());
-            if count == 0 {
-                break;
-            }
-            left -= count;
-            let count = u32::try_from(count).unwrap_or(u32::MAX);
-            self.given_up.store(self.given_up().saturating_add(count), Ordering::Relaxed);
-        }
+        let count = u32::try_from(self.bytes.discard()).unwrap_or(u32::MAX);
+        self.given_up.store(self.given_up().saturating_add(count), Ordering::Relaxed);
         self.pass_notes();
     }
 }

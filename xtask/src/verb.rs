@@ -193,7 +193,7 @@ impl Verb {
     /// keeps one core busy.
     fn image_beside(&self) -> Option<Child> {
         let is_asked = self.needs.contains(&Need::Chip) && self.needs.contains(&Need::Emulator);
-        let mut build = cargo::command(&["image", "--quiet", "--bin", "raim-firmware"]);
+        let mut build = cargo::command(&["image", "--quiet"]);
         is_asked.then(|| build.stdout(Stdio::null()).stderr(Stdio::null()).spawn().ok()).flatten()
     }
 

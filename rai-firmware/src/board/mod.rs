@@ -1,18 +1,17 @@
 //! The interface of a board: the hardware functions that the module needs.
 //!
 //! [`crate::epoch_loop`] runs on any [`Board`]: a chip, an emulated chip, or a model of the ports
-//! on the host with simulated time. A new board is one folder here, with
+//! on the host with simulated time. A new board is a package beside `boards/stm32f405`, with
 //!
 //! | part | in `stm32f405` | in `mps2_an500` |
 //! |---|---|---|
-//! | start: pin low first, then the clock, the ports, the watchdog | `mod.rs`, `clock.rs`, `pins.rs` | `mod.rs` |
+//! | start: pin low first, then the clock, the ports, the watchdog | `board.rs`, `clock.rs`, `pins.rs` | `board.rs` |
 //! | three ports through rings, in interrupts | `ports.rs` | `ports.rs` |
-//! | faults: pin low, a record, a reset | `fault.rs` | `fault.rs` |
+//! | causes of a reset | `fault.rs` | – |
 //! | the memory map | `regions.x`, for `memory.x` at the top level | `regions.x` |
 //!
-//! `arm` holds the parts that all Cortex-M boards share: time from `SysTick`, the rings of the
-//! ports, the guarded stack, the log. These files are part of the binary and not of this library.
-//! Each board's crates come with the feature of its name.
+//! `boards/arm` holds the parts that all Cortex-M boards share: time from `SysTick`, the rings of
+//! the ports, the guarded stack, faults, the log.
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
@@ -25,6 +24,9 @@ pub use crate::settings::SEALED_BYTES;
 use crate::counters::counters;
 use crate::timed_ring::Taken;
 use reset::ResetCause;
+
+/// True if a board has a log.
+pub const HAS_LOG: bool = cfg!(feature = "log");
 
 /// Bytes of the ring to the host.
 ///

@@ -47,23 +47,12 @@ impl fmt::Display for CompiledFor {
     }
 }
 
-/// Arguments of cargo that select the shipped image.
-pub const SHIPPED: [&str; 2] = ["--bin", "raim-firmware"];
-
-/// Builds the image and returns its path.
+/// Builds the shipped image and returns its path.
 ///
 /// # Errors
 /// If cargo cannot be run or the build fails; cargo has then printed the reason.
 pub fn build() -> anyhow::Result<PathBuf> {
-    build_with(&SHIPPED)
-}
-
-/// Builds the image that the arguments select, in the same way as the shipped one.
-///
-/// # Errors
-/// As [`build`].
-pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
-    built(cargo().arg("image").args(chosen))
+    built(cargo().arg("image"))
 }
 
 /// Makes cargo write its results to a folder without files of the same names. Intermediate files
@@ -117,23 +106,40 @@ pub fn build_rai() -> anyhow::Result<PathBuf> {
 pub const SECOND_BOARD_FLAGS: &str =
     "-C target-cpu=cortex-m7 -C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
 
-/// Builds the image that the arguments select for a board, and returns its path. Each board has its
-/// own folder.
+/// Builds the shipped image for a board, and returns its path. Each board has its own folder.
 ///
 /// # Errors
 /// As [`build`].
-pub fn build_for(machine: Machine, chosen: &[&str]) -> anyhow::Result<PathBuf> {
-    if machine == Machine::Stm32f405 {
-        return build_with(chosen);
+pub fn build_for(machine: Machine) -> anyhow::Result<PathBuf> {
+    match machine {
+        Machine::Stm32f405 => build(),
+        Machine::Mps2An500 => built(for_board(machine).args(["--package", "raim-mps2-an500"])),
     }
-    // These flags replace those of the project's own configuration, so they repeat all of them.
+}
+
+/// Builds the measuring image for a board, compiled like the shipped one, and returns its path.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_laboratory(machine: Machine) -> anyhow::Result<PathBuf> {
+    let mut cargo = for_board(machine);
+    cargo.args(["--package", "instruments", "--bin", "laboratory"]);
+    if machine == Machine::Stm32f405 {
+        cargo.args(["--features", "stm32f405"]);
+    }
+    built(&mut cargo)
+}
+
+/// Returns cargo's command that builds for a board as its image ships.
+fn for_board(machine: Machine) -> Command {
     let mut cargo = cargo();
+    cargo.args(["build", "--profile", "firmware", "--target", "thumbv7em-none-eabihf"]);
+    if machine == Machine::Mps2An500 {
+        // These flags replace those of the project's own configuration, so they repeat all of them.
+        cargo.env("RUSTFLAGS", SECOND_BOARD_FLAGS);
+        apart(&mut cargo, Path::new("target/mps2_an500"));
+    }
     cargo
-        .args(["build", "--profile", "firmware", "--target", "thumbv7em-none-eabihf"])
-        .args(["--package", "raim-firmware", "--features", "mps2-an500"])
-        .args(chosen)
-        .env("RUSTFLAGS", SECOND_BOARD_FLAGS);
-    built(apart(&mut cargo, Path::new("target/mps2_an500")))
 }
 
 /// Returns the program that cargo's messages name.

@@ -55,7 +55,7 @@ pub fn index(image: Option<&Path>) -> Result<Vec<Part>> {
     }
     if let Some(image) = image {
         let name = image.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        parts.push(part(&format!("image ({name})"), &sum(image)?, "cargo image --bin raim-firmware"));
+        parts.push(part(&format!("image ({name})"), &sum(image)?, "cargo image"));
     }
     Ok(parts)
 }

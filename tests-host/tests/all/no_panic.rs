@@ -11,7 +11,7 @@ fn sources(of: &str) -> std::path::PathBuf {
 
 /// Returns the functions of a documented interface that a list of the proof lacks.
 fn missing_from_the_proof(library: &str, list: &str) -> Vec<String> {
-    let list = sources("rai-firmware").join("bin/no_panic").join(list);
+    let list = sources("rai-firmware/instruments").join("no_panic").join(list);
     let list = std::fs::read_to_string(list).expect("the list");
     coverage::missing(&sources(library).join("lib.rs"), &list).expect("the sources")
 }

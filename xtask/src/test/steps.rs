@@ -111,7 +111,13 @@ fn rig(arguments: &[&str]) -> Result<Done> {
 
 fn lints_of_the_image() -> Result<Done> {
     let target = format!("--target={}", TARGETS[0]);
-    let what = ["--profile=firmware", &target, "--package=raim-firmware", "--features=stm32f405,instruments"];
+    let what = [
+        "--profile=firmware",
+        &target,
+        "--package=raim-stm32f405",
+        "--package=instruments",
+        "--features=instruments/stm32f405",
+    ];
     cargo(&[&["clippy"], &what[..], &["--", "-D", "warnings"]].concat())
 }
 

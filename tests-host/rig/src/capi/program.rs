@@ -141,7 +141,7 @@ fn run_on(
     link.arg(object(ARM, Language::C, &flags, "board.c", out)?);
     link.arg("-T").arg(source("board.ld"));
     link.arg("-L").arg(folder().join("../.."));
-    link.arg("-L").arg(folder().join("../src/board").join(memory));
+    link.arg("-L").arg(folder().join("../boards").join(memory));
     link.arg(library).arg("-lgcc");
     run(&mut link)?;
     std::fs::write(out.join("calls.bin"), calls.as_bytes())?;

@@ -25,9 +25,7 @@ use anyhow::{Context, ensure};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind};
 
 pub use chips::Chip;
-pub use emulated::image::{
-    CompiledFor, SHIPPED, build, build_for, build_rai, build_small_module, build_with,
-};
+pub use emulated::image::{CompiledFor, build, build_for, build_laboratory, build_rai, build_small_module};
 pub(crate) use emulated::image::{SECOND_BOARD_FLAGS, apart, cargo, executable};
 pub use named::{NAMED, Named};
 

@@ -23,7 +23,7 @@ use anyhow::{Context as _, bail};
 
 use super::chips::{Chip, OTHERS, SUPPORTED};
 use super::{Image, build};
-use emulated::image::{CompiledFor, SHIPPED, apart, built, cargo};
+use emulated::image::{CompiledFor, apart, built, cargo};
 
 /// An image that has a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,8 +136,16 @@ impl Named {
     /// Builds an image with these features in a folder of its own.
     fn build_in(&self, folder: &str, features: &str) -> anyhow::Result<PathBuf> {
         let mut cargo = cargo();
-        cargo.arg(self.compiled_for.command()).args(SHIPPED);
-        cargo.args(["--no-default-features", "--features", features]);
+        let features: Vec<String> = features
+            .split(',')
+            .filter(|name| !name.is_empty())
+            .map(|name| format!("raim-firmware/{name}"))
+            .collect();
+        cargo.arg(self.compiled_for.command()).args([
+            "--no-default-features",
+            "--features",
+            &features.join(","),
+        ]);
         built(apart(&mut cargo, &Path::new("target/images").join(folder)))
             .with_context(|| format!("image `{}`", self.name))
     }

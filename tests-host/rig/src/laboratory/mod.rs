@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | instructions | [`Answer::instructions`] | 1; one takes one nanosecond of the emulator's time |
 //!
-//! Reference: the image's own modules, `rai-firmware/src/bin/laboratory/`, define the request and
+//! Reference: the image's own modules, `rai-firmware/instruments/src/laboratory/`, define the request and
 //! answer formats.
 
 use std::path::{Path, PathBuf};
@@ -123,7 +123,8 @@ impl Bench {
     /// As [`Self::run`].
     pub fn run_on(&self, machine: Machine) -> Result<Vec<Answer>> {
         let folder = Folder::new()?;
-        let output = self.emulator(&folder, machine, &build(machine)?)?.output().context(MISSING)?;
+        let output =
+            self.emulator(&folder, machine, &image::build_laboratory(machine)?)?.output().context(MISSING)?;
         let bytes = std::fs::read(folder.0.join("answers.bin")).unwrap_or_default();
         let answers = answers(&bytes, machine);
         ensure!(
@@ -162,7 +163,7 @@ impl Bench {
     /// Runs the requests with a log of every instruction, which `read` takes as far as it wants.
     fn logged<R>(&self, read: impl FnOnce(&Path, ChildStderr) -> Result<R>) -> Result<R> {
         let folder = Folder::new()?;
-        let image = build(Machine::Stm32f405)?;
+        let image = image::build_laboratory(Machine::Stm32f405)?;
         let mut emulator = self
             .emulator(&folder, Machine::Stm32f405, &image)?
             .args(["-singlestep", "-d", "exec,nochain"])
@@ -194,11 +195,6 @@ impl Bench {
 
 /// Message if the emulator does not start.
 const MISSING: &str = "qemu-system-arm cannot be run (`cargo xtask setup` installs it)";
-
-/// Builds the measuring image in release form, like the shipped one.
-fn build(machine: Machine) -> Result<PathBuf> {
-    image::build_for(machine, &["--features", "instruments", "--bin", "laboratory"])
-}
 
 fn answers(bytes: &[u8], machine: Machine) -> Vec<Answer> {
     let mut rest = bytes;

@@ -13,7 +13,7 @@ fn reachable_panic_is_found_and_named() {
         let proof = no_panic::prove_library(no_panic::ONE_PANIC, compiled_for);
         let error = proof.expect_err("the panic that was put there").to_string();
         println!("{error}");
-        let want = "rai-firmware/src/bin/reachable_panic.rs:";
+        let want = "rai-firmware/instruments/src/reachable_panic.rs:";
         assert!(error.starts_with("a panic is reachable from\n") && error.contains(want), "have {error}");
         assert_eq!(error.lines().count(), 2, "one place: have {error}");
     }

@@ -37,7 +37,7 @@ fn of_epochs<'l>(lines: impl Iterator<Item = &'l str>) -> Vec<String> {
 }
 
 fn on_board(machine: Machine, lumps: &[Vec<u8>]) -> (Vec<String>, Vec<u64>) {
-    let image = image::build_for(machine, &image::SHIPPED).expect("an image");
+    let image = image::build_for(machine).expect("an image");
     let settings = Settings { machine, ..Settings::default() };
     let mut board = EmulatedBoard::start_with(&image, &settings).expect("the emulator starts");
     board.read_through("$PRAIV", PATIENCE).expect("the board greets");

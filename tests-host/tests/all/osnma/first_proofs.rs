@@ -177,7 +177,7 @@ mod at_length {
         let utc_s = f64::from(start_s + 2) + 1024.0 * 604_800.0 + 315_964_800.0 - 18.0;
         let settings = [KEY.to_owned(), format!("TRUST,{utc_s:.1},5")];
         let runs = [Machine::Stm32f405, Machine::Mps2An500].map(|machine| {
-            let image = image::build_for(machine, &image::SHIPPED).expect("the image builds");
+            let image = image::build_for(machine).expect("the image builds");
             FORMATS.map(|format| (machine, image.clone(), format))
         });
         thread::scope(|scope| {

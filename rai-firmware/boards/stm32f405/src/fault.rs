@@ -29,10 +29,11 @@ pub const fn cause(csr: u32) -> ResetCause {
 #[cfg(target_os = "none")]
 mod registers {
     use cortex_m_rt::exception;
+    use raim_board_arm::fault::{give_up, take_record};
     use raim_firmware::board::reset::{Fault, ResetCause};
     use stm32f4::stm32f405::RCC;
 
-    use crate::arm::fault::{give_up, take_record};
+    use crate::board::Stm32f405;
 
     /// Reads and clears the reset cause: the record of a fault if there is one, otherwise the
     /// chip's flags.
@@ -47,14 +48,14 @@ mod registers {
     #[exception]
     #[allow(unsafe_code)]
     unsafe fn NonMaskableInt() -> ! {
-        give_up(Fault::Clock)
+        give_up::<Stm32f405>(Fault::Clock)
     }
 
     /// Treats an interrupt that was not enabled as a fault.
     #[exception]
     #[allow(unsafe_code)]
     unsafe fn DefaultHandler(_number: i16) -> ! {
-        give_up(Fault::Hard { address: 0 })
+        give_up::<Stm32f405>(Fault::Hard { address: 0 })
     }
 }
 

@@ -1,23 +1,4 @@
-//! The emulated MPS2 board with the image AN500, a Cortex-M7 with doubles in hardware, as an
-//! example of a port.
-//!
-//! | part | peripheral |
-//! |---|---|
-//! | host, GNSS, log port | UART 0, 1, 2 (CMSDK) |
-//! | integrity pin | user LED 0 of the board's registers |
-//! | time | `SysTick`, one interrupt per millisecond |
-//! | watchdog | CMSDK watchdog, fed by the epoch loop alone |
-//!
-//! The emulator keeps no reset flags, so that a start without the record of a fault reports
-//! `UNKNOWN`. The LED register is written but not emulated; the log shows the pin.
-//!
-//! References: [AN500]; [CMSDK] (UART, watchdog).
-//!
-//! [AN500]: raim_firmware#references
-//! [CMSDK]: raim_firmware#references
-
-mod ports;
-mod registers;
+//! The board of the module, on the emulated MPS2.
 
 use core::convert::Infallible;
 use core::mem::MaybeUninit;
@@ -26,28 +7,24 @@ use core::ops::Range;
 use cortex_m::singleton;
 use cortex_m_rt::entry;
 use embedded_hal::digital::{ErrorType, OutputPin};
+use raim_board_arm::rings::{self, HostPort};
+use raim_board_arm::{Chip, fault, handlers, log, sealed, stack, start, time};
 use raim_firmware::board::reset::ResetCause;
 use raim_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
 use raim_firmware::receiver::Boot;
 use raim_firmware::timed_ring::Taken;
 
-use crate::arm::rings::{self, HostPort};
-use crate::arm::{fault, log, sealed, stack, start, time};
-use registers::{LED, WATCHDOG};
-
-pub use ports::send_log;
-
-/// Address range of the stack.
-pub const RAM: Range<usize> = 0x2000_0000..0x2040_0000;
+use crate::ports;
+use crate::registers::{LED, WATCHDOG};
 
 /// Frequency of the core, Hz.
-const CORE_HZ: u32 = 25_000_000;
+pub const CORE_HZ: u32 = 25_000_000;
 
 /// Ticks until the watchdog's interrupt, two seconds, and again until its reset.
 const WATCHDOG_TICKS: u32 = 2 * CORE_HZ;
 
 /// The board after start-up.
-struct Mps2An500 {
+pub struct Mps2An500 {
     reset_cause: ResetCause,
     host: HostPort,
     sealed: &'static mut [u8; SEALED_BYTES],
@@ -59,10 +36,26 @@ pub struct IntegrityPin {
     driven_ticks: u64,
 }
 
+handlers!(Mps2An500);
+
+impl Chip for Mps2An500 {
+    const RAM: Range<usize> = 0x2000_0000..0x2040_0000;
+
+    fn drop_integrity_pin() {
+        LED.set(0);
+    }
+
+    fn send_log(frame: &[u8]) {
+        ports::send_log(frame);
+    }
+}
+
 #[entry]
 fn main() -> ! {
     let place = singleton!(: start::Place<IntegrityPin> = MaybeUninit::uninit());
-    let (Some((mut board, pin)), Some(place)) = (Mps2An500::take(), place) else { fault::reset_on_request() };
+    let (Some((mut board, pin)), Some(place)) = (Mps2An500::take(), place) else {
+        fault::reset_on_request::<Mps2An500>()
+    };
     log::start();
     log!(info, "clock: {=str}, core at {=u32} Hz", "Board", CORE_HZ);
     start::run(&mut board, place, pin)
@@ -72,7 +65,7 @@ impl Mps2An500 {
     /// Starts the board, the pin first; `None` if it was taken before.
     fn take() -> Option<(Self, IntegrityPin)> {
         let mut core = cortex_m::Peripherals::take()?;
-        drop_integrity_pin();
+        Self::drop_integrity_pin();
         let pin = IntegrityPin { high: false, driven_ticks: 0 };
         stack::guard(&core.MPU, &mut core.SCB);
         let reset_cause = fault::take_record().map_or(ResetCause::Unknown, ResetCause::Fault);
@@ -83,22 +76,13 @@ impl Mps2An500 {
     }
 }
 
-/// Drives the pin low, whatever owns it.
-pub fn drop_integrity_pin() {
-    LED.set(0);
-}
-
 impl IntegrityPin {
     /// Drives the LED, and logs a change, because an emulator shows a pin only in a log.
     fn drive(&mut self, high: bool) {
         LED.set(u32::from(high));
         self.driven_ticks = time::now_ticks();
         if core::mem::replace(&mut self.high, high) != high {
-            if high {
-                log!(info, "integrity pin high");
-            } else {
-                log!(info, "integrity pin low");
-            }
+            log!(info, "integrity pin {=str}", if high { "high" } else { "low" });
         }
     }
 }

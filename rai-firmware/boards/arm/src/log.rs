@@ -11,16 +11,10 @@ use rtt_target::{ChannelMode, UpChannel};
 
 use raim_firmware::board::Note;
 
-use super::{rings, stack, time};
-use crate::chip::send_log;
+use crate::{Chip, HAS_LOG, log, rings, stack};
 
 /// Largest number of bytes in a frame; a longer one is dropped.
 const FRAME_BYTES: usize = 256;
-
-defmt::timestamp!("{=u64:us}", time::now_us());
-
-#[defmt::global_logger]
-struct Logger;
 
 struct State {
     restore: RestoreState,
@@ -48,7 +42,7 @@ static SHARED: Shared = Shared(UnsafeCell::new(State {
 /// Opens the channel for a debug probe. Call it once, before the first log.
 #[allow(unsafe_code)]
 pub fn start() {
-    if !cfg!(feature = "log") {
+    if !HAS_LOG {
         return;
     }
     let channels = rtt_target::rtt_init! {
@@ -99,12 +93,12 @@ impl State {
         self.encoder.write(bytes, |bytes| Self::gather(&mut self.frame, &mut self.whole, bytes));
     }
 
-    fn finish(&mut self) {
+    fn finish<C: Chip>(&mut self) {
         self.encoder.end_frame(|bytes| Self::gather(&mut self.frame, &mut self.whole, bytes));
         if !self.whole {
             return;
         }
-        send_log(&self.frame);
+        C::send_log(&self.frame);
         if let Some(probe) = &mut self.probe {
             // A probe may have asked for blocking and then left, which must not stop the epoch
             // loop.
@@ -114,43 +108,45 @@ impl State {
     }
 }
 
-// SAFETY: `acquire` holds interrupts back until `release`; the core is single, so nothing else logs
-// in between.
+/// Holds interrupts back and begins a frame.
 #[allow(unsafe_code)]
-unsafe impl defmt::Logger for Logger {
-    fn acquire() {
-        if !cfg!(feature = "log") {
-            return;
-        }
-        // SAFETY: released in `release`, which defmt calls exactly once for each `acquire`.
-        let restore = unsafe { critical_section::acquire() };
-        // SAFETY: interrupts are held back.
-        let state = unsafe { &mut *SHARED.0.get() };
-        state.restore = restore;
-        state.begin();
+pub fn acquire() {
+    if !HAS_LOG {
+        return;
     }
+    // SAFETY: released in `release`, which defmt calls exactly once for each `acquire`.
+    let restore = unsafe { critical_section::acquire() };
+    // SAFETY: interrupts are held back.
+    let state = unsafe { &mut *SHARED.0.get() };
+    state.restore = restore;
+    state.begin();
+}
 
-    unsafe fn flush() {
-        // The port's interrupt empties the ring. Waiting for it here could last for ever, because
-        // interrupts are held back.
+/// Adds bytes to the frame.
+///
+/// # Safety
+/// Call it between [`acquire`] and [`release`].
+#[allow(unsafe_code)]
+pub unsafe fn write(bytes: &[u8]) {
+    if !HAS_LOG {
+        return;
     }
+    // SAFETY: between `acquire` and `release`.
+    unsafe { (*SHARED.0.get()).append(bytes) };
+}
 
-    unsafe fn write(bytes: &[u8]) {
-        if !cfg!(feature = "log") {
-            return;
-        }
-        // SAFETY: between `acquire` and `release`.
-        unsafe { (*SHARED.0.get()).append(bytes) };
+/// Sends the frame and lets interrupts pass.
+///
+/// # Safety
+/// Call it once for each [`acquire`].
+#[allow(unsafe_code)]
+pub unsafe fn release<C: Chip>() {
+    if !HAS_LOG {
+        return;
     }
-
-    unsafe fn release() {
-        if !cfg!(feature = "log") {
-            return;
-        }
-        // SAFETY: between `acquire` and `release`.
-        let state = unsafe { &mut *SHARED.0.get() };
-        state.finish();
-        // SAFETY: paired with the `acquire` of `Logger::acquire`.
-        unsafe { critical_section::release(state.restore) };
-    }
+    // SAFETY: between `acquire` and `release`.
+    let state = unsafe { &mut *SHARED.0.get() };
+    state.finish::<C>();
+    // SAFETY: paired with the `acquire` of the same name above.
+    unsafe { critical_section::release(state.restore) };
 }

@@ -8,13 +8,13 @@ use raim_firmware::epoch_loop::EpochLoop;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::{Configuration, Unsealed};
 
-use super::{fault, rings};
+use crate::{Chip, fault, log, rings};
 
 /// A place for the receiver among the statics.
 pub type Place<P> = MaybeUninit<Receiver<P>>;
 
 /// Announces the start to the host and runs the loop until the host requests a reset.
-pub fn run<B: Board>(board: &mut B, receiver: &'static mut Place<B::Pin>, pin: B::Pin) -> ! {
+pub fn run<B: Board + Chip>(board: &mut B, receiver: &'static mut Place<B::Pin>, pin: B::Pin) -> ! {
     let cause = board.reset_cause();
     let (version, git) = (env!("CARGO_PKG_VERSION"), env!("RAI_GIT"));
     log!(info, "start: {=str} {=str}, reset cause {=str}", version, git, cause.word());
@@ -22,13 +22,13 @@ pub fn run<B: Board>(board: &mut B, receiver: &'static mut Place<B::Pin>, pin: B
         log!(error, "the program before panicked: file {=u32:08x}, line {=u32}", file, line);
     }
     board.feed_watchdog();
-    let Some(receiver) = settle(receiver, pin, boot(board, cause)) else { fault::reset_on_request() };
+    let Some(receiver) = settle(receiver, pin, boot(board, cause)) else { fault::reset_on_request::<B>() };
     let after_power_on = is_after_power_on(cause, board.sealed());
     receiver.restore(board.sealed(), after_power_on);
     receiver.greet(board.host());
     EpochLoop::new().run(board, receiver);
     rings::drain();
-    fault::reset_on_request()
+    fault::reset_on_request::<B>()
 }
 
 /// Returns true if the default settings apply: after power-on, or if the chip reports no cause and

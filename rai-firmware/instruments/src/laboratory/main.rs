@@ -23,9 +23,6 @@ mod copies;
 #[cfg(target_os = "none")]
 mod epochs;
 #[cfg(target_os = "none")]
-#[path = "../../board/arm/memory.rs"]
-mod memory;
-#[cfg(target_os = "none")]
 mod precision;
 #[cfg(target_os = "none")]
 mod request;
@@ -52,6 +49,8 @@ fn main() {
 mod image {
     use cortex_m::singleton;
     use cortex_m_rt::entry;
+    // The functions of memory, as in the images that are flashed.
+    use raim_board_arm as _;
     // The vector table needs the chip's interrupts.
     #[cfg(feature = "stm32f405")]
     use stm32f4 as _;

@@ -13,7 +13,7 @@ use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use stm32f4::stm32f405::{GPIOA, GPIOB, GPIOC, RCC};
 
-use crate::arm::time;
+use raim_board_arm::{log, time};
 
 /// Output that is high while the position may be used: PC6, and PC7 for an LED.
 pub struct IntegrityPin {

@@ -1,15 +1,17 @@
-//! The three serial ports, driven by interrupts through the rings of `arm/rings.rs`.
+//! The three serial ports, driven by interrupts through the rings of `raim_board_arm::rings`.
 
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
 use cortex_m_rt::exception;
+use raim_firmware::board::reset::Fault;
 use raim_firmware::outlet::Outlet;
 use raim_firmware::ring::Ring;
 
-use super::CORE_HZ;
-use super::registers::{GNSS, HOST, LOG, Uart};
-use crate::arm::rings::{GNSS_IN, HOST_IN, HOST_OUT, HostPort, LOG_OUT, note_host_overrun};
-use crate::arm::time;
+use crate::board::{CORE_HZ, Mps2An500};
+use crate::registers::{GNSS, HOST, LOG, Uart};
+use raim_board_arm::fault::give_up;
+use raim_board_arm::rings::{GNSS_IN, HOST_IN, HOST_OUT, HostPort, LOG_OUT, note_host_overrun};
+use raim_board_arm::time;
 
 /// Rate of all ports at start, bit/s.
 const BAUD: u32 = 115_200;
@@ -100,6 +102,6 @@ unsafe fn DefaultHandler(number: i16) {
             receive(LOG, |_| (), || ());
             transmit(LOG, &LOG_OUT);
         }
-        _ => crate::arm::fault::give_up(raim_firmware::board::reset::Fault::Hard { address: 0 }),
+        _ => give_up::<Mps2An500>(Fault::Hard { address: 0 }),
     }
 }

@@ -1,4 +1,4 @@
-//! Copies, fills and comparisons of memory (`board/arm/memory.rs`), compared with plain loops.
+//! Copies, fills and comparisons of memory (`raim_board_arm`), compared with plain loops.
 //!
 //! | routine | alignments | bytes | also |
 //! |---|---|---|---|

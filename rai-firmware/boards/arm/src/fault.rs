@@ -8,10 +8,10 @@ use core::panic::PanicInfo;
 use core::ptr;
 
 use cortex_m::peripheral::SCB;
-use cortex_m_rt::{ExceptionFrame, exception};
+use cortex_m_rt::ExceptionFrame;
 use raim_firmware::board::reset::{Fault, Record, hash};
 
-use crate::chip::{RAM, drop_integrity_pin};
+use crate::Chip;
 
 /// Record that survives a reset, because start-up neither clears nor fills this section.
 #[allow(unsafe_code)]
@@ -26,14 +26,14 @@ pub fn take_record() -> Option<Fault> {
 }
 
 /// Resets the module at the host's request.
-pub fn reset_on_request() -> ! {
-    drop_integrity_pin();
+pub fn reset_on_request<C: Chip>() -> ! {
+    C::drop_integrity_pin();
     SCB::sys_reset()
 }
 
 /// Drives the pin low, writes a record and resets.
-pub fn give_up(fault: Fault) -> ! {
-    drop_integrity_pin();
+pub fn give_up<C: Chip>(fault: Fault) -> ! {
+    C::drop_integrity_pin();
     write(Record::of(fault));
     cortex_m::asm::dsb();
     SCB::sys_reset()
@@ -52,17 +52,16 @@ fn write(record: Record) {
     unsafe { ptr::write_volatile(&raw mut RECORD, MaybeUninit::new(record)) }
 }
 
-#[panic_handler]
-fn panic(info: &PanicInfo<'_>) -> ! {
+/// Gives up because of a panic.
+pub fn panicked<C: Chip>(info: &PanicInfo<'_>) -> ! {
     cortex_m::interrupt::disable();
     let (file, line) = info.location().map_or((0, 0), |place| (hash(place.file()), place.line()));
-    give_up(Fault::Panic { file, line })
+    give_up::<C>(Fault::Panic { file, line })
 }
 
-#[exception]
-#[allow(unsafe_code)]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    let last = RAM.end - size_of::<ExceptionFrame>();
-    let trusted = (RAM.start..=last).contains(&(ptr::from_ref(frame) as usize));
-    give_up(Fault::Hard { address: if trusted { frame.pc() } else { 0 } })
+/// Gives up because of a hard fault.
+pub fn hard<C: Chip>(frame: &ExceptionFrame) -> ! {
+    let last = C::RAM.end - size_of::<ExceptionFrame>();
+    let trusted = (C::RAM.start..=last).contains(&(ptr::from_ref(frame) as usize));
+    give_up::<C>(Fault::Hard { address: if trusted { frame.pc() } else { 0 } })
 }

@@ -17,13 +17,13 @@ use raim_firmware::raw::EPOCH_CAPACITY;
 use raim_firmware::ring::Ring;
 use raim_firmware::timed_ring::{Taken, TimedRing};
 
-use super::time;
+use crate::{HAS_LOG, time};
 
 /// Divisor of the rings that grow with an epoch.
 const SHARE: usize = if EPOCH_CAPACITY > 32 { 1 } else { 2 };
 
 /// Bytes of the log that may wait.
-const LOG_BYTES: usize = if cfg!(feature = "log") { 1024 / SHARE } else { 1 };
+const LOG_BYTES: usize = if HAS_LOG { 1024 / SHARE } else { 1 };
 
 /// Ring from the GNSS receiver.
 pub static GNSS_IN: TimedRing<{ 4096 / SHARE }, 64> = TimedRing::new();

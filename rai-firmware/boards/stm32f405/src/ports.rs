@@ -3,7 +3,7 @@
 //! A port's interrupt moves received bytes into one ring and waiting bytes out of the other. Code
 //! that puts bytes into a ring requests the interrupt once; then the transmitter's interrupt
 //! continues. Sending therefore works if the transmitter interrupts when it is empty, and also if
-//! it is never busy. The rings are in `arm/rings.rs`.
+//! it is never busy. The rings are in `raim_board_arm::rings`.
 //!
 //! References: [RM0090] §30.
 //!
@@ -15,8 +15,9 @@ use raim_firmware::ring::Ring;
 use stm32f4::stm32f405::{Interrupt, RCC, USART1, USART2, USART3, interrupt, usart1::RegisterBlock};
 
 use super::clock::{Clock, divider};
-use crate::arm::rings::{GNSS_IN, HOST_IN, HOST_OUT, HostPort, LOG_OUT, note_host_overrun};
-use crate::arm::time;
+use raim_board_arm::HAS_LOG;
+use raim_board_arm::rings::{GNSS_IN, HOST_IN, HOST_OUT, HostPort, LOG_OUT, note_host_overrun};
+use raim_board_arm::time;
 
 /// Rate of all three ports at start, bit/s.
 const BAUD: u32 = 115_200;
@@ -31,7 +32,7 @@ pub fn start(rcc: &RCC, host: &USART1, gnss: &USART2, log: &USART3, clock: Clock
     rcc.apb2enr().modify(|_, w| w.usart1en().enabled());
     enable(host, divider(clock.bus2_hz, BAUD));
     enable(gnss, divider(clock.bus1_hz, BAUD));
-    if cfg!(feature = "log") {
+    if HAS_LOG {
         enable(log, divider(clock.bus1_hz, BAUD));
     }
     unmask();
@@ -52,7 +53,7 @@ fn unmask() {
     unsafe {
         NVIC::unmask(Interrupt::USART1);
         NVIC::unmask(Interrupt::USART2);
-        if cfg!(feature = "log") {
+        if HAS_LOG {
             NVIC::unmask(Interrupt::USART3);
         }
     }
@@ -131,7 +132,7 @@ fn USART2() {
 #[interrupt]
 #[allow(unsafe_code)]
 fn USART3() {
-    if !cfg!(feature = "log") {
+    if !HAS_LOG {
         return;
     }
     // SAFETY: after start-up only this handler touches the port's registers.
