@@ -2,6 +2,7 @@
 //! with the decoder.
 #![allow(dead_code, reason = "each test program uses a part")]
 
+use crc::{CRC_24_LTE_A, Crc};
 use raim_firmware::ephemeris::Source;
 use raim_firmware::input::{Event, Input};
 use raim_firmware::raw::RawEpoch;
@@ -29,13 +30,9 @@ impl Bits {
     }
 }
 
-/// Returns the CRC-24Q, computed bit by bit.
+/// Returns the CRC-24Q, which LTE uses too.
 pub(crate) fn crc24q(bytes: &[u8]) -> u32 {
-    bytes.iter().fold(0, |crc, &byte| {
-        (0..8).fold(crc ^ u32::from(byte) << 16, |crc, _| {
-            if crc & 0x80_0000 == 0 { crc << 1 } else { (crc << 1 ^ 0x186_4CFB) & 0xFF_FFFF }
-        })
-    })
+    Crc::<u32>::new(&CRC_24_LTE_A).checksum(bytes)
 }
 
 /// Returns a payload with preamble, length and parity.

@@ -10,6 +10,7 @@ use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
+use object::elf::{EM_AARCH64, EM_X86_64};
 use raim::replay::{Window, encode};
 use raim::signal::encode::{Frequency, Selection};
 use raim::signal::sky::raw::Simulation;
@@ -20,14 +21,14 @@ use xtask::cargo::root;
 /// Processor of a program: its name in targets, and its number in ELF.
 pub(super) struct Processor {
     name: &'static str,
-    machine: u64,
+    machine: u16,
 }
 
 /// Epochs of the replay, one a second.
 const EPOCHS: u32 = 120;
 
-pub(super) const X86_64: Processor = Processor { name: "x86_64", machine: 62 };
-pub(super) const AARCH64: Processor = Processor { name: "aarch64", machine: 183 };
+pub(super) const X86_64: Processor = Processor { name: "x86_64", machine: EM_X86_64 };
+pub(super) const AARCH64: Processor = Processor { name: "aarch64", machine: EM_AARCH64 };
 
 /// Builds and checks a static program.
 ///
@@ -40,13 +41,9 @@ pub(super) fn build(processor: &Processor, out: &Path) -> Result<Built> {
     }
     let program = binary::compile(Some(&target))?;
     let bytes = fs::read(&program)?;
-    ensure!(
-        elf::machine(&bytes) == Some(processor.machine),
-        "{} is for another processor",
-        program.display()
-    );
-    let wants = elf::wants(&bytes).context("the program is no ELF file of 64 bits")?;
-    ensure!(wants.is_empty(), "{} needs {}", program.display(), wants.join(", "));
+    let needs = elf::needs(&bytes).context("the program is no ELF file of 64 bits")?;
+    ensure!(needs.machine == processor.machine, "{} is for another processor", program.display());
+    ensure!(needs.parts.is_empty(), "{} needs {}", program.display(), needs.parts.join(", "));
     let mut skipped = Vec::new();
     match runner(processor.name) {
         Some(runner) => compare(&runner, &program)?,

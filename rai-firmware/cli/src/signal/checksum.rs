@@ -1,5 +1,4 @@
-//! Checksums of frames and sentences, written from their standards without any code of the
-//! firmware.
+//! Checksums of frames and sentences, without any code of the firmware.
 //!
 //! | format | checksum |
 //! |---|---|
@@ -12,40 +11,14 @@
 //! [SBF]: crate#references
 //! [UBX-F9]: crate#references
 
-/// CRC-24Q of each byte, bit by bit, followed by no, one, two and three bytes of zeros, in the
-/// upper bits of a word.
-static PARITIES: [[u32; 256]; 4] = {
-    const POLYNOMIAL: u32 = 0x0186_4CFB << 8;
-    let mut parities = [[0; 256]; 4];
-    let mut index = 0;
-    while index < 1024 {
-        let (behind, byte) = (index / 256, index % 256);
-        let (mut crc, mut bit) = ((byte as u32) << 24, 0);
-        while bit < 8 * (behind + 1) {
-            crc = (crc << 1) ^ if crc >> 31 == 0 { 0 } else { POLYNOMIAL };
-            bit += 1;
-        }
-        parities[behind][byte] = crc;
-        index += 1;
-    }
-    parities
-};
+use crc::{CRC_16_XMODEM, CRC_24_LTE_A, Crc, Table};
+
+/// CRC-24Q, which LTE uses too.
+static CRC_24Q: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_24_LTE_A);
 
 /// Returns the parity that ends an RTCM frame.
 pub fn crc24q(bytes: &[u8]) -> [u8; 3] {
-    let (words, rest) = bytes.as_chunks::<4>();
-    let crc = words.iter().fold(0_u32, |crc, word| {
-        let [first, second, third, last] = (crc ^ u32::from_be_bytes(*word)).to_be_bytes();
-        PARITIES[3][usize::from(first)]
-            ^ PARITIES[2][usize::from(second)]
-            ^ PARITIES[1][usize::from(third)]
-            ^ PARITIES[0][usize::from(last)]
-    });
-    let crc = rest.iter().fold(crc, |crc, byte| {
-        let first = (crc >> 24) as u8 ^ byte;
-        crc << 8 ^ PARITIES[0][usize::from(first)]
-    });
-    let [parity @ .., _] = crc.to_be_bytes();
+    let [_, parity @ ..] = CRC_24Q.checksum(bytes).to_be_bytes();
     parity
 }
 
@@ -59,15 +32,10 @@ pub fn fletcher(bytes: &[u8]) -> [u8; 2] {
     [a, b]
 }
 
-/// Returns the CRC of an SBF block, over the bytes from its number on, bit by bit.
+/// Returns the CRC of an SBF block, over the bytes from its number on.
 pub fn crc16(bytes: &[u8]) -> [u8; 2] {
-    const POLYNOMIAL: u16 = 0x1021;
-    let crc = bytes.iter().fold(0, |crc, byte| {
-        (0..8).fold(crc ^ u16::from(*byte) << 8, |crc, _| {
-            (crc << 1) ^ if crc >> 15 == 1 { POLYNOMIAL } else { 0 }
-        })
-    });
-    crc.to_le_bytes()
+    static CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_XMODEM);
+    CRC.checksum(bytes).to_le_bytes()
 }
 
 /// Frames a payload of at most 1023 bytes, of any content, with preamble, length and parity.

@@ -1,5 +1,6 @@
 //! `PRAIQ`: everything in force, and its hash.
 
+use crc::{CRC_32_ISO_HDLC, Crc};
 use raim_firmware::settings::Configuration;
 
 use super::Module;
@@ -26,12 +27,9 @@ pub(super) fn settings(configuration: &Configuration) -> (String, Vec<String>) {
     (hash, fields)
 }
 
-/// Returns the CRC-32 by the table of its definition, a method other than the module's.
+/// Returns the CRC-32 of Ethernet.
 fn crc32(text: &str) -> u32 {
-    let table: Vec<u32> = (0..256_u32)
-        .map(|byte| (0..8).fold(byte, |c, _| if c & 1 == 1 { 0xEDB8_8320 ^ (c >> 1) } else { c >> 1 }))
-        .collect();
-    !text.bytes().fold(!0_u32, |crc, byte| table[((crc ^ u32::from(byte)) & 0xFF) as usize] ^ (crc >> 8))
+    Crc::<u32>::new(&CRC_32_ISO_HDLC).checksum(text.as_bytes())
 }
 
 #[test]
