@@ -23,15 +23,14 @@
 //! left out if the test then passes and no exclusion of a satellite fits nearly as well.
 
 pub mod araim;
+mod by_residuals;
 mod judgement;
 mod method;
 pub mod raim;
 mod search;
 mod systems;
 
-use heapless::Vec;
-
-use crate::bounded::{MAX_ROWS, gather};
+use crate::bounded::MAX_ROWS;
 use crate::epoch::EpochView;
 use crate::least_squares::{Excludable, Snapshot};
 use crate::numeric::real::Real;
@@ -41,17 +40,14 @@ use crate::weighting::Ism;
 use crate::weighting::shared::SharedError;
 #[cfg(feature = "araim")]
 use araim::judge_epoch;
+use by_residuals::judge_by_residuals;
 use raim::detection::Detection;
 use raim::detection::threshold::Thresholds;
 use raim::detection::threshold::policy::{NoThreshold, Policy, ThresholdProblem};
-use raim::hypotheses::constellation_shift;
-use raim::hypotheses::separability::separable;
-use raim::hypotheses::time_tag::{EpochRates, RangeRates, TimeTagOutcome, is_suspicious};
-use raim::isolation::exclusion::{Exclusion, ExclusionOutcome, Unidentified, leaves_enough};
+use raim::hypotheses::time_tag::RangeRates;
 use raim::isolation::ransac;
 use raim::levels::{KFactors, LevelInputs, Levels};
 use raim::shared_errors::shared_shift;
-use search::{isolate, jump};
 
 pub use judgement::{Judgement, Test, WithoutAiding};
 pub use method::{Method, MethodError};
@@ -175,93 +171,6 @@ pub fn judge<T: Real, const N: usize>(
     judge_by_residuals(solution, epoch, forecast, criteria, search, rates, &mut scratch.subsets)
 }
 
-// Not inlined, because ARAIM has the deepest stack and does not need this frame.
-#[inline(never)]
-fn judge_by_residuals<T: Real, const N: usize>(
-    solution: &mut impl Excludable<T, N>,
-    epoch: &EpochView<'_>,
-    forecast: Option<usize>,
-    criteria: &Criteria<'_, T>,
-    search: Search<'_>,
-    rates: Option<&RangeRates<'_>>,
-    subsets: &mut ransac::Subsets<N>,
-) -> Judgement<T> {
-    let height = height_row(solution.snapshot(), epoch);
-    let aiding = || [forecast, height].into_iter().flatten();
-    let mut test = criteria.test(solution.snapshot(), epoch.shared());
-    let mut exclusion = Exclusion::passed();
-    let mut searched = false;
-    // The time test uses `τ1` under every policy: a wrong time may move the position farther than
-    // the satellite faults that a policy tolerates.
-    let is_odd = test.is_ok() && is_suspicious(solution.snapshot(), &criteria.thresholds);
-    if test.as_ref().is_ok_and(|test| test.detection.fault()) {
-        let jump = aiding().find_map(|row| jump(solution, row, &criteria.thresholds));
-        searched = jump.is_none() && !matches!(search, Search::Known(_));
-        exclusion = jump.unwrap_or_else(|| isolate(solution, epoch, criteria, search, subsets));
-        test = criteria.test(solution.snapshot(), epoch.shared());
-    }
-    let aids: Vec<usize, 2> = gather(aiding());
-    let without_aiding =
-        if aids.is_empty() { WithoutAiding::Always } else { without_aids(solution, &aids, epoch, criteria) };
-    if let WithoutAiding::Tested(test) = &without_aiding
-        && test.detection.fault()
-    {
-        exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::NoSet);
-    }
-    if exclusion.outcome == ExclusionOutcome::Isolated && test.is_ok() {
-        let satellites = exclusion.rows.iter().filter(|excluded| !aids.contains(&excluded.index)).count();
-        if !leaves_enough(satellites, solution.snapshot().dof()) {
-            exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::NoRedundancy);
-        } else if search != Search::Rough && !separable(solution, &exclusion, &criteria.thresholds) {
-            exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::Ambiguous);
-        }
-    }
-    // After a rough search, a result with exclusions is checked at the next, more accurate point.
-    let is_asked = search != Search::Rough || exclusion.outcome == ExclusionOutcome::Passed;
-    let is_good = test.is_ok() && !matches!(exclusion.outcome, ExclusionOutcome::NotIsolated(_));
-    if is_asked && is_good && constellation_shift::shows(solution.snapshot(), &criteria.thresholds) {
-        exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::Ambiguous);
-    }
-    let is_believed = searched && search == Search::Rough && exclusion.outcome == ExclusionOutcome::Isolated;
-    let asked = rates.filter(|_| is_odd && !is_believed);
-    if let Some(rates) = asked.and_then(|rates| EpochRates::of(epoch, rates)) {
-        match rates.compare(solution, &exclusion, &criteria.thresholds, criteria.factors) {
-            TimeTagOutcome::Rows if exclusion.outcome == ExclusionOutcome::Isolated => {
-                exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::Ambiguous);
-            }
-            TimeTagOutcome::None | TimeTagOutcome::Rows => {}
-            TimeTagOutcome::Shift(slopes, shown) => {
-                if let Ok(test) = &mut test {
-                    let snapshot = solution.snapshot();
-                    let levels = LevelInputs::of(snapshot, criteria.levels, criteria.factors)
-                        .protect_against(slopes, shown, criteria.factors)
-                        .plus(&criteria.shared_shift(snapshot, epoch.shared()));
-                    test.levels = test.levels.or_larger(&levels);
-                }
-            }
-            TimeTagOutcome::Time => {
-                exclusion = Exclusion::not_isolated(Unidentified::Time);
-                test = criteria.test(solution.snapshot(), epoch.shared());
-            }
-        }
-    }
-    let mut judgement = Judgement {
-        outcome: exclusion.outcome,
-        excluded: exclusion.rows,
-        test,
-        without_aiding,
-        lost_systems: 0,
-        searched,
-        araim: None,
-    };
-    if cfg!(feature = "hypotheses")
-        && matches!(judgement.outcome, ExclusionOutcome::NotIsolated(reason) if reason != Unidentified::Time)
-    {
-        systems::leave_out_broken(solution, epoch, &aids, criteria, rates, &mut judgement);
-    }
-    judgement
-}
-
 /// Returns the row of a known height. It comes after the satellites and depends on no clock.
 pub(crate) fn height_row<T: Real, const N: usize>(
     snapshot: &Snapshot<'_, T, N>,
@@ -273,27 +182,4 @@ pub(crate) fn height_row<T: Real, const N: usize>(
     let satellites = epoch.observations().len();
     let behind = snapshot.equations().get(satellites..)?;
     Some(satellites + behind.iter().position(|row| row.clock.is_none())?)
-}
-
-/// Tests a solution without its aiding rows, and then restores them.
-#[inline(never)]
-fn without_aids<T: Real, const N: usize>(
-    solution: &mut impl Excludable<T, N>,
-    aids: &[usize],
-    epoch: &EpochView<'_>,
-    criteria: &Criteria<'_, T>,
-) -> WithoutAiding<T> {
-    let takes_part =
-        |row: &usize| solution.snapshot().row(*row).is_some_and(|(row, _)| row.weight > T::zero());
-    let taking_part: Vec<usize, 2> = gather(aids.iter().copied().filter(takes_part));
-    if taking_part.is_empty() {
-        return WithoutAiding::Always;
-    }
-    if solution.set_aside(&taking_part).is_err() {
-        return WithoutAiding::Untested;
-    }
-    let test = criteria.test(solution.snapshot(), epoch.shared());
-    // This cannot fail, because these rows were solved before.
-    let _ = solution.take_back(&taking_part);
-    test.map_or(WithoutAiding::Untested, WithoutAiding::Tested)
 }

@@ -6,13 +6,14 @@
 
 use heapless::Vec;
 
+use super::by_residuals::without_aids;
 use super::raim::detection::Detection;
 use super::raim::detection::threshold::Thresholds;
 use super::raim::hypotheses::broken_system::{self, BrokenSystem};
 use super::raim::hypotheses::constellation_shift;
 use super::raim::hypotheses::time_tag::{EpochRates, RangeRates};
 use super::raim::isolation::exclusion::{Excluded, ExclusionOutcome};
-use super::{Criteria, Judgement, WithoutAiding, without_aids};
+use super::{Criteria, Judgement, WithoutAiding};
 use crate::bit_set::{bit, count_of, members};
 use crate::bounded::gather;
 use crate::epoch::EpochView;
