@@ -80,6 +80,7 @@ pub(super) const CHECK: &[Step] = &[
     host("documentation", |_| documentation()),
     host("packages", |_| run("release", &["packages"])),
     host("licences and sources of dependencies", |_| dependencies()),
+    host("interface against the last release", |_| interface()),
     target("lints of the image", |_| lints_of_the_image()),
     target("libraries on other processors", |_| libraries()),
     target("other operating systems", |_| other_systems()),
@@ -174,8 +175,7 @@ enum Share {
 /// Runs a share of the tests, by nextest if it is installed because it is faster, and counts those
 /// that cannot run here.
 fn tests(share: Share, Options { bless, all }: Options) -> Result<Done> {
-    let nextest = command(&["nextest", "--version"]).output().is_ok_and(|output| output.status.success());
-    let mut arguments = if nextest { nextest_command() } else { command(&["test"]) };
+    let mut arguments = if has_command("nextest") { nextest_command() } else { command(&["test"]) };
     arguments.arg("--no-fail-fast");
     // Both shares are built alike, so that the second one compiles nothing.
     arguments.args(["--workspace", "--lib", "--bins", "--tests", "--"]);
@@ -233,11 +233,35 @@ fn skipped(lines: &str) -> BTreeMap<&str, Vec<&str>> {
 /// Checks what `deny.toml` allows. Known vulnerabilities are not among it: their list has to be
 /// fetched, which a test must not need.
 fn dependencies() -> Result<Done> {
-    let found = command(&["deny", "--version"]).output().is_ok_and(|output| output.status.success());
-    if !found {
+    if !has_command("deny") {
         return Ok(Done::Skipped("cargo-deny (cargo install cargo-deny)".into()));
     }
     cargo(&["deny", "check", "bans", "licenses", "sources"])
+}
+
+/// Compares the libraries with the last release: what breaks a user asks for another version.
+fn interface() -> Result<Done> {
+    if !has_command("semver-checks") {
+        return Ok(Done::Skipped("cargo-semver-checks (cargo install cargo-semver-checks)".into()));
+    }
+    let mut git = std::process::Command::new("git");
+    git.args(["describe", "--tags", "--abbrev=0", "--match=v*"]).current_dir(root());
+    let Some(output) = git.output().ok().filter(|output| output.status.success()) else {
+        return Ok(Done::Skipped("the tag of a release, such as v0.2.0 (git fetch --tags)".into()));
+    };
+    let release = String::from_utf8(output.stdout)?;
+    cargo(&[
+        "semver-checks",
+        "--package=raim-core",
+        "--package=raim-firmware",
+        "--baseline-rev",
+        release.trim(),
+    ])
+}
+
+/// Returns true if cargo has a command.
+fn has_command(name: &str) -> bool {
+    command(&[name, "--version"]).output().is_ok_and(|output| output.status.success())
 }
 
 /// Every warning counts.
