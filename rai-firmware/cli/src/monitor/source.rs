@@ -263,17 +263,17 @@ fn capture(
     while let Some((lump, heard)) = playback.advance()? {
         control.wait(lump.elapsed_s - now_s);
         now_s = lump.elapsed_s;
-        let output = heard.output()?;
-        if let Some(output) = &output {
+        let output = heard.output();
+        if let Some(output) = output {
             control.judged(output.state.state);
         }
         // The module has lived through the silence behind the epoch already. The pin of the epoch
         // is that of its verdict, with which `Playback` has compared it.
         let is_high = output.is_some_and(|output| output.state.is_protected());
-        sender.send(said(&heard.of_epoch, is_high, heard.view.map(|view| view.satellites)))?;
-        if let Some(stale_s) = heard.stale_s {
+        sender.send(said(&heard.of_epoch, is_high, heard.view().map(|view| view.satellites.clone())))?;
+        if let Some((stale_s, _)) = heard.silence.first() {
             control.wait(stale_s - now_s);
-            now_s = stale_s;
+            now_s = *stale_s;
             control.judged('A');
         }
         if !heard.of_silence.is_empty() {
