@@ -13,6 +13,7 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | [`source`] | inputs of all commands: their names, and how each is opened |
 //! | [`signal`] | what the module receives: skies, recordings, captures, faults, encoders |
 //! | [`verdict`] | what it reports: verdicts with their numbers, from its observer |
 //! | [`sentence`] | what it sends: its sentences, parsed, of a module behind a wire |
@@ -65,6 +66,7 @@ pub mod outcomes;
 pub mod satellites;
 pub mod sentence;
 pub mod signal;
+pub mod source;
 pub mod verdict;
 
 #[cfg(feature = "commands")]
@@ -89,10 +91,6 @@ pub mod replay;
 pub mod run;
 #[cfg(feature = "commands")]
 pub mod second_opinion;
-#[cfg(feature = "commands")]
-mod serial;
-#[cfg(feature = "commands")]
-mod standard_input;
 
 /// The example of the readme.
 #[cfg(doctest)]
