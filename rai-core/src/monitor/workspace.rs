@@ -78,6 +78,12 @@ impl<const N: usize> EpochOutcome<N> {
         self.update.evidence.noise
     }
 
+    /// Returns SSE/dof of the satellites used, under every method; `None` if the test failed, or if the
+    /// epoch updates nothing.
+    pub const fn variance_ratio(&self) -> Option<f32> {
+        self.update.ratio
+    }
+
     /// Overrides the verdict by an alert whose reason is outside the ranges, before
     /// [`Monitor::learn`](super::Monitor::learn).
     ///

@@ -1,39 +1,73 @@
-//! Satellites of an epoch, one by one, for a program on a computer: the package for Python.
+//! Satellites of an epoch, one by one, and its time, for a program on a computer: the package for
+//! Python.
 //!
-//! The receiver stores the account of its last epoch ([`raim_firmware::observer`]). It is not part
+//! The receiver stores the account of its last verdict ([`raim_firmware::observer`]). It is not part
 //! of the header, because a microcontroller has no memory for it.
 
 use core::mem::MaybeUninit;
 
 use heapless::Vec;
-use raim_core::Verdict;
-use raim_firmware::observer::{Account, Fate, Judged, Observer};
+use raim_firmware::observer::{Account, Fate, Judged, Observer, WithoutEpoch};
+use raim_firmware::output::nmea::TimeOfDay;
 use raim_firmware::raw::EPOCH_CAPACITY;
 
 use crate::pointer::{places, status_of};
 use crate::receiver::{at, rai_receiver_t};
 use crate::residual::counted;
-use crate::status::{RAI_STATUS_SHORT, rai_status_t};
+use crate::status::{RAI_STATUS_NULL, RAI_STATUS_SHORT, rai_status_t};
 
-/// Accounts of the satellites of the last epoch, in the order of their names.
+/// Account of the last verdict.
 #[derive(Debug)]
-pub(crate) struct Watch(Vec<Account, EPOCH_CAPACITY>);
+pub(crate) struct Watch {
+    /// Satellites of its epoch in the order of their names; none after a silence.
+    accounts: Vec<Account, EPOCH_CAPACITY>,
+    /// UTC of the last epoch; `None` before the first.
+    utc: Option<TimeOfDay>,
+    /// Number of verdicts since start.
+    verdicts: usize,
+}
 
 impl Watch {
     pub(crate) const fn new() -> Self {
-        Self(Vec::new())
+        Self { accounts: Vec::new(), utc: None, verdicts: 0 }
     }
 }
 
 impl Observer for Watch {
     fn epoch(&mut self, judged: &Judged<'_>) {
-        self.0 = judged.accounts().take(EPOCH_CAPACITY).collect();
-        self.0.sort_unstable_by_key(|account| account.satellite);
+        self.accounts = judged.accounts().take(EPOCH_CAPACITY).collect();
+        self.accounts.sort_unstable_by_key(|account| account.satellite);
+        (self.utc, self.verdicts) = (Some(judged.utc()), self.verdicts.wrapping_add(1));
     }
 
-    fn without_epoch(&mut self, _: Verdict) {
-        self.0.clear();
+    fn without_epoch(&mut self, judged: &WithoutEpoch<'_>) {
+        self.accounts.clear();
+        (self.utc, self.verdicts) = (judged.utc(), self.verdicts.wrapping_add(1));
     }
+}
+
+/// Writes the second of the day in UTC of the last epoch, NaN before the first, and the number of
+/// verdicts since start.
+///
+/// # Safety
+/// As for `rai_receiver_report`; `time_s` is null or points to a number that no other code uses during
+/// the call, and so does `verdicts`.
+#[allow(unsafe_code)]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rai_receiver_watched(
+    receiver: *const rai_receiver_t,
+    time_s: *mut f64,
+    verdicts: *mut usize,
+) -> rai_status_t {
+    // SAFETY: guaranteed by the caller.
+    let (receiver, time_s) = unsafe { (at(receiver), time_s.as_mut()) };
+    let write = || {
+        let Watch { utc, verdicts, .. } = receiver?.observer();
+        *time_s.ok_or(RAI_STATUS_NULL)? = utc.map_or(f64::NAN, TimeOfDay::second_of_day);
+        Ok(*verdicts)
+    };
+    // SAFETY: guaranteed by the caller.
+    status_of(unsafe { counted(verdicts, write) })
 }
 
 /// A satellite of an epoch. Unknown values are NaN.
@@ -100,7 +134,7 @@ pub unsafe extern "C" fn rai_receiver_satellites(
     let (receiver, places) = unsafe { (at(receiver), places::<rai_seen_t>(seen, capacity)) };
     let write = || {
         let (receiver, places) = (receiver?, places?);
-        let Watch(accounts) = receiver.observer();
+        let Watch { accounts, .. } = receiver.observer();
         if places.len() < accounts.len() {
             return Err(RAI_STATUS_SHORT);
         }

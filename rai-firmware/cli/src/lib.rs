@@ -7,14 +7,16 @@
 //!
 //! ```text
 //! sky, recording ──► fault ──► encode ──┐
-//!                                       ├─► module ──► sentence ──► replay, monitor ──► page
-//! capture ──────────► fault ────────────┘
+//!                                       ├─► module ──► verdict ──► replay, run ──► page
+//! capture ──────────► fault ────────────┘         └──► sentence ─► monitor
 //! ```
 //!
 //! | module | content |
 //! |---|---|
+//! | [`source`] | inputs of all commands: their names, and how each is opened |
 //! | [`signal`] | what the module receives: skies, recordings, captures, faults, encoders |
-//! | [`sentence`] | what it sends: its sentences, parsed |
+//! | [`verdict`] | what it reports: verdicts with their numbers, from its observer |
+//! | [`sentence`] | what it sends: its sentences, parsed, of a module behind a wire |
 //! | [`satellites`] | satellites of an epoch: direction, C/N0, residual, reason for which one is not used |
 //! | [`page`] | pictures and pages of the results |
 //! | [`run`] | the module as a service |
@@ -30,8 +32,8 @@
 //! The algorithms of the module are in `rai-core` and `rai-firmware`, not here. Each command has a
 //! module `command` with its arguments and a function that runs it.
 //!
-//! Without the feature `commands` the library holds only `signal` and `sentence`, which a fuzzer
-//! needs, and `satellites`, which the package for Python needs. The feature `replay` adds [`replay`],
+//! Without the feature `commands` the library holds only `signal`, `verdict` and `sentence`, which a
+//! fuzzer needs, and `satellites`, which the package for Python needs. The feature `replay` adds [`replay`],
 //! [`page`] and the commands for receivers ([`configure`]), without threads, ports and terminals: what
 //! a browser can run.
 //!
@@ -64,6 +66,8 @@ pub mod outcomes;
 pub mod satellites;
 pub mod sentence;
 pub mod signal;
+pub mod source;
+pub mod verdict;
 
 #[cfg(feature = "commands")]
 pub mod campaign;
@@ -87,10 +91,6 @@ pub mod replay;
 pub mod run;
 #[cfg(feature = "commands")]
 pub mod second_opinion;
-#[cfg(feature = "commands")]
-mod serial;
-#[cfg(feature = "commands")]
-mod standard_input;
 
 /// The example of the readme.
 #[cfg(doctest)]

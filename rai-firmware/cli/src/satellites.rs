@@ -1,18 +1,16 @@
-//! Satellites of an epoch, one by one, by the module's own account.
+//! Satellites of an epoch, one by one, by the module's own account, and its verdicts.
 //!
 //! ```text
 //! module ─► Views ─► table of satellites, report, pages, dashboard
 //! ```
 //!
-//! Nothing here is computed beside the module but [`View::misfit`], a sum over its residuals.
+//! Nothing here is computed beside the module.
 
-use raim_core::report::Verdict;
-use raim_core::satellite::Constellation;
 pub use raim_firmware::observer::{Account, Fate};
-use raim_firmware::observer::{Judged, Observer};
+use raim_firmware::observer::{Judged, Observer, WithoutEpoch};
 use raim_firmware::time::GpsTime;
 
-use crate::sentence::EpochOutput;
+use crate::verdict::EpochOutput;
 
 /// The module's view of an epoch beyond its sentences.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,61 +35,56 @@ impl View {
             satellites,
         }
     }
-
-    /// Returns √(SSE/dof) of the ranges used: the residuals relative to their standard deviations,
-    /// whatever the method that tested them. `None` without redundancy.
-    pub fn misfit(&self) -> Option<f64> {
-        let used = || self.satellites.iter().filter(|account| account.fate == Fate::Used);
-        let square = |account: &Account| Some((account.residual_m? / account.sigma_m?).powi(2));
-        let sse: f64 = used().filter_map(square).sum();
-        let is_in =
-            |system: &Constellation| used().any(|account| account.satellite.constellation() == *system);
-        let systems = Constellation::all().filter(is_in).count();
-        let dof = used().count().checked_sub(3 + systems).filter(|dof| *dof > 0)?;
-        Some((sse / dof as f64).sqrt())
-    }
 }
 
-/// Views of the epochs that a module has judged, until they are taken.
+/// A verdict of the module, as its observer saw it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seen {
+    /// Verdict with its numbers.
+    pub output: EpochOutput,
+    /// SSE/dof of the ranges used, under every method; `None` without an epoch that passed its test.
+    pub variance_ratio: Option<f64>,
+    /// View of the epoch; `None` of a silence, and if nobody wants it.
+    pub view: Option<View>,
+}
+
+/// Verdicts of a module, until they are taken.
 #[derive(Debug)]
 pub struct Views {
-    is_wanted: bool,
-    views: Vec<View>,
+    is_watched: bool,
+    seen: Vec<Seen>,
 }
 
 impl Views {
-    /// Returns an observer that stores views if they are wanted.
-    pub const fn new(is_wanted: bool) -> Self {
-        Self { is_wanted, views: Vec::new() }
+    /// Returns an observer that stores verdicts, and the satellites of their epochs if it watches
+    /// them.
+    pub const fn new(is_watched: bool) -> Self {
+        Self { is_watched, seen: Vec::new() }
     }
 
-    /// Returns the views of the epochs since the last call.
-    pub fn take(&mut self) -> Vec<View> {
-        std::mem::take(&mut self.views)
+    /// Stores satellites from now on.
+    pub const fn watch(&mut self) {
+        self.is_watched = true;
+    }
+
+    /// Returns the verdicts since the last call.
+    pub fn take(&mut self) -> Vec<Seen> {
+        std::mem::take(&mut self.seen)
     }
 }
 
 impl Observer for Views {
     fn epoch(&mut self, judged: &Judged<'_>) {
-        if self.is_wanted {
-            self.views.push(View::of(judged));
-        }
+        self.seen.push(Seen {
+            output: judged.into(),
+            variance_ratio: judged.variance_ratio(),
+            view: self.is_watched.then(|| View::of(judged)),
+        });
     }
 
-    fn without_epoch(&mut self, _: Verdict) {}
-}
-
-/// Returns for each output of the module its view of the epoch; `None` for a silence. The last view
-/// belongs to the last epoch, and so on, because sentences may be rarer than epochs.
-pub fn views_of<'v>(outputs: &[EpochOutput], views: &'v [View]) -> Vec<Option<&'v View>> {
-    let mut views = views.iter().rev();
-    let mut found: Vec<_> = outputs
-        .iter()
-        .rev()
-        .map(|output| if output.state.has_epoch() { views.next() } else { None })
-        .collect();
-    found.reverse();
-    found
+    fn without_epoch(&mut self, judged: &WithoutEpoch<'_>) {
+        self.seen.push(Seen { output: judged.into(), variance_ratio: None, view: None });
+    }
 }
 
 /// Heading of a table with a row for each satellite of each epoch.

@@ -1,4 +1,6 @@
-//! The module's sentences, parsed as a program behind the host port would.
+//! The module's sentences, parsed as a program behind the host port would: for a module behind a wire,
+//! and for tests of what it sends. A program with the module in process reads
+//! [`crate::verdict`] instead.
 //!
 //! | sentence | becomes |
 //! |---|---|
@@ -14,9 +16,9 @@
 
 use anyhow::{Context, bail, ensure};
 use raim_core::frame::Geodetic;
-use raim_core::satellite::SatelliteId;
 
 use crate::signal::fault::satellite;
+use crate::verdict::{Authentication, EpochOutput, Excluded, State};
 
 /// One sentence.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,102 +33,6 @@ pub enum Sentence {
     Authentication(Authentication),
     /// A valid sentence of another kind.
     Other,
-}
-
-/// Content of `PRAIS`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct State {
-    /// Time of day in UTC, s; `None` before the first epoch.
-    pub time_s: Option<f64>,
-    /// `P`, `A` or `U`.
-    pub state: char,
-    /// Reason, as in the interface.
-    pub reason: String,
-    /// Number of satellites tracked.
-    pub tracked: u32,
-    /// Number of satellites used.
-    pub used: u32,
-    /// Degrees of freedom, if there was a test.
-    pub dof: Option<u32>,
-    /// Test statistic `√(SSE/dof)`.
-    pub statistic: Option<f64>,
-    /// Threshold of the statistic.
-    pub threshold: Option<f64>,
-    /// Horizontal protection level, m.
-    pub hpl_m: Option<f64>,
-    /// Vertical protection level, m.
-    pub vpl_m: Option<f64>,
-    /// Horizontal alert limit, m.
-    pub hal_m: Option<f64>,
-    /// Vertical alert limit, m.
-    pub val_m: Option<f64>,
-}
-
-impl State {
-    /// Returns true if the position may be used.
-    pub fn is_protected(&self) -> bool {
-        self.state == 'P'
-    }
-
-    /// Returns true if an error, horizontal and vertical, m, is larger than a level. A missing
-    /// level bounds nothing.
-    pub fn is_misleading(&self, [horizontal_m, vertical_m]: [f64; 2]) -> bool {
-        self.hpl_m.is_none_or(|level_m| horizontal_m > level_m)
-            || self.vpl_m.is_none_or(|level_m| vertical_m > level_m)
-    }
-
-    /// Returns true if an error, horizontal and vertical, m, is larger than a limit in force.
-    pub fn is_hazardous(&self, [horizontal_m, vertical_m]: [f64; 2]) -> bool {
-        self.hal_m.is_some_and(|limit_m| horizontal_m > limit_m)
-            || self.val_m.is_some_and(|limit_m| vertical_m > limit_m)
-    }
-
-    /// Returns false for a verdict that no epoch brought: of a silence, or of settings that have
-    /// changed under a promise.
-    pub fn has_epoch(&self) -> bool {
-        self.reason != "STALE" && !(self.reason == "SETTINGS" && self.tracked == 0)
-    }
-}
-
-/// Content of `PRAIX`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Excluded {
-    /// Name of the satellite.
-    pub satellite: SatelliteId,
-    /// W-test of its range at the time of exclusion.
-    pub w_test: f64,
-    /// Estimated bias of its range, m.
-    pub bias_m: f64,
-}
-
-/// Content of `PRAIO`, as far as it is about satellites.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "commands", derive(serde::Serialize))]
-pub struct Authentication {
-    /// State, as in the interface.
-    pub state: String,
-    /// Satellites in view whose ephemerides are proved.
-    pub proved: u32,
-    /// Those whose ephemerides are not.
-    pub unproved: u32,
-    /// Those whose ephemerides are false.
-    #[cfg_attr(feature = "commands", serde(rename = "false"))]
-    pub wrong: u32,
-    /// Age of the oldest proof, s; `None` without a proof.
-    pub oldest_proof_s: Option<u32>,
-}
-
-/// Report on one epoch.
-#[derive(Clone, Debug, PartialEq)]
-pub struct EpochOutput {
-    /// Position, `None` without a fix.
-    pub position: Option<Geodetic>,
-    /// Verdict of the epoch.
-    pub state: State,
-    /// Satellites left out.
-    pub excluded: Vec<Excluded>,
-    /// What is known of Galileo's ephemerides; `None` without a key.
-    pub authentication: Option<Authentication>,
 }
 
 /// Returns the command `$PRAIC,{text}` with its checksum and line end, for instance for
@@ -237,12 +143,12 @@ fn text(fields: &[&str], index: usize) -> anyhow::Result<String> {
     fields.get(index).map(|&text| text.to_owned()).with_context(|| format!("field {index} is missing"))
 }
 
-/// Parses `hhmmss.ss` to seconds of the day.
+/// Parses `hhmmss.ss` to seconds of the day, exact to their last digit.
 fn time_of_day_s(fields: &[&str]) -> anyhow::Result<Option<f64>> {
     Ok(optional::<f64>(fields, 1)?.map(|clock| {
-        let hours = (clock / 10_000.0).floor();
-        let minutes = ((clock - hours * 10_000.0) / 100.0).floor();
-        hours * 3600.0 + minutes * 60.0 + (clock - hours * 10_000.0 - minutes * 100.0)
+        let digits = (clock * 100.0).round() as u32;
+        let (hours, minutes, centiseconds) = (digits / 1_000_000, digits / 10_000 % 100, digits % 10_000);
+        f64::from(hours * 360_000 + minutes * 6000 + centiseconds) / 100.0
     }))
 }
 

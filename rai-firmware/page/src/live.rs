@@ -5,7 +5,7 @@ use std::io::{Read as _, stdin};
 use anyhow::{Context as _, Result};
 use raim::page::live::{State, json};
 use raim::replay::{check_answers, command_for};
-use raim::satellites::{Views, views_of};
+use raim::satellites::{Seen, Views};
 use raim::sentence::{self, command};
 use raim_firmware::bit_rate::{BitRate, RATES};
 use raim_firmware::pin::MemoryPin;
@@ -77,16 +77,16 @@ impl Live {
 
     /// Notes what the module said, and prints the state after a verdict.
     fn note(&mut self) -> bool {
-        let said = std::mem::take(&mut self.said);
-        let outputs = sentence::sentences(&said).and_then(|text| sentence::epochs(&text)).unwrap_or_default();
+        self.said.clear();
         self.state.live(self.receiver.pin().high);
-        let views = self.receiver.observer_mut().take();
-        for (output, view) in outputs.iter().zip(views_of(&outputs, &views)) {
-            self.state.take(output.clone(), view.map(|view| view.satellites.clone()));
+        let seen = self.receiver.observer_mut().take();
+        let has_verdict = !seen.is_empty();
+        for Seen { output, view, .. } in seen {
+            self.state.take(output, view.map(|view| view.satellites));
         }
-        if !outputs.is_empty() {
+        if has_verdict {
             println!("{}", json(&self.state));
         }
-        !outputs.is_empty()
+        has_verdict
     }
 }

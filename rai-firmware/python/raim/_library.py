@@ -153,6 +153,7 @@ _FUNCTIONS = {
     "rai_receiver_velocity": (_STATUS, [c_void_p, POINTER(Velocity)]),
     "rai_receiver_authentication": (_STATUS, [c_void_p, POINTER(Authentication)]),
     "rai_receiver_satellites": (_STATUS, [c_void_p, POINTER(Seen), c_size_t, POINTER(c_size_t)]),
+    "rai_receiver_watched": (_STATUS, [c_void_p, POINTER(c_double), POINTER(c_size_t)]),
     "rai_fate_text": (c_void_p, [c_uint8, POINTER(c_size_t)]),
     "rai_receiver_counter": (_STATUS, [c_void_p, c_size_t, POINTER(Counter)]),
 }

@@ -124,6 +124,7 @@ class _Module:
         self._judged = ctypes.c_uint8()
         self._verdict, self._accuracy, self._velocity = c.Verdict(), c.Accuracy(), c.Velocity()
         self._authentication = c.Authentication()
+        self._time_s, self._watched = ctypes.c_double(), ctypes.c_size_t()
         self._seen, self._count = (c.Seen * c.MAX_SEEN)(), ctypes.c_size_t()
         demand(LIBRARY.rai_receiver_init(self._memory, ctypes.sizeof(self._memory), self._text))
         self._said()
@@ -157,18 +158,17 @@ class _Module:
             counters[counter.name.decode()] = counter.value
         return counters
 
-    def _said(self) -> list[str]:
-        if self._text.length == 0:
-            return []
-        lines = self._room.raw[: self._text.length].decode("ascii", "replace").splitlines()
-        self._text.length = 0
-        self.sentences.extend(lines)
-        return lines
+    def _said(self) -> None:
+        if self._text.length > 0:
+            self.sentences.extend(self._room.raw[: self._text.length].decode("ascii", "replace").splitlines())
+            self._text.length = 0
 
     def _verdicts(self):
-        states = [line for line in self._said() if line.startswith("$PRAIS,")]
-        if states:
-            yield self._row(_seconds(states[-1].split(",")[1])), self._satellites()
+        self._said()
+        before = self._watched.value
+        demand(LIBRARY.rai_receiver_watched(self._memory, self._time_s, self._watched))
+        if self._watched.value != before:
+            yield self._row(self._time_s.value), self._satellites()
 
     def _row(self, time_s: float) -> dict[str, object]:
         for call, struct in (
@@ -209,10 +209,3 @@ class _Module:
             }
             for known in self._seen[: self._count.value]
         ]
-
-
-def _seconds(text: str) -> float:
-    """Returns the seconds of a time of day `hhmmss.ss`; NaN for an empty one."""
-    if not text:
-        return math.nan
-    return int(text[:2]) * 3600 + int(text[2:4]) * 60 + float(text[4:])

@@ -396,6 +396,11 @@ impl Navigator {
         self.place_of(raw.satellite).or_else(of_orbit)
     }
 
+    /// Returns SSE/dof of the ranges used in the last epoch; `None` if they did not pass their test.
+    pub(crate) fn variance_ratio(&self) -> Option<f64> {
+        self.room.memory.outcome().variance_ratio().map(f64::from)
+    }
+
     /// Returns the w-test of a range by its index in the last epoch, dimensionless.
     pub(crate) fn w_test(&self, index: usize) -> Option<f64> {
         self.tally.notes.w_test(index)

@@ -51,7 +51,7 @@ impl Account {
 impl<'e> Judged<'e> {
     /// Iterates over the satellites in the order of the receiver.
     pub fn accounts(&self) -> impl Iterator<Item = Account> + use<'e> {
-        let Self { raw, navigator } = *self;
+        let Self { raw, navigator, .. } = *self;
         let solution = navigator.report().solution.as_ref();
         let place = solution.map(|solution| solution.position).or_else(|| navigator.place());
         let view = place.map(|place| (place, LocalFrame::at(place)));

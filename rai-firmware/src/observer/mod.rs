@@ -22,10 +22,15 @@
 //! The default observer `()` does nothing, and without the feature the module keeps no reasons, so
 //! that a chip spends neither time nor memory on them.
 //!
+//! Numbers that sentences carry too are given as reported, and rounded as the sentences round them
+//! (`Figures`), so that a table beside the sentences has the same digits.
+//!
 //! References: W. Baarda, *A testing procedure for use in geodetic networks*, 1968 (w-test).
 
 #[cfg(feature = "observer")]
 mod account;
+#[cfg(feature = "observer")]
+mod figures;
 
 use raim_core::report::{Report, Verdict};
 
@@ -34,7 +39,13 @@ pub use self::account::Account;
 use crate::correction::CAPACITY;
 pub use crate::correction::Fate;
 use crate::navigator::Navigator;
+use crate::output::Statement;
+#[cfg(all(feature = "observer", feature = "osnma"))]
+use crate::output::nmea::AuthenticationReport;
+#[cfg(feature = "observer")]
+pub use crate::output::nmea::Figures;
 use crate::raw::RawEpoch;
+use crate::settings::Configuration;
 use crate::time::GpsTime;
 
 /// Takes what the module does, verdict by verdict.
@@ -43,28 +54,42 @@ pub trait Observer {
     fn epoch(&mut self, judged: &Judged<'_>);
 
     /// Takes a verdict without an epoch: of a silence, or of a change of settings.
-    fn without_epoch(&mut self, verdict: Verdict);
+    fn without_epoch(&mut self, judged: &WithoutEpoch<'_>);
 }
 
 /// The observer that does nothing.
 impl Observer for () {
     fn epoch(&mut self, _: &Judged<'_>) {}
 
-    fn without_epoch(&mut self, _: Verdict) {}
+    fn without_epoch(&mut self, _: &WithoutEpoch<'_>) {}
 }
 
 /// An epoch that has just been judged.
 #[derive(Clone, Copy, Debug)]
 pub struct Judged<'e> {
-    raw: &'e RawEpoch,
-    navigator: &'e Navigator,
+    pub(crate) raw: &'e RawEpoch,
+    pub(crate) navigator: &'e Navigator,
+    #[cfg_attr(not(feature = "observer"), expect(dead_code, reason = "only an observer reads it"))]
+    pub(crate) statement: &'e Statement<'e, CAPACITY>,
+    /// What is known of Galileo's ephemerides; `None` without a key.
+    #[cfg(all(feature = "observer", feature = "osnma"))]
+    pub(crate) authentication: Option<AuthenticationReport>,
+}
+
+/// A verdict without an epoch: of a silence, or of a change of settings.
+#[derive(Clone, Copy, Debug)]
+pub struct WithoutEpoch<'e> {
+    /// Verdict with its reason.
+    pub verdict: Verdict,
+    /// Time tag of the last epoch; `None` before the first.
+    pub last: Option<GpsTime>,
+    /// GPS time minus UTC, s.
+    pub gps_minus_utc_s: u8,
+    /// Settings in force.
+    pub configuration: &'e Configuration,
 }
 
 impl<'e> Judged<'e> {
-    pub(crate) const fn new(raw: &'e RawEpoch, navigator: &'e Navigator) -> Self {
-        Self { raw, navigator }
-    }
-
     /// Returns the time tag of the epoch.
     pub const fn time(&self) -> GpsTime {
         self.raw.time

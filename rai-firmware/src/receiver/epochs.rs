@@ -21,7 +21,7 @@ use crate::ephemeris::{Ephemeris, Insertion};
 use crate::input::{Event, Suspicions};
 use crate::known_place::{HostHeight, aiding_of};
 use crate::navigator::Navigator;
-use crate::observer::{Judged, Observer};
+use crate::observer::{Judged, Observer, WithoutEpoch};
 #[cfg(feature = "osnma")]
 use crate::osnma::{Keys, Summary};
 #[cfg(feature = "osnma")]
@@ -365,8 +365,14 @@ impl<P: OutputPin, O: Observer> EpochLoop<P, O> {
             }),
         };
         let written = self.publisher.tell(&statement, &self.configuration.outputs, host);
+        self.observer.epoch(&Judged {
+            raw,
+            navigator: &self.navigator,
+            statement: &statement,
+            #[cfg(all(feature = "observer", feature = "osnma"))]
+            authentication: self.authentication_report(due_ms),
+        });
         self.sent(written.is_ok());
-        self.observer.epoch(&Judged::new(raw, &self.navigator));
     }
 
     #[inline(never)]
@@ -429,9 +435,9 @@ impl<P: OutputPin, O: Observer> EpochLoop<P, O> {
 
     fn tell_without_epoch<W: Write>(&mut self, verdict: Verdict, host: &mut W) -> Result<(), W::Error> {
         let (publisher, configuration) = (&mut self.publisher, &self.configuration);
-        let written =
-            publisher.tell_without_epoch(verdict, self.last_time, self.gps_minus_utc_s, configuration, host);
-        self.observer.without_epoch(verdict);
+        let (last, gps_minus_utc_s) = (self.last_time, self.gps_minus_utc_s);
+        let written = publisher.tell_without_epoch(verdict, last, gps_minus_utc_s, configuration, host);
+        self.observer.without_epoch(&WithoutEpoch { verdict, last, gps_minus_utc_s, configuration });
         written
     }
 

@@ -173,6 +173,18 @@ impl<P: OutputPin, O: Observer> EpochLoop<P, O> {
         (is_alarm && self.configuration.authentication >= Authentication::Prefer).then_some(Alert::Forged)
     }
 
+    /// Returns what is known of the authentication, and what it is worth; `None` without a key.
+    #[allow(clippy::inline_always, reason = "made where it is written")]
+    #[inline(always)]
+    pub(super) fn authentication_report(&self, now_ms: u64) -> Option<AuthenticationReport> {
+        self.authentication.map(|summary| AuthenticationReport {
+            summary,
+            proof: self.proof(now_ms),
+            bound_s: self.trusted.map(|trusted| trusted.bound_s(now_ms)),
+            apart_m: self.navigator.systems_apart_m(),
+        })
+    }
+
     /// Writes `PRAIO`, and lets the messages for autopilots know.
     pub(super) fn tell_authentication<W: Write>(
         &mut self,
@@ -180,12 +192,7 @@ impl<P: OutputPin, O: Observer> EpochLoop<P, O> {
         now_ms: u64,
         host: &mut W,
     ) -> Result<(), W::Error> {
-        let report = self.authentication.map(|summary| AuthenticationReport {
-            summary,
-            proof: self.proof(now_ms),
-            bound_s: self.trusted.map(|trusted| trusted.bound_s(now_ms)),
-            apart_m: self.navigator.systems_apart_m(),
-        });
+        let report = self.authentication_report(now_ms);
         let is_off = self.configuration.authentication == Authentication::Off;
         self.publisher.authenticated(report.as_ref(), is_off);
         report.map_or(Ok(()), |report| write_authentication(&report, time, host))

@@ -103,10 +103,11 @@ impl Both {
     /// waited for.
     fn hear(&mut self, lump: &Lump) -> Result<Heard> {
         let now_ms = self.wait(lump.elapsed_ms())?;
-        let host = lasting(self.host.hear(&lump.bytes, now_ms)?.split_inclusive('\n'));
+        let (said, seen) = self.host.hear(&lump.bytes, now_ms)?;
+        let host = lasting(said.split_inclusive('\n'));
         self.board.feed(&lump.bytes)?;
         let mut board = String::new();
-        if host.contains("$PRAIS") {
+        if !seen.is_empty() {
             board = lasting(self.board.read_through("$PRAIS", PATIENCE)?.iter().map(String::as_str));
             self.is_recovering = RECOVERING.iter().any(|words| host.contains(words));
         }

@@ -36,7 +36,7 @@ fn run_set(recording: &Recording, systems: &str, faults: &[Fault], truth: Ecef, 
     let setup = ["PHASE,NPA", "METHOD,SEPARATION"].iter().chain(set).map(|&command| command.to_owned());
     let setup: Vec<_> = setup.collect();
     let run = replay::on_host(&lumps, &setup, Pace::Recorded, |_| {}).unwrap();
-    replay::track(&lumps, &run, Some(&Truth::Fixed(truth))).unwrap()
+    replay::track(&lumps, &run, Some(&Truth::Fixed(truth)))
 }
 
 fn state(moment: &Moment) -> (char, &str) {

@@ -35,6 +35,7 @@ mod known_place;
 mod memory_routines;
 mod moving_receiver;
 mod no_panic;
+mod observed;
 mod open_epochs;
 mod osnma;
 mod own_evidence;

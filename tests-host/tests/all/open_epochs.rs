@@ -2,13 +2,14 @@
 //! system send them: a silent line completes the epoch.
 
 use raim::replay::{self, Pace, Window};
-use raim::sentence::{self, EpochOutput};
+use raim::sentence;
 use raim::signal::capture::Capture;
 use raim::signal::checksum::crc24q;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::pieces::pieces;
 use raim::signal::sky::Fleet;
 use raim::signal::sky::raw::Simulation;
+use raim::verdict::EpochOutput;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 
@@ -166,7 +167,7 @@ fn capture_is_replayed_with_every_epoch_in_its_time() {
         assert_eq!(elapsed_s, want_s);
         let run = replay::on_host(&lumps, &[], Pace::Recorded, |_| ()).unwrap();
         for (index, said) in run.said.iter().enumerate() {
-            let output = said.output().unwrap();
+            let output = said.output();
             assert!(
                 output.is_some_and(|output| output.state.is_protected()),
                 "step {step_s} s, epoch {index}"

@@ -9,12 +9,13 @@ use raim::page::report::{self, Facts, Happened, Journal, explanation};
 use raim::page::timeline::Incident;
 use raim::replay::{Lump, Pace, Playback};
 use raim::satellites::{Account, Fate, View};
-use raim::sentence::{self, EpochOutput};
+use raim::sentence;
 use raim::signal::checksum::nmea_line;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::fault::{Fault, Injector};
 use raim::signal::sky::Fleet;
 use raim::signal::sky::raw::Simulation;
+use raim::verdict::EpochOutput;
 use raim_core::satellite::{Constellation, SatelliteId};
 
 /// Largest size of the script.
@@ -58,7 +59,7 @@ fn played(lumps: Vec<Lump>, setup: &[String]) -> Played {
     playback.watch();
     let mut epochs = Vec::new();
     while let Some((_, said)) = playback.advance().unwrap() {
-        epochs.push((said.output().unwrap().unwrap(), said.view.unwrap()));
+        epochs.push((said.output().unwrap().clone(), said.view().unwrap().clone()));
     }
     (epochs, playback.counters().unwrap().into_iter().collect())
 }
@@ -151,7 +152,7 @@ fn the_worst_satellite_is_that_of_the_module() {
         let line = said.of_epoch.lines().find(|line| line.contains("GBS,")).unwrap().to_owned();
         let fields: Vec<&str> = line.split(',').collect();
         let used: Vec<Account> =
-            said.view.unwrap().satellites.into_iter().filter(|seen| seen.fate == Fate::Used).collect();
+            said.view().unwrap().satellites.iter().filter(|seen| seen.fate == Fate::Used).copied().collect();
         let size = |seen: &Account| seen.w_test.unwrap_or(0.0).abs();
         let worst = used.iter().max_by(|one, other| size(one).total_cmp(&size(other))).unwrap();
         let number: u8 = fields[5].parse().unwrap();

@@ -287,7 +287,7 @@ fn module_finds_the_site_under_the_simulated_sky() {
         assert!(error.horizontal() < 4.0 && error.up.abs() < 7.0, "{error:?}");
         assert!(epoch.state.is_protected() && epoch.excluded.is_empty(), "{:?}", epoch.state);
     }
-    let mean_m = |part: &dyn Fn(&raim::sentence::EpochOutput) -> f64| {
+    let mean_m = |part: &dyn Fn(&raim::verdict::EpochOutput) -> f64| {
         epochs.iter().map(part).sum::<f64>() / epochs.len() as f64
     };
     let up_m = mean_m(&|epoch| epoch.position.unwrap().height_m - 400.0);

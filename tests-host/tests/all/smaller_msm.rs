@@ -139,7 +139,7 @@ fn all_smaller(lumps: &[Lump], to: u64) -> Vec<Lump> {
 }
 
 fn run(lumps: &[Lump]) -> Track {
-    replay::track(lumps, &replay::on_host(lumps, &[], Pace::Recorded, |_| ()).unwrap(), None).unwrap()
+    replay::track(lumps, &replay::on_host(lumps, &[], Pace::Recorded, |_| ()).unwrap(), None)
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn a_fault_put_into_any_msm_is_the_fault_put_into_the_recording() {
             let mut touched = 0;
             for (have, want) in have.iter().zip(&want) {
                 let (have, want) = (have.output.as_ref().unwrap(), want.output.as_ref().unwrap());
-                let who = |output: &raim::sentence::EpochOutput| {
+                let who = |output: &raim::verdict::EpochOutput| {
                     let left_out = output.excluded.iter().map(|excluded| excluded.satellite.to_string());
                     (
                         output.state.state,

@@ -1,15 +1,23 @@
 //! Command `configure`: gives a receiver its commands, and reports its answers.
 
+use std::time::Duration;
+
 use anyhow::{Context as _, Result, ensure};
 
 use super::dialogue::{Answer, ask, identify};
-use super::port;
 use super::receivers::{Need, Receiver, Step};
+use crate::source::{Line, Source};
+
+/// Rate of a serial port if none is named: that of u-blox generation 9 and later at start.
+const BAUD: u32 = 38_400;
+
+/// A read returns after this time even if nothing comes.
+const READ_TIMEOUT: Duration = Duration::from_millis(50);
 
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Port of the receiver: /dev/ttyUSB0@38400, COM3 or <tcp://host:port>
+    /// Port of the receiver: PORT or PORT@BAUD, such as /dev/ttyUSB0@38400 or COM3, or <tcp://HOST:PORT>
     #[arg(long, required_unless_present = "dry_run")]
     port: Option<String>,
     /// Kind of receiver; a u-blox is asked for it
@@ -38,14 +46,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Ok(());
     }
     let name = arguments.port.as_deref().context("--port must name the receiver's port")?;
-    let mut port = port::open(name).with_context(|| name.to_owned())?;
+    let open = || Line::open(&Source::line(name, BAUD)?, READ_TIMEOUT);
+    let mut port = open().with_context(|| name.to_owned())?;
     let receiver = match arguments.receiver {
         Some(receiver) => receiver,
-        None => identify(&mut *port)?,
+        None => identify(&mut port)?,
     };
     let steps = receiver.steps(&wire, arguments.keep)?;
     println!("{receiver}, {} commands for its port {wire}", steps.len());
-    let answers = steps.iter().map(|step| ask(&mut *port, step)).collect::<Result<Vec<_>>>()?;
+    let answers = steps.iter().map(|step| ask(&mut port, step)).collect::<Result<Vec<_>>>()?;
     let (report, is_enough) = report(receiver, &steps, &answers);
     println!("{report}");
     ensure!(is_enough, "{}", advice(receiver, &answers));

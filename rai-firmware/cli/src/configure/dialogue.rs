@@ -1,11 +1,10 @@
 //! Commands and their answers, among everything else that a receiver sends.
 
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
 
-use super::port::Port;
 use super::receivers::{Command, Receiver, Step};
 use super::ubx::{self, ACK_ACK, ACK_NAK, Identity, MON_VER};
 
@@ -38,7 +37,7 @@ impl Answer {
 ///
 /// # Errors
 /// If the port fails.
-pub(super) fn ask(port: &mut dyn Port, step: &Step) -> Result<Answer> {
+pub(super) fn ask(port: &mut (impl Read + Write), step: &Step) -> Result<Answer> {
     send(port, &step.bytes())?;
     let answer = match &step.command {
         Command::Ubx(identity, _) => wait(port, |bytes| acknowledged(bytes, *identity))?,
@@ -51,7 +50,7 @@ pub(super) fn ask(port: &mut dyn Port, step: &Step) -> Result<Answer> {
 ///
 /// # Errors
 /// If the port fails, nothing answers, or the receiver is not known.
-pub(super) fn identify(port: &mut dyn Port) -> Result<Receiver> {
+pub(super) fn identify(port: &mut (impl Read + Write)) -> Result<Receiver> {
     send(port, &ubx::frame(MON_VER, &[]))?;
     let version = wait(port, |bytes| {
         std::iter::from_fn(|| ubx::take(bytes)).find(|(identity, _)| *identity == MON_VER)
@@ -80,13 +79,16 @@ fn generation(payload: &[u8]) -> Option<Receiver> {
     }
 }
 
-fn send(port: &mut dyn Port, bytes: &[u8]) -> Result<()> {
+fn send(port: &mut (impl Read + Write), bytes: &[u8]) -> Result<()> {
     port.write_all(bytes).context("the receiver does not take the command")?;
     port.flush().context("the receiver does not take the command")
 }
 
 /// Reads until `find` finds its answer or the patience ends.
-fn wait<A>(port: &mut dyn Port, mut find: impl FnMut(&mut Vec<u8>) -> Option<A>) -> Result<Option<A>> {
+fn wait<A>(
+    port: &mut (impl Read + Write),
+    mut find: impl FnMut(&mut Vec<u8>) -> Option<A>,
+) -> Result<Option<A>> {
     let start = Instant::now();
     let (mut bytes, mut chunk) = (Vec::new(), [0; 1024]);
     while start.elapsed() < PATIENCE {

@@ -25,8 +25,6 @@
 mod command;
 #[cfg(feature = "commands")]
 mod dialogue;
-#[cfg(feature = "commands")]
-mod port;
 mod receivers;
 #[cfg_attr(not(feature = "commands"), expect(dead_code, reason = "only the command reads answers"))]
 mod ubx;

@@ -11,6 +11,7 @@ use super::source::{self, Choice, News, Source};
 use super::speed::{Control, Speed};
 use super::{Dashboard, draw, plain};
 use crate::sentence::command;
+use crate::source::{BAUD, Source as Line};
 use anyhow::{Context as _, anyhow, bail};
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind};
 
@@ -18,9 +19,10 @@ use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind};
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("source").required(true))]
 pub struct Arguments {
-    /// Watch the module whose host port is on this serial port, such as /dev/ttyUSB0.
-    #[arg(long, group = "source")]
-    port: Option<PathBuf>,
+    /// Watch the module whose host port is on this serial port, such as /dev/ttyUSB0, with @BAUD or
+    /// without, or on the server tcp://HOST:PORT.
+    #[arg(long, group = "source", value_parser = |name: &str| Line::line(name, BAUD))]
+    port: Option<Line>,
     /// Watch a module through a server that forwards its host port, HOST:PORT.
     #[arg(long, group = "source")]
     tcp: Option<String>,
@@ -88,8 +90,8 @@ impl Arguments {
     /// Returns the source that the user named; `None` for the demonstration.
     fn choice(&self) -> Option<Choice> {
         match (&self.port, &self.tcp, &self.file) {
-            (Some(path), ..) => Some(Choice::Port(path.clone())),
-            (_, Some(address), _) => Some(Choice::Tcp(address.clone())),
+            (Some(line), ..) => Some(Choice::Line(line.clone())),
+            (_, Some(address), _) => Some(Choice::Line(Line::Tcp(address.clone()))),
             (.., Some(path)) => {
                 let usual = if self.plain { Speed::Max } else { Speed::Times(1.0) };
                 Some(Choice::File(path.clone(), Control::new(self.speed.unwrap_or(usual))))

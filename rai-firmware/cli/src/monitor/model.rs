@@ -9,7 +9,8 @@ use raim_firmware::settings::{Configuration, Setting};
 use super::source::Message;
 use super::speed::Control;
 use crate::satellites::{Account, Fate};
-use crate::sentence::{self, Excluded, Sentence, State};
+use crate::sentence::{self, Sentence};
+use crate::verdict::{Excluded, State};
 
 /// Number of epochs stored for the curves: ten minutes at one a second.
 const MEMORY: usize = 600;

@@ -1,6 +1,7 @@
 //! Verdicts and exclusions as lines of text, for a pipe or a log.
 
-use crate::sentence::{self, Sentence, State};
+use crate::sentence::{self, Sentence};
+use crate::verdict::State;
 
 /// Returns a line in words; `None` for other sentences, and for lines that are not a sentence.
 pub fn words(line: &str) -> Option<String> {

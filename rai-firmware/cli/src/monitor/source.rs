@@ -8,7 +8,6 @@
 //! between two messages therefore never shows the verdict of one epoch beside the pin of another.
 
 use std::io::{BufRead, BufReader, Read as _, Write};
-use std::net::TcpStream;
 use std::path::PathBuf;
 use std::sync::mpsc::{self, Receiver, SyncSender, sync_channel};
 use std::thread;
@@ -21,14 +20,11 @@ use super::speed::Control;
 use crate::replay::{Pace, Playback, Window};
 use crate::satellites::Account;
 use crate::sentence::{self, Sentence};
-use crate::serial;
 use crate::signal::capture::{Bytes, Capture, Lumps, has_frames};
+use crate::source::{Source as Line, listen};
 
 /// Longest pause in a file of sentences that is waited for, s. In a longer one the module was off.
 const LONGEST_PAUSE_S: f64 = 60.0;
-
-/// Rate of the module's host port.
-const BAUD: u32 = 115_200;
 
 /// Seconds of a day, at whose end the time of sentences restarts.
 const DAY_S: f64 = 86_400.0;
@@ -73,10 +69,8 @@ pub enum News {
 /// Choice of a source.
 #[derive(Clone, Debug)]
 pub enum Choice {
-    /// A serial port.
-    Port(PathBuf),
-    /// A TCP server that passes on the host port.
-    Tcp(String),
+    /// A serial port, or a server that passes on the host port.
+    Line(Line),
     /// A recording of sentences, or a capture of a receiver, identified by content; and the speed
     /// at which it is shown.
     File(PathBuf, Control),
@@ -99,17 +93,11 @@ pub struct Source {
 pub fn open(choice: &Choice) -> Result<Source> {
     let (sender, news) = sync_channel(256);
     let (name, commands): (String, Option<Box<dyn Write + Send>>) = match choice {
-        Choice::Port(path) => {
-            let name = path.display().to_string();
-            let (port, commands) = serial::listen(path, BAUD).with_context(|| name.clone())?;
+        Choice::Line(line) => {
+            let name = line.to_string();
+            let (port, commands) = listen(line).with_context(|| name.clone())?;
             spawn(sender, |sender| module(BufReader::new(port), sender));
             (name, commands)
-        }
-        Choice::Tcp(address) => {
-            let stream = TcpStream::connect(address).with_context(|| format!("{address} does not answer"))?;
-            let commands = stream.try_clone()?;
-            spawn(sender, |sender| module(BufReader::new(stream), sender));
-            (address.clone(), Some(Box::new(commands)))
         }
         Choice::File(path, control) => {
             let name = path.display().to_string();
@@ -263,17 +251,17 @@ fn capture(
     while let Some((lump, heard)) = playback.advance()? {
         control.wait(lump.elapsed_s - now_s);
         now_s = lump.elapsed_s;
-        let output = heard.output()?;
-        if let Some(output) = &output {
+        let output = heard.output();
+        if let Some(output) = output {
             control.judged(output.state.state);
         }
         // The module has lived through the silence behind the epoch already. The pin of the epoch
         // is that of its verdict, with which `Playback` has compared it.
         let is_high = output.is_some_and(|output| output.state.is_protected());
-        sender.send(said(&heard.of_epoch, is_high, heard.view.map(|view| view.satellites)))?;
-        if let Some(stale_s) = heard.stale_s {
+        sender.send(said(&heard.of_epoch, is_high, heard.view().map(|view| view.satellites.clone())))?;
+        if let Some((stale_s, _)) = heard.silence.first() {
             control.wait(stale_s - now_s);
-            now_s = stale_s;
+            now_s = *stale_s;
             control.judged('A');
         }
         if !heard.of_silence.is_empty() {
@@ -355,7 +343,7 @@ mod tests {
     #[test]
     fn what_cannot_be_opened_is_named() {
         let file = Choice::File("/nowhere/at/all".into(), Control::new(Speed::Max));
-        for choice in [file, Choice::Port("/nowhere/at/all".into())] {
+        for choice in [file, Choice::Line(Line::line("/nowhere/at/all", 9600).unwrap())] {
             let error = open(&choice).err().map(|error| format!("{error:#}")).unwrap_or_default();
             assert!(error.contains("/nowhere/at/all"), "{error}");
         }

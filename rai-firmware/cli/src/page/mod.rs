@@ -36,7 +36,7 @@ mod vision;
 use raim_core::frame::Enu;
 use raim_core::satellite::SatelliteId;
 
-use crate::sentence::EpochOutput;
+use crate::verdict::EpochOutput;
 
 /// Verdict on the use of a position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

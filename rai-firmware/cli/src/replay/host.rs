@@ -6,10 +6,11 @@ use raim_firmware::settings::Configuration;
 
 use super::ahead::Ahead;
 use super::settings::advice;
-use crate::satellites::{View, Views};
-use crate::sentence::{self, EpochOutput, command};
+use crate::satellites::{Seen, View, Views};
+use crate::sentence::{self, command};
 use crate::signal::lump::Lump;
 use crate::signal::pieces;
+use crate::verdict::EpochOutput;
 use raim_firmware::pin::MemoryPin;
 
 /// Bodies of the commands that configure the module before the first epoch, without `$PRAIC,` and
@@ -43,28 +44,28 @@ pub enum Pace {
     LockStep,
 }
 
-/// Sentences of the module after one lump.
+/// Answer of the module to one lump.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Said {
     /// Sentences of the epoch.
     pub of_epoch: String,
     /// Sentences of the silence after it.
     pub of_silence: String,
-    /// Time of the first alert for silence, s after the first epoch of the recording.
-    pub stale_s: Option<f64>,
-    /// Residuals of the epoch relative to their standard deviations, √(SSE/dof).
-    pub misfit: Option<f64>,
-    /// The module's view of the epoch, if it is [watched](Playback::watch).
-    pub view: Option<View>,
+    /// Verdicts of the lump: one, unless it has several epochs or none.
+    pub seen: Vec<Seen>,
+    /// Verdicts of the silence after it, with their times, s after the first epoch of the recording.
+    pub silence: Vec<(f64, Seen)>,
 }
 
 impl Said {
-    /// Returns the output of the epoch that was judged last, if one was.
-    ///
-    /// # Errors
-    /// A sentence is unreadable.
-    pub fn output(&self) -> Result<Option<EpochOutput>> {
-        Ok(sentence::epochs(&self.of_epoch)?.pop())
+    /// Returns the verdict on the epoch that was judged last, if one was.
+    pub fn output(&self) -> Option<&EpochOutput> {
+        self.seen.last().map(|seen| &seen.output)
+    }
+
+    /// Returns the module's view of that epoch, if it is [watched](Playback::watch).
+    pub fn view(&self) -> Option<&View> {
+        self.seen.last()?.view.as_ref()
     }
 }
 
@@ -118,7 +119,6 @@ pub fn on_host(
 pub struct Playback<I> {
     lumps: Ahead<I>,
     module: Module,
-    is_watched: bool,
     pace: Pace,
     last_epoch_ms: u64,
 }
@@ -130,7 +130,7 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
     /// The module refuses a setup command.
     pub fn start(lumps: I, setup: &Setup, pace: Pace) -> Result<Self> {
         let (lumps, module) = (Ahead::of(lumps), Module::start(setup)?);
-        Ok(Self { lumps, module, is_watched: false, pace, last_epoch_ms: 0 })
+        Ok(Self { lumps, module, pace, last_epoch_ms: 0 })
     }
 
     /// Plays the next lump, and the silence behind it; returns `None` at the end.
@@ -141,12 +141,9 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
     pub fn advance(&mut self) -> Result<Option<(Lump, Said)>> {
         let Some((lump, next_ms)) = self.lumps.next()? else { return Ok(None) };
         let now_ms = lump.elapsed_ms();
-        let of_epoch = self.module.hear(&lump.bytes, now_ms)?;
-        let view = self.module.view(&of_epoch);
-        let misfit = view.as_ref().and_then(View::misfit);
-        let view = view.filter(|_| self.is_watched);
-        let mut said = Said { of_epoch, misfit, view, ..Said::default() };
-        if said.of_epoch.contains("$PRAIS") {
+        let (of_epoch, seen) = self.module.hear(&lump.bytes, now_ms)?;
+        let mut said = Said { of_epoch, seen, ..Said::default() };
+        if !said.seen.is_empty() {
             self.last_epoch_ms = now_ms;
         }
         // A lump without an epoch is a silence, too.
@@ -182,7 +179,7 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
 
     /// Lets [`Said`] have the module's view of every epoch.
     pub fn watch(&mut self) {
-        self.is_watched = true;
+        self.module.watch();
     }
 
     /// Returns the settings in force.
@@ -221,7 +218,7 @@ impl Module {
     /// The module refuses a setup command.
     pub fn start(setup: &Setup) -> Result<Self> {
         let boot = Boot::on_host("host");
-        let mut receiver = Receiver::observed(MemoryPin::default(), Views::new(true), boot)
+        let mut receiver = Receiver::observed(MemoryPin::default(), Views::new(false), boot)
             .context("the module cannot start")?;
         let mut answers = Vec::new();
         for body in setup {
@@ -237,18 +234,17 @@ impl Module {
         self.receiver.configuration()
     }
 
-    /// Returns the view of the epoch to which `said` belongs: the last one since the last call.
-    pub fn view(&mut self, said: &str) -> Option<View> {
-        let view = self.receiver.observer_mut().take().pop();
-        view.filter(|_| last_state(said).is_some())
+    /// Lets the module's view of every epoch be part of its verdict.
+    pub fn watch(&mut self) {
+        self.receiver.observer_mut().watch();
     }
 
-    /// Returns the sentences for an epoch that comes at `now_ms`. If there are none, because no
-    /// range came, the last verdict stands until it is stale.
+    /// Returns sentences and verdicts for an epoch that comes at `now_ms`. If there are none, because
+    /// no range came, the last verdict stands until it is stale.
     ///
     /// # Errors
     /// The pin is high although the verdict forbids it, or the reverse.
-    pub fn hear(&mut self, bytes: &[u8], now_ms: u64) -> Result<String> {
+    pub fn hear(&mut self, bytes: &[u8], now_ms: u64) -> Result<(String, Vec<Seen>)> {
         // An epoch has some 650 bytes of sentences.
         let mut said = Vec::with_capacity(1024);
         let is_judged = self.receiver.gnss(bytes, now_ms, &mut said);
@@ -257,12 +253,12 @@ impl Module {
             // silent.
             self.receiver.tick(now_ms + QUIET_MS, &mut said);
         }
-        let text = sentence::sentences(&said)?;
-        if let Some(state) = last_state(&text) {
-            let agree = self.receiver.pin().high == (state == "P");
+        let seen = self.receiver.observer_mut().take();
+        if let Some(last) = seen.last() {
+            let agree = self.receiver.pin().high == last.output.state.is_protected();
             ensure!(agree, "pin and verdict disagree at {now_ms} ms");
         }
-        Ok(text)
+        Ok((sentence::sentences(&said)?, seen))
     }
 
     /// Lets time pass without a byte.
@@ -270,11 +266,10 @@ impl Module {
         for now_ms in (from_ms..to_ms).step_by(TICK_MS as usize).skip(1) {
             let mut alarm = Vec::new();
             self.receiver.tick(now_ms, &mut alarm);
-            let text = sentence::sentences(&alarm)?;
-            said.of_silence.push_str(&text);
+            said.of_silence.push_str(&sentence::sentences(&alarm)?);
             // Settings and losses are repeated at intervals, whatever the input.
-            if last_state(&text).is_some() {
-                said.stale_s.get_or_insert(now_ms as f64 * 1e-3);
+            for seen in self.receiver.observer_mut().take() {
+                said.silence.push((now_ms as f64 * 1e-3, seen));
                 ensure!(!self.receiver.pin().high, "the pin is high on a silent line at {now_ms} ms");
             }
         }
@@ -296,9 +291,4 @@ pub fn counters_of(answer: &str) -> Vec<(String, u32)> {
         .chunks_exact(2)
         .filter_map(|pair| Some((pair.first()?.to_string(), pair.get(1)?.parse().ok()?)))
         .collect()
-}
-
-/// Returns the state of the last verdict in some sentences.
-fn last_state(text: &str) -> Option<&str> {
-    text.lines().rev().find(|line| line.starts_with("$PRAIS"))?.split(',').nth(2)
 }

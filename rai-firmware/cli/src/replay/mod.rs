@@ -1,7 +1,7 @@
 //! Replay of a recording through the module, and its results.
 //!
 //! ```text
-//! recording, capture ─► lumps (window, faults) ─► on the host │ on the board ─► sentences ─► track ─► summary, CSV, report
+//! recording, capture ─► lumps (window, faults) ─► on the host │ on the board ─► verdicts ─► track ─► summary, CSV, report
 //! ```
 //!
 //! One lump is the bytes of one epoch: the RTCM encoding of a recording, or the bytes of a receiver
@@ -9,8 +9,8 @@
 //! recording does not matter.
 //!
 //! Time passes as it was recorded. If epochs are missing, the line is silent and the module must
-//! detect this. The host runs the firmware's library in process; the board is the emulated chip.
-//! Both receive the same bytes and are read only through their sentences, which are compared byte
+//! detect this. The host runs the firmware's library in process and reads its verdicts by an observer;
+//! the board is the emulated chip. Both receive the same bytes, and their sentences are compared byte
 //! for byte. The board receives the next lump after its sentences for the last one, and thus has no
 //! silence. It is in a package of its own, whose caller passes it to the [`command`].
 

@@ -9,7 +9,6 @@ use super::host::Said;
 use super::summary::Summary;
 use crate::page::report::{self, Facts, Happened, Journal, command_line, settings_of};
 use crate::page::timeline;
-use crate::sentence;
 use crate::signal::fault::{Fault, Kind};
 
 /// Report that is filled epoch by epoch, with room for any number of them.
@@ -31,10 +30,7 @@ pub struct About {
 
 impl Report {
     /// Takes the next epoch, and the silence after it.
-    ///
-    /// # Errors
-    /// A sentence of the silence is unreadable.
-    pub fn push(&mut self, moment: &super::track::Moment, said: &Said) -> Result<()> {
+    pub fn push(&mut self, moment: &super::track::Moment, said: &Said) {
         self.last_s = moment.elapsed_s;
         if let Some(output) = &moment.output {
             self.journal.push(&Happened {
@@ -42,15 +38,14 @@ impl Report {
                 output,
                 error: moment.error,
                 pin_is_high: output.state.is_protected(),
-                view: said.view.as_ref(),
+                view: said.view(),
             });
         }
-        let silence = sentence::epochs(&said.of_silence)?;
-        if let Some((time_s, output)) = said.stale_s.zip(silence.first()) {
+        if let Some((time_s, seen)) = said.silence.first() {
+            let (time_s, output) = (*time_s, &seen.output);
             self.last_s = time_s;
             self.journal.push(&Happened { time_s, output, error: None, pin_is_high: false, view: None });
         }
-        Ok(())
     }
 
     /// Writes `report.html` into a folder; returns its path.

@@ -78,7 +78,7 @@ impl<'a> Sink<'a> {
     /// Takes an epoch; returns its lump.
     pub(super) fn take(&mut self, played: Result<Option<(Lump, Said)>>) -> Result<Option<Lump>> {
         let Some((lump, said)) = played? else { return Ok(None) };
-        let moment = Moment::of(&lump, &said, self.truth)?;
+        let moment = Moment::of(&lump, &said, self.truth);
         self.summary.count(&moment);
         let position = moment.output.as_ref().and_then(|output| output.position);
         if let (Some(position), Some(error)) = (position, moment.error) {
@@ -95,13 +95,13 @@ impl<'a> Sink<'a> {
         if let Some(copy) = &mut self.stream {
             copy.write(&lump.bytes)?;
         }
-        if let Some(((path, file), view)) = self.satellites.as_mut().zip(said.view.as_ref()) {
+        if let Some(((path, file), view)) = self.satellites.as_mut().zip(said.view()) {
             let time = view.time.unwrap_or(lump.time);
             let mut rows = view.satellites.iter().map(|account| satellites::row(account, time));
             rows.try_for_each(|row| writeln!(file, "{row}")).with_context(|| cannot_write(path))?;
         }
         if let Some((_, report)) = &mut self.report {
-            report.push(&moment, &said)?;
+            report.push(&moment, &said);
         }
         self.bar.advance();
         Ok(Some(lump))

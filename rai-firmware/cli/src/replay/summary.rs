@@ -9,9 +9,9 @@ use raim_firmware::output::geoid::Altitude;
 use super::quantiles::Quantiles;
 use super::track::{Moment, Track};
 use crate::outcomes::{Outcome, Outcomes};
-use crate::sentence::Authentication;
 use crate::signal::fault::{Fault, Kind};
 use crate::signal::recording::Skipped;
+use crate::verdict::Authentication;
 
 /// Counts and errors of a run. Errors, misleading and hazardous epochs are known only with a truth.
 /// Errors are those of protected epochs, because the others must not be used.
@@ -131,8 +131,8 @@ pub struct RunningSummary {
     vertical: Quantiles,
     hpl: Quantiles,
     vpl: Quantiles,
-    /// √(SSE/dof) of protected epochs.
-    statistics: Quantiles,
+    /// Sum and number of SSE/dof of protected epochs.
+    ratios: (f64, usize),
     faults: Vec<Fault>,
     /// Sum of the vertical errors of protected epochs, m.
     up_m: f64,
@@ -153,7 +153,7 @@ impl RunningSummary {
             vertical: Quantiles::default(),
             hpl: Quantiles::default(),
             vpl: Quantiles::default(),
-            statistics: Quantiles::default(),
+            ratios: (0.0, 0),
             faults: faults.to_vec(),
             up_m: 0.0,
             geoid_m: None,
@@ -181,8 +181,8 @@ impl RunningSummary {
         let Some(state) = moment.output.as_ref().map(|output| &output.state) else { return };
         state.hpl_m.into_iter().for_each(|hpl_m| self.hpl.count(hpl_m));
         state.vpl_m.into_iter().for_each(|vpl_m| self.vpl.count(vpl_m));
-        if let Some(statistic) = moment.misfit.filter(|_| state.is_protected()) {
-            self.statistics.count(statistic);
+        if let Some(ratio) = moment.variance_ratio.filter(|_| state.is_protected()) {
+            self.ratios = (self.ratios.0 + ratio, self.ratios.1 + 1);
         }
     }
 
@@ -223,8 +223,7 @@ impl RunningSummary {
             vpl_median_m: vpl.quantile(0.5),
             hpl_max_m: hpl.most(),
             vpl_max_m: vpl.most(),
-            // The mean of SSE/dof is the mean square of the statistic.
-            sigma_check_pct: self.statistics.rms().map(|root| 100.0 * root * root),
+            sigma_check_pct: (self.ratios.1 > 0).then(|| 100.0 * self.ratios.0 / self.ratios.1 as f64),
             with_truth: horizontal.len(),
             truth_looks_above_sea_m: self.geoid_m.filter(|geoid_m| self.looks_above_sea(*geoid_m)),
             ..self.summary.clone()

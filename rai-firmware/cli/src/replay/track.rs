@@ -4,15 +4,14 @@
 
 use std::io::Write;
 
-use anyhow::Result;
 use raim_core::frame::{Enu, LocalFrame};
 use raim_firmware::time::GpsTime;
 
 use super::HostRun;
 use super::host::Said;
 use super::truth::Truth;
-use crate::sentence::{Authentication, EpochOutput};
 use crate::signal::lump::Lump;
+use crate::verdict::{Authentication, EpochOutput};
 
 /// One epoch of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,8 +24,8 @@ pub struct Moment {
     pub output: Option<EpochOutput>,
     /// Position minus truth, east, north, up, m; `None` without a fix or a truth.
     pub error: Option<Enu>,
-    /// Residuals relative to their standard deviations, √(SSE/dof), under every method.
-    pub misfit: Option<f64>,
+    /// SSE/dof of the ranges used, under every method; `None` if they did not pass their test.
+    pub variance_ratio: Option<f64>,
     /// Time of the alert for a silent line after this epoch, seconds after the first epoch.
     pub stale_s: Option<f64>,
 }
@@ -36,31 +35,25 @@ pub type Track = Vec<Moment>;
 
 impl Moment {
     /// Compares the output for a lump with the truth.
-    ///
-    /// # Errors
-    /// A sentence is unreadable.
-    pub fn of(lump: &Lump, said: &Said, truth: Option<&Truth>) -> Result<Self> {
-        let output = said.output()?;
+    pub fn of(lump: &Lump, said: &Said, truth: Option<&Truth>) -> Self {
+        let output = said.output().cloned();
         let position = output.as_ref().and_then(|output| output.position);
         let error = position
             .zip(truth.and_then(|truth| truth.at(lump.time)))
             .map(|(position, truth)| LocalFrame::at(truth).rotate(position.to_ecef() - truth));
-        Ok(Self {
+        Self {
             time: lump.time,
             elapsed_s: lump.elapsed_s,
             output,
             error,
-            misfit: said.misfit,
-            stale_s: said.stale_s,
-        })
+            variance_ratio: said.seen.last().and_then(|seen| seen.variance_ratio),
+            stale_s: said.silence.first().map(|(time_s, _)| *time_s),
+        }
     }
 }
 
 /// Compares the output for each lump with the truth.
-///
-/// # Errors
-/// A sentence is unreadable.
-pub fn track(lumps: &[Lump], run: &HostRun, truth: Option<&Truth>) -> Result<Track> {
+pub fn track(lumps: &[Lump], run: &HostRun, truth: Option<&Truth>) -> Track {
     lumps.iter().zip(&run.said).map(|(lump, said)| Moment::of(lump, said, truth)).collect()
 }
 

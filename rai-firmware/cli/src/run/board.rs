@@ -76,18 +76,22 @@ impl<'s> Computer<'s> {
         }
     }
 
-    /// Passes the sentences since the last call to the recorder and to the page, if there are such.
-    pub(super) fn record(&mut self, receiver: &mut Module) {
+    /// Passes the verdicts since the last call to the log, and to the recorder and the page, if there
+    /// are such. Returns true if one is protected.
+    pub(super) fn record(&mut self, receiver: &mut Module) -> bool {
         self.outbox.wake();
-        let said = self.outbox.take_tape();
-        let views = receiver.observer_mut().take();
+        let seen = receiver.observer_mut().take();
+        for seen in &seen {
+            self.outbox.note(seen);
+        }
         if let Some(page) = &mut self.page {
-            page.note(&said, &views, receiver);
+            page.note(&seen, receiver);
         }
         if let Some(recorder) = &mut self.recorder {
             let (pin_is_high, now_ms) = (receiver.pin().is_high(), self.inbox.now_ms());
-            recorder.note(&said, &views, receiver.configuration(), pin_is_high, now_ms);
+            recorder.note(&seen, receiver.configuration(), pin_is_high, now_ms);
         }
+        seen.iter().any(|seen| seen.output.state.is_protected())
     }
 
     pub(super) fn sealed_memory(&self) -> &[u8; SEALED_BYTES] {
@@ -103,14 +107,11 @@ impl<'s> Computer<'s> {
         self.inbox.has_ended()
     }
 
-    /// Tells the time of an epoch that was protected.
+    /// Tells the time of an epoch that is protected.
     #[cfg(unix)]
     pub(super) fn tell_time(&mut self, receiver: &Module, servers: &mut [TimeServer]) {
         /// Speed of light, m/s.
         const C_M_S: f64 = 299_792_458.0;
-        if !self.outbox.take_protected() || servers.is_empty() {
-            return;
-        }
         let clock_m =
             receiver.last_report().and_then(|report| report.solution.as_ref()).and_then(|solution| {
                 // The systems differ by less than a microsecond.

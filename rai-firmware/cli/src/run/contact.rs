@@ -16,10 +16,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use anyhow::{Result, anyhow};
 use raim_firmware::bit_rate::{BitRate, RATES};
 
-use super::input::Source;
 use super::ranges::Ranges;
 use crate::signal::capture::Capture;
 use crate::signal::pieces::{Kind, pieces};
+use crate::source::Source;
 
 /// First bytes that are kept.
 const MOST_BYTES: usize = 1 << 18;
@@ -73,7 +73,7 @@ impl Contact {
                 trial.next(0, Some(*baud));
                 Some((trial, Arc::clone(rate)))
             }
-            Source::Tcp(_) | Source::Standard => None,
+            Source::Tcp(_) | Source::Standard | Source::File(_) => None,
         };
         Self {
             name: source.to_string(),

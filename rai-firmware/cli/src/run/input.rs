@@ -1,81 +1,28 @@
 //! The receiver's bytes: from a serial port, a TCP server or standard input.
 //!
-//! A port that fails or ends is opened again, after a pause that doubles from a quarter of a second
-//! to eight. Meanwhile nothing arrives, so the module reports `STALE` and drops the pin by itself.
-//! A serial port takes another rate when [`super::contact`] asks for one.
+//! A port that fails or ends is opened again, after a [`Pause`]. Meanwhile nothing arrives, so the
+//! module reports `STALE` and drops the pin by itself. A serial port takes another rate when
+//! [`super::contact`] asks for one.
 
-use std::fmt;
-use std::io::{self, IsTerminal as _, Read, Write};
-use std::net::{TcpStream, ToSocketAddrs};
-use std::str::FromStr;
+use std::io::{self, IsTerminal as _, Read as _, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result, bail, ensure};
-use serialport::SerialPort;
+use anyhow::{Context as _, Result};
 
 use super::inbox::Inbox;
 use super::played;
 use super::reserve::Reserve;
 use super::share::Share;
 use crate::run::words::say;
-use crate::serial;
+use crate::source::{self, Pause, Source, is_timeout};
 
-/// Rate of a serial port if none is named: the module's own first guess.
-const BAUD: u32 = 115_200;
 /// A read comes back after this time even if nothing arrives, so that a dead line is noticed.
 const READ_TIMEOUT: Duration = Duration::from_secs(2);
 /// A TCP server that sends nothing for this time is taken for gone.
 const DEAD: Duration = Duration::from_secs(15);
-const FIRST_PAUSE: Duration = Duration::from_millis(250);
-const LONGEST_PAUSE: Duration = Duration::from_secs(8);
-
-/// The source of the receiver's bytes, as the user names it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// `serial:/dev/ttyUSB0@115200`
-    Serial(String, u32),
-    /// `tcp://host:port`
-    Tcp(String),
-    /// `-`: standard input, at whose end the service ends.
-    Standard,
-}
-
-impl FromStr for Source {
-    type Err = anyhow::Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        if text == "-" {
-            return Ok(Self::Standard);
-        }
-        if let Some(address) = text.strip_prefix("tcp://") {
-            return Ok(Self::Tcp(address.to_owned()));
-        }
-        ensure!(
-            !["ntrip://", "ntrips://"].iter().any(|scheme| text.starts_with(scheme)),
-            "{text} is a caster, which sends ephemerides beside a receiver: --input RECEIVER --caster {text}"
-        );
-        let Some(port) = text.strip_prefix("serial:") else {
-            bail!("an input is serial:PORT@BAUD, tcp://HOST:PORT, - or a file, and `{text}` is none");
-        };
-        let (port, baud) =
-            port.rsplit_once('@').map_or((port, Ok(BAUD)), |(port, baud)| (port, baud.parse()));
-        let Ok(baud) = baud else { bail!("the rate behind @ must be a number: `{text}`") };
-        Ok(Self::Serial(port.to_owned(), baud))
-    }
-}
-
-impl fmt::Display for Source {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Serial(port, baud) => write!(f, "serial:{port}@{baud}"),
-            Self::Tcp(address) => write!(f, "tcp://{address}"),
-            Self::Standard => f.write_str("standard input"),
-        }
-    }
-}
 
 /// The kinds of input, by what a stop of it means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,7 +39,7 @@ impl Nature {
     /// Returns the nature of a source.
     pub(super) fn of(source: &Source) -> Self {
         match source {
-            Source::Standard => Self::of_standard_input(),
+            Source::Standard | Source::File(_) => Self::of_standard_input(),
             Source::Serial(..) | Source::Tcp(_) => Self::Live,
         }
     }
@@ -129,7 +76,7 @@ pub(super) fn start(source: &Source, line: &Line, inbox: &Arc<Inbox>, stop: &Arc
             say!("waiting for a receiver's bytes on standard input; --input names a port (rai run --help)");
             None
         }
-        Source::Tcp(_) | Source::Standard => None,
+        Source::Tcp(_) | Source::Standard | Source::File(_) => None,
     };
     thread::spawn(move || keep_reading(&source, &line, first, &inbox, &stop));
     Ok(())
@@ -148,7 +95,7 @@ impl Line {
     pub(super) fn of(source: &Source, share: Option<Arc<Share>>) -> Self {
         let rate = match source {
             Source::Serial(_, baud) => *baud,
-            Source::Tcp(_) | Source::Standard => 0,
+            Source::Tcp(_) | Source::Standard | Source::File(_) => 0,
         };
         Self { rate: Arc::new(AtomicU32::new(rate)), share }
     }
@@ -161,69 +108,19 @@ impl Line {
     }
 }
 
-/// An open source.
-enum Port {
-    /// One without a rate.
-    Plain(Box<dyn Read + Send>),
-    /// A serial port, at this rate.
-    Serial(Box<dyn SerialPort>, u32),
+/// Opens a source at the rate that is followed.
+fn open(source: &Source, line: &Line) -> Result<source::Line> {
+    let source = match source {
+        Source::Serial(port, _) => Source::Serial(port.clone(), line.rate.load(Ordering::Relaxed)),
+        other => other.clone(),
+    };
+    let open = source::Line::open(&source, READ_TIMEOUT)?;
+    line.connect(open.writer()?);
+    Ok(open)
 }
 
-impl Port {
-    /// Takes this rate; returns true if the port had another one.
-    fn follow(&mut self, baud: u32) -> io::Result<bool> {
-        match self {
-            Self::Serial(port, now) if *now != baud => {
-                port.set_baud_rate(baud)?;
-                *now = baud;
-                Ok(true)
-            }
-            _ => Ok(false),
-        }
-    }
-}
-
-impl Read for Port {
-    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        match self {
-            Self::Plain(port) => port.read(into),
-            Self::Serial(port, _) => port.read(into),
-        }
-    }
-}
-
-fn open(source: &Source, line: &Line) -> Result<Port> {
-    Ok(match source {
-        Source::Standard => Port::Plain(Box::new(io::stdin())),
-        Source::Serial(port, _) => {
-            let baud = line.rate.load(Ordering::Relaxed);
-            let port = serial::open(port, baud, READ_TIMEOUT)?;
-            line.connect(Some(Box::new(port.try_clone()?)));
-            Port::Serial(port, baud)
-        }
-        Source::Tcp(address) => {
-            let stream = connect(address)?;
-            stream.set_write_timeout(Some(READ_TIMEOUT))?;
-            line.connect(Some(Box::new(stream.try_clone()?)));
-            Port::Plain(Box::new(stream))
-        }
-    })
-}
-
-/// Connects to the first address that answers.
-pub(super) fn connect(address: &str) -> Result<TcpStream> {
-    let patience = Duration::from_secs(5);
-    let addresses = address.to_socket_addrs().with_context(|| format!("`{address}` must be HOST:PORT"))?;
-    let connected =
-        addresses.into_iter().find_map(|address| TcpStream::connect_timeout(&address, patience).ok());
-    let stream = connected.with_context(|| format!("nothing answers at {address}"))?;
-    stream.set_read_timeout(Some(READ_TIMEOUT))?;
-    Ok(stream)
-}
-
-fn keep_reading(source: &Source, line: &Line, first: Option<Port>, inbox: &Inbox, stop: &AtomicBool) {
-    let mut pause = FIRST_PAUSE;
-    let mut port = first;
+fn keep_reading(source: &Source, line: &Line, first: Option<source::Line>, inbox: &Inbox, stop: &AtomicBool) {
+    let (mut pause, mut port) = (Pause::RECEIVER, first);
     // Clients may take all other descriptors while the line is away.
     let reserve = Reserve::new();
     while !stop.load(Ordering::Relaxed) {
@@ -240,19 +137,19 @@ fn keep_reading(source: &Source, line: &Line, first: Option<Port>, inbox: &Inbox
                     return inbox.end();
                 }
                 if count > 0 {
-                    pause = FIRST_PAUSE;
+                    pause.reset();
                 }
-                say!("{source}: {reason}; trying again in {} ms", pause.as_millis());
+                say!("{source}: {reason}; trying again in {} ms", pause.next().as_millis());
             }
-            Err(error) => say!("{source}: {error:#}; trying again in {} ms", pause.as_millis()),
+            Err(error) => say!("{source}: {error:#}; trying again in {} ms", pause.next().as_millis()),
         }
-        inbox.clock().sleep(pause, stop);
-        pause = LONGEST_PAUSE.min(2 * pause);
+        inbox.clock().sleep(pause.next(), stop);
+        pause.double();
     }
 }
 
 /// Reads until the port ends; returns how many bytes came, and why it ended.
-fn read(mut port: Port, line: &Line, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
+fn read(mut port: source::Line, line: &Line, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
     let (mut bytes, mut total, mut last) = ([0; 4096], 0, inbox.clock().now());
     while !stop.load(Ordering::Relaxed) {
         match port.follow(line.rate.load(Ordering::Relaxed)) {
@@ -278,25 +175,4 @@ fn read(mut port: Port, line: &Line, inbox: &Inbox, stop: &AtomicBool) -> (u64, 
         }
     }
     (total, "stopped".into())
-}
-
-pub(super) fn is_timeout(error: &io::Error) -> bool {
-    matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Source;
-
-    #[test]
-    fn sources_are_read_or_refused_with_their_form() {
-        let source = |text: &str| text.parse::<Source>();
-        assert_eq!(source("-").unwrap(), Source::Standard);
-        assert_eq!(source("serial:/dev/ttyUSB0").unwrap(), Source::Serial("/dev/ttyUSB0".into(), 115_200));
-        assert_eq!(source("serial:COM3@9600").unwrap(), Source::Serial("COM3".into(), 9_600));
-        assert_eq!(source("tcp://[::1]:2000").unwrap(), Source::Tcp("[::1]:2000".into()));
-        for wrong in ["", "/dev/ttyUSB0", "serial:/dev/ttyUSB0@fast", "udp://x:1"] {
-            assert!(source(wrong).is_err(), "{wrong}");
-        }
-    }
 }

@@ -12,7 +12,9 @@ use std::time::SystemTime;
 
 use serde_json::{Value, json};
 
+use crate::page::Verdict;
 use crate::run::words::say;
+use crate::verdict::State;
 
 /// Form of the lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Deserialize)]
@@ -54,26 +56,21 @@ impl Log {
         );
     }
 
-    /// Reports the state of a sentence `PRAIS`, if it is another than that of the last line;
-    /// returns its letter. The level of the pin is that which the state demands.
-    pub(super) fn hear(&mut self, message: &[u8]) -> Option<char> {
-        let (state, reason) = state_of(message)?;
-        if self.last.as_ref().is_some_and(|(last, why)| *last == state && why == reason) {
-            return Some(state);
+    /// Reports a state, if it is another than that of the last line. The level of the pin is that
+    /// which the state demands.
+    pub(super) fn note(&mut self, state: &State) {
+        let State { state, reason, .. } = state;
+        if self.last.as_ref().is_some_and(|(last, why)| last == state && why == reason) {
+            return;
         }
-        self.last = Some((state, reason.to_owned()));
-        let name = match state {
-            'P' => "protected",
-            'A' => "alert",
-            _ => "unavailable",
-        };
-        let is_high = state == 'P';
+        self.last = Some((*state, reason.clone()));
+        let name = Verdict::from_letter(*state).word();
+        let is_high = *state == 'P';
         let pin = if is_high { "high" } else { "low" };
         self.line(
             &format!("state: {name} {reason}, pin {pin}"),
             json!({"event": "state", "state": name, "reason": reason, "pin": is_high}),
         );
-        Some(state)
     }
 
     fn line(&self, words: &str, mut object: Value) {
@@ -92,32 +89,21 @@ impl Log {
     }
 }
 
-/// Returns the state and the reason of a sentence `PRAIS`.
-fn state_of(message: &[u8]) -> Option<(char, &str)> {
-    let text = std::str::from_utf8(message.strip_prefix(b"$PRAIS,")?).ok()?;
-    let mut fields = text.split([',', '*']).skip(1);
-    Some((fields.next()?.chars().next()?, fields.next()?))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn state_and_reason_are_those_of_the_sentence() {
-        assert_eq!(state_of(b"$PRAIS,010203.00,A,STALE,,,*5A\r\n"), Some(('A', "STALE")));
-        assert_eq!(state_of(b"$PRAIS,010203.00,P,OK*5A\r\n"), Some(('P', "OK")));
-        for other in [&b"$GNRMC,1,A,B"[..], b"$PRAIS,010203.00", b"\xFD\x00", b""] {
-            assert_eq!(state_of(other), None);
-        }
-    }
+    use crate::sentence::{self, Sentence};
+    use crate::signal::checksum::nmea_line;
 
     #[test]
     fn a_state_is_reported_once() {
         let mut log = Log::new(None);
-        log.hear(b"$PRAIS,010203.00,A,STALE,,,*5A\r\n");
-        assert_eq!(log.last, Some(('A', "STALE".to_owned())));
-        log.hear(b"$PRAIS,010204.00,P,OK,,,*5A\r\n");
-        assert_eq!(log.last, Some(('P', "OK".to_owned())));
+        for (second, body) in ["A,STALE", "P,OK", "P,OK"].iter().enumerate() {
+            let text = nmea_line(&format!("PRAIS,01020{second}.00,{body},9,9,,,,,,40.0,"));
+            let Ok(Sentence::State(state)) = sentence::parse(&text) else { panic!("{text}") };
+            log.note(&state);
+            let last = log.last.as_ref().map(|(state, reason)| format!("{state},{reason}"));
+            assert_eq!(last.as_deref(), Some(*body));
+        }
     }
 }

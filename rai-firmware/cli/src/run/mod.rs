@@ -160,7 +160,6 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
         outbox.add_clients(clients.start(lost, done)?);
     }
     let mut recorder = plan.report.clone().map(|folder| Recorder::new(folder, plan.input.to_string()));
-    outbox.keep_tape(recorder.is_some() || plan.page.is_some());
     let configuration = match &guard {
         None => Some(played::play(plan, wire, &mut outbox, recorder.as_mut(), stop)?),
         Some(guard) => live(plan, (wire, guard), &inbox, &mut outbox, recorder.as_mut(), stop)?,
@@ -196,9 +195,10 @@ fn live(
     let mut page = plan.page.as_ref().map(serve).transpose().context("--page")?;
     #[cfg(unix)]
     let mut servers = time_servers(plan)?;
+    let is_watched = recorder.is_some() || page.is_some();
     let mut contact = Contact::new(&plan.input, &line.rate, plan.caster.is_some());
     while !stop.load(Ordering::Relaxed) && !inbox.has_ended() {
-        let mut receiver = receiver(wire, Views::new(recorder.is_some() || page.is_some()))?;
+        let mut receiver = receiver(wire, Views::new(is_watched))?;
         let mut board = Computer::new(
             inbox,
             (&mut *outbox, &mut contact),
@@ -222,9 +222,11 @@ fn live(
         while !receiver.reset_requested() && !stop.load(Ordering::Relaxed) && !board.has_ended() {
             epochs.pass(&mut board, &mut receiver);
             board.look(&receiver);
+            let is_protected = board.record(&mut receiver);
             #[cfg(unix)]
-            board.tell_time(&receiver, &mut servers);
-            board.record(&mut receiver);
+            if is_protected && !servers.is_empty() {
+                board.tell_time(&receiver, &mut servers);
+            }
         }
         board.drain(&mut receiver);
         board.look(&receiver);

@@ -17,6 +17,7 @@ use super::Plan;
 use super::clients::Way;
 use super::log::Log;
 use crate::page::report::settings_of;
+use crate::satellites::Seen;
 
 /// Sentences that may wait for a consumer: some ten epochs.
 pub(super) const QUEUE: usize = 256;
@@ -116,11 +117,7 @@ pub(super) struct Outbox {
     /// Every thread of a consumer holds a copy of the first, so that the second ends with the last
     /// of them.
     done: (Sender<()>, Receiver<()>),
-    /// Sentences for the report; `None` if there is none.
-    tape: Option<Vec<u8>>,
     log: Log,
-    /// True if a sentence has said that the position is protected.
-    is_protected: bool,
 }
 
 impl Outbox {
@@ -132,9 +129,7 @@ impl Outbox {
             lost: Arc::default(),
             errors: Arc::default(),
             done: channel(),
-            tape: None,
             log: Log::new(None),
-            is_protected: false,
         }
     }
 
@@ -177,19 +172,9 @@ impl Outbox {
         self.log.start(&plan.input.to_string(), &outputs, &plan.pin.to_string(), &settings);
     }
 
-    /// Lets the sentences be kept for the report, or not.
-    pub(super) fn keep_tape(&mut self, is_kept: bool) {
-        self.tape = is_kept.then(Vec::new);
-    }
-
-    /// Returns the sentences since the last call.
-    pub(super) fn take_tape(&mut self) -> Vec<u8> {
-        self.tape.as_mut().map(std::mem::take).unwrap_or_default()
-    }
-
-    /// Returns true if an epoch was reported as protected since the last call.
-    pub(super) fn take_protected(&mut self) -> bool {
-        std::mem::take(&mut self.is_protected)
+    /// Reports a verdict in the log if it changes the state.
+    pub(super) fn note(&mut self, seen: &Seen) {
+        self.log.note(&seen.output.state);
     }
 
     /// Messages that a consumer's full queue has lost.
@@ -206,10 +191,6 @@ impl Outbox {
     /// have it at the next [`Self::wake`].
     pub(super) fn send(&mut self, message: &[u8]) {
         let kind = Kind::of(message);
-        if let Some(tape) = self.tape.as_mut().filter(|_| kind == Kind::Nmea) {
-            tape.extend_from_slice(message);
-        }
-        self.is_protected |= self.log.hear(message) == Some('P');
         let message: Arc<[u8]> = message.into();
         let Self { consumers, lost, wait, .. } = self;
         consumers.retain_mut(|consumer| {

@@ -19,7 +19,7 @@ use super::clients::Clients;
 use super::inbox::Inbox;
 use super::outbox::{Kind, Outbox};
 use super::px4::Px4;
-use crate::serial;
+use crate::source::open_serial;
 
 /// Longest time that a serial port may take to send a message.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -131,18 +131,18 @@ pub(super) fn open(
     match sink {
         Sink::Standard => spawn(outbox, Kind::Nmea, io::stdout()),
         Sink::Serial(port, baud) => {
-            let port = serial::open(port, *baud, PATIENCE)?;
+            let port = open_serial(port, *baud, PATIENCE)?;
             spawn(outbox, Kind::Nmea, port);
         }
         Sink::Udp(address) => spawn(outbox, Kind::Nmea, Datagrams::to(address)?),
         Sink::MavlinkUdp(address) => spawn(outbox, Kind::Mavlink, Datagrams::to(address)?),
         Sink::MavlinkSerial(port, baud) => {
-            let port = serial::open(port, *baud, PATIENCE)?;
+            let port = open_serial(port, *baud, PATIENCE)?;
             spawn(outbox, Kind::Mavlink, port);
         }
         Sink::Px4Udp(address) => spawn(outbox, Kind::Mavlink, Px4::new(Datagrams::to(address)?)),
         Sink::Px4Serial(port, baud) => {
-            let port = serial::open(port, *baud, PATIENCE)?;
+            let port = open_serial(port, *baud, PATIENCE)?;
             spawn(outbox, Kind::Mavlink, Px4::new(port));
         }
         Sink::Tcp(address) => clients.listen(address)?,

@@ -20,12 +20,11 @@ use serde::Deserialize;
 
 use super::caster::Caster;
 use super::clients::MOST_CLIENTS;
-use super::input::Source;
 use super::log::Form;
 use super::output::Sink;
 use super::pin::Place;
 use crate::replay::setting;
-use crate::standard_input;
+use crate::source::{self, Source};
 
 /// Largest number of TCP clients that a user may allow. A process has 1024 files by default.
 const LARGEST_CLIENTS: usize = 512;
@@ -199,7 +198,7 @@ impl Plan {
             "clients must be within 1 to {LARGEST_CLIENTS}, not {clients}"
         );
         Ok(Self {
-            input: standard_input::named(&input)?.parse()?,
+            input: source::in_place_of(input.parse()?)?,
             caster: caster.or(file.caster).map(|text| text.parse()).transpose()?,
             outputs,
             pin: pin.or(file.pin).map_or(Ok(Place::Nowhere), |text| text.parse())?,

@@ -68,8 +68,10 @@ pub(super) fn play(
         if is_high != wire.is_high() {
             wire.drive(is_high).context("the pin cannot be set")?;
         }
+        let seen = || said.seen.iter().chain(said.silence.iter().map(|(_, seen)| seen));
+        seen().for_each(|seen| outbox.note(seen));
         if let Some(recorder) = recorder.as_deref_mut() {
-            recorder.take(&outbox.take_tape(), said.view.as_slice(), is_high, lump.elapsed_ms());
+            recorder.take(seen(), is_high, lump.elapsed_ms());
         }
         if stop.load(Ordering::Relaxed) || outbox.has_failed() {
             break;

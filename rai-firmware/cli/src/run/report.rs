@@ -12,8 +12,7 @@ use raim_firmware::settings::Configuration;
 
 use crate::page::report::{self, Facts, Happened, Journal, command_line, settings_of};
 use crate::run::words::say;
-use crate::satellites::{View, views_of};
-use crate::sentence;
+use crate::satellites::Seen;
 
 /// Milliseconds between two pages.
 const INTERVAL_MS: u64 = 600_000;
@@ -34,28 +33,31 @@ impl Recorder {
         Self { folder, source, journal: Journal::default(), first_ms: None, written_ms: 0, writer: None }
     }
 
-    /// Takes the sentences of a pass of the epoch loop, with the module's views of its epochs.
+    /// Takes the verdicts of a pass of the epoch loop.
     pub(super) fn note(
         &mut self,
-        said: &[u8],
-        views: &[View],
+        seen: &[Seen],
         configuration: &Configuration,
         pin_is_high: bool,
         now_ms: u64,
     ) {
-        self.take(said, views, pin_is_high, now_ms);
+        self.take(seen, pin_is_high, now_ms);
         if now_ms.saturating_sub(self.written_ms) >= INTERVAL_MS && !self.journal.is_empty() {
             self.written_ms = now_ms;
             self.write(configuration);
         }
     }
 
-    /// Takes sentences, with the module's views of their epochs.
-    pub(super) fn take(&mut self, said: &[u8], views: &[View], pin_is_high: bool, now_ms: u64) {
-        let outputs = sentence::sentences(said).and_then(|text| sentence::epochs(&text)).unwrap_or_default();
-        for (output, view) in outputs.iter().zip(views_of(&outputs, views)) {
+    /// Takes verdicts.
+    pub(super) fn take<'s>(
+        &mut self,
+        seen: impl IntoIterator<Item = &'s Seen>,
+        pin_is_high: bool,
+        now_ms: u64,
+    ) {
+        for Seen { output, view, .. } in seen {
             let time_s = (now_ms - *self.first_ms.get_or_insert(now_ms)) as f64 * 1e-3;
-            self.journal.push(&Happened { time_s, output, error: None, pin_is_high, view });
+            self.journal.push(&Happened { time_s, output, error: None, pin_is_high, view: view.as_ref() });
         }
     }
 
@@ -117,9 +119,9 @@ mod tests {
         Receiver::observed(MemoryPin::default(), Views::new(true), Boot::on_host("test")).unwrap()
     }
 
-    fn record(recorder: &mut Recorder, receiver: &mut Module, said: &[u8], now_ms: u64) {
-        let views = receiver.observer_mut().take();
-        recorder.note(said, &views, receiver.configuration(), receiver.pin().high, now_ms);
+    fn record(recorder: &mut Recorder, receiver: &mut Module, now_ms: u64) {
+        let seen = receiver.observer_mut().take();
+        recorder.note(&seen, receiver.configuration(), receiver.pin().high, now_ms);
     }
 
     /// Sends the epochs of a sky to a module and its recorder, a second apart by their clock.
@@ -128,9 +130,8 @@ mod tests {
         let mut encoder =
             Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual).unwrap());
         for (second, epoch) in (0_u64..).zip(&recording.epochs) {
-            let (bytes, mut said) = (encoder.epoch(epoch).unwrap(), Vec::new());
-            receiver.gnss(&bytes, second * 1000, &mut said);
-            record(recorder, receiver, &said, second * 1000);
+            receiver.gnss(&encoder.epoch(epoch).unwrap(), second * 1000, &mut Vec::new());
+            record(recorder, receiver, second * 1000);
         }
         recording.epochs[0].satellites[0].satellite.to_string()
     }
@@ -144,13 +145,11 @@ mod tests {
         assert!(recorder.writer.is_none() && !folder.path().join("report.html").exists());
         let mut epochs = [0; 2];
         for (now_ms, epochs) in [600_000, 1_200_000].into_iter().zip(&mut epochs) {
-            let mut said = Vec::new();
-            receiver.tick(now_ms - 1000, &mut said);
-            record(&mut recorder, &mut receiver, &said, now_ms - 1000);
+            receiver.tick(now_ms - 1000, &mut Vec::new());
+            record(&mut recorder, &mut receiver, now_ms - 1000);
             assert!(recorder.writer.is_none(), "no page before its time");
-            said.clear();
-            receiver.tick(now_ms, &mut said);
-            record(&mut recorder, &mut receiver, &said, now_ms);
+            receiver.tick(now_ms, &mut Vec::new());
+            record(&mut recorder, &mut receiver, now_ms);
             recorder.writer.take().expect("a page every ten minutes").join().unwrap().unwrap();
             let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
             assert!(html.ends_with("</html>\n"));
@@ -169,9 +168,8 @@ mod tests {
         let mut recorder = Recorder::new(folder.path().to_owned(), "tcp://receiver:1".to_owned());
         let known = observe(&mut recorder, &mut receiver, 20);
         for now_ms in (19_100..35_000).step_by(100) {
-            let mut said = Vec::new();
-            receiver.tick(now_ms, &mut said);
-            record(&mut recorder, &mut receiver, &said, now_ms);
+            receiver.tick(now_ms, &mut Vec::new());
+            record(&mut recorder, &mut receiver, now_ms);
         }
         recorder.end(receiver.configuration()).unwrap();
         let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();

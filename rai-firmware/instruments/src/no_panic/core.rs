@@ -22,6 +22,7 @@ pub fn monitor<T: Real>() {
         <MonitorMemory<T, N> as Default>::default as fn() -> _,
         EpochOutcome::<N>::override_alert as fn(_, _),
         EpochOutcome::<N>::noise as fn(_) -> _,
+        EpochOutcome::<N>::variance_ratio as fn(_) -> _,
         EpochOutcome::<N>::withdraw as fn(_, _),
         ValidatedRequirements::<T, N>::new as fn(_) -> _,
         ValidatedRequirements::<T, N>::thresholds as fn(_) -> _,

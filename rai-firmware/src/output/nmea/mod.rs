@@ -60,6 +60,8 @@ use crate::time::GpsTime;
 #[cfg(feature = "osnma")]
 mod authentication;
 mod digits;
+#[cfg(feature = "observer")]
+mod figures;
 mod flow;
 #[cfg(feature = "gsv")]
 mod in_view;
@@ -71,6 +73,8 @@ mod time;
 
 #[cfg(feature = "osnma")]
 pub(crate) use authentication::{AuthenticationReport, write_authentication};
+#[cfg(feature = "observer")]
+pub use figures::Figures;
 pub(crate) use flow::{Flow, write_flow};
 pub use proprietary::{Losses, write_answer, write_counters, write_losses, write_refusal, write_version};
 pub use sentence::{MAX_LENGTH, Sentence, write_sentence};

@@ -35,25 +35,32 @@ use crate::input::ReceiverLevels;
 use crate::output::{Interference, Statement, nic};
 
 /// Largest statistic that is written.
-const MAX_STATISTIC: f64 = 99_999.0;
+pub(super) const MAX_STATISTIC: f64 = 99_999.0;
 
 /// Longest text in a field of `PRAIV`, characters: four of them fit into a sentence.
 const TEXT_WIDTH: usize = 16;
 
 /// Decimals and widths of the numbers in `PRAIS`.
 #[derive(Clone, Copy)]
-struct Precision {
-    ratio_decimals: usize,
-    ratio_width: usize,
-    metre_decimals: usize,
-    metre_width: usize,
+pub(super) struct Precision {
+    pub(super) ratio_decimals: usize,
+    pub(super) ratio_width: usize,
+    pub(super) metre_decimals: usize,
+    pub(super) metre_width: usize,
 }
 
 /// Usual precision.
-const FULL: Precision = Precision { ratio_decimals: 3, ratio_width: 9, metre_decimals: 1, metre_width: 9 };
+pub(super) const FULL: Precision =
+    Precision { ratio_decimals: 3, ratio_width: 9, metre_decimals: 1, metre_width: 9 };
 
 /// Precision for extreme values, which always fits.
 const COARSE: Precision = Precision { ratio_decimals: 1, ratio_width: 5, metre_decimals: 0, metre_width: 6 };
+
+/// Returns the precision of the numbers in the `PRAIS` of an epoch.
+#[cfg(feature = "observer")]
+pub(super) fn precision<const N: usize>(statement: &Statement<'_, N>, time: TimeOfDay) -> Precision {
+    if state(statement, time, FULL).fits() { FULL } else { COARSE }
+}
 
 /// Writes `PRAIS`: the verdict and its numbers.
 pub(super) fn write_state<W: Write, const N: usize>(

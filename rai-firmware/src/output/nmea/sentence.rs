@@ -91,6 +91,31 @@ impl Fixed {
     }
 }
 
+#[cfg(feature = "observer")]
+impl Fixed {
+    /// Returns the number that a reader of the digits gets.
+    fn value(self) -> f64 {
+        let scale = SCALE.get(self.decimals).map_or(1, |scale| u64::from(*scale));
+        let value = (self.whole * scale + u64::from(self.fraction)) as f64 / scale as f64;
+        if self.negative { -value } else { value }
+    }
+}
+
+/// Returns a number as a reader of [`Sentence::number`] gets it; `None` for an empty field.
+#[cfg(feature = "observer")]
+pub(super) fn rounded(value: f64, decimals: usize, width: usize) -> Option<f64> {
+    Fixed::fitting(value, decimals, width).map(Fixed::value)
+}
+
+/// Returns what a reader of [`Sentence::angle`] gets, without sign: whole degrees, and degrees and
+/// minutes in one number; `None` for an empty field.
+#[cfg(feature = "observer")]
+pub(super) fn rounded_minutes(degrees: f64) -> Option<[f64; 2]> {
+    let minutes = Fixed { negative: false, ..Fixed::new(degrees * 60.0, 7)? };
+    let (whole, rest) = (minutes.whole / 60, minutes.whole % 60);
+    Some([whole as f64, Fixed { whole: 100 * whole + rest, ..minutes }.value()])
+}
+
 /// Returns the integer nearest to a number from 0 to [`SCALED_LIMIT`], ties to even; `None` beyond.
 ///
 /// Both steps work on the bits, because comparing and converting doubles are calls on this

@@ -44,6 +44,12 @@ impl TimeOfDay {
         parts(self.centiseconds)
     }
 
+    /// Returns seconds since midnight.
+    #[cfg(feature = "observer")]
+    pub fn second_of_day(self) -> f64 {
+        f64::from(self.centiseconds) / 100.0
+    }
+
     /// Returns `hhmmss.ss`.
     pub(super) const fn text(&self) -> &[u8] {
         &self.text

@@ -1,6 +1,6 @@
 //! Report of the module on an epoch, beside the truth.
 
-use raim::sentence::EpochOutput;
+use raim::verdict::EpochOutput;
 
 /// The report on one epoch, and its error.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,8 @@ use std::fmt;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
 use anyhow::{Result, ensure};
-use raim::sentence::{self, EpochOutput};
+use raim::sentence;
+use raim::verdict::EpochOutput;
 use raim_core::frame::{Ecef, Enu, LocalFrame};
 use raim_core::internals::velocity::Velocity;
 use raim_firmware::input::Suspicion;

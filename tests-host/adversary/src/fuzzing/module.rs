@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use raim::sentence::EpochOutput;
+use raim::verdict::EpochOutput;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::Configuration;

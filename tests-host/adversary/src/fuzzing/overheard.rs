@@ -6,7 +6,8 @@
 //!   limits.
 //! - The integrity pin agrees with the last epoch.
 
-use raim::sentence::{self, EpochOutput};
+use raim::sentence;
+use raim::verdict::EpochOutput;
 use raim_firmware::output::nmea::MAX_LENGTH;
 
 /// Rounding of `PRAIS`, m: half of its last digit for the level and for the limit, in the coarse

@@ -30,11 +30,12 @@ use anyhow::{Context, Result, ensure};
 use raim::page::Moment;
 use raim::page::report::{Happened, Journal};
 use raim::replay;
-use raim::sentence::{self, EpochOutput};
+use raim::sentence;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::fault::{Fault, Injector, Kind, Target};
 use raim::signal::sky::raw::Simulation;
 use raim::signal::sky::{Site, sights};
+use raim::verdict::EpochOutput;
 use raim_core::frame::Enu;
 use raim_core::satellite::SatelliteId;
 
@@ -135,6 +136,7 @@ impl Plan {
         // The same firmware in process: the sentences of the board have no residuals and no
         // directions.
         let mut twin = replay::Module::start(&[setup])?;
+        twin.watch();
         let mut journal = Journal::default();
         let mut accepter = Accepter::new(MASK_DEG.to_radians());
         let epochs = Injector::new(recording.epochs.into_iter(), vec![self.fault()]);
@@ -143,9 +145,10 @@ impl Plan {
             let said = module.judge(&bytes).with_context(|| format!("epoch {index}"))?;
             ordinary.extend(accepter.hear(&bytes, f64::from(index), &simulation.site));
             let (time_s, pin_is_high) = (f64::from(index), module.board.pin_is_high());
-            let view = twin.hear(&bytes, u64::from(index) * 1000).map(|twin_said| twin.view(&twin_said))?;
+            let (_, seen) = twin.hear(&bytes, u64::from(index) * 1000)?;
+            let view = seen.last().and_then(|seen| seen.view.as_ref());
             let error = error(&said, &simulation.site);
-            journal.push(&Happened { time_s, output: &said, error, pin_is_high, view: view.as_ref() });
+            journal.push(&Happened { time_s, output: &said, error, pin_is_high, view });
             moments.push(Moment::of(time_s, &said, error, pin_is_high));
             watch(&moments);
         }

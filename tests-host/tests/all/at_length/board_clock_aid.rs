@@ -6,10 +6,11 @@
 use std::cmp::Ordering;
 
 use raim::replay::{self, Lump, Pace, Window};
-use raim::sentence::{EpochOutput, epochs};
+use raim::sentence::epochs;
 use raim::signal::encode::{Frequency, Selection};
 use raim::signal::fault::Fault;
 use raim::signal::sky::raw::Simulation;
+use raim::verdict::EpochOutput;
 use raim_core::frame::Ecef;
 use raim_core::satellite::Constellation;
 use rig::board::is_installed;

@@ -66,7 +66,7 @@ fn satellites(lumps: &[Lump]) -> String {
     for lump in lumps {
         let now_ms = lump.elapsed_ms();
         receiver.gnss(&lump.bytes, now_ms, &mut Vec::new());
-        for view in receiver.observer_mut().take() {
+        for view in receiver.observer_mut().take().into_iter().filter_map(|seen| seen.view) {
             let time = view.time.expect("an epoch");
             view.satellites.iter().for_each(|account| table += &(row(account, time) + "\n"));
         }

@@ -61,7 +61,7 @@ fn a_fault_put_into_messages_is_the_fault_put_into_the_recording() {
             (run(&recorded, None), run(&capture.lumps(&[fault], &Window::ALL).unwrap().lumps, None));
         for (have, want) in have.iter().zip(&want) {
             let (have, want) = (have.output.as_ref().unwrap(), want.output.as_ref().unwrap());
-            let who = |output: &raim::sentence::EpochOutput| {
+            let who = |output: &raim::verdict::EpochOutput| {
                 let left_out = output.excluded.iter().map(|excluded| excluded.satellite.to_string());
                 (output.state.state, output.state.reason.clone(), left_out.collect::<Vec<_>>())
             };

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use raim::sentence::{self, EpochOutput};
+use raim::sentence;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::sky::Site;
 use raim::signal::sky::raw::Simulation;
+use raim::verdict::EpochOutput;
 use raim_firmware::pin::MemoryPin;
 use raim_firmware::receiver::{Boot, Receiver};
 

@@ -27,7 +27,7 @@ pub fn style() -> String {
 /// Returns the state as the page and `/state.json` have it.
 pub fn json(state: &State) -> Value {
     let said = state.said.as_ref();
-    let level = |of: fn(&crate::sentence::State) -> Option<f64>| said.and_then(|said| of(&said.state));
+    let level = |of: fn(&crate::verdict::State) -> Option<f64>| said.and_then(|said| of(&said.state));
     let position = said.and_then(|said| said.position);
     let satellites: Vec<Value> = state.satellites.iter().map(satellite).collect();
     json!({

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::page::Verdict;
 use crate::page::report::explanation;
 use crate::satellites::Account;
-use crate::sentence::EpochOutput;
+use crate::verdict::EpochOutput;
 
 /// Verdicts of the past that a new page gets.
 const PAST: usize = 600;

@@ -9,7 +9,7 @@ use super::satellites::Satellites;
 use crate::page::thinned::Thinned;
 use crate::page::{Moment, Verdict};
 use crate::satellites::View;
-use crate::sentence::EpochOutput;
+use crate::verdict::{EpochOutput, Excluded};
 
 /// Largest number of events in the list; further ones are counted.
 const MOST_EVENTS: usize = 400;
@@ -147,7 +147,7 @@ impl Journal {
     }
 
     fn note_event(&mut self, moment: &Moment, output: &EpochOutput) {
-        let named = |one: &crate::sentence::Excluded| format!("{} ({:+.1} m)", one.satellite, one.bias_m);
+        let named = |one: &Excluded| format!("{} ({:+.1} m)", one.satellite, one.bias_m);
         let satellites: Vec<SatelliteId> = output.excluded.iter().map(|one| one.satellite).collect();
         let now = (moment.verdict, moment.reason.clone(), satellites);
         if self.before.as_ref() == Some(&now) {

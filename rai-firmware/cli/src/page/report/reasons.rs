@@ -43,3 +43,21 @@ const REASONS: [(&str, &str); 32] = [
 pub fn explanation(reason: &str) -> Option<&'static str> {
     REASONS.iter().find(|(word, _)| *word == reason).map(|(_, words)| *words)
 }
+
+#[cfg(test)]
+mod tests {
+    use raim_core::Verdict;
+
+    use super::REASONS;
+
+    #[test]
+    fn each_reason_of_the_module_is_explained_and_no_other() {
+        let of_module: Vec<&str> = Verdict::all().map(Verdict::word).chain([""]).collect();
+        for word in &of_module {
+            assert!(REASONS.iter().any(|(explained, _)| explained == word), "{word} is not explained");
+        }
+        for (explained, _) in REASONS {
+            assert!(of_module.contains(&explained), "the module has no reason {explained}");
+        }
+    }
+}

@@ -16,17 +16,14 @@ use anyhow::{Context as _, Result, bail, ensure};
 mod tls;
 
 use super::inbox::Inbox;
-use super::input::{connect, is_timeout};
 use crate::run::words::say;
 use crate::signal::checksum::crc24q;
+use crate::source::{Pause, connect, is_timeout};
 
 /// Messages of RTCM 3 that hold an ephemeris.
 const EPHEMERIDES: [u16; 6] = [1019, 1020, 1042, 1044, 1045, 1046];
-/// Pause before the second attempt. It doubles with every attempt that brings no orbit, because
-/// casters ban those that come back fast.
-const PAUSE: Duration = Duration::from_secs(10);
-/// Longest pause.
-const LONGEST_PAUSE: Duration = Duration::from_mins(5);
+/// A read comes back after this time even if nothing arrives.
+const READ_TIMEOUT: Duration = Duration::from_secs(2);
 /// Longest table of mountpoints that is read, bytes.
 const LONGEST_TABLE: u64 = 1 << 18;
 /// A caster that sends nothing for this time is taken for gone.
@@ -76,7 +73,7 @@ impl FromStr for Caster {
 pub(super) fn start(caster: Caster, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) {
     let (inbox, stop) = (Arc::clone(inbox), Arc::clone(stop));
     thread::spawn(move || {
-        let mut pause = PAUSE;
+        let mut pause = Pause::CASTER;
         while !stop.load(Ordering::Relaxed) {
             let mut has_orbit = false;
             if let Err(error) = read(&caster, &inbox, &stop, &mut has_orbit) {
@@ -84,10 +81,10 @@ pub(super) fn start(caster: Caster, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) 
                 say!("{scheme}://{}/{}: {error:#}", caster.address, caster.mountpoint);
             }
             if has_orbit {
-                pause = PAUSE;
+                pause.reset();
             }
-            inbox.clock().sleep(pause, &stop);
-            pause = LONGEST_PAUSE.min(2 * pause);
+            inbox.clock().sleep(pause.next(), &stop);
+            pause.double();
         }
     });
 }
@@ -117,7 +114,7 @@ fn read(caster: &Caster, inbox: &Inbox, stop: &AtomicBool, has_orbit: &mut bool)
 
 /// Asks for the stream, in the form that every caster of version 1 and 2 answers.
 fn request(caster: &Caster) -> Result<Box<dyn Read>> {
-    let stream = connect(&caster.address)?;
+    let stream = connect(&caster.address, READ_TIMEOUT)?;
     let mut stream: Box<dyn Line> =
         if caster.is_secure { tls::secure(stream, host(&caster.address))? } else { Box::new(stream) };
     let authorization = caster.credentials.as_ref().map_or_else(String::new, |credentials| {

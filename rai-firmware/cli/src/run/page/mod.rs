@@ -1,7 +1,7 @@
 //! The page of the running module: `--page 127.0.0.1:8080`.
 //!
 //! ```text
-//! bytes, sentences ─► Page ─► state ─► server ─► /  /events  /state.json  /metrics  /healthz
+//! verdicts ─► Page ─► state ─► server ─► /  /events  /state.json  /metrics  /healthz
 //! ```
 //!
 //! | path | content |
@@ -31,8 +31,7 @@ use super::share::Back;
 use super::{Module, Plan};
 use crate::page::live::State;
 use crate::run::words::say;
-use crate::satellites::{View, views_of};
-use crate::sentence;
+use crate::satellites::Seen;
 
 /// The epoch loop's side of the page.
 #[derive(Debug)]
@@ -59,18 +58,16 @@ impl Page {
         self.state.lock().unwrap_or_else(PoisonError::into_inner).lacks_ranges = !has_ranges;
     }
 
-    /// Takes the sentences of a pass of the epoch loop, with the module's views of its epochs.
-    pub(super) fn note(&mut self, said: &[u8], views: &[View], receiver: &Module) {
-        let outputs = sentence::sentences(said).and_then(|text| sentence::epochs(&text)).unwrap_or_default();
+    /// Takes the verdicts of a pass of the epoch loop.
+    pub(super) fn note(&mut self, seen: &[Seen], receiver: &Module) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.live(receiver.pin().is_high());
-        if outputs.is_empty() {
+        if seen.is_empty() {
             return;
         }
         state.counters = receiver.statistics().filter(|(name, _)| *name != "sigma_check_pct").collect();
-        let views = views_of(&outputs, views);
-        for (output, view) in outputs.into_iter().zip(views) {
-            state.take(output, view.map(|view| view.satellites.clone()));
+        for Seen { output, view, .. } in seen {
+            state.take(output.clone(), view.as_ref().map(|view| view.satellites.clone()));
         }
         drop(state);
         // A waker fails only if its thread has ended.

@@ -6,8 +6,6 @@
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Error, ErrorKind, Read};
-use std::net::TcpStream;
-use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -16,9 +14,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 use flate2::read::MultiGzDecoder;
 
-#[cfg(feature = "commands")]
-use crate::serial;
 use crate::signal::recording::packed_by;
+use crate::source::Source;
 
 /// Longest silence of a live line.
 const SILENCE: Duration = Duration::from_secs(10);
@@ -28,10 +25,6 @@ const GRACE: Duration = Duration::from_secs(2);
 
 /// Longest time for which a source is read, s: a hundred days.
 const LONGEST_S: f64 = 8.64e6;
-
-/// Bit rate without another choice: that of the module's own port.
-#[cfg(feature = "commands")]
-const BIT_RATE: &str = "115200";
 
 /// Bytes of a source, unpacked.
 pub struct Bytes {
@@ -64,8 +57,7 @@ impl Cut {
 }
 
 impl Bytes {
-    /// Opens a source: a path, `-`, `tcp://host:port`, `serial:path` or `serial:path@rate`. A
-    /// source without an end of its own ends after `limit_s` seconds.
+    /// Opens a [`Source`] by its name. One without an end of its own ends after `limit_s` seconds.
     ///
     /// # Errors
     /// The source cannot be opened or read, sends nothing, is packed by something other than gzip,
@@ -77,24 +69,22 @@ impl Bytes {
     fn open_with(name: &str, limit_s: f64, cut: Cut) -> Result<Self> {
         let limit =
             limit_s.is_finite().then(|| Duration::from_secs_f64(limit_s.clamp(0.0, LONGEST_S)) + GRACE);
-        if name == "-" {
-            return Self::unpacked(Line::new(spawn(std::io::stdin()), limit, None), "standard input", cut);
+        match name.parse()? {
+            Source::Standard => {
+                Self::unpacked(Line::new(spawn(std::io::stdin()), limit, None), "standard input", cut)
+            }
+            Source::File(path) => {
+                ensure!(!path.is_dir(), "cannot be read: it is a folder");
+                Self::unpacked(File::open(path).context("cannot be read")?, name, cut)
+            }
+            line => {
+                ensure!(
+                    limit.is_some(),
+                    "does not end by itself: say with --to how many seconds of it to take"
+                );
+                Self::unpacked(Line::new(spawn(listen(&line)?), limit, Some(SILENCE)), name, cut)
+            }
         }
-        ensure!(
-            !["ntrip://", "ntrips://"].iter().any(|scheme| name.starts_with(scheme)),
-            "is a caster, which sends ephemerides beside a receiver: rai run --input RECEIVER --caster {name}"
-        );
-        if let Some(address) = name.strip_prefix("tcp://") {
-            check_limit(limit)?;
-            let stream = TcpStream::connect(address).context("does not answer")?;
-            return Self::unpacked(Line::new(spawn(stream), limit, Some(SILENCE)), name, cut);
-        }
-        if let Some(port) = port(name, limit)? {
-            return Self::unpacked(Line::new(spawn(port), limit, Some(SILENCE)), name, cut);
-        }
-        let path = Path::new(name);
-        ensure!(!path.is_dir(), "cannot be read: it is a folder");
-        Self::unpacked(File::open(path).context("cannot be read")?, name, cut)
     }
 
     /// Opens files as one source, in this order. One may end inside a frame that the next one
@@ -197,32 +187,16 @@ impl Read for Series {
     }
 }
 
-/// Opens a serial port, `serial:path` or the path of one, with `@rate` or without; `None` for another
-/// source.
+/// Opens a server or a serial port.
 #[cfg(feature = "commands")]
-fn port(name: &str, limit: Option<Duration>) -> Result<Option<Box<dyn Read + Send>>> {
-    let port = name.strip_prefix("serial:");
-    let (path, rate) =
-        port.map_or((name, BIT_RATE), |port| port.rsplit_once('@').unwrap_or((port, BIT_RATE)));
-    if port.is_none() && !serial::is_port(Path::new(path)) {
-        return Ok(None);
-    }
-    check_limit(limit)?;
-    let rate = rate.parse().with_context(|| format!("{rate} is no bit rate"))?;
-    let (port, _) = serial::listen(Path::new(path), rate)?;
-    Ok(Some(port))
+fn listen(line: &Source) -> Result<Box<dyn Read + Send>> {
+    Ok(crate::source::listen(line)?.0)
 }
 
-/// Opens no port: a replay without the command reads files.
+/// Opens no line: a replay without the command reads files.
 #[cfg(not(feature = "commands"))]
-#[expect(clippy::unnecessary_wraps, reason = "the other one can fail")]
-fn port(_: &str, _: Option<Duration>) -> Result<Option<std::io::Empty>> {
-    Ok(None)
-}
-
-fn check_limit(limit: Option<Duration>) -> Result<()> {
-    ensure!(limit.is_some(), "does not end by itself: say with --to how many seconds of it to take");
-    Ok(())
+fn listen(_: &Source) -> Result<std::io::Empty> {
+    bail!("cannot be read here: give a file")
 }
 
 /// Reads in a separate thread, because a read waits as long as no byte comes.

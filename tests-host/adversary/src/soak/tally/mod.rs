@@ -6,8 +6,9 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use raim::page::Moment;
-use raim::sentence::{self, EpochOutput, Sentence, State};
+use raim::sentence::{self, Sentence};
 use raim::signal::recording::readable;
+use raim::verdict::{EpochOutput, State};
 use raim_core::frame::{Enu, Geodetic, LocalFrame};
 use raim_core::satellite::SatelliteId;
 use raim_firmware::output::nmea::{GPS_MINUS_UTC_S, TimeOfDay};

@@ -1,20 +1,10 @@
 //! Serial ports: the one place that opens them, by the crate `serialport`.
-//!
-//! | function | port |
-//! |---|---|
-//! | [`open`] | a read returns after a timeout |
-//! | [`listen`] | a read waits for as long as nothing comes; a file or a pipe may stand in for a port |
 
-use std::fs::File;
-use std::io::{self, Read, Write};
-use std::path::Path;
+use std::io;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result, anyhow};
+use anyhow::{Result, anyhow};
 use serialport::{Error, ErrorKind, SerialPort};
-
-/// Timeout of one read of a port that is waited for, after which the next read begins.
-const PATIENCE: Duration = Duration::from_hours(1);
 
 /// Opens a port, of which a read returns after the timeout even if nothing comes.
 ///
@@ -50,55 +40,6 @@ fn is_pseudo_terminal(path: &str) -> bool {
     let device = std::fs::canonicalize(path).unwrap_or_default();
     let device = device.to_string_lossy();
     ["/dev/pts/", "/dev/ttys"].iter().any(|folder| device.starts_with(folder))
-}
-
-/// The bytes of a port, and its writer if it takes commands.
-pub(crate) type Both = (Box<dyn Read + Send>, Option<Box<dyn Write + Send>>);
-
-/// Opens a port in both directions, of which a read waits for as long as nothing comes. A file or a
-/// pipe is read as it is. The reader ends if the other side of the port is gone.
-///
-/// # Errors
-/// As for [`open`].
-pub(crate) fn listen(path: &Path, baud: u32) -> Result<Both> {
-    // A name without a file may be that of a port on Windows; its error names the ports.
-    if path.exists() && !is_port(path) {
-        return Ok((Box::new(File::open(path).context("cannot be opened")?), None));
-    }
-    let port = open(&path.to_string_lossy(), baud, PATIENCE)?;
-    let commands = port.try_clone()?;
-    Ok((Box::new(Waiting(port)), Some(Box::new(commands))))
-}
-
-/// Returns true for the path of a character device, in which no bytes end by themselves.
-#[cfg(unix)]
-pub(crate) fn is_port(path: &Path) -> bool {
-    use std::os::unix::fs::FileTypeExt as _;
-
-    let is_null = path == Path::new("/dev/null");
-    !is_null && path.metadata().is_ok_and(|metadata| metadata.file_type().is_char_device())
-}
-
-/// Returns true for the name of a serial port, such as `COM3`.
-#[cfg(not(unix))]
-pub(crate) fn is_port(path: &Path) -> bool {
-    path.to_string_lossy().strip_prefix("COM").is_some_and(|number| number.parse::<u8>().is_ok())
-}
-
-/// Reader that waits until bytes come, or until the other side is gone, which is its end.
-struct Waiting(Box<dyn SerialPort>);
-
-impl Read for Waiting {
-    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        loop {
-            match self.0.read(into) {
-                Err(error)
-                    if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::Interrupted) => {}
-                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(0),
-                other => return other,
-            }
-        }
-    }
 }
 
 /// Returns the next step after an error.
@@ -142,11 +83,17 @@ mod tests {
     #[cfg(target_os = "linux")]
     mod pseudo {
         use std::fs::File;
-        use std::io::Write as _;
+        use std::io::{Read as _, Write as _};
 
         use nix::pty::openpty;
 
         use super::*;
+        use crate::source::line::Both;
+        use crate::source::{Source, listen};
+
+        fn listen_at(path: &str, baud: u32) -> Result<Both> {
+            listen(&Source::Serial(path.to_owned(), baud))
+        }
 
         /// Returns both sides of a terminal, and its path.
         fn terminal() -> (File, File, String) {
@@ -167,7 +114,7 @@ mod tests {
             let (mut other, _side, path) = terminal();
             // A new terminal echoes, and waits for the ends of lines.
             assert!(!settings(&path).contains("-echo "), "{}", settings(&path));
-            let (mut port, commands) = listen(path.as_ref(), 57_600).unwrap();
+            let (mut port, commands) = listen_at(&path, 57_600).unwrap();
             let set = settings(&path);
             for want in ["-echo ", "-icanon", "-isig", "-ixon", "-opost", "-crtscts", " cs8"] {
                 assert!(set.contains(want), "{want}: {set}");
@@ -196,7 +143,7 @@ mod tests {
         #[test]
         fn the_end_of_the_other_side_is_the_end() {
             let (other, _side, path) = terminal();
-            let (mut port, _commands) = listen(path.as_ref(), 115_200).unwrap();
+            let (mut port, _commands) = listen_at(&path, 115_200).unwrap();
             drop(other);
             assert_eq!(port.read(&mut [0; 9]).unwrap(), 0);
         }
@@ -204,11 +151,11 @@ mod tests {
         #[test]
         fn a_terminal_has_one_reader_at_a_time_and_is_free_after_it() {
             let (_other, _side, path) = terminal();
-            let first = listen(path.as_ref(), 115_200).unwrap();
-            let error = listen(path.as_ref(), 115_200).err().unwrap().to_string();
+            let first = listen_at(&path, 115_200).unwrap();
+            let error = listen_at(&path, 115_200).err().unwrap().to_string();
             assert!(error.contains("another program holds it"), "{error}");
             drop(first);
-            assert!(listen(path.as_ref(), 115_200).is_ok());
+            assert!(listen_at(&path, 115_200).is_ok());
         }
     }
 }
