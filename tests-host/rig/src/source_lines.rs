@@ -7,14 +7,8 @@ use addr2line::gimli::{Dwarf, EndianSlice, LittleEndian};
 use anyhow::Result;
 use object::{Object, ObjectSection};
 
-/// Folders of the product's own sources.
-const OWN: [&str; 5] = [
-    "rai-core/src/",
-    "rai-core/root/src/",
-    "rai-firmware/src/",
-    "rai-firmware/single/src/",
-    "rai-firmware/capi/src/",
-];
+/// Folders of what runs on a chip.
+const OWN: [&str; 2] = ["rai-core/", "rai-firmware/"];
 
 /// A source line at an instruction, with its function.
 pub(crate) struct Frame {
