@@ -44,7 +44,7 @@ impl BitRate {
     }
 
     /// Notes that bytes have come.
-    pub fn hear(&mut self, now_ms: u64) {
+    pub fn receive(&mut self, now_ms: u64) {
         self.unread_ms = match self.unread_ms {
             Some((first_ms, last_ms)) if now_ms.saturating_sub(last_ms) < PATIENCE_MS => {
                 Some((first_ms, now_ms))
@@ -103,7 +103,7 @@ mod tests {
     fn set(seconds: u64, fixed: Option<u32>, reads: impl Fn(u32) -> bool) -> Vec<(u64, u32)> {
         let (mut rate, mut baud, mut frames, mut changes) = (BitRate::new(), RATES[0], 0, Vec::new());
         for now_ms in (0..1000 * seconds).step_by(100) {
-            rate.hear(now_ms);
+            rate.receive(now_ms);
             frames += u32::from(reads(baud));
             if let Some(next) = rate.next(frames, fixed) {
                 baud = next;
@@ -142,10 +142,10 @@ mod tests {
         let mut rate = BitRate::new();
         for epoch in 1..20 {
             let now_ms = 30_000 * u64::from(epoch);
-            rate.hear(now_ms);
+            rate.receive(now_ms);
             assert_eq!(rate.next(epoch, None), None);
             // Bytes after the last frame.
-            rate.hear(now_ms + 100);
+            rate.receive(now_ms + 100);
             assert_eq!(rate.next(epoch, None), None);
         }
     }
@@ -158,7 +158,7 @@ mod tests {
         assert_eq!(rate.next(0, Some(RATES[1])), Some(RATES[1]));
         assert_eq!(rate.next(1, None), None);
         for now_ms in (0..120_000).step_by(100) {
-            rate.hear(now_ms);
+            rate.receive(now_ms);
             if let Some(next) = rate.next(1, None) {
                 baud = next;
                 away_since_ms = (next != RATES[1]).then_some(now_ms);
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn a_silent_line_keeps_its_rate() {
         let mut rate = BitRate::new();
-        rate.hear(0);
+        rate.receive(0);
         for _ in 0..100 {
             assert_eq!(rate.next(0, None), None);
         }

@@ -102,12 +102,12 @@ impl EpochLoop {
         match board.gnss(&mut self.chunk) {
             Taken::Nothing => self.silent_until_ticks = start_ticks,
             Taken::Lost => {
-                self.rate.hear(board.now_ms());
+                self.rate.receive(board.now_ms());
                 receiver.interrupt();
             }
             Taken::Bytes { count, came_ms } => {
                 let now_ms = board.now_ms();
-                self.rate.hear(now_ms);
+                self.rate.receive(now_ms);
                 let bytes = self.chunk.get(..count).unwrap_or_default();
                 let judged = receiver.gnss_since(bytes, came_ms, now_ms, board.host());
                 self.busy_ticks += board.now_ticks().saturating_sub(start_ticks);

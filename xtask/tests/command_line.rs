@@ -10,10 +10,10 @@ fn run(arguments: &[&str]) -> Output {
 fn help_is_no_error_and_no_command_shows_it() {
     for help in ["help", "--help", "-h"] {
         let output = run(&[help]);
-        let said = String::from_utf8(output.stdout).unwrap();
+        let reported = String::from_utf8(output.stdout).unwrap();
         assert!(
-            output.status.success() && said.contains("\n  demo ") && said.contains("\n  test "),
-            "{said}"
+            output.status.success() && reported.contains("\n  demo ") && reported.contains("\n  test "),
+            "{reported}"
         );
     }
     let bare = run(&[]);
@@ -32,9 +32,12 @@ fn wrong_command_line_is_one_line_that_names_the_error() {
         (&["coverage", "--wings"], "--wings"),
     ] {
         let output = run(arguments);
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
-        assert!(said.starts_with("error: ") && said.lines().count() == 1, "{arguments:?}: {said}");
-        assert!(said.contains(want), "{arguments:?}: {said}");
+        let reported = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {reported}");
+        assert!(
+            reported.starts_with("error: ") && reported.lines().count() == 1,
+            "{arguments:?}: {reported}"
+        );
+        assert!(reported.contains(want), "{arguments:?}: {reported}");
     }
 }

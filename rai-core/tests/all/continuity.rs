@@ -20,7 +20,7 @@ const DEGREE_M: f64 = 111_132.0;
 
 /// One epoch: its own verdict and its position.
 #[derive(Clone, Copy)]
-struct Said {
+struct Reported {
     verdict: Verdict,
     north_m: f64,
     height_m: f64,
@@ -28,22 +28,22 @@ struct Said {
     hpl_m: f64,
 }
 
-const HERE: Said = Said { verdict: OK, north_m: 0.0, height_m: 100.0, dof: 5, hpl_m: 20.0 };
+const HERE: Reported = Reported { verdict: OK, north_m: 0.0, height_m: 100.0, dof: 5, hpl_m: 20.0 };
 
-fn north(north_m: f64) -> Said {
-    Said { north_m, ..HERE }
+fn north(north_m: f64) -> Reported {
+    Reported { north_m, ..HERE }
 }
 
-fn verdict(verdict: Verdict) -> Said {
-    Said { verdict, ..HERE }
+fn verdict(verdict: Verdict) -> Reported {
+    Reported { verdict, ..HERE }
 }
 
-fn report(said: Said) -> Report<4> {
-    let latitude_rad = (45.0 + said.north_m / DEGREE_M).to_radians();
-    let geodetic = Geodetic { latitude_rad, longitude_rad: 0.1, height_m: said.height_m };
+fn report(reported: Reported) -> Report<4> {
+    let latitude_rad = (45.0 + reported.north_m / DEGREE_M).to_radians();
+    let geodetic = Geodetic { latitude_rad, longitude_rad: 0.1, height_m: reported.height_m };
     {
         let mut report = Report::nothing();
-        report.verdict = said.verdict;
+        report.verdict = reported.verdict;
         report.solution = Some({
             let mut solution = Solution::at(geodetic.to_ecef(), geodetic);
             solution.covariance_m2 = [1.0; 6];
@@ -51,8 +51,8 @@ fn report(said: Said) -> Report<4> {
             solution.vdop = 1.0;
             solution
         });
-        report.test = Some(TestStatistic::new(1.0, 2.0, said.dof));
-        report.protection = Some(ProtectionLevels::new(said.hpl_m, 30.0));
+        report.test = Some(TestStatistic::new(1.0, 2.0, reported.dof));
+        report.protection = Some(ProtectionLevels::new(reported.hpl_m, 30.0));
         report.residual_rms_m = 1.0;
         report.tracked = 4;
         report
@@ -60,16 +60,16 @@ fn report(said: Said) -> Report<4> {
 }
 
 /// Returns the final verdicts of epochs at these times.
-fn series(epochs: &[(f64, Said)]) -> Vec<Verdict> {
+fn series(epochs: &[(f64, Reported)]) -> Vec<Verdict> {
     let mut continuity = Continuity::new();
     let settings = ContinuitySettings::anywhere();
     epochs
         .iter()
-        .map(|(time_s, said)| continuity.conclude(&settings, *time_s, None, &report(*said), None))
+        .map(|(time_s, reported)| continuity.conclude(&settings, *time_s, None, &report(*reported), None))
         .collect()
 }
 
-fn last(epochs: &[(f64, Said)]) -> Verdict {
+fn last(epochs: &[(f64, Reported)]) -> Verdict {
     *series(epochs).last().unwrap()
 }
 
@@ -83,7 +83,7 @@ fn promise_returns_after_three_epochs_and_three_seconds() {
 
 #[test]
 fn single_agreements_among_alerts_promise_nothing() {
-    let epochs: Vec<(f64, Said)> = (0..300)
+    let epochs: Vec<(f64, Reported)> = (0..300)
         .map(|second| (f64::from(second), if second % 3 == 0 { verdict(FAULT) } else { HERE }))
         .collect();
     assert!(series(&epochs).iter().all(|verdict| *verdict == FAULT || *verdict == RECOVERING));
@@ -91,7 +91,7 @@ fn single_agreements_among_alerts_promise_nothing() {
 
 #[test]
 fn agreement_at_places_that_are_out_of_reach_of_each_other_is_none() {
-    let scattered: Vec<(f64, Said)> = (0..20)
+    let scattered: Vec<(f64, Reported)> = (0..20)
         .map(|second| {
             (
                 f64::from(second),
@@ -105,13 +105,14 @@ fn agreement_at_places_that_are_out_of_reach_of_each_other_is_none() {
 #[test]
 fn another_place_at_the_same_time_is_no_agreement() {
     let two = |second: u32| [(f64::from(second), HERE), (f64::from(second), north(7000.0))];
-    let epochs: Vec<(f64, Said)> = [(0.0, verdict(FAULT))].into_iter().chain((1..60).flat_map(two)).collect();
+    let epochs: Vec<(f64, Reported)> =
+        [(0.0, verdict(FAULT))].into_iter().chain((1..60).flat_map(two)).collect();
     assert!(!series(&epochs).contains(&OK));
 }
 
 #[test]
 fn one_degree_of_freedom_has_to_agree_ten_times() {
-    let weak = Said { dof: 1, ..HERE };
+    let weak = Reported { dof: 1, ..HERE };
     let mut epochs = vec![(0.0, verdict(FAULT))];
     epochs.extend((1..=10).map(|second| (f64::from(second), weak)));
     assert_eq!(last(&epochs), RECOVERING, "ten epochs, nine seconds");
@@ -123,18 +124,18 @@ fn one_degree_of_freedom_has_to_agree_ten_times() {
 
 #[test]
 fn one_degree_of_freedom_alone_is_no_first_promise_but_goes_on_with_one() {
-    let weak = Said { dof: 1, ..HERE };
+    let weak = Reported { dof: 1, ..HERE };
     assert_eq!(last(&[(0.0, weak)]), RECOVERING);
     assert_eq!(last(&[(0.0, HERE), (1.0, weak)]), OK);
 }
 
 #[test]
 fn exclusion_that_leaves_one_degree_of_freedom_is_no_recovery() {
-    let reduced = Said { verdict: EXCLUDED, dof: 1, ..HERE };
+    let reduced = Reported { verdict: EXCLUDED, dof: 1, ..HERE };
     let mut epochs = vec![(0.0, verdict(FAULT))];
     epochs.extend((1..=60).map(|second| (f64::from(second), reduced)));
     assert!(!series(&epochs).contains(&EXCLUDED));
-    let redundant = Said { verdict: EXCLUDED, ..HERE };
+    let redundant = Reported { verdict: EXCLUDED, ..HERE };
     let mut epochs = vec![(0.0, verdict(FAULT))];
     epochs.extend((1..=4).map(|second| (f64::from(second), redundant)));
     assert_eq!(last(&epochs), EXCLUDED);
@@ -169,15 +170,15 @@ fn position_farther_than_the_highest_speed_is_a_jump_until_time_has_made_it_reac
 #[test]
 fn leap_in_height_is_a_jump_too() {
     // 515 m and two levels of 30 m.
-    assert_eq!(last(&[(0.0, HERE), (1.0, Said { height_m: 670.0, ..HERE })]), OK);
-    assert_eq!(last(&[(0.0, HERE), (1.0, Said { height_m: 680.0, ..HERE })]), JUMP);
+    assert_eq!(last(&[(0.0, HERE), (1.0, Reported { height_m: 670.0, ..HERE })]), OK);
+    assert_eq!(last(&[(0.0, HERE), (1.0, Reported { height_m: 680.0, ..HERE })]), JUMP);
 }
 
 #[test]
 fn host_that_says_forget_allows_any_place() {
     let (mut continuity, settings) = (Continuity::new(), ContinuitySettings::anywhere());
-    let conclude = |continuity: &mut Continuity, time_s, said| {
-        continuity.conclude(&settings, time_s, None, &report(said), None)
+    let conclude = |continuity: &mut Continuity, time_s, reported| {
+        continuity.conclude(&settings, time_s, None, &report(reported), None)
     };
     assert_eq!(conclude(&mut continuity, 0.0, HERE), OK);
     continuity.forget();
@@ -192,10 +193,10 @@ fn what_one_epoch_led_to_gives_way_to_what_ten_agree_on() {
     let far = 6000e3;
     let mut epochs = vec![(0.0, north(far))];
     epochs.extend((1..=12).map(|second| (f64::from(second), HERE)));
-    let said = series(&epochs);
-    assert_eq!(said[0], OK);
-    assert!(said[1..11].iter().all(|verdict| *verdict == JUMP), "{said:?}");
-    assert_eq!(said[11..], [OK, OK], "ten seconds and more than ten epochs");
+    let reported = series(&epochs);
+    assert_eq!(reported[0], OK);
+    assert!(reported[1..11].iter().all(|verdict| *verdict == JUMP), "{reported:?}");
+    assert_eq!(reported[11..], [OK, OK], "ten seconds and more than ten epochs");
     // Nine and then alerts, repeatedly, are not ten.
     let mut broken = vec![(0.0, north(far))];
     broken.extend(
@@ -206,13 +207,13 @@ fn what_one_epoch_led_to_gives_way_to_what_ten_agree_on() {
 
 #[test]
 fn what_ten_epochs_have_led_to_gives_way_to_time_alone() {
-    let mut epochs: Vec<(f64, Said)> = (0..=10).map(|second| (f64::from(second), HERE)).collect();
+    let mut epochs: Vec<(f64, Reported)> = (0..=10).map(|second| (f64::from(second), HERE)).collect();
     // A gap and an alert take nothing from it.
     epochs.extend([(400.0, HERE), (401.0, verdict(FAULT)), (402.0, HERE), (403.0, HERE), (405.0, HERE)]);
     epochs.extend((406..1000).map(|second| (f64::from(second), north(400e3))));
-    let said = series(&epochs);
-    assert_eq!(said[15], OK);
-    assert!(said[16..].iter().all(|verdict| *verdict == JUMP));
+    let reported = series(&epochs);
+    assert_eq!(reported[15], OK);
+    assert!(reported[16..].iter().all(|verdict| *verdict == JUMP));
 }
 
 /// A longer recovery after an alert must not make the anchor easier to replace.
@@ -225,18 +226,18 @@ fn longer_recovery_takes_nothing_from_what_was_firm() {
     }
     let longer = start.with_recovery(Recovery { epochs: 20, seconds: 30.0 });
     for second in 12..120 {
-        let said = continuity.conclude(&longer, f64::from(second), None, &report(north(400e3)), None);
-        assert_eq!(said, JUMP, "{second} s");
+        let reported = continuity.conclude(&longer, f64::from(second), None, &report(north(400e3)), None);
+        assert_eq!(reported, JUMP, "{second} s");
     }
 }
 
 #[test]
 fn no_receiver_is_below_the_ground_or_among_the_satellites() {
     for height_m in [-3e6, -501.0, 20_001.0, 2e7, f64::NAN] {
-        let epochs = [(0.0, Said { height_m, ..HERE })];
+        let epochs = [(0.0, Reported { height_m, ..HERE })];
         assert_eq!(last(&epochs), PLACE, "{height_m} m");
     }
-    assert_eq!(last(&[(0.0, Said { height_m: -499.0, ..HERE })]), OK);
+    assert_eq!(last(&[(0.0, Reported { height_m: -499.0, ..HERE })]), OK);
 }
 
 #[test]
@@ -258,8 +259,9 @@ fn time_that_is_no_number_stands_still() {
 #[test]
 fn clock_of_the_callers_own_bounds_what_a_leap_of_the_time_tag_makes_reachable() {
     let (mut continuity, settings) = (Continuity::new(), ContinuitySettings::anywhere());
-    let mut conclude =
-        |time_s, own_s, said| continuity.conclude(&settings, time_s, Some(own_s), &report(said), None);
+    let mut conclude = |time_s, own_s, reported| {
+        continuity.conclude(&settings, time_s, Some(own_s), &report(reported), None)
+    };
     assert_eq!(conclude(0.0, 100.0, HERE), OK);
     assert_eq!(conclude(3600.0, 101.0, north(400e3)), JUMP);
     assert_eq!(conclude(3600.0 + 86_401.0, 102.0, north(400e3)), JUMP, "nor is the place forgotten");
@@ -309,8 +311,8 @@ fn receiver_that_is_slower_than_the_time_to_alert_recovers() {
             let time_s = f64::from(epoch) * step_s;
             continuity.conclude(&settings, time_s, Some(time_s), &report(HERE), None)
         };
-        let said: Vec<Verdict> = (1..=4).map(conclude).collect();
-        assert_eq!(said, [RECOVERING, RECOVERING, OK, OK], "{step_s} s");
+        let reported: Vec<Verdict> = (1..=4).map(conclude).collect();
+        assert_eq!(reported, [RECOVERING, RECOVERING, OK, OK], "{step_s} s");
     }
 }
 
@@ -318,8 +320,8 @@ fn receiver_that_is_slower_than_the_time_to_alert_recovers() {
 fn protected_without_a_position_is_not_said() {
     let mut nowhere = report(HERE);
     nowhere.solution = None;
-    let said = Continuity::new().conclude(&ContinuitySettings::anywhere(), 0.0, None, &nowhere, None);
-    assert_eq!(said, Verdict::Unavailable(Unavailable::NoFix));
+    let reported = Continuity::new().conclude(&ContinuitySettings::anywhere(), 0.0, None, &nowhere, None);
+    assert_eq!(reported, Verdict::Unavailable(Unavailable::NoFix));
 }
 
 #[test]
@@ -397,8 +399,9 @@ fn true_place_after_a_counterfeit_one_waits_for_nothing() {
     let settings = ContinuitySettings::anywhere();
     assert_eq!(continuity.conclude(&settings, 0.0, None, &report(HERE), Some(0.0)), OK);
     continuity.interrupt();
-    let mut conclude =
-        |time_s: f64, said: Said| continuity.conclude(&settings, time_s, None, &report(said), Some(0.0));
+    let mut conclude = |time_s: f64, reported: Reported| {
+        continuity.conclude(&settings, time_s, None, &report(reported), Some(0.0))
+    };
     assert_eq!(conclude(600.0, north(300e3)), RECOVERING);
     let back: Vec<Verdict> = (1..6).map(|second| conclude(600.0 + f64::from(second), HERE)).collect();
     assert_eq!(back, [RECOVERING, RECOVERING, RECOVERING, OK, OK]);
@@ -406,7 +409,8 @@ fn true_place_after_a_counterfeit_one_waits_for_nothing() {
 
 /// Returns the verdicts of epochs at these times and places after a minute at 1 Hz.
 fn after_a_minute(rest: &[(f64, f64)]) -> std::vec::Vec<Verdict> {
-    let mut epochs: std::vec::Vec<(f64, Said)> = (0..60).map(|second| (f64::from(second), HERE)).collect();
+    let mut epochs: std::vec::Vec<(f64, Reported)> =
+        (0..60).map(|second| (f64::from(second), HERE)).collect();
     epochs.extend(rest.iter().map(|(time_s, north_m)| (*time_s, north(*north_m))));
     series(&epochs).split_off(60)
 }
@@ -436,7 +440,7 @@ fn receiver_that_restarts_where_it_can_be_expected_is_the_same() {
 fn receiver_whose_step_does_not_fit_a_second_is_never_another() {
     for step_s in [0.06, 0.08, 0.15, 0.3, 0.4, 0.7, 1.5, 2.5] {
         for gap in [2, 7, 31, 333] {
-            let mut epochs: std::vec::Vec<(f64, Said)> =
+            let mut epochs: std::vec::Vec<(f64, Reported)> =
                 (0..60).map(|index| (step_s * f64::from(index), HERE)).collect();
             let north_m = 40.0 + 500.0 * step_s * f64::from(gap);
             epochs.extend((0..100).map(|index| (step_s * f64::from(60 + gap + index), north(north_m))));
@@ -450,7 +454,8 @@ fn fast_receiver_in_a_gap_of_any_length_keeps_its_rhythm() {
     for hertz in [1.0, 3.0, 4.0, 5.0, 7.0, 10.0, 12.0, 18.0, 20.0, 30.0] {
         for gap in [2, 7, 31, 599] {
             let time_s = |index: i32| (1e3 * f64::from(index) / hertz).round() * 1e-3;
-            let mut epochs: std::vec::Vec<(f64, Said)> = (0..60).map(|index| (time_s(index), HERE)).collect();
+            let mut epochs: std::vec::Vec<(f64, Reported)> =
+                (0..60).map(|index| (time_s(index), HERE)).collect();
             // Within reach at the highest speed, but not expected of a receiver at rest.
             let north_m = 40.0 + 500.0 * time_s(gap);
             epochs.extend((0..100).map(|index| (time_s(60 + gap + index), north(north_m))));

@@ -53,13 +53,13 @@ pub const FRAME_AROUND: usize = 12;
 ///
 /// # Errors
 /// Fails if the rest is not UTF-8, or if a frame is cut off.
-pub fn sentences(said: &[u8]) -> anyhow::Result<String> {
+pub fn sentences(reported: &[u8]) -> anyhow::Result<String> {
     const NEITHER: &str = "the module sent bytes that are neither text nor a MAVLink frame";
     // The usual case, in a fraction of the time.
-    if !said.contains(&FRAME_BEGIN) {
-        return String::from_utf8(said.to_vec()).context(NEITHER);
+    if !reported.contains(&FRAME_BEGIN) {
+        return String::from_utf8(reported.to_vec()).context(NEITHER);
     }
-    let (mut text, mut rest) = (Vec::new(), said);
+    let (mut text, mut rest) = (Vec::new(), reported);
     while let Some(begin) = rest.iter().position(|&byte| byte == FRAME_BEGIN) {
         text.extend_from_slice(&rest[..begin]);
         let payload = rest.get(begin + 1).copied().context("a MAVLink frame is cut off")?;

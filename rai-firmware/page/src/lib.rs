@@ -8,7 +8,7 @@
 //!
 //! The page gives this program a command line and files by name, as a shell does, so that what it runs
 //! *is* `rai replay`, and the command that it shows is the one that gave the result. [`run`] is the
-//! only entry for recordings. A receiver's bytes come on standard input: [`hear`] and [`tick`].
+//! only entry for recordings. A receiver's bytes come on standard input: [`receive`] and [`tick`].
 //!
 //! # Decisions
 //!
@@ -57,8 +57,8 @@ pub extern "C" fn run() -> i32 {
 // SAFETY: as for `run`.
 #[allow(unsafe_code, reason = "the name by which the page calls it")]
 #[unsafe(no_mangle)]
-pub extern "C" fn hear(came_ms: f64) -> i32 {
-    with_live(|live| live.hear(came_ms as u64))
+pub extern "C" fn receive(came_ms: f64) -> i32 {
+    with_live(|live| live.receive(came_ms as u64))
 }
 
 /// Tells the live module the time, ms. Prints its state after a verdict, such as that of a silence;

@@ -15,7 +15,7 @@ use raim_firmware::receiver::{Boot, Receiver};
 pub(crate) struct Live {
     receiver: Receiver<MemoryPin, Views>,
     state: State,
-    said: Vec<u8>,
+    reported: Vec<u8>,
     rate: BitRate,
     /// Rate at which the port must be read, bit/s.
     baud: u32,
@@ -44,24 +44,24 @@ impl Live {
         let state = State::new(name.to_owned(), settings.iter().map(|text| (*text).to_owned()).collect());
         println!("{}", json(&state));
         let baud = fixed.unwrap_or(RATES[0]);
-        Ok(Self { receiver, state, said: Vec::new(), rate: BitRate::new(), baud, fixed })
+        Ok(Self { receiver, state, reported: Vec::new(), rate: BitRate::new(), baud, fixed })
     }
 
     /// Takes the bytes on standard input; returns true after a verdict.
-    pub(crate) fn hear(&mut self, came_ms: u64) -> bool {
+    pub(crate) fn receive(&mut self, came_ms: u64) -> bool {
         let mut bytes = Vec::new();
         if stdin().read_to_end(&mut bytes).is_err() {
             return false;
         }
-        self.receiver.gnss(&bytes, came_ms, &mut self.said);
-        self.rate.hear(came_ms);
+        self.receiver.gnss(&bytes, came_ms, &mut self.reported);
+        self.rate.receive(came_ms);
         self.baud = self.rate.next(self.receiver.frames(), self.fixed).unwrap_or(self.baud);
         self.note()
     }
 
     /// Takes the time; returns true after a verdict.
     pub(crate) fn tick(&mut self, now_ms: u64) -> bool {
-        self.receiver.tick(now_ms, &mut self.said);
+        self.receiver.tick(now_ms, &mut self.reported);
         self.note()
     }
 
@@ -77,7 +77,7 @@ impl Live {
 
     /// Notes what the module said, and prints the state after a verdict.
     fn note(&mut self) -> bool {
-        self.said.clear();
+        self.reported.clear();
         self.state.live(self.receiver.pin().high);
         let seen = self.receiver.observer_mut().take();
         let has_verdict = !seen.is_empty();

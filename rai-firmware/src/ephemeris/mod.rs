@@ -244,8 +244,8 @@ pub struct Ephemeris {
 
 impl PartialEq for Ephemeris {
     fn eq(&self, other: &Self) -> bool {
-        let said = |set: &Self| (set.orbit, set.clock, set.toe, set.health, set.satellite, set.source);
-        said(self) == said(other) && self.accuracies_m == other.accuracies_m
+        let reported = |set: &Self| (set.orbit, set.clock, set.toe, set.health, set.satellite, set.source);
+        reported(self) == reported(other) && self.accuracies_m == other.accuracies_m
     }
 }
 

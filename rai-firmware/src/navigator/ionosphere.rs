@@ -27,7 +27,7 @@ impl Broadcast {
 
     /// Stores broadcast coefficients for the model of their constellation. Invalid coefficients
     /// change nothing.
-    pub(super) fn hear(
+    pub(super) fn receive(
         &mut self,
         constellation: Constellation,
         coefficients: [f64; 8],

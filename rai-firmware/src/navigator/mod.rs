@@ -176,7 +176,7 @@ impl Navigator {
         coefficients: [f64; 8],
         now: Option<GpsTime>,
     ) {
-        self.ionosphere.hear(constellation, coefficients, now);
+        self.ionosphere.receive(constellation, coefficients, now);
     }
 
     /// Stores what a frame of CNAV says, which came at `now_ms` by the module's own clock.

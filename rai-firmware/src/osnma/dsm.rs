@@ -44,7 +44,7 @@ impl Content {
     const NONE: Self = Self { bytes: [0; BLOCK], votes: 0, sender: 0 };
 
     /// Takes that a satellite sent it.
-    fn hear(&mut self, sender: u8) {
+    fn receive(&mut self, sender: u8) {
         if core::mem::replace(&mut self.sender, sender) != sender {
             self.votes = self.votes.saturating_add(1);
         }
@@ -63,11 +63,11 @@ impl Block {
         let [first, second] = &mut self.0;
         let is_this = |content: &Content| content.votes > 0 && content.bytes == *bytes;
         if is_this(first) {
-            first.hear(sender);
+            first.receive(sender);
             return false;
         }
         if is_this(second) {
-            second.hear(sender);
+            second.receive(sender);
             let is_turned = second.votes > first.votes;
             if is_turned {
                 core::mem::swap(first, second);

@@ -275,7 +275,7 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
     /// Takes a page: a word, and the forty bits for authentication, which only E1 has.
     // Not inlined, so that its stack is free again while an epoch is judged.
     #[inline(never)]
-    pub fn hear(&mut self, number: u8, word: &[u8; 16], bits: [u8; 5], is_e1: bool, came_ms: u64) {
+    pub fn receive(&mut self, number: u8, word: &[u8; 16], bits: [u8; 5], is_e1: bool, came_ms: u64) {
         if !self.is_on {
             return;
         }

@@ -248,7 +248,7 @@ impl<const S: usize, const R: usize, const L: usize> Osnma<S, R, L> {
             is_slow: tag.adkd == 12,
             is_of_present: chosen.is_present(),
         };
-        if tag.adkd != 4 && satellite.hear(finding, alarm, now_ms) {
+        if tag.adkd != 4 && satellite.receive(finding, alarm, now_ms) {
             return Some(Worked::Judged(satellite.number, satellite.seal()));
         }
         Some(Worked::Something)

@@ -197,7 +197,7 @@ impl Satellite {
     ///
     /// A right tag of former words says nothing about the present ones, but a wrong one does: a
     /// satellite that sends other false words in each subframe would never be found out else.
-    pub(super) fn hear(&mut self, finding: Finding, alarm: &mut Alarm, now_ms: u64) -> bool {
+    pub(super) fn receive(&mut self, finding: Finding, alarm: &mut Alarm, now_ms: u64) -> bool {
         if finding.is_right && !finding.is_of_present {
             return false;
         }
@@ -263,11 +263,11 @@ impl Alarm {
     pub(super) const NONE: Self = Self { false_words: None, wrong_key: None, raised_ms: None };
 
     pub(super) fn hear_false(&mut self, satellite: u8, now_ms: u64) {
-        hear(&mut self.false_words, &mut self.raised_ms, satellite, now_ms);
+        receive(&mut self.false_words, &mut self.raised_ms, satellite, now_ms);
     }
 
     pub(super) fn hear_wrong_key(&mut self, satellite: u8, now_ms: u64) {
-        hear(&mut self.wrong_key, &mut self.raised_ms, satellite, now_ms);
+        receive(&mut self.wrong_key, &mut self.raised_ms, satellite, now_ms);
     }
 
     /// Returns true while the alarm lasts.
@@ -276,7 +276,7 @@ impl Alarm {
     }
 }
 
-fn hear(last: &mut Option<(u8, u64)>, raised_ms: &mut Option<u64>, satellite: u8, now_ms: u64) {
+fn receive(last: &mut Option<(u8, u64)>, raised_ms: &mut Option<u64>, satellite: u8, now_ms: u64) {
     if last.is_some_and(|(other, ms)| other != satellite && now_ms.abs_diff(ms) <= TOGETHER_MS) {
         *raised_ms = Some(now_ms);
     }

@@ -293,12 +293,12 @@ impl<P: OutputPin, O: Observer> EpochLoop<P, O> {
             #[cfg(feature = "cnav")]
             Event::Cnav(frame) => self.navigator.hear_cnav(frame, now_ms),
             Event::Rivalry(rivalry) => {
-                self.rivals.hear(*rivalry);
+                self.rivals.receive(*rivalry);
                 self.drive_pin(false);
             }
             Event::SelfReport(_) if !cfg!(feature = "ubx") => {}
-            Event::SelfReport(said) => {
-                self.interference.hear(said, now_ms);
+            Event::SelfReport(reported) => {
+                self.interference.receive(reported, now_ms);
                 if self.is_spoofed(now_ms) {
                     self.drive_pin(false);
                 }

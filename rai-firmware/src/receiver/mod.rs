@@ -353,9 +353,9 @@ impl<P: OutputPin, O: Observer> Receiver<P, O> {
     #[inline(never)]
     pub fn go_on<W: Write>(&mut self, host: &mut W) {
         let Some(next) = self.next_counter else { return };
-        let said = write_counters(self.statistics_from(next), host);
-        self.next_counter = said.as_ref().ok().filter(|&&many| many > 0).map(|many| next + many);
-        self.epochs.sent(said.is_ok());
+        let reported = write_counters(self.statistics_from(next), host);
+        self.next_counter = reported.as_ref().ok().filter(|&&many| many > 0).map(|many| next + many);
+        self.epochs.sent(reported.is_ok());
     }
 
     fn act<W: Write>(&mut self, action: Action, host: &mut W) {

@@ -29,7 +29,7 @@ impl Rivals {
 
     /// Adds evidence that the ranges are not all from one antenna at one instant.
     #[inline(never)]
-    pub(super) fn hear(&mut self, rivalry: Rivalry) {
+    pub(super) fn receive(&mut self, rivalry: Rivalry) {
         let epochs = match rivalry {
             Rivalry::Receivers => {
                 self.count();

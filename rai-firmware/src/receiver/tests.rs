@@ -64,36 +64,36 @@ fn command(body: &str) -> String {
 fn told(body: &str) -> (String, bool) {
     let mut receiver = promising();
     receiver.epochs.last_verdict = Some(Verdict::Protected(Protected::Ok));
-    let mut said = Vec::new();
-    receiver.command(command(body).as_bytes(), &mut said);
-    (String::from_utf8(said).expect("ASCII"), receiver.pin().high)
+    let mut reported = Vec::new();
+    receiver.command(command(body).as_bytes(), &mut reported);
+    (String::from_utf8(reported).expect("ASCII"), receiver.pin().high)
 }
 
 #[test]
 fn every_setting_that_a_promise_rests_on_takes_it_back_at_once() {
     for setting in Setting::ALL {
         let (key, bears) = (setting.key(), setting.row().bears_on_promise);
-        let (said, is_high) = told(&format!("PRAIC,{key},{}", setting.documentation().example));
-        assert!(said.starts_with(&format!("$PRAIA,{key},")) && said.contains(",OK"), "{said}");
-        assert_eq!(is_high, !bears, "{key}: {said}");
-        assert_eq!(said.contains("\n$PRAIS,,U,SETTINGS,0,0,"), bears, "{key}: {said}");
+        let (reported, is_high) = told(&format!("PRAIC,{key},{}", setting.documentation().example));
+        assert!(reported.starts_with(&format!("$PRAIA,{key},")) && reported.contains(",OK"), "{reported}");
+        assert_eq!(is_high, !bears, "{key}: {reported}");
+        assert_eq!(reported.contains("\n$PRAIS,,U,SETTINGS,0,0,"), bears, "{key}: {reported}");
     }
 }
 
 #[test]
 fn a_command_that_changes_nothing_takes_no_promise_back() {
     for body in ["PRAIC,MASK,10", "PRAIC,MASK", "PRAIC,MASK,x", "PRAIC,PHASE,NPA", "PRAIC,STATS"] {
-        let (said, is_high) = told(body);
-        assert!(is_high && !said.contains("PRAIS"), "{said}");
+        let (reported, is_high) = told(body);
+        assert!(is_high && !reported.contains("PRAIS"), "{reported}");
     }
 }
 
 #[test]
 fn a_setting_changed_before_any_promise_is_answered_alone() {
     let mut receiver = promising();
-    let mut said = Vec::new();
-    receiver.command(command("PRAIC,MASK,5").as_bytes(), &mut said);
-    assert_eq!(said, command("PRAIA,MASK,5,OK").as_bytes());
+    let mut reported = Vec::new();
+    receiver.command(command("PRAIC,MASK,5").as_bytes(), &mut reported);
+    assert_eq!(reported, command("PRAIA,MASK,5,OK").as_bytes());
 }
 
 #[test]

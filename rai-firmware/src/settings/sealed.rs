@@ -15,7 +15,7 @@
 use heapless::String;
 
 use super::fields::Fields;
-use super::said::Crc32;
+use super::reported::Crc32;
 use super::value::{Commands, Take, tell};
 use super::{Configuration, Phase, PhaseEffect, Setting};
 

@@ -54,9 +54,9 @@ fn a_toy_setting_changes_both_hashes() {
 
 #[test]
 fn a_toy_setting_is_reported() {
-    let mut said = Vec::new();
-    with_seven().write(&mut said).expect("a vector takes all");
-    let text = String::from_utf8(said).expect("ASCII");
+    let mut reported = Vec::new();
+    with_seven().write(&mut reported).expect("a vector takes all");
+    let text = String::from_utf8(reported).expect("ASCII");
     let fields: Vec<&str> = text.lines().flat_map(|line| line.split(',').skip(2)).collect();
     // The number of the sentence and the number of sentences follow.
     assert_eq!(fields.get(fields.len() - 3), Some(&"7"), "{text}");

@@ -55,7 +55,7 @@ pub fn on_board(
     let mut both = Both::start(image, setup)?;
     for lump in lumps {
         let lump = lump?;
-        each(both.hear(&lump).with_context(|| format!("{} s", lump.elapsed_s))?);
+        each(both.receive(&lump).with_context(|| format!("{} s", lump.elapsed_s))?);
     }
     let (run, board) = both.end()?;
     each(Heard { host: String::new(), board });
@@ -101,17 +101,17 @@ impl Both {
 
     /// Sends a lump to both; returns their sentences. An epoch without sentences of the host is not
     /// waited for.
-    fn hear(&mut self, lump: &Lump) -> Result<Heard> {
+    fn receive(&mut self, lump: &Lump) -> Result<Heard> {
         let now_ms = self.wait(lump.elapsed_ms())?;
-        let (said, seen) = self.host.hear(&lump.bytes, now_ms)?;
-        let host = lasting(said.split_inclusive('\n'));
+        let (reported, seen) = self.host.receive(&lump.bytes, now_ms)?;
+        let host = lasting(reported.split_inclusive('\n'));
         self.board.feed(&lump.bytes)?;
         let mut board = String::new();
         if !seen.is_empty() {
             board = lasting(self.board.read_through("$PRAIS", PATIENCE)?.iter().map(String::as_str));
             self.is_recovering = RECOVERING.iter().any(|words| host.contains(words));
         }
-        self.comparison.hear(&host, &board);
+        self.comparison.receive(&host, &board);
         Ok(Heard { host, board })
     }
 
@@ -141,7 +141,7 @@ impl Both {
             counters.append(&mut answers.pop().map_or_else(Vec::new, |answer| counters_of(&answer)));
             rest.push_str(&lasting(answers.iter().map(String::as_str)));
         }
-        self.comparison.hear("", &rest);
+        self.comparison.receive("", &rest);
         let instructions = self.board.epoch_instructions();
         let losses = self.board.log().iter().filter(|line| line.text.contains("bytes lost")).count();
         self.board.stop()?;
@@ -164,7 +164,7 @@ struct Comparison {
 }
 
 impl Comparison {
-    fn hear(&mut self, host: &str, board: &str) {
+    fn receive(&mut self, host: &str, board: &str) {
         if self.first.is_some() {
             return;
         }
@@ -196,13 +196,13 @@ mod tests {
     #[test]
     fn sentences_are_compared_in_their_order_whoever_is_ahead() {
         let mut comparison = Comparison::default();
-        comparison.hear("a\r\nb\r\nc\r\n", "a\r\n");
-        comparison.hear("d\r\n", "b\r\nc\r\n");
-        comparison.hear("", "d\r\n");
+        comparison.receive("a\r\nb\r\nc\r\n", "a\r\n");
+        comparison.receive("d\r\n", "b\r\nc\r\n");
+        comparison.receive("", "d\r\n");
         assert_eq!(comparison.difference(), None);
-        comparison.hear("e\r\n", "");
+        comparison.receive("e\r\n", "");
         assert_eq!(comparison.difference(), Some(("e".to_owned(), String::new())));
-        comparison.hear("g\r\n", "f\r\n");
+        comparison.receive("g\r\n", "f\r\n");
         assert_eq!(comparison.difference(), Some(("e".to_owned(), "f".to_owned())));
     }
 }

@@ -41,16 +41,16 @@ fn play(plan: &Plan, sender: &SyncSender<News>) -> Result<()> {
     let mut twin = Module::start(&[])?;
     twin.watch();
     let start = board.read_through("$PRAIV", PATIENCE)?.concat();
-    sender.send(News::Said(Message::of(&start, Some(board.pin_is_high()), None)))?;
+    sender.send(News::Reported(Message::of(&start, Some(board.pin_is_high()), None)))?;
     for (index, epoch) in (0_u64..).zip(Injector::new(recording.epochs.into_iter(), vec![plan.fault()])) {
         let bytes = encoder.epoch(&epoch)?;
         board.feed(&bytes)?;
-        let said = board.read_through("$PRAIN", PATIENCE)?.concat();
-        let (_, seen) = twin.hear(&bytes, index * 1000)?;
+        let reported = board.read_through("$PRAIN", PATIENCE)?.concat();
+        let (_, seen) = twin.receive(&bytes, index * 1000)?;
         let satellites = seen.into_iter().last().and_then(|seen| seen.view).map(|view| view.satellites);
         // The pin's level is in the log, whose last line of an epoch is the time it took.
         board.log_with(&format!("epoch {} took", index + 1), 0, PATIENCE)?;
-        sender.send(News::Said(Message::of(&said, Some(board.pin_is_high()), satellites)))?;
+        sender.send(News::Reported(Message::of(&reported, Some(board.pin_is_high()), satellites)))?;
         thread::sleep(PACE);
     }
     board.stop()

@@ -26,29 +26,29 @@ fn started() -> Result<Receiver<MemoryPin>> {
 
 /// Carries out a request and returns the bytes of the answer.
 fn obey(receiver: &mut Receiver<MemoryPin>, Request { kind, now_ms, bytes }: &Request) -> Result<Vec<u8>> {
-    let mut said = Vec::new();
+    let mut reported = Vec::new();
     match kind {
-        Kind::Command => receiver.command(bytes, &mut said),
+        Kind::Command => receiver.command(bytes, &mut reported),
         Kind::Gnss => {
-            receiver.gnss(bytes, *now_ms, &mut said);
+            receiver.gnss(bytes, *now_ms, &mut reported);
         }
         Kind::Tick => {
-            receiver.tick(*now_ms, &mut said);
+            receiver.tick(*now_ms, &mut reported);
         }
-        Kind::Seal => said.extend(sealed(receiver, bytes)?),
+        Kind::Seal => reported.extend(sealed(receiver, bytes)?),
         Kind::Restart => {
             *receiver = started()?;
             receiver.restore(&memory(bytes)?, false);
-            said.extend(sealed(receiver, bytes)?);
+            reported.extend(sealed(receiver, bytes)?);
         }
-        Kind::Hash => said.extend(receiver.configuration().hash().to_le_bytes()),
+        Kind::Hash => reported.extend(receiver.configuration().hash().to_le_bytes()),
         Kind::Counter => {
             let name = std::str::from_utf8(bytes)?;
             let found = receiver.statistics().find(|(counter, _)| *counter == name);
-            said.extend(found.map_or(0, |(_, count)| count).to_le_bytes());
+            reported.extend(found.map_or(0, |(_, count)| count).to_le_bytes());
         }
     }
-    Ok(said)
+    Ok(reported)
 }
 
 fn memory(bytes: &[u8]) -> Result<[u8; SEALED_BYTES]> {

@@ -72,9 +72,9 @@ fn install(out: &Path, definitions: &[String]) -> PathBuf {
 
 /// Output of the example in the README of `raim-core`: G05 is left out, and nothing else.
 fn assert_is_the_example(program: &mut Command) {
-    let said = String::from_utf8(run(program).expect("protected")).expect("text");
-    assert!(said.starts_with("EXCLUDED: 6 of 7 satellites, HPL "), "{said}");
-    assert!(said.contains("left out: G05, off by 80.0 m"), "{said}");
+    let reported = String::from_utf8(run(program).expect("protected")).expect("text");
+    assert!(reported.starts_with("EXCLUDED: 6 of 7 satellites, HPL "), "{reported}");
+    assert!(reported.contains("left out: G05, off by 80.0 m"), "{reported}");
 }
 
 /// Configures the library for a processor, and returns cmake's words.
@@ -90,8 +90,12 @@ fn derived(system: &str, processor: &str, flags: &str, out: &Path) -> Result<Str
     let build = tempfile::tempdir_in(out).expect("a folder");
     let toolchain = format!("CMAKE_TOOLCHAIN_FILE={}", toolchain.display());
     let output = configure(&folder(), build.path(), &[toolchain]).output().expect("cmake");
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    if output.status.success() { Ok(said) } else { Err(String::from_utf8_lossy(&output.stderr).into_owned()) }
+    let reported = String::from_utf8_lossy(&output.stdout).into_owned();
+    if output.status.success() {
+        Ok(reported)
+    } else {
+        Err(String::from_utf8_lossy(&output.stderr).into_owned())
+    }
 }
 
 #[test]
@@ -115,9 +119,9 @@ fn each_processor_has_its_target_or_is_refused() {
         ("Linux", "aarch64", nothing, "aarch64-unknown-linux-gnu"),
     ] {
         // Flags of another processor than the compiler's would end the configuration early.
-        let said = derived(system, processor, flags, out.path());
-        let said = said.unwrap_or_else(|error| panic!("{processor} {flags}: {error}"));
-        assert!(said.contains(&format!("rai: Rust target {want} ")), "{processor} {flags}: {said}");
+        let reported = derived(system, processor, flags, out.path());
+        let reported = reported.unwrap_or_else(|error| panic!("{processor} {flags}: {error}"));
+        assert!(reported.contains(&format!("rai: Rust target {want} ")), "{processor} {flags}: {reported}");
     }
     for (system, processor, flags) in [
         ("Generic", "arm", nothing),
@@ -151,18 +155,18 @@ fn module_of_zephyr_stands_where_west_finds_it_and_refuses_an_unknown_processor(
         let build = tempfile::tempdir_in(out.path()).expect("a folder");
         let output =
             configure(&folder().join("tests/zephyr"), build.path(), &settings).output().expect("cmake");
-        let said = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
-        (output.status.success(), said.concat())
+        let reported = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+        (output.status.success(), reported.concat())
     };
-    let (is_good, said) = stub("thumbv7em-none-eabihf", "32");
-    assert!(is_good, "{said}");
+    let (is_good, reported) = stub("thumbv7em-none-eabihf", "32");
+    assert!(is_good, "{reported}");
     assert!(
-        said.contains("thumbv7em-none-eabihf/firmware/librai.a with panic-handler,receiver,ubx"),
-        "{said}"
+        reported.contains("thumbv7em-none-eabihf/firmware/librai.a with panic-handler,receiver,ubx"),
+        "{reported}"
     );
-    assert!(said.contains("zephyr_compile_definitions RAI_SATELLITES_32"), "{said}");
-    let (is_good, said) = stub("", "48");
-    assert!(!is_good && said.contains("RAI knows no Rust target for this processor"), "{said}");
+    assert!(reported.contains("zephyr_compile_definitions RAI_SATELLITES_32"), "{reported}");
+    let (is_good, reported) = stub("", "48");
+    assert!(!is_good && reported.contains("RAI knows no Rust target for this processor"), "{reported}");
 }
 
 #[test]
@@ -179,8 +183,8 @@ target_of([], 'avr')
 ";
     let script = folder().join("platformio.py");
     let output = Command::new("python3").args(["-c", program]).arg(script).output().expect("python3");
-    let said = String::from_utf8_lossy(&output.stdout);
-    assert_eq!(said, "thumbv7em-none-eabihf thumbv6m-none-eabi\nthumbv8m.main-none-eabi\n");
+    let reported = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(reported, "thumbv7em-none-eabihf thumbv6m-none-eabi\nthumbv8m.main-none-eabi\n");
     assert!(!output.status.success());
     let error = String::from_utf8_lossy(&output.stderr);
     assert!(error.contains("no Rust target is known for the processor 'avr'"), "{error}");

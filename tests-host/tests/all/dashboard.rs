@@ -17,22 +17,22 @@ use rig::demo::Plan;
 
 const SIZES: [(u16, u16); 2] = [(80, 24), (120, 40)];
 
-fn hear(dashboard: &mut Dashboard, line: &str) {
+fn receive(dashboard: &mut Dashboard, line: &str) {
     dashboard.take(&Message { lines: vec![line.to_owned()], ..Message::default() });
 }
 
 /// Returns twenty epochs: sound ones, one with a satellite left out, and an alert at the end.
 fn story() -> Dashboard {
     let mut dashboard = Dashboard::of("a test");
-    hear(&mut dashboard, &nmea_line("PRAIV,0.1.0,1a2b3c4,POWER-ON,PASS"));
-    let mut said = Vec::new();
-    raim_firmware::settings::Configuration::at_start().write(&mut said).expect("a vector takes all");
-    for line in String::from_utf8(said).expect("ASCII").lines() {
-        hear(&mut dashboard, line);
+    receive(&mut dashboard, &nmea_line("PRAIV,0.1.0,1a2b3c4,POWER-ON,PASS"));
+    let mut reported = Vec::new();
+    raim_firmware::settings::Configuration::at_start().write(&mut reported).expect("a vector takes all");
+    for line in String::from_utf8(reported).expect("ASCII").lines() {
+        receive(&mut dashboard, line);
     }
     for second in 0..20 {
         let time = format!("1200{second:02}.00");
-        hear(
+        receive(
             &mut dashboard,
             &nmea_line(&format!("GNGNS,{time},5529.6227407,N,00827.4073407,E,A,18,0.80,59.874,0.0,,,S")),
         );
@@ -41,16 +41,16 @@ fn story() -> Dashboard {
             10..15 => "P,EXCLUDED,19,17,11,0.912,1.873,13.4,19.7,556.0,",
             _ => "A,FAULT,19,18,12,7.034,1.873,,,556.0,",
         };
-        hear(&mut dashboard, &nmea_line(&format!("PRAIS,{time},{state}")));
+        receive(&mut dashboard, &nmea_line(&format!("PRAIS,{time},{state}")));
         if (10..15).contains(&second) {
-            hear(&mut dashboard, &nmea_line(&format!("PRAIX,{time},1,C12,-23.400,81.2")));
+            receive(&mut dashboard, &nmea_line(&format!("PRAIX,{time},1,C12,-23.400,81.2")));
         }
-        hear(
+        receive(
             &mut dashboard,
             &nmea_line(&format!("PRAIN,{time},0123ABCD,{},1,0", if second < 15 { 10 } else { 0 })),
         );
     }
-    hear(&mut dashboard, &nmea_line("PRAIL,0,0,3,1"));
+    receive(&mut dashboard, &nmea_line("PRAIL,0,0,3,1"));
     let satellites = [(Constellation::Gps, 5, 0.6, 0.9), (Constellation::Beidou, 12, 1.2, -2.0)]
         .into_iter()
         .filter_map(|(system, number, elevation_rad, azimuth_rad)| {
@@ -136,7 +136,7 @@ fn a_command_is_shown_while_it_is_typed_and_so_is_its_answer() {
     let have = picture(&dashboard, SIZES[0]);
     assert!(have.contains("PHASE (ENROUTE TERMINAL NPA LPV200 CUSTOM): LPV_"), "{have}");
     dashboard.press(Key::Escape);
-    hear(&mut dashboard, &nmea_line("PRAIA,PHASE,LPV200,OK"));
+    receive(&mut dashboard, &nmea_line("PRAIA,PHASE,LPV200,OK"));
     let have = picture(&dashboard, SIZES[1]);
     assert!(have.contains("answer: PHASE LPV200 OK"), "{have}");
 }
@@ -161,7 +161,7 @@ fn no_frame_contradicts_itself() {
     let mut dashboard = Dashboard::of("a capture");
     let (mut seen, mut frames, mut excluded) = (BTreeSet::new(), 0, 0);
     for news in &source.news {
-        let News::Said(message) = news else { break };
+        let News::Reported(message) = news else { break };
         dashboard.take(&message);
         let have = picture(&dashboard, SIZES[1]);
         let Some(state) = ["PROTECTED", "ALERT", "UNAVAILABLE"]

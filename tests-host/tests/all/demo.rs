@@ -139,8 +139,8 @@ mod at_length {
         // With the whole bias, accepting it multiplies the error by more than ten.
         let whole = 70.0..90.0;
         let accepted: Vec<f64> = (story.ordinary.iter())
-            .filter(|said| whole.contains(&said.time_s))
-            .map(|said| said.horizontal_error_m)
+            .filter(|reported| whole.contains(&reported.time_s))
+            .map(|reported| reported.horizontal_error_m)
             .collect();
         let have: Vec<f64> = (story.moments.iter())
             .filter(|moment| whole.contains(&moment.time_s))

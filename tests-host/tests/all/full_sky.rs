@@ -27,7 +27,7 @@ fn last_epoch(mask_deg: f64) -> (Victim, Seen, usize) {
     let mut last = None;
     for epoch in &recording.epochs {
         let bytes = encoder.epoch(epoch).expect("ranges of a sky");
-        last = victim.hear(&bytes, simulation.site.position).expect("sentences").pop();
+        last = victim.receive(&bytes, simulation.site.position).expect("sentences").pop();
     }
     let satellites = recording.epochs.last().map_or(0, |epoch| epoch.satellites().len());
     (victim, last.expect("an epoch was judged"), satellites)
@@ -39,7 +39,7 @@ fn low_satellites_take_no_place_of_high_ones() {
     let (mut victim, have, satellites) = last_epoch(-15.0);
     assert!(satellites > CAPACITY, "{satellites} satellites are no crowd");
     assert!(have.is_promised && !have.is_misleading());
-    assert!(have.said.state.used >= want.said.state.used, "used {}", have.said.state.used);
+    assert!(have.reported.state.used >= want.reported.state.used, "used {}", have.reported.state.used);
     // The very first epoch has no horizon yet.
     assert!(victim.counter("epoch_full").expect("an answer") as usize <= satellites - CAPACITY);
 }

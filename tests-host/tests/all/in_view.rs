@@ -49,16 +49,16 @@ fn sentences(sky: &Simulation) -> String {
     let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection, None);
     let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("test")).expect("a module");
     receiver.set("OUTPUT", Some("GSV,1"), &mut Vec::new()).expect("a setting");
-    let mut said = Vec::new();
+    let mut reported = Vec::new();
     let time = recording.epochs[0].time;
     for set in &recording.ephemerides {
-        receiver.gnss(&ubx::pages(set, time).expect("pages"), 0, &mut said);
+        receiver.gnss(&ubx::pages(set, time).expect("pages"), 0, &mut reported);
     }
     for (second, epoch) in (0..).zip(&recording.epochs) {
-        said.clear();
-        receiver.gnss(&encoder.epoch(epoch).expect("messages"), second * 1000, &mut said);
+        reported.clear();
+        receiver.gnss(&encoder.epoch(epoch).expect("messages"), second * 1000, &mut reported);
     }
-    String::from_utf8(said).expect("ASCII")
+    String::from_utf8(reported).expect("ASCII")
 }
 
 /// A sentence as the package reads it: talker, sentences, number, satellites in view, and four of

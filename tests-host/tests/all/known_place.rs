@@ -22,21 +22,21 @@ impl Module {
     }
 
     /// Sends bytes to the GNSS port and returns what the module says within a second.
-    fn hear(&mut self, bytes: &[u8]) -> String {
-        let mut said = Vec::new();
-        self.receiver.gnss(bytes, self.now_ms, &mut said);
-        self.receiver.tick(self.now_ms + 600, &mut said);
+    fn receive(&mut self, bytes: &[u8]) -> String {
+        let mut reported = Vec::new();
+        self.receiver.gnss(bytes, self.now_ms, &mut reported);
+        self.receiver.tick(self.now_ms + 600, &mut reported);
         self.now_ms += 1000;
-        String::from_utf8(said).expect("sentences are ASCII")
+        String::from_utf8(reported).expect("sentences are ASCII")
     }
 
     fn obey(&mut self, text: &str) -> String {
-        let mut said = Vec::new();
+        let mut reported = Vec::new();
         // A command is as old as the last time that the module was told.
-        self.receiver.tick(self.now_ms, &mut said);
-        self.receiver.command(sentence::command(text).as_bytes(), &mut said);
-        self.receiver.tick(self.now_ms, &mut said);
-        String::from_utf8(said).expect("sentences are ASCII")
+        self.receiver.tick(self.now_ms, &mut reported);
+        self.receiver.command(sentence::command(text).as_bytes(), &mut reported);
+        self.receiver.tick(self.now_ms, &mut reported);
+        String::from_utf8(reported).expect("sentences are ASCII")
     }
 
     fn is_promised(&self) -> bool {
@@ -70,21 +70,21 @@ fn sky(epochs: u32, satellites: Option<usize>) -> (Vec<Vec<u8>>, Geodetic) {
 }
 
 /// Returns the fields of the first sentence with this address, without its checksum.
-fn fields<'s>(said: &'s str, address: &str) -> Option<Vec<&'s str>> {
+fn fields<'s>(reported: &'s str, address: &str) -> Option<Vec<&'s str>> {
     let start = format!("${address},");
-    let line = said.lines().find_map(|line| line.strip_prefix(&start))?;
+    let line = reported.lines().find_map(|line| line.strip_prefix(&start))?;
     Some(line.split('*').next().unwrap_or(line).split(',').collect())
 }
 
 /// Returns state and reason of the epoch.
-fn verdict(said: &str) -> (&str, &str) {
-    let fields = fields(said, "PRAIS").expect("an epoch");
+fn verdict(reported: &str) -> (&str, &str) {
+    let fields = fields(reported, "PRAIS").expect("an epoch");
     (fields[1], fields[2])
 }
 
 /// Returns the fields of all sentences of the settings in force.
-fn settings(said: &str) -> Vec<String> {
-    let lines = said.lines().filter(|line| line.starts_with("$PRAIQ,"));
+fn settings(reported: &str) -> Vec<String> {
+    let lines = reported.lines().filter(|line| line.starts_with("$PRAIQ,"));
     lines.flat_map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>()).collect()
 }
 
@@ -98,23 +98,23 @@ fn another_place_takes_the_promise_back_and_off_returns_it() {
     let (epochs, at) = sky(40, None);
     let mut module = Module::new();
     for bytes in &epochs[..20] {
-        module.hear(bytes);
+        module.receive(bytes);
     }
     assert!(module.is_promised());
     // 0.02 degrees of latitude are 2.2 km.
-    let said = module.obey(&place(&at, 0.02));
-    assert!(!module.is_promised(), "a promise under other settings stands: {said}");
-    assert!(settings(&said).iter().any(|field| field.starts_with("34.19")), "{said}");
+    let reported = module.obey(&place(&at, 0.02));
+    assert!(!module.is_promised(), "a promise under other settings stands: {reported}");
+    assert!(settings(&reported).iter().any(|field| field.starts_with("34.19")), "{reported}");
     for bytes in &epochs[20..30] {
-        let said = module.hear(bytes);
-        assert_eq!(verdict(&said), ("U", "PLACE"));
+        let reported = module.receive(bytes);
+        assert_eq!(verdict(&reported), ("U", "PLACE"));
         assert!(!module.is_promised());
     }
-    let said = module.obey("PLACE,OFF");
-    assert!(settings(&said).iter().any(|field| field == "OFF"), "{said}");
-    let said = module.hear(&epochs[30]);
-    assert_eq!((verdict(&said), module.is_promised()), (("P", "OK"), true));
-    assert_eq!(fields(&said, "PRAIH"), None);
+    let reported = module.obey("PLACE,OFF");
+    assert!(settings(&reported).iter().any(|field| field == "OFF"), "{reported}");
+    let reported = module.receive(&epochs[30]);
+    assert_eq!((verdict(&reported), module.is_promised()), (("P", "OK"), true));
+    assert_eq!(fields(&reported, "PRAIH"), None);
 }
 
 #[test]
@@ -123,12 +123,12 @@ fn own_place_keeps_the_promise_and_its_height_is_reported() {
     let mut module = Module::new();
     module.obey(&place(&at, 0.0));
     for (index, bytes) in epochs.iter().enumerate() {
-        let said = module.hear(bytes);
-        let height = fields(&said, "PRAIH").expect("a known height");
+        let reported = module.receive(bytes);
+        let height = fields(&reported, "PRAIH").expect("a known height");
         let difference_m: f64 = height[2].parse().expect("a difference");
         // Five sigma of the height above Xi'an, as in the test of the site.
-        assert!(height[1] == "U" && difference_m.abs() < 7.0, "{said}");
-        assert_eq!((verdict(&said), module.is_promised()), (("P", "OK"), true), "epoch {index}");
+        assert!(height[1] == "U" && difference_m.abs() < 7.0, "{reported}");
+        assert_eq!((verdict(&reported), module.is_promised()), (("P", "OK"), true), "epoch {index}");
     }
 }
 
@@ -143,16 +143,16 @@ fn expired_height_ends_the_promise_that_needs_it_and_a_new_one_returns_it() {
         if (20..=35).contains(&index) || index >= 50 {
             module.obey(&state);
         }
-        let said = module.hear(bytes);
-        let height = fields(&said, "PRAIH").map(|height| height[1].to_owned());
+        let reported = module.receive(bytes);
+        let height = fields(&reported, "PRAIH").map(|height| height[1].to_owned());
         // The last of the first heights came with epoch 35 and holds for ten seconds.
         if (20..=45).contains(&index) || index >= 50 {
-            assert_eq!(height.as_deref(), Some("N"), "epoch {index}: {said}");
+            assert_eq!(height.as_deref(), Some("N"), "epoch {index}: {reported}");
             // A first promise with one degree of freedom needs ten seconds of agreement.
-            assert_eq!(module.is_promised(), index >= 30, "epoch {index}: {said}");
+            assert_eq!(module.is_promised(), index >= 30, "epoch {index}: {reported}");
         } else {
-            assert_eq!(height, None, "epoch {index}: {said}");
-            assert_eq!(verdict(&said), ("U", "REDUNDANCY"), "epoch {index}");
+            assert_eq!(height, None, "epoch {index}: {reported}");
+            assert_eq!(verdict(&reported), ("U", "REDUNDANCY"), "epoch {index}");
             assert!(!module.is_promised());
         }
     }
@@ -166,10 +166,10 @@ fn wrong_height_is_left_out_and_reported() {
     let mut module = Module::new();
     for bytes in &epochs {
         module.obey(&format!("HEIGHTAID,{:.1},3", at.height_m + 200.0));
-        let said = module.hear(bytes);
-        let height = fields(&said, "PRAIH").expect("a known height");
+        let reported = module.receive(bytes);
+        let height = fields(&reported, "PRAIH").expect("a known height");
         let difference_m: f64 = height[2].parse().expect("a difference");
-        assert!(height[1] == "X" && (difference_m - 200.0).abs() < 7.0, "{said}");
+        assert!(height[1] == "X" && (difference_m - 200.0).abs() < 7.0, "{reported}");
         assert!(module.is_promised());
     }
 }
@@ -193,14 +193,14 @@ fn receivers_own_levels_and_signals_are_reported_until_it_is_silent() {
     let mut module = Module::new();
     for (index, bytes) in epochs.iter().enumerate() {
         let own = if index < 5 { &own[..] } else { &[] };
-        let said = module.hear(&[own, bytes].concat());
-        let evidence = fields(&said, "PRAIE").map(|fields| fields[1..].join(","));
+        let reported = module.receive(&[own, bytes].concat());
+        let evidence = fields(&reported, "PRAIE").map(|fields| fields[1..].join(","));
         if index < 5 {
-            assert_eq!(evidence.as_deref(), Some("2,0,1.500,2.250,4.000,12,-8"), "epoch {index}: {said}");
+            assert_eq!(evidence.as_deref(), Some("2,0,1.500,2.250,4.000,12,-8"), "epoch {index}: {reported}");
         } else if index > 8 {
-            assert_eq!(evidence, None, "epoch {index}: {said}");
+            assert_eq!(evidence, None, "epoch {index}: {reported}");
         }
-        assert!(module.is_promised(), "epoch {index}: {said}");
+        assert!(module.is_promised(), "epoch {index}: {reported}");
     }
 }
 
@@ -211,9 +211,9 @@ fn jamming_alone_is_reported_and_costs_no_promise() {
     let critical = ubx::frame([0x27, 0x09], &[2, 0b0001_1111, 0, 0]);
     let mut module = Module::new();
     for bytes in &epochs {
-        let said = module.hear(&[&critical[..], bytes].concat());
-        let end = fields(&said, "PRAIN").expect("the end of an epoch");
-        assert_eq!(end[3..], ["3", "1"], "{said}");
-        assert!(module.is_promised(), "{said}");
+        let reported = module.receive(&[&critical[..], bytes].concat());
+        let end = fields(&reported, "PRAIN").expect("the end of an epoch");
+        assert_eq!(end[3..], ["3", "1"], "{reported}");
+        assert!(module.is_promised(), "{reported}");
     }
 }

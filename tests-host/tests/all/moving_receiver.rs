@@ -38,9 +38,9 @@ fn flight() -> Recording {
 fn receiver_at_250_m_s_gets_a_forecast_once_twelve_epochs_are_learned() {
     let selection = Selection::new("G", Frequency::Dual).expect("a system");
     let lumps = replay::encode(&flight(), &selection, &[], &Window::ALL).expect("a recording");
-    let said = replay::on_host(&lumps, &["CLOCKAID,ON".to_owned()], Pace::Recorded, |_| {})
+    let reported = replay::on_host(&lumps, &["CLOCKAID,ON".to_owned()], Pace::Recorded, |_| {})
         .expect("the host judges");
-    let outputs = epochs(&said.sentences()).expect("sentences");
+    let outputs = epochs(&reported.sentences()).expect("sentences");
     assert_eq!(outputs.len(), EPOCHS as usize);
     for (number, output) in outputs.iter().enumerate() {
         let alone = output.state.used - 4;

@@ -39,33 +39,33 @@ impl Pair {
     }
 
     /// Compares the verdicts since the last call with the sentences.
-    fn compare(&mut self, said: &[u8]) {
-        let by_sentences = epochs(&sentences(said).unwrap()).unwrap();
+    fn compare(&mut self, reported: &[u8]) {
+        let by_sentences = epochs(&sentences(reported).unwrap()).unwrap();
         let seen = self.receiver.observer_mut().take();
         let by_observer: Vec<EpochOutput> = seen.into_iter().map(|seen| seen.output).collect();
-        assert_eq!(by_observer, by_sentences, "{}", String::from_utf8_lossy(said));
+        assert_eq!(by_observer, by_sentences, "{}", String::from_utf8_lossy(reported));
         self.all.extend(by_observer);
     }
 
     fn command(&mut self, body: &str) {
-        let mut said = Vec::new();
-        self.receiver.command(command(body).as_bytes(), &mut said);
-        self.compare(&said);
+        let mut reported = Vec::new();
+        self.receiver.command(command(body).as_bytes(), &mut reported);
+        self.compare(&reported);
     }
 
     /// Sends an epoch, a second after the last one.
     fn epoch(&mut self, bytes: &[u8]) {
-        let mut said = Vec::new();
+        let mut reported = Vec::new();
         self.now_ms += 1000;
-        self.receiver.gnss(bytes, self.now_ms, &mut said);
-        self.compare(&said);
+        self.receiver.gnss(bytes, self.now_ms, &mut reported);
+        self.compare(&reported);
     }
 
     fn wait(&mut self, for_ms: u64) {
         for now_ms in (self.now_ms..self.now_ms + for_ms).step_by(100).skip(1) {
-            let mut said = Vec::new();
-            self.receiver.tick(now_ms, &mut said);
-            self.compare(&said);
+            let mut reported = Vec::new();
+            self.receiver.tick(now_ms, &mut reported);
+            self.compare(&reported);
         }
         self.now_ms += for_ms;
     }
@@ -178,7 +178,8 @@ fn table_has_the_positions_that_sentences_leave_out() {
     let lumps = replay::encode(&recording, &selection, &[], &Window::ALL).unwrap();
     let setup = ["OUTPUT,GNS,0", "OUTPUT,GGA,0"].map(str::to_owned);
     let run = replay::on_host(&lumps, &setup, replay::Pace::Recorded, |_| ()).unwrap();
-    let has_position = |said: &replay::Said| said.output().is_some_and(|output| output.position.is_some());
-    assert!(run.said.iter().all(has_position));
+    let has_position =
+        |reported: &replay::Reported| reported.output().is_some_and(|output| output.position.is_some());
+    assert!(run.reported.iter().all(has_position));
     assert!(epochs(&run.sentences()).unwrap().iter().all(|output| output.position.is_none()));
 }

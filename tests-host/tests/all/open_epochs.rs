@@ -50,14 +50,14 @@ fn announcing(frame: &[u8]) -> Vec<u8> {
 /// The module on a line: bytes in time, and ticks.
 struct Line {
     receiver: Receiver<MemoryPin>,
-    said: Vec<u8>,
+    reported: Vec<u8>,
     now_ms: u64,
 }
 
 impl Line {
     fn new() -> Self {
         let receiver = Receiver::new(MemoryPin::default(), Boot::on_host("open epochs")).unwrap();
-        Self { receiver, said: Vec::new(), now_ms: 0 }
+        Self { receiver, reported: Vec::new(), now_ms: 0 }
     }
 
     /// Lets time pass until an instant, with ticks.
@@ -65,18 +65,18 @@ impl Line {
         while self.now_ms < until_ms {
             self.now_ms = until_ms.min((self.now_ms / TICK_MS + 1) * TICK_MS);
             if self.now_ms.is_multiple_of(TICK_MS) {
-                self.receiver.tick(self.now_ms, &mut self.said);
+                self.receiver.tick(self.now_ms, &mut self.reported);
             }
         }
     }
 
-    fn hear(&mut self, bytes: &[u8]) {
-        self.receiver.gnss(bytes, self.now_ms, &mut self.said);
+    fn receive(&mut self, bytes: &[u8]) {
+        self.receiver.gnss(bytes, self.now_ms, &mut self.reported);
     }
 
     /// Returns the epochs judged since the last call.
     fn judged(&mut self) -> Vec<EpochOutput> {
-        let text = String::from_utf8(std::mem::take(&mut self.said)).unwrap();
+        let text = String::from_utf8(std::mem::take(&mut self.reported)).unwrap();
         let epochs = sentence::epochs(&text).unwrap();
         epochs.into_iter().filter(|epoch| epoch.state.has_epoch()).collect()
     }
@@ -89,7 +89,7 @@ fn each_epoch_is_promised_before_the_next_one_comes_a_minute_later() {
         let begin_ms = 60_000 * index as u64;
         line.wait_until(begin_ms);
         assert!(line.judged().is_empty(), "epoch {index}");
-        line.hear(&frames.concat());
+        line.receive(&frames.concat());
         line.wait_until(begin_ms + 400);
         assert!(line.judged().is_empty(), "epoch {index} may go on");
         line.wait_until(begin_ms + 600);
@@ -112,7 +112,7 @@ fn epoch_on_a_slow_line_waits_for_its_last_byte() {
         let (begin_ms, bytes) = (5000 * index as u64, frames.concat());
         for (number, chunk) in bytes.chunks(16).enumerate() {
             line.wait_until(begin_ms + (16 * number * BYTE_US / 1000) as u64);
-            line.hear(chunk);
+            line.receive(chunk);
             assert!(line.judged().is_empty(), "epoch {index}, byte {}", 16 * number);
         }
         line.wait_until(line.now_ms + 700);
@@ -124,8 +124,8 @@ fn epoch_on_a_slow_line_waits_for_its_last_byte() {
         .iter()
         .map(|frames| {
             let mut line = Line::new();
-            line.hear(&stream(5.0)[0].concat());
-            line.hear(&frames.concat());
+            line.receive(&stream(5.0)[0].concat());
+            line.receive(&frames.concat());
             line.wait_until(700);
             line.judged().last().unwrap().state.tracked
         })
@@ -141,9 +141,9 @@ fn packet_that_comes_after_the_silence_is_no_second_epoch() {
         let begin_ms = 3000 * index as u64;
         line.wait_until(begin_ms);
         let (late, first) = frames.split_last().unwrap();
-        line.hear(&first.concat());
+        line.receive(&first.concat());
         line.wait_until(begin_ms + 900);
-        line.hear(late);
+        line.receive(late);
         line.wait_until(begin_ms + 2900);
         judged.extend(line.judged());
     }
@@ -166,8 +166,8 @@ fn capture_is_replayed_with_every_epoch_in_its_time() {
         let want_s: Vec<f64> = (0..EPOCHS).map(|index| f64::from(index) * step_s).collect();
         assert_eq!(elapsed_s, want_s);
         let run = replay::on_host(&lumps, &[], Pace::Recorded, |_| ()).unwrap();
-        for (index, said) in run.said.iter().enumerate() {
-            let output = said.output();
+        for (index, reported) in run.reported.iter().enumerate() {
+            let output = reported.output();
             assert!(
                 output.is_some_and(|output| output.state.is_protected()),
                 "step {step_s} s, epoch {index}"

@@ -45,7 +45,7 @@ fn real_receivers_give_no_evidence_against_themselves() {
                 Event::Rivalry(rivalry) => told.push(rivalry),
                 _ => {}
             });
-            victim.hear(chunk, Ecef::CENTRE).expect("sentences");
+            victim.receive(chunk, Ecef::CENTRE).expect("sentences");
         }
         println!(
             "{name}: {epochs} epochs, {told:?}, bands apart {}",

@@ -65,7 +65,7 @@ impl Pair {
         }
     }
 
-    fn hear(&mut self, bytes: &[u8]) {
+    fn receive(&mut self, bytes: &[u8]) {
         let mut epochs = Vec::new();
         let Self { input, store, truth, klobuchar, ranges, .. } = self;
         input.feed(bytes, 0, |event| match event {
@@ -126,7 +126,7 @@ fn differ_by_rounding_alone(station: &Station, faults: &[&str]) {
         let klobuchar = recording.klobuchar.and_then(Klobuchar::new);
         let mut pair = Pair::new(station.truth, klobuchar, ranges);
         for lump in &lumps {
-            pair.hear(&lump.bytes);
+            pair.receive(&lump.bytes);
         }
         let seen = pair.seen;
         println!("{} {ranges:?}: {seen:?}", station.folder);

@@ -58,8 +58,8 @@ fn played(lumps: Vec<Lump>, setup: &[String]) -> Played {
     let mut playback = Playback::start(lumps.into_iter().map(Ok), setup, Pace::Recorded).unwrap();
     playback.watch();
     let mut epochs = Vec::new();
-    while let Some((_, said)) = playback.advance().unwrap() {
-        epochs.push((said.output().unwrap().clone(), said.view().unwrap().clone()));
+    while let Some((_, reported)) = playback.advance().unwrap() {
+        epochs.push((reported.output().unwrap().clone(), reported.view().unwrap().clone()));
     }
     (epochs, playback.counters().unwrap().into_iter().collect())
 }
@@ -148,11 +148,17 @@ fn the_worst_satellite_is_that_of_the_module() {
     let mut playback = Playback::start(faulty().into_iter().map(Ok), &[], Pace::Recorded).unwrap();
     playback.watch();
     let mut compared = 0;
-    while let Some((_, said)) = playback.advance().unwrap() {
-        let line = said.of_epoch.lines().find(|line| line.contains("GBS,")).unwrap().to_owned();
+    while let Some((_, reported)) = playback.advance().unwrap() {
+        let line = reported.of_epoch.lines().find(|line| line.contains("GBS,")).unwrap().to_owned();
         let fields: Vec<&str> = line.split(',').collect();
-        let used: Vec<Account> =
-            said.view().unwrap().satellites.iter().filter(|seen| seen.fate == Fate::Used).copied().collect();
+        let used: Vec<Account> = reported
+            .view()
+            .unwrap()
+            .satellites
+            .iter()
+            .filter(|seen| seen.fate == Fate::Used)
+            .copied()
+            .collect();
         let size = |seen: &Account| seen.w_test.unwrap_or(0.0).abs();
         let worst = used.iter().max_by(|one, other| size(one).total_cmp(&size(other))).unwrap();
         let number: u8 = fields[5].parse().unwrap();

@@ -274,11 +274,11 @@ fn module_finds_the_site_under_the_simulated_sky() {
     let mut encoder = Encoder::new(&recording.ephemerides, selection);
     let boot = Boot::on_host("test");
     let mut receiver = Receiver::new(MemoryPin::default(), boot).unwrap();
-    let mut said: Vec<u8> = Vec::new();
+    let mut reported: Vec<u8> = Vec::new();
     for (epoch, now_ms) in recording.epochs.iter().zip((0..).step_by(1000)) {
-        receiver.gnss(&encoder.epoch(epoch).unwrap(), now_ms, &mut said);
+        receiver.gnss(&encoder.epoch(epoch).unwrap(), now_ms, &mut reported);
     }
-    let epochs = raim::sentence::epochs(std::str::from_utf8(&said).unwrap()).unwrap();
+    let epochs = raim::sentence::epochs(std::str::from_utf8(&reported).unwrap()).unwrap();
     assert_eq!(epochs.len(), 60);
     for epoch in &epochs {
         let error =

@@ -40,7 +40,7 @@ fn promised(frequency: Frequency, steered_m_s: f64, applied_m: impl Fn(f64) -> f
         let mut epoch = epoch.clone();
         steer(&mut epoch, steered_m_s, applied_m(f64::from(second)));
         let bytes = encoder.epoch(&epoch).expect("bytes");
-        let seen = victim.hear(&bytes, STATIC_BASE.truth).expect("sentences");
+        let seen = victim.receive(&bytes, STATIC_BASE.truth).expect("sentences");
         promised.push(seen.iter().all(|seen| seen.is_promised));
     }
     Some(promised)

@@ -38,7 +38,7 @@ struct Heard {
     news: (usize, Vec<Ephemeris>),
 }
 
-fn hear() -> Heard {
+fn receive() -> Heard {
     let simulation = Simulation::above_xian(0.0, EPOCHS, 7);
     let recording = simulation.record();
     let mut encoder = Encoder::new(&recording.ephemerides, both());
@@ -121,7 +121,7 @@ impl Heard {
 /// The test for a wrong time assumes these rates accurate to a metre a second, of up to 800.
 #[test]
 fn satellites_move_as_their_ranges_say() {
-    let heard = hear();
+    let heard = receive();
     let (_, rates) = heard.velocities(REST, |_, rate| rate);
     let last = heard.epochs.last().expect("epochs");
     let alone = |satellite: &RawSatellite, later_ms: u64| {
@@ -161,7 +161,7 @@ fn assert_near(have: &Velocity, want: Enu) {
 
 #[test]
 fn a_receiver_at_rest_is_at_rest() {
-    let heard = hear();
+    let heard = receive();
     let (have, rates) = heard.velocities(REST, |_, rate| rate);
     assert_eq!(have.len(), heard.epochs.len() - 1, "all but the first: {:?}", rates.tally());
     for have in &have {
@@ -173,7 +173,7 @@ fn a_receiver_at_rest_is_at_rest() {
 fn other_clocks_at_the_same_reference_time_are_no_velocity() {
     const AT: usize = 4;
     const EAST_M: f64 = 25.0;
-    let mut heard = hear();
+    let mut heard = receive();
     let Simulation { satellites, site, .. } = &heard.simulation;
     let seen = sights(satellites, site, 0.0, -1.0);
     // The change resembles a motion of the receiver to the east, which contradicts neither the set
@@ -207,7 +207,7 @@ fn other_clocks_at_the_same_reference_time_are_no_velocity() {
 #[test]
 fn a_flying_receiver_flies() {
     let velocity = Enu { east: 180.0, north: -140.0, up: 12.0 };
-    let (have, _) = hear().velocities(velocity, |_, rate| rate);
+    let (have, _) = receive().velocities(velocity, |_, rate| rate);
     assert!(!have.is_empty());
     for have in &have {
         assert_near(have, velocity);
@@ -216,7 +216,7 @@ fn a_flying_receiver_flies() {
 
 #[test]
 fn a_receiver_clock_that_drifts_is_no_velocity() {
-    let (have, _) = hear().velocities(REST, |_, rate| rate + 250.0);
+    let (have, _) = receive().velocities(REST, |_, rate| rate + 250.0);
     for have in &have {
         assert_near(have, REST);
         assert!((have.drift_m_s - 250.0).abs() < 0.05, "{}", have.drift_m_s);
@@ -225,7 +225,7 @@ fn a_receiver_clock_that_drifts_is_no_velocity() {
 
 #[test]
 fn two_metres_a_second_in_one_rate_are_found() {
-    let heard = hear();
+    let heard = receive();
     let faulty = heard.epochs[0].satellites[2].satellite;
     let (have, rates) =
         heard.velocities(REST, |satellite, rate| rate + if satellite == faulty { 2.0 } else { 0.0 });
@@ -240,7 +240,7 @@ fn two_metres_a_second_in_one_rate_are_found() {
 /// Early firmware of a common receiver sends rates with the wrong sign.
 #[test]
 fn rates_of_the_wrong_sign_are_named_and_give_no_velocity() {
-    let heard = hear();
+    let heard = receive();
     let (have, rates) = heard.velocities(REST, |_, rate| -rate);
     assert!(have.is_empty(), "{have:?}");
     assert_eq!(rates.tally().rates_of_wrong_sign as usize, heard.epochs.len() - 1, "{:?}", rates.tally());
@@ -256,9 +256,9 @@ fn at_rest(recording: &Recording, systems: &str) -> (f64, f64, usize, usize) {
     let (mut horizontal, mut vertical, mut fixes, mut velocities) = (0.0, 0.0, 0, 0);
     for (index, epoch) in (0_u64..).zip(recording.epochs.iter().take(600)) {
         let bytes = encoder.epoch(epoch).expect("bytes");
-        let mut said = Vec::new();
-        module.gnss(&bytes, index * 1000, &mut said);
-        fixes += usize::from(String::from_utf8_lossy(&said).contains("$GNRMC") && !said.is_empty());
+        let mut reported = Vec::new();
+        module.gnss(&bytes, index * 1000, &mut reported);
+        fixes += usize::from(String::from_utf8_lossy(&reported).contains("$GNRMC") && !reported.is_empty());
         if let Some(velocity) = module.velocity() {
             let [east, north, up] = velocity.east_north_up_m_s;
             horizontal += east * east + north * north;

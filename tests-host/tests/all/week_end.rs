@@ -111,16 +111,16 @@ fn dates(lumps: &[Vec<u8>], by_byte: bool) -> Vec<(String, bool)> {
     let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("week end")).unwrap();
     let mut dates = Vec::new();
     for (index, lump) in lumps.iter().enumerate() {
-        let (mut said, now_ms) = (Vec::new(), 1000 * index as u64);
+        let (mut reported, now_ms) = (Vec::new(), 1000 * index as u64);
         if by_byte {
             for (number, &byte) in lump.iter().enumerate() {
-                receiver.gnss(&[byte], now_ms + number as u64 / 100, &mut said);
+                receiver.gnss(&[byte], now_ms + number as u64 / 100, &mut reported);
             }
         } else {
-            receiver.gnss(lump, now_ms, &mut said);
+            receiver.gnss(lump, now_ms, &mut reported);
         }
-        receiver.tick(now_ms + 600, &mut said);
-        let text = String::from_utf8(said).unwrap();
+        receiver.tick(now_ms + 600, &mut reported);
+        let text = String::from_utf8(reported).unwrap();
         let is_promised = sentence::epochs(&text).unwrap().iter().any(|epoch| epoch.state.is_protected());
         let rmc = text.lines().find(|line| line.starts_with("$GNRMC"));
         let date = rmc.and_then(|line| line.split(',').nth(9)).unwrap_or("none");

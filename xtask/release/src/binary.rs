@@ -45,8 +45,8 @@ pub(super) fn compile(target: Option<&str>) -> Result<PathBuf> {
 
 fn check_version(program: &Path) -> Result<()> {
     let output = Command::new(program).arg("--version").output()?;
-    let said = String::from_utf8_lossy(&output.stdout);
-    ensure!(said.trim() == format!("rai {VERSION}"), "{} prints {said:?}", program.display());
+    let reported = String::from_utf8_lossy(&output.stdout);
+    ensure!(reported.trim() == format!("rai {VERSION}"), "{} prints {reported:?}", program.display());
     Ok(())
 }
 

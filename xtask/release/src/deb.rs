@@ -49,11 +49,11 @@ pub(super) fn maintainer() -> Result<String> {
         return checked(&format!("{name} <{address}>"));
     }
     let git = Command::new("git").args(["log", "-1", "--format=%cn <%ce>"]).current_dir(root()).output();
-    let said = git.ok().filter(|output| output.status.success()).map(|output| output.stdout);
-    let said = said.context(
+    let reported = git.ok().filter(|output| output.status.success()).map(|output| output.stdout);
+    let reported = reported.context(
         "the package names its maintainer, and git knows no commit here: set DEBFULLNAME and DEBEMAIL",
     )?;
-    checked(String::from_utf8(said)?.trim())
+    checked(String::from_utf8(reported)?.trim())
 }
 
 /// Returns a maintainer that is a name and an address on one line (Debian policy 5.6.2).

@@ -102,12 +102,12 @@ fn check(path: PathBuf) -> Result<Built> {
     }
     match Command::new("lintian").arg(&path).output() {
         Ok(output) => {
-            let said = String::from_utf8_lossy(&output.stdout);
-            let findings = findings(&said);
+            let reported = String::from_utf8_lossy(&output.stdout);
+            let findings = findings(&reported);
             ensure!(findings.is_empty(), "lintian reports\n{}", findings.join("\n"));
             // Without a finding the program ends well, unless it could not look.
             let why = String::from_utf8_lossy(&output.stderr);
-            ensure!(output.status.success(), "lintian fails: {said}{why}");
+            ensure!(output.status.success(), "lintian fails: {reported}{why}");
         }
         Err(_) => skipped.push("the package read by lintian (apt-get install lintian)".to_owned()),
     }
@@ -115,8 +115,8 @@ fn check(path: PathBuf) -> Result<Built> {
 }
 
 /// Returns the errors and warnings that `lintian` prints.
-fn findings(said: &str) -> Vec<&str> {
-    said.lines().filter(|line| line.starts_with("E: ") || line.starts_with("W: ")).collect()
+fn findings(reported: &str) -> Vec<&str> {
+    reported.lines().filter(|line| line.starts_with("E: ") || line.starts_with("W: ")).collect()
 }
 
 /// Returns the newest minor version of the GNU C library 2 that a program names; `None` if it names
@@ -144,9 +144,9 @@ mod tests {
 
     #[test]
     fn errors_and_warnings_of_lintian_are_findings() {
-        let said = "E: raim: no-changelog usr/share/doc/raim/changelog.gz\nW: raim: no-manual-page [usr/bin/rai]\n\
+        let reported = "E: raim: no-changelog usr/share/doc/raim/changelog.gz\nW: raim: no-manual-page [usr/bin/rai]\n\
             I: raim: no-md5sums-control-file\nN: 1 hint\n";
-        assert_eq!(findings(said).len(), 2);
+        assert_eq!(findings(reported).len(), 2);
     }
 
     mod at_length {

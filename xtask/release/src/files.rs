@@ -63,8 +63,8 @@ pub(super) fn time_s() -> Result<u64> {
         return text.parse().with_context(|| format!("SOURCE_DATE_EPOCH must be seconds, not {text:?}"));
     }
     let git = Command::new("git").args(["log", "-1", "--format=%ct"]).current_dir(root()).output();
-    let said = git.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
-    Ok(said.ok().and_then(|text| text.parse().ok()).unwrap_or(0))
+    let reported = git.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
+    Ok(reported.ok().and_then(|text| text.parse().ok()).unwrap_or(0))
 }
 
 /// Returns bytes, compressed without name and time.

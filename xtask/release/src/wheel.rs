@@ -31,9 +31,9 @@ pub(super) fn build(out: &Path) -> Result<Built> {
     run(pip.arg(out).arg(root().join("rai-firmware/python")))?;
     let wheel = wheel_in(out)?;
     run(Command::new(&python).args(["-m", "pip", "--quiet", "install", "--no-deps"]).arg(&wheel))?;
-    let said =
+    let reported =
         run(Command::new(&python).args(["-c", "import raim; print(raim.version())"]).current_dir(out))?;
-    ensure!(said.trim() == VERSION, "the wheel has the version {said:?}");
+    ensure!(reported.trim() == VERSION, "the wheel has the version {reported:?}");
     Ok(Built::of(vec![wheel]))
 }
 

@@ -22,7 +22,7 @@ impl Room {
         rai_text_t { bytes: self.bytes.as_mut_ptr().cast(), capacity: self.bytes.len(), length: 0, lost: 0 }
     }
 
-    fn said(&self, text: &rai_text_t) -> String {
+    fn reported(&self, text: &rai_text_t) -> String {
         // SAFETY: so much has been written.
         let bytes = self.bytes.iter().take(text.length).map(|byte| unsafe { byte.assume_init() });
         String::from_utf8(bytes.collect()).expect("ASCII")
@@ -42,7 +42,7 @@ fn a_receiver_speaks_obeys_and_notices_silence() {
     let mut room = Room::new(4096);
     let mut text = room.text();
     let mut memory = receiver(&mut text);
-    assert!(room.said(&text).starts_with("$PRAIV,"), "{}", room.said(&text));
+    assert!(room.reported(&text).starts_with("$PRAIV,"), "{}", room.reported(&text));
     let (at, mut judged, mut verdict) = (memory.as_mut_ptr(), 7, verdict());
     // SAFETY: the object is valid, there are as many bytes as stated, and the text has the stated
     // size.
@@ -60,7 +60,7 @@ fn a_receiver_speaks_obeys_and_notices_silence() {
         let command = b"$PRAIC,HAL,40*08\r\n";
         let status = rai_receiver_command(at, command.as_ptr(), command.len(), &raw mut text);
         assert_eq!(status, RAI_STATUS_OK);
-        assert!(room.said(&text).starts_with("$PRAIA,HAL,40"), "{}", room.said(&text));
+        assert!(room.reported(&text).starts_with("$PRAIA,HAL,40"), "{}", room.reported(&text));
         text.length = 0;
         assert_eq!(rai_receiver_tick(at, u64::MAX, &raw mut text), RAI_STATUS_OK);
         let mut reason = 0;
@@ -118,12 +118,12 @@ fn a_setting_needs_no_checksum_and_a_refused_one_says_why() {
         unsafe { rai_receiver_set(at, key.as_ptr(), values, text) }
     };
     assert_eq!(set("PHASE", Some("LPV200"), &mut text), RAI_STATUS_OK);
-    assert!(room.said(&text).starts_with("$PRAIA,PHASE,LPV200,OK*"), "{}", room.said(&text));
+    assert!(room.reported(&text).starts_with("$PRAIA,PHASE,LPV200,OK*"), "{}", room.reported(&text));
     assert_eq!(set("VAL", None, &mut text), RAI_STATUS_OK);
-    assert!(room.said(&text).starts_with("$PRAIA,VAL,35,OK*"), "{}", room.said(&text));
+    assert!(room.reported(&text).starts_with("$PRAIA,VAL,35,OK*"), "{}", room.reported(&text));
     assert_eq!(set("OUTPUT", Some("RMC,1"), &mut text), RAI_STATUS_OK);
     assert_eq!(set("STATS", None, &mut text), RAI_STATUS_OK);
-    assert!(room.said(&text).contains(",cmd_ok,"), "{}", room.said(&text));
+    assert!(room.reported(&text).contains(",cmd_ok,"), "{}", room.reported(&text));
     let long = "1".repeat(193);
     for (key, values, want) in [
         ("phase", Some("NPA"), RAI_STATUS_KEY),
@@ -169,7 +169,7 @@ fn a_setting_in_the_middle_of_a_line_leaves_the_line_as_it_is() {
         text.length = 0;
         assert_eq!(rai_receiver_command(at, second.as_ptr(), second.len(), &raw mut text), RAI_STATUS_OK);
     }
-    assert!(room.said(&text).starts_with("$PRAIA,HAL,40,OK*"), "{}", room.said(&text));
+    assert!(room.reported(&text).starts_with("$PRAIA,HAL,40,OK*"), "{}", room.reported(&text));
 }
 
 #[test]

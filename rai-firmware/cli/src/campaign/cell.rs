@@ -12,7 +12,7 @@ use rand::RngExt as _;
 use rand::SeedableRng as _;
 use rand::rngs::ChaCha8Rng;
 
-use super::errors::{ErrorModel, Said, Seen, epoch, seen};
+use super::errors::{ErrorModel, Reported, Seen, epoch, seen};
 use super::place::Place;
 use super::sky::Heaven;
 use super::spec::FaultSpec;
@@ -49,7 +49,7 @@ impl Judge {
 /// A judge at work in one cell. It learns from no epoch: each is judged as if it were the only one.
 struct Seat {
     monitor: Monitor,
-    said: Said,
+    reported: Reported,
     required: Requirements,
     memory: Box<MonitorMemory>,
 }
@@ -60,7 +60,12 @@ impl Seat {
         let mut monitor = monitor.clone();
         monitor.set_ism(model.promises(configuration.promises.ism()));
         let memory = Box::new(MonitorMemory::new());
-        Self { monitor, said: model.said_to(configuration), required: configuration.requirements(), memory }
+        Self {
+            monitor,
+            reported: model.said_to(configuration),
+            required: configuration.requirements(),
+            memory,
+        }
     }
 
     fn report(&mut self, epoch: &Epoch<CAPACITY>, site: &Site) -> &Report<CAPACITY> {
@@ -100,7 +105,7 @@ impl Bench<'_> {
             for (number, (fault, statistics)) in (0_u64..).zip(faults.iter().zip(rows)) {
                 for befallen in befallen(fault, &seen, self.seed, index << 8 | number) {
                     for (seat, of_judge) in seats.iter_mut().zip(&mut *statistics) {
-                        let epoch = epoch(&seen, &seat.said, *time_s, |one| befallen.adds_m(one));
+                        let epoch = epoch(&seen, &seat.reported, *time_s, |one| befallen.adds_m(one));
                         let required = seat.required;
                         let report = seat.report(&epoch, &site);
                         of_judge.add(report, error(&site, report), &required);

@@ -66,10 +66,12 @@ impl ErrorModel {
     }
 
     /// Returns what a judge is told of its ranges.
-    pub fn said_to(self, judge: &Configuration) -> Said {
+    pub fn said_to(self, judge: &Configuration) -> Reported {
         match self {
-            Self::User(user) if judge.method == Method::Araim => Said::Promised(user, judge.promises.ism()),
-            _ => Said::Expected(self),
+            Self::User(user) if judge.method == Method::Araim => {
+                Reported::Promised(user, judge.promises.ism())
+            }
+            _ => Reported::Expected(self),
         }
     }
 
@@ -88,14 +90,14 @@ impl ErrorModel {
 
 /// The standard deviations that accompany the ranges of one method.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Said {
+pub enum Reported {
     /// Those of the error model.
     Expected(ErrorModel),
     /// Those of the integrity support message, for [`Method::Araim`].
     Promised(UserModel, Ism),
 }
 
-impl Said {
+impl Reported {
     /// Returns the standard deviation of a range, m.
     fn sigma_m(&self, satellite: SatelliteId, sin_elevation: f64) -> f64 {
         match self {
@@ -163,12 +165,17 @@ fn distance_m(satellite: Ecef, site: Ecef) -> f64 {
 }
 
 /// Returns the epoch as one judge receives it, with the fault added to each range.
-pub fn epoch(seen: &[Seen], said: &Said, time_s: f64, fault_m: impl Fn(&Seen) -> f64) -> Epoch<CAPACITY> {
+pub fn epoch(
+    seen: &[Seen],
+    reported: &Reported,
+    time_s: f64,
+    fault_m: impl Fn(&Seen) -> f64,
+) -> Epoch<CAPACITY> {
     let mut epoch = Epoch::new(time_s);
     for one in seen {
         let observation = Observation {
             range_m: one.observation.range_m + fault_m(one),
-            sigma_m: said.sigma_m(one.observation.satellite, one.line_of_sight.up),
+            sigma_m: reported.sigma_m(one.observation.satellite, one.line_of_sight.up),
             ..one.observation
         };
         // Absurd ranges and those beyond the capacity are left out, as in the module.

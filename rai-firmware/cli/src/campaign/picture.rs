@@ -77,10 +77,11 @@ pub fn cases(table: &Table) -> Vec<Case<'_>> {
         (0..PARTS.len()).map(|part| cases.iter().any(|(key, _)| key[part] != cases[0].0[part])).collect();
     let title = |key: &[String; 7]| {
         let words = key.iter().zip(PARTS).zip(&differs);
-        let said = words.filter(|((word, part), differs)| *word != "-" && (*part == "method" || **differs));
-        let said = said
+        let reported =
+            words.filter(|((word, part), differs)| *word != "-" && (*part == "method" || **differs));
+        let reported = reported
             .map(|((word, part), _)| if part == "mask_deg" { format!("mask {word}°") } else { word.clone() });
-        said.collect::<Vec<_>>().join(", ")
+        reported.collect::<Vec<_>>().join(", ")
     };
     let titled: Vec<_> = cases.iter().map(|(key, _)| title(key)).collect();
     let mut cases: Vec<Case<'_>> = cases

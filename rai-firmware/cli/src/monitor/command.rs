@@ -112,7 +112,7 @@ fn note(line: &str, record: &mut Option<&mut File>) -> anyhow::Result<()> {
 fn print(source: &Source, mut record: Option<&mut File>, is_raw: bool) -> anyhow::Result<()> {
     for news in &source.news {
         match news {
-            News::Said(message) => {
+            News::Reported(message) => {
                 for line in &message.lines {
                     note(line, &mut record)?;
                     if is_raw {
@@ -134,7 +134,7 @@ fn watch(source: &mut Source, mut dashboard: Dashboard, mut record: Option<&mut 
     let mut terminal = ratatui::try_init().context("this is no terminal: try --plain")?;
     let mut failure = Ok(());
     let seen = loop {
-        match hear(source, &mut dashboard, &mut record) {
+        match receive(source, &mut dashboard, &mut record) {
             Err(error) => break Err(error),
             Ok(Some(why)) => failure = Err(anyhow!(why)),
             Ok(None) => {}
@@ -161,7 +161,7 @@ fn watch(source: &mut Source, mut dashboard: Dashboard, mut record: Option<&mut 
 
 /// Takes the news, for at most the longest delay of the picture; while it is paused, news waits.
 /// Returns the reason if the source has failed.
-fn hear(
+fn receive(
     source: &Source,
     dashboard: &mut Dashboard,
     record: &mut Option<&mut File>,
@@ -171,7 +171,7 @@ fn hear(
     let mut patience = FRAME;
     while !dashboard.is_paused && begun.elapsed() < FRAME {
         match source.news.recv_timeout(patience) {
-            Ok(News::Said(message)) => {
+            Ok(News::Reported(message)) => {
                 message.lines.iter().try_for_each(|line| note(line, record))?;
                 dashboard.take(&message);
                 // Every epoch of a live source, or of a file at its own speed, is drawn.

@@ -116,7 +116,7 @@ impl Dashboard {
     /// Takes everything that belongs together, so that no picture shows a part of it.
     pub fn take(&mut self, message: &Message) {
         for line in &message.lines {
-            self.hear(line);
+            self.receive(line);
         }
         if let Some(is_high) = message.pin {
             self.pin = Pin::Seen(is_high);
@@ -127,7 +127,7 @@ impl Dashboard {
     }
 
     /// Takes one line of the host port.
-    fn hear(&mut self, line: &str) {
+    fn receive(&mut self, line: &str) {
         match sentence::parse(line) {
             Ok(Sentence::Position(position)) => self.position = position,
             Ok(Sentence::State(state)) => self.judged(state),
@@ -264,7 +264,7 @@ mod tests {
     fn heard(bodies: &[&str]) -> Dashboard {
         let mut dashboard = Dashboard::of("a test");
         for body in bodies {
-            dashboard.hear(&nmea_line(body));
+            dashboard.receive(&nmea_line(body));
         }
         dashboard
     }
@@ -338,11 +338,11 @@ mod tests {
 
     #[test]
     fn the_module_itself_is_understood() {
-        let mut said = Vec::new();
-        Configuration::at_start().write(&mut said).expect("a vector takes all");
+        let mut reported = Vec::new();
+        Configuration::at_start().write(&mut reported).expect("a vector takes all");
         let mut dashboard = Dashboard::of("a test");
-        for line in String::from_utf8(said).expect("ASCII").lines() {
-            dashboard.hear(line);
+        for line in String::from_utf8(reported).expect("ASCII").lines() {
+            dashboard.receive(line);
         }
         assert!(dashboard.settings.contains(&("HAL", "556".to_owned())), "{:?}", dashboard.settings);
         assert!(dashboard.settings.contains(&("IONO", "AUTO".to_owned())), "{:?}", dashboard.settings);
@@ -351,7 +351,7 @@ mod tests {
     #[test]
     fn damage_is_counted_and_shown_elsewhere() {
         let mut have = heard(&["PRAIL,1,2,3,4", "PRAIA,STATS,epochs,7,crc,2,OK"]);
-        have.hear("$PRAIS,1*00");
+        have.receive("$PRAIS,1*00");
         assert_eq!((have.damaged, have.losses, have.counters.get("crc")), (1, Some([1, 2, 3, 4]), Some(&2)));
     }
 }

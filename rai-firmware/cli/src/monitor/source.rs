@@ -59,7 +59,7 @@ impl Message {
 #[derive(Clone, Debug, PartialEq)]
 pub enum News {
     /// Sentences of the module.
-    Said(Message),
+    Reported(Message),
     /// The source has ended, with the reason.
     End(String),
     /// The source has failed, with the reason.
@@ -187,11 +187,11 @@ fn module(mut reader: impl BufRead, sender: &SyncSender<News>) -> Result<&'stati
         );
         line.clear();
         for lines in batches.push(text) {
-            sender.send(News::Said(Message { lines, ..Message::default() }))?;
+            sender.send(News::Reported(Message { lines, ..Message::default() }))?;
         }
     }
     let lines = batches.end();
-    sender.send(News::Said(Message { lines, ..Message::default() }))?;
+    sender.send(News::Reported(Message { lines, ..Message::default() }))?;
     Ok("the end")
 }
 
@@ -210,11 +210,11 @@ fn recorded(mut reader: impl BufRead, sender: &SyncSender<News>, control: &Contr
         let text = String::from_utf8_lossy(&std::mem::take(&mut line)).into_owned();
         for lines in batches.push(text) {
             pace(&lines, &mut last_s, control);
-            sender.send(News::Said(Message { lines, ..Message::default() }))?;
+            sender.send(News::Reported(Message { lines, ..Message::default() }))?;
         }
     }
     let lines = batches.end();
-    sender.send(News::Said(Message { lines, ..Message::default() }))?;
+    sender.send(News::Reported(Message { lines, ..Message::default() }))?;
     Ok("the end")
 }
 
@@ -245,9 +245,9 @@ fn capture(
     let mut playback = Playback::start(lumps.by_ref(), &[], Pace::Recorded)?;
     playback.watch();
     let mut now_s = 0.0;
-    let said = |text: &str, pin, satellites| News::Said(Message::of(text, Some(pin), satellites));
+    let reported = |text: &str, pin, satellites| News::Reported(Message::of(text, Some(pin), satellites));
     let greeting = playback.greeting()?;
-    sender.send(said(&greeting, playback.pin_is_high(), None))?;
+    sender.send(reported(&greeting, playback.pin_is_high(), None))?;
     while let Some((lump, heard)) = playback.advance()? {
         control.wait(lump.elapsed_s - now_s);
         now_s = lump.elapsed_s;
@@ -258,18 +258,18 @@ fn capture(
         // The module has lived through the silence behind the epoch already. The pin of the epoch
         // is that of its verdict, with which `Playback` has compared it.
         let is_high = output.is_some_and(|output| output.state.is_protected());
-        sender.send(said(&heard.of_epoch, is_high, heard.view().map(|view| view.satellites.clone())))?;
+        sender.send(reported(&heard.of_epoch, is_high, heard.view().map(|view| view.satellites.clone())))?;
         if let Some((stale_s, _)) = heard.silence.first() {
             control.wait(stale_s - now_s);
             now_s = *stale_s;
             control.judged('A');
         }
         if !heard.of_silence.is_empty() {
-            sender.send(said(&heard.of_silence, playback.pin_is_high(), None))?;
+            sender.send(reported(&heard.of_silence, playback.pin_is_high(), None))?;
         }
         while let Ok(command) = commands.try_recv() {
             let answer = playback.command(&command)?;
-            sender.send(said(&answer, playback.pin_is_high(), None))?;
+            sender.send(reported(&answer, playback.pin_is_high(), None))?;
         }
     }
     Ok(if cut.words().is_some() { "the end of a gzip file that is cut off" } else { "the end" })
@@ -296,10 +296,10 @@ mod tests {
 
     #[test]
     fn a_recording_is_told_from_a_capture() {
-        let said = b"\xFFnoise\n$PRAIV,0.1.0,abc,POWER,PASS*00\r\n";
-        assert!(holds_sentences(said));
+        let reported = b"\xFFnoise\n$PRAIV,0.1.0,abc,POWER,PASS*00\r\n";
+        assert!(holds_sentences(reported));
         let frame = crate::signal::encode::ubx::frame([0x02, 0x15], &[0; 16]);
-        assert!(!holds_sentences(&[&said[..], &frame].concat()));
+        assert!(!holds_sentences(&[&reported[..], &frame].concat()));
         assert!(!holds_sentences(b"$GPGGA,of,a,receiver*00\r\n") && !holds_sentences(b""));
     }
 
@@ -309,9 +309,9 @@ mod tests {
         let path = folder.path().join("said.nmea");
         std::fs::write(&path, "$PRAIS,a*00\r\n$PRAIN,b*00\r\n").expect("written");
         let source = open(&Choice::File(path, Control::new(Speed::Max))).expect("opened");
-        let said = Message::of("$PRAIS,a*00\r\n$PRAIN,b*00\r\n", None, None);
+        let reported = Message::of("$PRAIS,a*00\r\n$PRAIN,b*00\r\n", None, None);
         let nothing = Message::default();
-        let want = [News::Said(said), News::Said(nothing), News::End("the end".to_owned())];
+        let want = [News::Reported(reported), News::Reported(nothing), News::End("the end".to_owned())];
         assert_eq!(all(&source), want);
     }
 

@@ -105,8 +105,8 @@ pub struct Moment {
 impl Moment {
     /// Returns the moment of one epoch, from its output and from the error of its position, east,
     /// north, up in m.
-    pub fn of(time_s: f64, said: &EpochOutput, error: Option<Enu>, pin_is_high: bool) -> Self {
-        let state = &said.state;
+    pub fn of(time_s: f64, reported: &EpochOutput, error: Option<Enu>, pin_is_high: bool) -> Self {
+        let state = &reported.state;
         Self {
             time_s,
             verdict: Verdict::from_letter(state.state),
@@ -121,7 +121,7 @@ impl Moment {
             vertical_error_m: error.map(|error| error.up),
             pin_is_high: Some(pin_is_high),
             used: state.used as usize,
-            excluded: said.excluded.iter().map(|excluded| excluded.satellite).collect(),
+            excluded: reported.excluded.iter().map(|excluded| excluded.satellite).collect(),
         }
     }
 }

@@ -46,7 +46,7 @@ pub enum Pace {
 
 /// Answer of the module to one lump.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Said {
+pub struct Reported {
     /// Sentences of the epoch.
     pub of_epoch: String,
     /// Sentences of the silence after it.
@@ -57,7 +57,7 @@ pub struct Said {
     pub silence: Vec<(f64, Seen)>,
 }
 
-impl Said {
+impl Reported {
     /// Returns the verdict on the epoch that was judged last, if one was.
     pub fn output(&self) -> Option<&EpochOutput> {
         self.seen.last().map(|seen| &seen.output)
@@ -73,7 +73,7 @@ impl Said {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HostRun {
     /// Sentences, lump by lump.
-    pub said: Vec<Said>,
+    pub reported: Vec<Reported>,
     /// Counters of the module at the end, by name.
     pub counters: Vec<(String, u32)>,
 }
@@ -81,7 +81,10 @@ pub struct HostRun {
 impl HostRun {
     /// Returns all sentences in one text.
     pub fn sentences(&self) -> String {
-        self.said.iter().flat_map(|said| [said.of_epoch.as_str(), said.of_silence.as_str()]).collect()
+        self.reported
+            .iter()
+            .flat_map(|reported| [reported.of_epoch.as_str(), reported.of_silence.as_str()])
+            .collect()
     }
 }
 
@@ -106,9 +109,9 @@ pub fn on_host(
 ) -> Result<HostRun> {
     let mut playback = Playback::start(lumps.iter().cloned().map(Ok), setup, pace)?;
     let mut run = HostRun::default();
-    while let Some((_, said)) = playback.advance()? {
-        run.said.push(said);
-        progress(run.said.len());
+    while let Some((_, reported)) = playback.advance()? {
+        run.reported.push(reported);
+        progress(run.reported.len());
     }
     run.counters = playback.counters()?;
     Ok(run)
@@ -138,12 +141,12 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
     /// # Errors
     /// The source of the lumps fails, or the pin is high although the verdict forbids it, or the
     /// reverse.
-    pub fn advance(&mut self) -> Result<Option<(Lump, Said)>> {
+    pub fn advance(&mut self) -> Result<Option<(Lump, Reported)>> {
         let Some((lump, next_ms)) = self.lumps.next()? else { return Ok(None) };
         let now_ms = lump.elapsed_ms();
-        let (of_epoch, seen) = self.module.hear(&lump.bytes, now_ms)?;
-        let mut said = Said { of_epoch, seen, ..Said::default() };
-        if !said.seen.is_empty() {
+        let (of_epoch, seen) = self.module.receive(&lump.bytes, now_ms)?;
+        let mut reported = Reported { of_epoch, seen, ..Reported::default() };
+        if !reported.seen.is_empty() {
             self.last_epoch_ms = now_ms;
         }
         // A lump without an epoch is a silence, too.
@@ -151,12 +154,12 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
         let is_silence = |next_ms: &u64| 2 * next_ms.saturating_sub(self.last_epoch_ms) > 3 * usual_ms;
         if let Some(next_ms) = next_ms.filter(|_| self.pace == Pace::Recorded) {
             if is_silence(&next_ms) {
-                self.module.wait(now_ms, next_ms, &mut said)?;
+                self.module.wait(now_ms, next_ms, &mut reported)?;
             } else if self.module.has_key {
-                self.module.wait(now_ms, next_ms.min(now_ms + WORK_MS), &mut said)?;
+                self.module.wait(now_ms, next_ms.min(now_ms + WORK_MS), &mut reported)?;
             }
         }
-        Ok(Some((lump, said)))
+        Ok(Some((lump, reported)))
     }
 
     /// Returns the module's counters, by name.
@@ -172,12 +175,12 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
     /// # Errors
     /// The answer is not text.
     pub fn command(&mut self, bytes: &[u8]) -> Result<String> {
-        let mut said = Vec::new();
-        self.module.receiver.command(bytes, &mut said);
-        sentence::sentences(&said)
+        let mut reported = Vec::new();
+        self.module.receiver.command(bytes, &mut reported);
+        sentence::sentences(&reported)
     }
 
-    /// Lets [`Said`] have the module's view of every epoch.
+    /// Lets [`Reported`] have the module's view of every epoch.
     pub fn watch(&mut self) {
         self.module.watch();
     }
@@ -197,10 +200,10 @@ impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
     /// # Errors
     /// The sentences are not text.
     pub fn greeting(&mut self) -> Result<String> {
-        let mut said = Vec::new();
-        self.module.receiver.greet(&mut said);
-        self.module.receiver.tick(0, &mut said);
-        Ok(String::from_utf8(said)?)
+        let mut reported = Vec::new();
+        self.module.receiver.greet(&mut reported);
+        self.module.receiver.tick(0, &mut reported);
+        Ok(String::from_utf8(reported)?)
     }
 }
 
@@ -244,32 +247,32 @@ impl Module {
     ///
     /// # Errors
     /// The pin is high although the verdict forbids it, or the reverse.
-    pub fn hear(&mut self, bytes: &[u8], now_ms: u64) -> Result<(String, Vec<Seen>)> {
+    pub fn receive(&mut self, bytes: &[u8], now_ms: u64) -> Result<(String, Vec<Seen>)> {
         // An epoch has some 650 bytes of sentences.
-        let mut said = Vec::with_capacity(1024);
-        let is_judged = self.receiver.gnss(bytes, now_ms, &mut said);
+        let mut reported = Vec::with_capacity(1024);
+        let is_judged = self.receiver.gnss(bytes, now_ms, &mut reported);
         if !is_judged && pieces::have_ranges(bytes) {
             // Noise that looks like the beginning of a frame delays the epoch until the line falls
             // silent.
-            self.receiver.tick(now_ms + QUIET_MS, &mut said);
+            self.receiver.tick(now_ms + QUIET_MS, &mut reported);
         }
         let seen = self.receiver.observer_mut().take();
         if let Some(last) = seen.last() {
             let agree = self.receiver.pin().high == last.output.state.is_protected();
             ensure!(agree, "pin and verdict disagree at {now_ms} ms");
         }
-        Ok((sentence::sentences(&said)?, seen))
+        Ok((sentence::sentences(&reported)?, seen))
     }
 
     /// Lets time pass without a byte.
-    fn wait(&mut self, from_ms: u64, to_ms: u64, said: &mut Said) -> Result<()> {
+    fn wait(&mut self, from_ms: u64, to_ms: u64, reported: &mut Reported) -> Result<()> {
         for now_ms in (from_ms..to_ms).step_by(TICK_MS as usize).skip(1) {
             let mut alarm = Vec::new();
             self.receiver.tick(now_ms, &mut alarm);
-            said.of_silence.push_str(&sentence::sentences(&alarm)?);
+            reported.of_silence.push_str(&sentence::sentences(&alarm)?);
             // Settings and losses are repeated at intervals, whatever the input.
             for seen in self.receiver.observer_mut().take() {
-                said.silence.push((now_ms as f64 * 1e-3, seen));
+                reported.silence.push((now_ms as f64 * 1e-3, seen));
                 ensure!(!self.receiver.pin().high, "the pin is high on a silent line at {now_ms} ms");
             }
         }

@@ -34,7 +34,7 @@ pub use crate::signal::corrected::corrected;
 pub use crate::signal::lump::Lump;
 pub use crate::signal::lumps::{Broadcast, Encoding, Window, encode};
 pub use board_run::BoardRun;
-pub use host::{HostRun, Module, Pace, Playback, Said, Setup, check_answers, on_host};
+pub use host::{HostRun, Module, Pace, Playback, Reported, Setup, check_answers, on_host};
 pub use page::{About, Report};
 pub use settings::{command_for, every, setting, words};
 pub use summary::{Injected, RunningSummary, Summary};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use raim_firmware::settings::Configuration;
 
-use super::host::Said;
+use super::host::Reported;
 use super::summary::Summary;
 use crate::page::report::{self, Facts, Happened, Journal, command_line, settings_of};
 use crate::page::timeline;
@@ -30,7 +30,7 @@ pub struct About {
 
 impl Report {
     /// Takes the next epoch, and the silence after it.
-    pub fn push(&mut self, moment: &super::track::Moment, said: &Said) {
+    pub fn push(&mut self, moment: &super::track::Moment, reported: &Reported) {
         self.last_s = moment.elapsed_s;
         if let Some(output) = &moment.output {
             self.journal.push(&Happened {
@@ -38,10 +38,10 @@ impl Report {
                 output,
                 error: moment.error,
                 pin_is_high: output.state.is_protected(),
-                view: said.view(),
+                view: reported.view(),
             });
         }
-        if let Some((time_s, seen)) = said.silence.first() {
+        if let Some((time_s, seen)) = reported.silence.first() {
             let (time_s, output) = (*time_s, &seen.output);
             self.last_s = time_s;
             self.journal.push(&Happened { time_s, output, error: None, pin_is_high: false, view: None });

@@ -8,7 +8,7 @@ use std::path::Path;
 use super::page::About;
 use super::progress::Progress;
 use super::truth::Far;
-use super::{Moment, Report, Rows, RunningSummary, Said, Summary, Truth};
+use super::{Moment, Report, Reported, Rows, RunningSummary, Summary, Truth};
 use crate::satellites;
 use crate::signal::fault::Fault;
 use crate::signal::lump::Lump;
@@ -76,9 +76,9 @@ impl<'a> Sink<'a> {
     }
 
     /// Takes an epoch; returns its lump.
-    pub(super) fn take(&mut self, played: Result<Option<(Lump, Said)>>) -> Result<Option<Lump>> {
-        let Some((lump, said)) = played? else { return Ok(None) };
-        let moment = Moment::of(&lump, &said, self.truth);
+    pub(super) fn take(&mut self, played: Result<Option<(Lump, Reported)>>) -> Result<Option<Lump>> {
+        let Some((lump, reported)) = played? else { return Ok(None) };
+        let moment = Moment::of(&lump, &reported, self.truth);
         self.summary.count(&moment);
         let position = moment.output.as_ref().and_then(|output| output.position);
         if let (Some(position), Some(error)) = (position, moment.error) {
@@ -89,19 +89,19 @@ impl<'a> Sink<'a> {
             rows.write(&moment).with_context(|| cannot_write(path))?;
         }
         if let Some(copy) = &mut self.sentences {
-            copy.write(said.of_epoch.as_bytes())?;
-            copy.write(said.of_silence.as_bytes())?;
+            copy.write(reported.of_epoch.as_bytes())?;
+            copy.write(reported.of_silence.as_bytes())?;
         }
         if let Some(copy) = &mut self.stream {
             copy.write(&lump.bytes)?;
         }
-        if let Some(((path, file), view)) = self.satellites.as_mut().zip(said.view()) {
+        if let Some(((path, file), view)) = self.satellites.as_mut().zip(reported.view()) {
             let time = view.time.unwrap_or(lump.time);
             let mut rows = view.satellites.iter().map(|account| satellites::row(account, time));
             rows.try_for_each(|row| writeln!(file, "{row}")).with_context(|| cannot_write(path))?;
         }
         if let Some((_, report)) = &mut self.report {
-            report.push(&moment, &said);
+            report.push(&moment, &reported);
         }
         self.bar.advance();
         Ok(Some(lump))

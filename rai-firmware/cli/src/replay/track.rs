@@ -8,7 +8,7 @@ use raim_core::frame::{Enu, LocalFrame};
 use raim_firmware::time::GpsTime;
 
 use super::HostRun;
-use super::host::Said;
+use super::host::Reported;
 use super::truth::Truth;
 use crate::signal::lump::Lump;
 use crate::verdict::{Authentication, EpochOutput};
@@ -35,8 +35,8 @@ pub type Track = Vec<Moment>;
 
 impl Moment {
     /// Compares the output for a lump with the truth.
-    pub fn of(lump: &Lump, said: &Said, truth: Option<&Truth>) -> Self {
-        let output = said.output().cloned();
+    pub fn of(lump: &Lump, reported: &Reported, truth: Option<&Truth>) -> Self {
+        let output = reported.output().cloned();
         let position = output.as_ref().and_then(|output| output.position);
         let error = position
             .zip(truth.and_then(|truth| truth.at(lump.time)))
@@ -46,15 +46,15 @@ impl Moment {
             elapsed_s: lump.elapsed_s,
             output,
             error,
-            variance_ratio: said.seen.last().and_then(|seen| seen.variance_ratio),
-            stale_s: said.silence.first().map(|(time_s, _)| *time_s),
+            variance_ratio: reported.seen.last().and_then(|seen| seen.variance_ratio),
+            stale_s: reported.silence.first().map(|(time_s, _)| *time_s),
         }
     }
 }
 
 /// Compares the output for each lump with the truth.
 pub fn track(lumps: &[Lump], run: &HostRun, truth: Option<&Truth>) -> Track {
-    lumps.iter().zip(&run.said).map(|(lump, said)| Moment::of(lump, said, truth)).collect()
+    lumps.iter().zip(&run.reported).map(|(lump, reported)| Moment::of(lump, reported, truth)).collect()
 }
 
 /// Columns of the table.

@@ -141,7 +141,7 @@ impl Board for Computer<'_> {
     fn gnss(&mut self, chunk: &mut [u8]) -> Taken {
         let taken = self.inbox.take(chunk);
         if let Taken::Bytes { count, came_ms } = &taken {
-            self.contact.hear(chunk.get(..*count).unwrap_or_default(), *came_ms);
+            self.contact.receive(chunk.get(..*count).unwrap_or_default(), *came_ms);
         }
         taken
     }

@@ -175,7 +175,7 @@ impl Clock {
     }
 
     /// Notes bytes of the receiver and frames of the caster in the loop's queue.
-    pub(super) fn hear(&self, bytes: usize, frames: usize) {
+    pub(super) fn receive(&self, bytes: usize, frames: usize) {
         if let Some(led) = &self.led {
             let mut state = led.state();
             state.heard[0] += bytes as u64;

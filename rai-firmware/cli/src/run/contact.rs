@@ -94,10 +94,10 @@ impl Contact {
     }
 
     /// Takes bytes of the receiver.
-    pub(super) fn hear(&mut self, bytes: &[u8], now_ms: u64) {
+    pub(super) fn receive(&mut self, bytes: &[u8], now_ms: u64) {
         self.first_ms.get_or_insert(now_ms);
         if let Some((rate, _)) = &mut self.port {
-            rate.hear(now_ms);
+            rate.receive(now_ms);
         }
         if let Some(heard) = &mut self.heard {
             let room = MOST_BYTES - heard.len();
@@ -116,8 +116,8 @@ impl Contact {
         let age_ms = now_ms.saturating_sub(self.first_ms.unwrap_or(now_ms));
         let ended = self.ranges.look(progress.tag_s, progress.frames, now_ms);
         let ended = ended.map(|words| format!("{}: {words}", self.name));
-        let said = self.try_rate(progress).or_else(|| self.judge(age_ms));
-        found.or(ended).or(said)
+        let reported = self.try_rate(progress).or_else(|| self.judge(age_ms));
+        found.or(ended).or(reported)
     }
 
     /// Returns what is to be said at the end of a finite input without an epoch.
@@ -147,25 +147,25 @@ impl Contact {
         let heard = self.heard.as_mut()?;
         let words = said_of(&self.name, heard, |kind| kind != Kind::Rest);
         let has_words = words.is_some();
-        let said = words.or_else(|| {
+        let reported = words.or_else(|| {
             (self.trials == 0 && progress.fixed.is_none()).then(|| {
                 format!("{}: no frame of UBX, SBF or RTCM 3 at {last} bit/s; trying other rates", self.name)
             })
         });
         let tried_all = self.trials >= RATES.len();
         self.trials += 1;
-        let said = if tried_all && !has_words {
+        let reported = if tried_all && !has_words {
             let all = RATES.map(|rate| rate.to_string()).join(", ");
             self.heard = None;
             Some(format!("{}: no frame of UBX, SBF or RTCM 3 at any of {all} bit/s", self.name))
         } else {
             heard.clear();
-            said
+            reported
         };
         if has_words {
             self.heard = None;
         }
-        said
+        reported
     }
 
     /// Judges the bytes of a source that cannot have a wrong rate, or that has sent frames.
@@ -206,51 +206,51 @@ mod tests {
 
     /// Returns what is said of a receiver that sends this ten times a second, and the rates that
     /// are tried.
-    fn said(source: &str, seconds: u64, sent: impl Fn(u32) -> Vec<u8>) -> (Vec<String>, Vec<u32>) {
+    fn reported(source: &str, seconds: u64, sent: impl Fn(u32) -> Vec<u8>) -> (Vec<String>, Vec<u32>) {
         let source: Source = source.parse().unwrap();
         let rate = Arc::new(AtomicU32::new(match source {
             Source::Serial(_, baud) => baud,
             _ => 0,
         }));
         let mut contact = Contact::new(&source, &rate, false);
-        let (mut said, mut rates) = (Vec::new(), Vec::new());
+        let (mut reported, mut rates) = (Vec::new(), Vec::new());
         for now_ms in (0..seconds * 1000).step_by(100) {
             let baud = rate.load(Ordering::Relaxed);
             if rates.last() != Some(&baud) {
                 rates.push(baud);
             }
-            contact.hear(&sent(baud), now_ms);
-            said.extend(contact.look(NOTHING, now_ms));
+            contact.receive(&sent(baud), now_ms);
+            reported.extend(contact.look(NOTHING, now_ms));
         }
-        (said, rates)
+        (reported, rates)
     }
 
     #[test]
     fn receiver_of_sentences_is_named_once_at_the_rate_at_which_they_are_read() {
         let at = |baud| move |now| if now == baud { SENTENCE.to_vec() } else { vec![0xFF, 0x80, 0x3F] };
         for (baud, named_s) in [(115_200, 6), (9_600, 35)] {
-            let (said, rates) = said("serial:/dev/x@115200", named_s, at(baud));
-            let last = said.last().unwrap();
+            let (reported, rates) = reported("serial:/dev/x@115200", named_s, at(baud));
+            let last = reported.last().unwrap();
             assert!(
                 last.starts_with("serial:/dev/x@115200: holds ") && last.contains("lines of NMEA"),
-                "{said:?}"
+                "{reported:?}"
             );
             assert!(rates.contains(&baud));
         }
-        let (said, _) = said("serial:/dev/x@115200", 120, at(115_200));
-        assert_eq!(said.len(), 1, "{said:?}");
-        let (said, _) = self::said("tcp://a:1", 120, at(0));
-        assert!(said.len() == 1 && said[0].contains("lines of NMEA"), "{said:?}");
+        let (reported, _) = reported("serial:/dev/x@115200", 120, at(115_200));
+        assert_eq!(reported.len(), 1, "{reported:?}");
+        let (reported, _) = self::reported("tcp://a:1", 120, at(0));
+        assert!(reported.len() == 1 && reported[0].contains("lines of NMEA"), "{reported:?}");
     }
 
     #[test]
     fn noise_is_reported_at_the_first_trial_and_after_the_last() {
-        let (said, rates) = said("serial:/dev/x@57600", 60, |_| vec![0xFF, 0x80, 0x3F]);
+        let (reported, rates) = reported("serial:/dev/x@57600", 60, |_| vec![0xFF, 0x80, 0x3F]);
         assert_eq!(rates[0], 57_600);
         assert!(RATES.iter().all(|baud| rates.contains(baud)), "{rates:?}");
-        assert_eq!(said.len(), 2, "{said:?}");
-        assert!(said[0].contains("at 57600 bit/s; trying other rates"), "{said:?}");
-        assert!(said[1].contains("at any of 115200, 38400"), "{said:?}");
+        assert_eq!(reported.len(), 2, "{reported:?}");
+        assert!(reported[0].contains("at 57600 bit/s; trying other rates"), "{reported:?}");
+        assert!(reported[1].contains("at any of 115200, 38400"), "{reported:?}");
     }
 
     #[test]
@@ -259,7 +259,7 @@ mod tests {
         let words = |contact: Contact| format!("{:#}", contact.end().unwrap_err());
         assert!(words(contact()).contains("is empty: give what a receiver sent"));
         let mut text = contact();
-        text.hear(&SENTENCE.repeat(3), 0);
+        text.receive(&SENTENCE.repeat(3), 0);
         assert!(words(text).contains("3 lines of NMEA"));
         let mut judged = contact();
         judged.look(Progress { has_epoch: true, ..NOTHING }, 0);

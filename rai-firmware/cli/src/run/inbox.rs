@@ -82,7 +82,7 @@ impl Inbox {
         state.last_ms = now_ms;
         drop(state);
         self.arrival.notify_one();
-        self.clock.hear(bytes.len(), 0);
+        self.clock.receive(bytes.len(), 0);
     }
 
     /// Takes bytes of a source, which may have to wait until there is room for them.
@@ -107,7 +107,7 @@ impl Inbox {
             state.orbits.push_back(frame);
         }
         drop(state);
-        self.clock.hear(0, 1);
+        self.clock.receive(0, 1);
     }
 
     /// Takes bytes of a host's commands.
@@ -118,14 +118,14 @@ impl Inbox {
         state.commands.extend(bytes.iter().take(room));
         drop(state);
         self.arrival.notify_one();
-        self.clock.hear(0, 0);
+        self.clock.receive(0, 0);
     }
 
     /// Notes that no more bytes come.
     pub(super) fn end(&self) {
         self.state().has_ended = true;
         self.arrival.notify_one();
-        self.clock.hear(0, 0);
+        self.clock.receive(0, 0);
     }
 
     /// Returns true once no more bytes come and all have been taken.

@@ -351,11 +351,11 @@ mod tests {
     #[test]
     fn full_disk_costs_no_other_consumer_a_sentence() {
         let mut outbox = Outbox::new(None);
-        let (hear, heard) = std::sync::mpsc::channel();
+        let (receive, heard) = std::sync::mpsc::channel();
         let full = OpenOptions::new().write(true).open("/dev/full").expect("the device of Linux");
         let (give_up, gave_up) = std::sync::mpsc::channel();
         spawn(&mut outbox, Kind::Nmea, FullDisk(full, give_up));
-        spawn(&mut outbox, Kind::Nmea, Reader(hear));
+        spawn(&mut outbox, Kind::Nmea, Reader(receive));
         outbox.send(b"$GPRMC\r\n");
         assert_eq!(heard.recv_timeout(PATIENCE).expect("the sentence"), b"$GPRMC\r\n");
         gave_up.recv_timeout(PATIENCE).expect("the end of the writer");

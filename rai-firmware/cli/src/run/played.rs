@@ -58,8 +58,9 @@ pub(super) fn play(
     if recorder.is_some() {
         playback.watch();
     }
-    while let Some((lump, said)) = playback.advance()? {
-        for line in [&said.of_epoch, &said.of_silence].into_iter().flat_map(|text| text.split_inclusive('\n'))
+    while let Some((lump, reported)) = playback.advance()? {
+        for line in
+            [&reported.of_epoch, &reported.of_silence].into_iter().flat_map(|text| text.split_inclusive('\n'))
         {
             outbox.send(line.as_bytes());
         }
@@ -68,7 +69,7 @@ pub(super) fn play(
         if is_high != wire.is_high() {
             wire.drive(is_high).context("the pin cannot be set")?;
         }
-        let seen = || said.seen.iter().chain(said.silence.iter().map(|(_, seen)| seen));
+        let seen = || reported.seen.iter().chain(reported.silence.iter().map(|(_, seen)| seen));
         seen().for_each(|seen| outbox.note(seen));
         if let Some(recorder) = recorder.as_deref_mut() {
             recorder.take(seen(), is_high, lump.elapsed_ms());

@@ -50,9 +50,9 @@ impl Ranges {
                 let is_certain =
                     self.late_ms.is_some_and(|late_ms| now_ms.saturating_sub(late_ms) > CERTAIN_MS);
                 self.are_missing = is_certain && now_ms.saturating_sub(self.heard_ms) < DEAD_MS;
-                let said = "the receiver sends no ranges any more, and other messages still: has its \
+                let reported = "the receiver sends no ranges any more, and other messages still: has its \
                             configuration changed?";
-                (self.are_missing && !std::mem::replace(&mut self.is_said, true)).then_some(said)
+                (self.are_missing && !std::mem::replace(&mut self.is_said, true)).then_some(reported)
             }
             last => {
                 if let Some((_, since_ms)) = last {
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     /// Looks ten times a second for some seconds; returns what was said, with the time in s.
-    fn said(
+    fn reported(
         ranges: &mut Ranges,
         seconds: std::ops::Range<u64>,
         every_s: u64,
@@ -96,30 +96,30 @@ mod tests {
     #[test]
     fn ranges_that_end_are_missed_once_and_found_again() {
         let mut ranges = Ranges::default();
-        assert_eq!(said(&mut ranges, 0..20, 1, true), []);
-        let have = said(&mut ranges, 20..45, 0, true);
+        assert_eq!(reported(&mut ranges, 0..20, 1, true), []);
+        let have = reported(&mut ranges, 20..45, 0, true);
         assert!(
             have.len() == 1 && (26..29).contains(&have[0].0) && have[0].1.contains("no ranges"),
             "{have:?}"
         );
         assert!(ranges.are_missing());
         // Then the line dies, too.
-        assert_eq!(said(&mut ranges, 45..60, 0, false), []);
+        assert_eq!(reported(&mut ranges, 45..60, 0, false), []);
         assert!(!ranges.are_missing());
-        let have = said(&mut ranges, 60..70, 1, true);
+        let have = reported(&mut ranges, 60..70, 1, true);
         assert!(have.len() == 1 && have[0].1.contains("again") && !ranges.are_missing(), "{have:?}");
     }
 
     #[test]
     fn line_that_is_silent_and_receiver_that_reports_seldom_lack_no_ranges() {
         let mut ranges = Ranges::default();
-        assert_eq!(said(&mut ranges, 0..20, 1, true), []);
-        assert_eq!(said(&mut ranges, 20..99, 0, false), []);
+        assert_eq!(reported(&mut ranges, 0..20, 1, true), []);
+        assert_eq!(reported(&mut ranges, 20..99, 0, false), []);
         assert!(!ranges.are_missing());
         let mut ranges = Ranges::default();
-        let have = said(&mut ranges, 0..300, 30, true);
+        let have = reported(&mut ranges, 0..300, 30, true);
         // The first interval is not known, and so it seems to be an end of the ranges.
         assert!(have.len() <= 2, "{have:?}");
-        assert_eq!(said(&mut ranges, 300..600, 30, true), []);
+        assert_eq!(reported(&mut ranges, 300..600, 30, true), []);
     }
 }

@@ -100,9 +100,9 @@ mod tests {
         let name = "run::signals::tests::panic_of_any_thread_lowers_the_pin_and_ends_the_program";
         let mut program = Command::new(std::env::current_exe().unwrap());
         let output = program.args([name, "--exact", "--nocapture"]).env(PIN, &pin).output().unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(PANICKED), "{said}");
-        assert!(said.contains("on purpose"), "{said}");
+        let reported = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(PANICKED), "{reported}");
+        assert!(reported.contains("on purpose"), "{reported}");
         assert_eq!(std::fs::read_to_string(&pin).unwrap(), "0\n");
     }
 }

@@ -23,7 +23,7 @@ pub fn corrected(
     klobuchar: Option<[f64; 8]>,
 ) -> Vec<Epoch<CAPACITY>> {
     let mut corrector = Corrector::new(antenna, mask_rad, klobuchar);
-    lumps.iter().flat_map(|lump| corrector.hear(&lump.bytes)).collect()
+    lumps.iter().flat_map(|lump| corrector.receive(&lump.bytes)).collect()
 }
 
 /// Corrector of successive epochs.
@@ -46,7 +46,7 @@ impl Corrector {
     }
 
     /// Takes the bytes of a lump; returns the epochs that they complete.
-    pub(super) fn hear(&mut self, bytes: &[u8]) -> Vec<Epoch<CAPACITY>> {
+    pub(super) fn receive(&mut self, bytes: &[u8]) -> Vec<Epoch<CAPACITY>> {
         let Self { input, store, tally, sky, antenna, mask_rad, klobuchar, now } = self;
         let mut epochs = Vec::new();
         input.feed(bytes, 0, |event| match event {

@@ -235,7 +235,7 @@ impl Heaven {
             Enu { east: east / distance_m, north: north / distance_m, up: up / distance_m }
         };
         let bytes = self.encoder.epoch(epoch)?;
-        let corrected = self.corrector.hear(&bytes);
+        let corrected = self.corrector.receive(&bytes);
         let seen = corrected.last().map_or(&[][..], |epoch| epoch.observations());
         Ok(seen.iter().map(|one| (one.satellite, towards(one.position))).collect())
     }

@@ -38,7 +38,7 @@ pub fn authenticate(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &m
         let now_ms = u64::from(u32::from_le_bytes([*a, *b, *c, *d])) * 1000;
         let (word, bits) = rest.split_first_chunk::<16>()?;
         let bits = *bits.first_chunk()?;
-        let ((), ticks) = stopwatch.time(|| authentication.hear(*satellite, word, bits, true, now_ms));
+        let ((), ticks) = stopwatch.time(|| authentication.receive(*satellite, word, bits, true, now_ms));
         if measured == 3 {
             most_ticks = most_ticks.max(ticks);
         }

@@ -27,7 +27,7 @@ const page = async () => {
     worker.onerror = (event) => heard({ kind: "failed", id: job, trap: event.message, error: "" });
     return worker;
   };
-  let worker = thread((data) => hear(data));
+  let worker = thread((data) => receive(data));
   const questions = new Map();
   let asked = 0;
   const ask = async (words, { file, files = [] } = {}) => {
@@ -98,7 +98,7 @@ const page = async () => {
     if (at("work").hidden) return;
     job += 1;
     (await worker).terminate();
-    worker = thread((data) => hear(data));
+    worker = thread((data) => receive(data));
     show("work", false);
     document.body.dataset.state = "cancelled";
   };
@@ -159,7 +159,7 @@ const page = async () => {
   };
   const notes = (error) => error.split("\n").filter((line) => line.startsWith("note: ")).map((line) => line.slice(6));
 
-  const hear = async (data) => {
+  const receive = async (data) => {
     if (data.kind === "answer") {
       questions.get(data.id)(data);
       questions.delete(data.id);
@@ -188,7 +188,7 @@ const page = async () => {
     } else if (data.trap) {
       problem(`The program stopped, which it must not do (${data.trap}). The next file is judged by a new one. Please save the bytes around the place and report them.`, true);
       (await worker).terminate();
-      worker = thread((more) => hear(more));
+      worker = thread((more) => receive(more));
     } else problem(sentence(data.error));
     document.body.dataset.state = data.kind;
   };

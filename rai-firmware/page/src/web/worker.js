@@ -101,10 +101,10 @@ const begin = ({ name, rate, settings, now }) => {
   if (exports.run() !== 0) return postMessage({ kind: "refused", error: texts(2) });
   tell(null);
   live = {
-    hear: (bytes, came) => guarded(() => {
+    receive: (bytes, came) => guarded(() => {
       last = Math.max(last, came);
       own.feed(bytes);
-      exports.hear(last);
+      exports.receive(last);
       tell(came);
       postMessage({ kind: "contact", frames: exports.frames(), rate: exports.rate(), memory: own.bytesOfMemory() });
     }),
@@ -126,7 +126,7 @@ onmessage = ({ data }) => {
       postMessage({ kind: "answer", id: data.id, code, trap, out, error, memory, file: data.file && written(data.file) });
     } else if (data.kind === "judge") judge(data);
     else if (data.kind === "live") begin(data);
-    else if (data.kind === "bytes") live?.hear(data.bytes, data.came);
+    else if (data.kind === "bytes") live?.receive(data.bytes, data.came);
   } catch (error) {
     postMessage({ kind: "failed", id: data.id, trap: String(error), error: "" });
   }

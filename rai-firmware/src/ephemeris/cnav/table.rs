@@ -69,7 +69,7 @@ impl Cnav {
     }
 
     /// Stores what a frame says.
-    pub(in crate::ephemeris) fn hear(&mut self, frame: &CnavFrame, now_ms: u64) {
+    pub(in crate::ephemeris) fn receive(&mut self, frame: &CnavFrame, now_ms: u64) {
         let now = instant(now_ms);
         self.now = now;
         let Some(heard) = place(frame.satellite).and_then(|place| self.satellites.get_mut(place)) else {

@@ -32,7 +32,7 @@ const G24: SignalDelays = SignalDelays { steps: [80, 1, -49, 50, 95] };
 #[test]
 fn delay_of_a_signal_is_the_group_delay_less_its_correction() {
     let mut cnav = Cnav::new();
-    cnav.hear(&frame(gps(24), CnavContent::Delays(G24)), 0);
+    cnav.receive(&frame(gps(24), CnavContent::Delays(G24)), 0);
     let word = cnav.word(gps(24));
     let step_s = 2_f64.powi(-35);
     for (code, steps) in
@@ -48,7 +48,7 @@ fn delay_of_a_signal_is_the_group_delay_less_its_correction() {
 #[test]
 fn sigmas_make_what_was_measured_in_pairs() {
     let mut cnav = Cnav::new();
-    cnav.hear(&frame(gps(24), CnavContent::Delays(G24)), 0);
+    cnav.receive(&frame(gps(24), CnavContent::Delays(G24)), 0);
     let sigma_m = |code| f64::from(of(cnav.word(gps(24)), code).expect("a known delay").uncalibrated_m());
     // Factors of the combination: (f1/f5)² is (154/115)², (f1/f2)² is (154/120)².
     for (second, denominator, want_m) in
@@ -64,19 +64,19 @@ fn sigmas_make_what_was_measured_in_pairs() {
 #[test]
 fn unknown_delays_are_those_of_lnav_and_the_ends_of_the_fields_are_finite() {
     let mut cnav = Cnav::new();
-    let mut said = |steps: [i16; 5]| {
-        cnav.hear(&frame(gps(1), CnavContent::Delays(SignalDelays { steps })), 0);
+    let mut reported = |steps: [i16; 5]| {
+        cnav.receive(&frame(gps(1), CnavContent::Delays(SignalDelays { steps })), 0);
         [Code::Ca, Code::L2c, Code::I5, Code::Q5, Code::Both5].map(|code| delay(cnav.word(gps(1)), code))
     };
-    assert_eq!(said([-4096, 1, 2, 3, 4]), [None; 5], "without TGD none is known");
-    let [ca, l2c, i5, q5, both] = said([5, -4096, 2, -4096, 4]);
+    assert_eq!(reported([-4096, 1, 2, 3, 4]), [None; 5], "without TGD none is known");
+    let [ca, l2c, i5, q5, both] = reported([5, -4096, 2, -4096, 4]);
     assert!(ca.is_none() && i5.is_none() && both.is_none() && l2c.is_some() && q5.is_some());
-    let [ca, .., i5, q5, both] = said([5, 1, 2, 0, 0]);
+    let [ca, .., i5, q5, both] = reported([5, 1, 2, 0, 0]);
     assert!(ca.is_some(), "{ca:?}");
     assert_eq!([i5, q5, both], [None; 3], "a satellite without L5 sends zeros");
-    assert!(said([5, 1, 2, 0, 1]).iter().all(Option::is_some));
+    assert!(reported([5, 1, 2, 0, 1]).iter().all(Option::is_some));
     for steps in [[4095, -4095, -4095, -4095, -4095], [-4095, 4095, 4095, 4095, 4095]] {
-        for have in said(steps) {
+        for have in reported(steps) {
             let have = f64::from(have.expect("a known delay")) * 2_f64.powi(35);
             assert!((have.abs() - 8190.0).abs() < 1e-3, "{have}");
         }
@@ -93,14 +93,14 @@ fn alert_and_health_of_l1_and_l2_count_always_and_that_of_l5_as_ordered() {
             cnav.prepare(0, needs_healthy_l5);
             let before = bands.map(|band| cnav.word(gps(7)).serves(band));
             assert_eq!(before, [true, true, !needs_healthy_l5], "nothing was said");
-            cnav.hear(&frame(gps(7), CnavContent::Health { out }), 0);
+            cnav.receive(&frame(gps(7), CnavContent::Health { out }), 0);
             let want = [!out[0], !out[1], !(out[2] && needs_healthy_l5)];
             assert_eq!(bands.map(|band| cnav.word(gps(7)).serves(band)), want, "{out:?}");
             assert_eq!(cnav.word(gps(7)).l5_is_out, out[2]);
             let alert = CnavFrame { is_alert: true, ..frame(gps(7), CnavContent::Other) };
-            cnav.hear(&alert, 0);
+            cnav.receive(&alert, 0);
             assert_eq!(bands.map(|band| cnav.word(gps(7)).serves(band)), [false; 3]);
-            cnav.hear(&frame(gps(7), CnavContent::Other), 0);
+            cnav.receive(&frame(gps(7), CnavContent::Other), 0);
             assert_eq!(
                 bands.map(|band| cnav.word(gps(7)).serves(band)),
                 want,
@@ -115,20 +115,20 @@ fn alert_and_health_of_l1_and_l2_count_always_and_that_of_l5_as_ordered() {
 fn what_was_said_has_an_age() {
     let mut cnav = Cnav::new();
     cnav.prepare(0, true);
-    cnav.hear(&frame(gps(3), CnavContent::Delays(G24)), 0);
-    cnav.hear(&frame(gps(3), CnavContent::Health { out: [false, true, false] }), 0);
-    let said = |cnav: &mut Cnav, now_ms| {
+    cnav.receive(&frame(gps(3), CnavContent::Delays(G24)), 0);
+    cnav.receive(&frame(gps(3), CnavContent::Health { out: [false, true, false] }), 0);
+    let reported = |cnav: &mut Cnav, now_ms| {
         cnav.prepare(now_ms, true);
         let word = cnav.word(gps(3));
         (of(word, Code::Ca).is_some(), word.serves(Band::L2), word.serves(Band::L5))
     };
-    assert_eq!(said(&mut cnav, 7_200_000), (true, false, true));
-    assert_eq!(said(&mut cnav, 7_300_000), (true, false, false), "good health lasts two hours");
-    assert_eq!(said(&mut cnav, DAY_MS - 2_000), (true, false, false));
-    assert_eq!(said(&mut cnav, DAY_MS + 2_000), (false, true, false), "bad health and delays a day");
+    assert_eq!(reported(&mut cnav, 7_200_000), (true, false, true));
+    assert_eq!(reported(&mut cnav, 7_300_000), (true, false, false), "good health lasts two hours");
+    assert_eq!(reported(&mut cnav, DAY_MS - 2_000), (true, false, false));
+    assert_eq!(reported(&mut cnav, DAY_MS + 2_000), (false, true, false), "bad health and delays a day");
     // A clock that goes back is no reason to keep them.
-    cnav.hear(&frame(gps(3), CnavContent::Delays(G24)), 3 * DAY_MS);
-    assert!(!said(&mut cnav, DAY_MS).0);
+    cnav.receive(&frame(gps(3), CnavContent::Delays(G24)), 3 * DAY_MS);
+    assert!(!reported(&mut cnav, DAY_MS).0);
 }
 
 #[test]
@@ -137,14 +137,14 @@ fn every_satellite_with_cnav_has_a_place_of_its_own() {
     let all = || (1..=32).chain(193..=202).map(gps);
     for satellite in all() {
         let steps = [i16::from(satellite.number()), 0, 0, 1, 1];
-        cnav.hear(&frame(satellite, CnavContent::Delays(SignalDelays { steps })), 0);
+        cnav.receive(&frame(satellite, CnavContent::Delays(SignalDelays { steps })), 0);
     }
     for satellite in all() {
         let have = f64::from(delay(cnav.word(satellite), Code::Ca).expect("a known delay"));
         assert!((have * 2_f64.powi(35) - f64::from(satellite.number())).abs() < 1e-3, "{satellite}");
     }
     for other in [gps(33), gps(99), SatelliteId::new(Constellation::Galileo, 1).expect("E01")] {
-        cnav.hear(&frame(other, CnavContent::Delays(G24)), 0);
+        cnav.receive(&frame(other, CnavContent::Delays(G24)), 0);
         assert!(of(cnav.word(other), Code::Ca).is_none(), "{other}");
     }
 }

@@ -11,7 +11,7 @@ impl Store {
     /// Stores what a frame of CNAV says, which came at `now_ms` by the module's own clock.
     #[cfg(feature = "cnav")]
     pub fn hear_cnav(&mut self, frame: &CnavFrame, now_ms: u64) {
-        self.cnav.hear(frame, now_ms);
+        self.cnav.receive(frame, now_ms);
     }
 
     /// Takes the time by the module's own clock, and whether L5 is used only where it is called

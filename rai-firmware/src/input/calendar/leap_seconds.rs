@@ -60,7 +60,7 @@ pub struct LeapSecond {
     /// Source of the last statement.
     pub source: LeapSource,
     /// Time of the last epoch before that statement.
-    pub said: Option<GpsTime>,
+    pub reported: Option<GpsTime>,
 }
 
 /// Known number, and the last statements.
@@ -104,14 +104,14 @@ impl LeapSeconds {
     }
 
     /// Takes a stated number; `now` is the last epoch.
-    pub(super) fn hear(&mut self, seconds: u8, source: LeapSource, now: Option<GpsTime>) {
+    pub(super) fn receive(&mut self, seconds: u8, source: LeapSource, now: Option<GpsTime>) {
         let needed = match self.known.map_or(0, |known| known.seconds.abs_diff(seconds)) {
             0 => 1,
             1 => 2,
             _ => RUN,
         };
         if self.claimed.count(seconds) >= needed {
-            self.known = Some(LeapSecond { seconds, source, said: now });
+            self.known = Some(LeapSecond { seconds, source, reported: now });
         }
     }
 
@@ -130,7 +130,7 @@ impl LeapSeconds {
         let is_next = self.known.is_some_and(|known| known.seconds.abs_diff(seconds) == 1);
         let needed = if is_next && self.is_step_due(now) { STEP_RUN } else { RUN };
         if self.inferred.count(seconds) >= needed && is_news {
-            self.known = Some(LeapSecond { seconds, source: LeapSource::Tags, said: now });
+            self.known = Some(LeapSecond { seconds, source: LeapSource::Tags, reported: now });
         }
     }
 }
@@ -182,19 +182,19 @@ mod tests {
     fn one_word_changes_nothing_that_is_known() {
         let mut leap = LeapSeconds::new();
         let seconds = |leap: &LeapSeconds| leap.known().map(|leap| leap.seconds);
-        leap.hear(18, LeapSource::Satellites, None);
+        leap.receive(18, LeapSource::Satellites, None);
         assert_eq!(seconds(&leap), Some(18));
         for wrong in [28, 19, 28, 17] {
-            leap.hear(wrong, LeapSource::Satellites, None);
+            leap.receive(wrong, LeapSource::Satellites, None);
             assert_eq!(seconds(&leap), Some(18), "{wrong} said once");
         }
         // A leap second has come.
-        leap.hear(19, LeapSource::Receiver, None);
-        leap.hear(19, LeapSource::Receiver, None);
+        leap.receive(19, LeapSource::Receiver, None);
+        leap.receive(19, LeapSource::Receiver, None);
         assert_eq!(seconds(&leap), Some(19));
         for _ in 0..RUN {
             assert_eq!(seconds(&leap), Some(19));
-            leap.hear(12, LeapSource::Receiver, None);
+            leap.receive(12, LeapSource::Receiver, None);
         }
         assert_eq!(seconds(&leap), Some(12));
     }
@@ -202,11 +202,11 @@ mod tests {
     #[test]
     fn tags_of_one_instant_mend_what_is_known() {
         let mut leap = LeapSeconds::new();
-        leap.hear(28, LeapSource::Satellites, None);
+        leap.receive(28, LeapSource::Satellites, None);
         for second in 100..100 + u32::from(RUN) {
             leap.infer(1000 * second, 1000 * (second - 18), None);
         }
-        assert_eq!(leap.known(), Some(LeapSecond { seconds: 18, source: LeapSource::Tags, said: None }));
+        assert_eq!(leap.known(), Some(LeapSecond { seconds: 18, source: LeapSource::Tags, reported: None }));
     }
 
     #[test]
@@ -226,7 +226,7 @@ mod tests {
         ];
         for (unix_s, after) in inserted {
             let mut leap = LeapSeconds::new();
-            leap.hear(after - 1, LeapSource::Receiver, None);
+            leap.receive(after - 1, LeapSource::Receiver, None);
             let at = |offset_s: u64| {
                 let ms = 1000 * (unix_s - UNIX_1980_01_06 + u64::from(after) - 100 + offset_s);
                 leap.is_step_due(Some(GpsTime::from_ms(ms)))
@@ -240,7 +240,7 @@ mod tests {
     fn step_of_a_second_needs_two_epochs_at_the_end_of_a_half_year_only() {
         for (unix_s, needed) in [(1_483_228_800_u64, 2), (1_483_228_800 - 86_400, u32::from(RUN))] {
             let mut leap = LeapSeconds::new();
-            leap.hear(17, LeapSource::Receiver, None);
+            leap.receive(17, LeapSource::Receiver, None);
             let midnight_s = unix_s - 315_964_800 + 18;
             let known = (0..needed).map(|second| {
                 let now = GpsTime::from_ms(1000 * (midnight_s + u64::from(second)));

@@ -204,7 +204,7 @@ impl Calendar {
 
     /// Takes a stated number of leap seconds.
     pub(super) fn hear_leap(&mut self, seconds: u8, source: LeapSource) {
-        self.leap.hear(seconds, source, self.time());
+        self.leap.receive(seconds, source, self.time());
     }
 
     /// Takes a message of the open epoch that is tagged with UTC.
@@ -327,7 +327,7 @@ impl Calendar {
             self.reference = Some(stated);
             return stated;
         };
-        let ruling = self.week.hear((system, stated), reference);
+        let ruling = self.week.receive((system, stated), reference);
         self.obey(ruling, reference, counters);
         if ruling != Ruling::Stands && self.week.awaits_epoch() {
             self.week.begin((system, stated));

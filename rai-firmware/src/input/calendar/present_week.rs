@@ -80,7 +80,7 @@ impl PresentWeek {
 
     /// Takes a set after the first; `now` is the last epoch or, before the first epoch, the instant
     /// that the first set states.
-    pub(super) fn hear(&mut self, (system, stated): Statement, now: GpsTime) -> Ruling {
+    pub(super) fn receive(&mut self, (system, stated): Statement, now: GpsTime) -> Ruling {
         let weeks = PresentWeeks::of(system, stated, now);
         match self.kept.first() {
             Some(&(of, first)) => {
@@ -144,7 +144,7 @@ impl PresentWeek {
         // The first set has no second vote, and each of the others has voted already.
         let votes = self.votes.clone();
         for (_, &statement) in kept.iter().enumerate().filter(|(index, _)| *index != base) {
-            match self.hear(statement, present) {
+            match self.receive(statement, present) {
                 Ruling::Stands => {}
                 Ruling::Moved(weeks) => present = present.later_by_weeks(weeks),
                 Ruling::Replaced(by) => present = by,

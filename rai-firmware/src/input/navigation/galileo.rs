@@ -75,7 +75,7 @@ impl NavigationMessage for Inav {
             let bits = authentication_bits(reader.words()?);
             let &Transmission { satellite, is_e1, .. } = reader.transmission;
             // Before the set is read, so that its verdict is that of these words.
-            reader.authentication.hear(satellite.number(), &word, bits, is_e1, reader.now_ms);
+            reader.authentication.receive(satellite.number(), &word, bits, is_e1, reader.now_ms);
         }
         match kind(Bits(&word)) {
             kind @ 1..=5 => reader.complete(kind - 1, &word, WITH_ISSUE, inav_ephemeris),

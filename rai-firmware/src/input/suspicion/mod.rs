@@ -176,7 +176,7 @@ impl Suspicions {
 
     /// Takes a message.
     #[inline(never)]
-    pub fn hear(&mut self, said: &SelfReport, now_ms: u64) {
+    pub fn receive(&mut self, said: &SelfReport, now_ms: u64) {
         match said {
             SelfReport::Interference(said) => {
                 if let Some(reported) = self.reported.get_mut(said.reporter as usize) {

@@ -343,18 +343,18 @@ pub fn write_counters<W: Write>(
 ) -> Result<usize, W::Error> {
     let mut sentence = Sentence::new("PRAIA");
     sentence.ready(b"STATS");
-    let mut said = 0;
+    let mut reported = 0;
     for (name, count) in counters {
         let mut longer = sentence.clone();
         longer.text(name).integer(count, 1);
-        if !longer.clone().ready(b"OK").fits() && said > 0 {
+        if !longer.clone().ready(b"OK").fits() && reported > 0 {
             break;
         }
         sentence = longer;
-        said += 1;
+        reported += 1;
     }
-    if said > 0 {
+    if reported > 0 {
         write_sentence(sentence.ready(b"OK"), out)?;
     }
-    Ok(said)
+    Ok(reported)
 }

@@ -51,32 +51,32 @@ impl Module {
 
     /// Sends bytes to the host port and returns what the module says.
     pub(super) fn command(&mut self, bytes: &[u8]) -> Result<Vec<u8>> {
-        let mut said = Vec::new();
+        let mut reported = Vec::new();
         match self {
-            Self::Whole(receiver) => receiver.command(bytes, &mut said),
+            Self::Whole(receiver) => receiver.command(bytes, &mut reported),
             Self::Small(small) => return small.ask(Kind::Command, 0, bytes),
         }
-        Ok(said)
+        Ok(reported)
     }
 
     /// Sends bytes to the GNSS port and returns what the module says.
     pub(super) fn gnss(&mut self, bytes: &[u8], now_ms: u64) -> Result<Vec<u8>> {
-        let mut said = Vec::new();
+        let mut reported = Vec::new();
         match self {
-            Self::Whole(receiver) => receiver.gnss(bytes, now_ms, &mut said),
+            Self::Whole(receiver) => receiver.gnss(bytes, now_ms, &mut reported),
             Self::Small(small) => return small.ask(Kind::Gnss, now_ms, bytes),
         };
-        Ok(said)
+        Ok(reported)
     }
 
     /// Tells the time and returns what the module says.
     pub(super) fn tick(&mut self, now_ms: u64) -> Result<Vec<u8>> {
-        let mut said = Vec::new();
+        let mut reported = Vec::new();
         match self {
-            Self::Whole(receiver) => receiver.tick(now_ms, &mut said),
+            Self::Whole(receiver) => receiver.tick(now_ms, &mut reported),
             Self::Small(small) => return small.ask(Kind::Tick, now_ms, &[]),
         };
-        Ok(said)
+        Ok(reported)
     }
 
     /// Seals the settings in a memory.

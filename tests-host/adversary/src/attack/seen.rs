@@ -6,7 +6,7 @@ use raim::verdict::EpochOutput;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seen {
     /// Sentences of the epoch.
-    pub said: EpochOutput,
+    pub reported: EpochOutput,
     /// Horizontal distance from the truth, m; infinite without a position.
     pub horizontal_error_m: f64,
     /// Difference in height, m; infinite without a position.
@@ -18,12 +18,12 @@ pub struct Seen {
 impl Seen {
     /// Returns true for a promised position with an error above one of its levels.
     pub fn is_misleading(&self) -> bool {
-        self.is_promised && self.said.state.is_misleading(self.error_m())
+        self.is_promised && self.reported.state.is_misleading(self.error_m())
     }
 
     /// Returns true for a promised position with an error above one of the limits in force.
     pub fn is_hazardous(&self) -> bool {
-        self.is_promised && self.said.state.is_hazardous(self.error_m())
+        self.is_promised && self.reported.state.is_hazardous(self.error_m())
     }
 
     fn error_m(&self) -> [f64; 2] {

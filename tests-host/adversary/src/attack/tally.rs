@@ -27,7 +27,7 @@ pub struct Tally {
 impl Tally {
     /// Counts an epoch. A verdict without an epoch is none.
     pub fn add(&mut self, seen: &Seen) {
-        let state = &seen.said.state;
+        let state = &seen.reported.state;
         if !state.has_epoch() {
             return;
         }
@@ -40,8 +40,8 @@ impl Tally {
             _ => Outcome::Unavailable,
         });
         if seen.is_promised {
-            self.misled_by_several += usize::from(seen.is_misleading() && seen.said.excluded.len() > 1);
-            self.left_out += seen.said.excluded.len();
+            self.misled_by_several += usize::from(seen.is_misleading() && seen.reported.excluded.len() > 1);
+            self.left_out += seen.reported.excluded.len();
             self.worst_horizontal_m = self.worst_horizontal_m.max(seen.horizontal_error_m);
             self.worst_vertical_m = self.worst_vertical_m.max(seen.vertical_error_m);
         }

@@ -111,11 +111,11 @@ impl Victim {
     ///
     /// # Errors
     /// If a sentence cannot be read.
-    pub fn hear(&mut self, bytes: &[u8], truth: Ecef) -> Result<Vec<Seen>> {
-        let mut said = self.module.gnss(bytes, self.now_ms)?;
-        said.extend(self.module.tick(self.now_ms + (self.step_ms as f64 * LOOK) as u64)?);
+    pub fn receive(&mut self, bytes: &[u8], truth: Ecef) -> Result<Vec<Seen>> {
+        let mut reported = self.module.gnss(bytes, self.now_ms)?;
+        reported.extend(self.module.tick(self.now_ms + (self.step_ms as f64 * LOOK) as u64)?);
         self.now_ms += self.step_ms;
-        self.seen(&said, truth)
+        self.seen(&reported, truth)
     }
 
     /// Keeps the line silent for `for_s` seconds and returns the reports.
@@ -123,28 +123,28 @@ impl Victim {
     /// # Errors
     /// If a sentence cannot be read.
     pub fn silence(&mut self, for_s: f64, truth: Ecef) -> Result<Vec<Seen>> {
-        let mut said = Vec::new();
+        let mut reported = Vec::new();
         let end_ms = self.now_ms + (for_s * 1e3) as u64;
         for now_ms in (self.now_ms..=end_ms).step_by(100) {
-            said.extend(self.module.tick(now_ms)?);
+            reported.extend(self.module.tick(now_ms)?);
         }
         self.now_ms = end_ms;
-        self.seen(&said, truth)
+        self.seen(&reported, truth)
     }
 
-    fn seen(&self, said: &[u8], truth: Ecef) -> Result<Vec<Seen>> {
-        let outputs = sentence::epochs(std::str::from_utf8(said)?)?;
+    fn seen(&self, reported: &[u8], truth: Ecef) -> Result<Vec<Seen>> {
+        let outputs = sentence::epochs(std::str::from_utf8(reported)?)?;
         let (is_promised, last) = (self.module.is_promised(), outputs.len().saturating_sub(1));
-        let seen = |(index, said): (usize, EpochOutput)| {
+        let seen = |(index, reported): (usize, EpochOutput)| {
             let error =
-                said.position.map(|position| LocalFrame::at(truth).rotate(position.to_ecef() - truth));
+                reported.position.map(|position| LocalFrame::at(truth).rotate(position.to_ecef() - truth));
             Seen {
                 horizontal_error_m: error.map_or(f64::INFINITY, Enu::horizontal),
                 vertical_error_m: error.map_or(f64::INFINITY, |error| error.up.abs()),
                 // If another epoch follows at once, the pin can no longer be read, so the sentence
                 // counts.
-                is_promised: if index == last { is_promised } else { said.state.is_protected() },
-                said,
+                is_promised: if index == last { is_promised } else { reported.state.is_protected() },
+                reported,
             }
         };
         let seen: Vec<Seen> = outputs.into_iter().enumerate().map(seen).collect();

@@ -86,7 +86,7 @@ impl Objects {
             2..5 => self.judge(tape),
             5 => self.forget(tape),
             6 => self.make_receiver(tape),
-            7 | 8 => self.hear(tape),
+            7 | 8 => self.receive(tape),
             9 => self.obey_or_wait(tape),
             _ => self.ask(tape),
         };
@@ -152,13 +152,13 @@ impl Objects {
         let length = if tape.byte() < 16 { usize::from(tape.byte()) * 128 } else { self.receiver.len() * 8 };
         let memory = Pointer::read(tape).of(self.receiver.as_mut_ptr());
         let most = self.receiver.len() * 8;
-        Said::during(tape, |text| {
+        Reported::during(tape, |text| {
             // SAFETY: the memory is at least as long as stated, and so is the text.
             unsafe { rai::rai_receiver_init(memory.cast(), length.min(most), text) }
         })
     }
 
-    fn hear(&mut self, tape: &mut Tape<'_>) -> u8 {
+    fn receive(&mut self, tape: &mut Tape<'_>) -> u8 {
         let count = usize::from(tape.word() as u16 % 1500);
         let bytes: Vec<u8> = (0..count.min(tape.left())).map(|_| tape.byte()).collect();
         // Time advances; for a caller without care it goes back or overflows.
@@ -171,7 +171,7 @@ impl Objects {
         let judged_at = if tape.byte() < 32 { std::ptr::null_mut() } else { &raw mut judged };
         let bytes_at = if matches!(pointer, Pointer::Null) { std::ptr::null() } else { bytes.as_ptr() };
         let now_ms = self.now_ms;
-        Said::during(tape, |text| {
+        Reported::during(tape, |text| {
             // SAFETY: as many bytes as stated, or null; the text is as long as stated.
             unsafe { rai::rai_receiver_gnss(receiver, bytes_at, bytes.len(), now_ms, text, judged_at) }
         })
@@ -186,7 +186,7 @@ impl Objects {
             if choice < 32 {
                 return set(receiver, &mut bytes, tape);
             }
-            return Said::during(tape, |text| {
+            return Reported::during(tape, |text| {
                 // SAFETY: as many bytes as stated; the text is as long as stated.
                 unsafe { rai::rai_receiver_command(receiver, bytes.as_ptr(), bytes.len(), text) }
             });
@@ -194,7 +194,7 @@ impl Objects {
         self.now_ms = self.now_ms.saturating_add(u64::from(tape.word() as u16));
         let now_ms = self.now_ms;
         // SAFETY: an object, or memory without one; the text is as long as stated.
-        Said::during(tape, |text| unsafe { rai::rai_receiver_tick(receiver, now_ms, text) })
+        Reported::during(tape, |text| unsafe { rai::rai_receiver_tick(receiver, now_ms, text) })
     }
 
     /// Checks that all queries of a receiver agree with each other.
@@ -233,7 +233,7 @@ fn set(receiver: *mut rai_receiver_t, bytes: &mut Vec<u8>, tape: &mut Tape<'_>) 
     let mut texts = bytes.splitn(2, |byte| *byte == 0).map(<[u8]>::as_ptr);
     let (key, values) = (texts.next().expect("a key").cast(), texts.next().expect("values").cast());
     // SAFETY: a NUL ends each text; the text for the answer is as long as stated.
-    Said::during(tape, |text| unsafe { rai::rai_receiver_set(receiver, key, values, text) })
+    Reported::during(tape, |text| unsafe { rai::rai_receiver_set(receiver, key, values, text) })
 }
 
 /// Checks that the explanations of an epoch agree with its verdict.
@@ -372,9 +372,9 @@ impl Given {
 }
 
 /// Memory for sentences with a guard after it.
-struct Said;
+struct Reported;
 
-impl Said {
+impl Reported {
     /// Makes a call that may write sentences, and checks them.
     fn during(tape: &mut Tape<'_>, call: impl FnOnce(*mut rai_text_t) -> u8) -> u8 {
         let capacity = if tape.byte() < 64 { usize::from(tape.byte()) } else { 4096 };
@@ -388,10 +388,10 @@ impl Said {
             end >= length && (end <= capacity || status != RAI_STATUS_OK),
             "{length} to {end} of {capacity}"
         );
-        let said = length.min(capacity)..end.min(capacity).max(length.min(capacity));
-        let untouched = bytes.iter().enumerate().filter(|(index, _)| !said.contains(index));
+        let reported = length.min(capacity)..end.min(capacity).max(length.min(capacity));
+        let untouched = bytes.iter().enumerate().filter(|(index, _)| !reported.contains(index));
         assert!(untouched.clone().all(|(_, &byte)| byte == BLANK), "written beyond what was handed in");
-        let words = bytes.get(said).unwrap_or_default();
+        let words = bytes.get(reported).unwrap_or_default();
         assert!(words.is_empty() || words.ends_with(b"\n") || !words.is_ascii(), "a sentence is whole");
         status
     }

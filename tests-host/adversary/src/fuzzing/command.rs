@@ -27,7 +27,7 @@ pub fn run(input: &[u8]) {
         send(&mut module, line);
     }
     for epoch in SKY.iter() {
-        module.hear(epoch, 1000);
+        module.receive(epoch, 1000);
     }
     module.adds_up();
 }

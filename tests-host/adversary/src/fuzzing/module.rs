@@ -27,13 +27,13 @@ impl Module {
     }
 
     /// Sends bytes to the GNSS port, then lets time pass.
-    pub(super) fn hear(&mut self, bytes: &[u8], pause_ms: u64) {
-        let mut said = Vec::new();
-        self.receiver.gnss(bytes, self.now_ms, &mut said);
+    pub(super) fn receive(&mut self, bytes: &[u8], pause_ms: u64) {
+        let mut reported = Vec::new();
+        self.receiver.gnss(bytes, self.now_ms, &mut reported);
         self.bytes += bytes.len();
         self.now_ms += pause_ms;
-        self.receiver.tick(self.now_ms, &mut said);
-        let outputs = overheard::check(&said);
+        self.receiver.tick(self.now_ms, &mut reported);
+        let outputs = overheard::check(&reported);
         for output in &outputs {
             let counter = if output.state.has_epoch() { &mut self.epochs } else { &mut self.stale };
             *counter += 1;
@@ -45,10 +45,10 @@ impl Module {
 
     /// Sends bytes to the host port; returns the answers.
     pub(super) fn obey(&mut self, bytes: &[u8]) -> String {
-        let mut said = Vec::new();
-        self.receiver.command(bytes, &mut said);
-        overheard::check(&said);
-        String::from_utf8(said).expect("checked above")
+        let mut reported = Vec::new();
+        self.receiver.command(bytes, &mut reported);
+        overheard::check(&reported);
+        String::from_utf8(reported).expect("checked above")
     }
 
     pub(super) fn configuration(&self) -> Configuration {

@@ -15,8 +15,8 @@ use raim_firmware::output::nmea::MAX_LENGTH;
 const ROUNDED_M: f64 = 1.0;
 
 /// Checks all invariants of an output; returns its epochs.
-pub fn check(said: &[u8]) -> Vec<EpochOutput> {
-    let text = std::str::from_utf8(said).expect("sentences are ASCII");
+pub fn check(reported: &[u8]) -> Vec<EpochOutput> {
+    let text = std::str::from_utf8(reported).expect("sentences are ASCII");
     for line in text.split_inclusive('\n') {
         check_line(line);
     }
@@ -65,7 +65,7 @@ mod tests {
     use super::check;
 
     /// Returns the sentences of an epoch.
-    fn said(state: &str) -> Vec<u8> {
+    fn reported(state: &str) -> Vec<u8> {
         let bodies = ["GNGNS,120000.00,3410.2,N,10834.2,E,A,09,1.00,400.0,0.0,,,S", state];
         let sealed =
             |body: &&str| format!("${body}*{:02X}\r\n", body.bytes().fold(0_u8, |sum, byte| sum ^ byte));
@@ -74,30 +74,30 @@ mod tests {
 
     #[test]
     fn a_sound_epoch_passes() {
-        assert_eq!(check(&said("PRAIS,120000.00,P,OK,10,9,5,0.912,1.764,12.3,,556.0,")).len(), 1);
+        assert_eq!(check(&reported("PRAIS,120000.00,P,OK,10,9,5,0.912,1.764,12.3,,556.0,")).len(), 1);
     }
 
     #[test]
     #[should_panic(expected = "HPL beyond its limit")]
     fn a_promise_without_a_level_is_noticed() {
-        check(&said("PRAIS,120000.00,P,OK,10,9,5,0.912,1.764,,,556.0,"));
+        check(&reported("PRAIS,120000.00,P,OK,10,9,5,0.912,1.764,,,556.0,"));
     }
 
     #[test]
     #[should_panic(expected = "HPL beyond its limit")]
     fn a_level_beyond_its_limit_is_noticed() {
-        check(&said("PRAIS,120000.00,P,OK,10,9,5,0.912,1.764,600.0,,556.0,"));
+        check(&reported("PRAIS,120000.00,P,OK,10,9,5,0.912,1.764,600.0,,556.0,"));
     }
 
     #[test]
     #[should_panic(expected = "a number that is none")]
     fn an_infinite_number_is_noticed() {
-        check(&said("PRAIS,120000.00,U,HPL,10,9,5,0.912,1.764,inf,,556.0,"));
+        check(&reported("PRAIS,120000.00,U,HPL,10,9,5,0.912,1.764,inf,,556.0,"));
     }
 
     #[test]
     #[should_panic(expected = "more used than tracked")]
     fn a_satellite_from_nowhere_is_noticed() {
-        check(&said("PRAIS,120000.00,U,HPL,8,9,5,0.912,1.764,600.0,,556.0,"));
+        check(&reported("PRAIS,120000.00,U,HPL,8,9,5,0.912,1.764,600.0,,556.0,"));
     }
 }

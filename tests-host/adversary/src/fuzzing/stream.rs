@@ -23,8 +23,8 @@ pub fn run(input: &[u8]) {
     }
     let mut module = Module::new();
     for chunk in bytes.chunks(CHUNK) {
-        module.hear(chunk, pause_ms);
+        module.receive(chunk, pause_ms);
     }
-    module.hear(&[], 1000);
+    module.receive(&[], 1000);
     module.adds_up();
 }

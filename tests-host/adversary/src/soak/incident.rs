@@ -194,7 +194,9 @@ mod tests {
         for turn in 0..4000_u32 {
             let whole = &sky[turn as usize % sky.len()];
             let mut epoch = whole.clone();
-            let Falsified::Satellites(said) = incidents.befall(&mut epoch, f64::from(turn)) else { continue };
+            let Falsified::Satellites(reported) = incidents.befall(&mut epoch, f64::from(turn)) else {
+                continue;
+            };
             let by_m = |satellite: &raim::signal::measurement::MeasuredSatellite| {
                 let before =
                     whole.satellites.iter().find(|before| before.satellite == satellite.satellite)?;
@@ -203,7 +205,10 @@ mod tests {
             let moved: Vec<f64> =
                 epoch.satellites.iter().filter_map(by_m).filter(|by_m| *by_m != 0.0).collect();
             let is_jump = moved.len() == epoch.satellites.len();
-            assert!(moved.len() == said || is_jump && said == 0, "turn {turn}: {said} said, {moved:?}");
+            assert!(
+                moved.len() == reported || is_jump && reported == 0,
+                "turn {turn}: {reported} said, {moved:?}"
+            );
         }
     }
 }

@@ -144,7 +144,7 @@ impl<P: FnMut(u64)> Bench<P> {
     /// Plays one epoch, from its first byte to that of the next.
     fn play(&mut self, turn: &Turn) -> Result<()> {
         // Earlier sentences are not about this epoch, however long the host left them unread.
-        self.hear()?;
+        self.receive()?;
         let Carried { pieces, is_harmed } = self.line.carry(&turn.bytes);
         let is_reset = matches!(turn.mishap, Some(Mishap::PowerOn { .. }));
         // Bytes that arrive while the module starts are lost.
@@ -204,7 +204,7 @@ impl<P: FnMut(u64)> Bench<P> {
     fn pass_interval(&mut self) -> Result<()> {
         self.next_ms = self.rig.now_ms()?.max(self.next_ms + self.tempo.interval_ms);
         self.rig.wait_until(self.next_ms)?;
-        self.hear()?;
+        self.receive()?;
         match self.unread_left {
             0 => self.tally.caught_up(),
             1 => self.rig.listen(true),
@@ -214,10 +214,10 @@ impl<P: FnMut(u64)> Bench<P> {
         Ok(())
     }
 
-    fn hear(&mut self) -> Result<()> {
+    fn receive(&mut self) -> Result<()> {
         for line in self.rig.heard() {
             // Settings survive every restart, so they are sent once.
-            if self.tally.hear(&line) == Heard::Greeting && !std::mem::replace(&mut self.is_set_up, true) {
+            if self.tally.receive(&line) == Heard::Greeting && !std::mem::replace(&mut self.is_set_up, true) {
                 // The rate of the line is fixed. With seconds of noise the module would otherwise
                 // search for another rate and lose an epoch.
                 self.rig.command("BAUD,115200")?;
@@ -237,6 +237,6 @@ impl<P: FnMut(u64)> Bench<P> {
         self.rig.listen(true);
         let due_ms = self.rig.now_ms()? + (self.tempo.time_to_alert_s * 1e3) as u64 + 1000;
         self.rig.wait_until(due_ms)?;
-        self.hear()
+        self.receive()
     }
 }

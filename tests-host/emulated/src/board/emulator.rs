@@ -208,14 +208,14 @@ fn keep(
         }
     };
     let _ = started.send(Ok(child.id()));
-    let said = child.stderr.take().map(collect);
+    let reported = child.stderr.take().map(collect);
     let ended_early = wait_for_end(&mut child, ending);
     let _ = child.kill();
     child.wait()?;
     if !ended_early {
         return Ok(());
     }
-    let text = said.and_then(|reader| reader.join().ok()).unwrap_or_default();
+    let text = reported.and_then(|reader| reader.join().ok()).unwrap_or_default();
     let _ = complain.send(text.trim().to_owned());
     bail!("the emulator ended by itself: {}", text.trim())
 }

@@ -265,8 +265,8 @@ mod tests {
     #[test]
     fn frame_between_lines_is_an_item_whatever_it_holds() {
         let frame = [&[FRAME_BEGIN, 3][..], b"\n$\n", &[0; 10]].concat();
-        let said = [b"$A*41\r\n", frame.as_slice(), b"$B*42\r\n"].concat();
-        let (mut reader, mut items) = (said.as_slice(), Vec::new());
+        let reported = [b"$A*41\r\n", frame.as_slice(), b"$B*42\r\n"].concat();
+        let (mut reader, mut items) = (reported.as_slice(), Vec::new());
         loop {
             let mut item = Vec::new();
             if read_item(&mut reader, &mut item).expect("bytes in memory") == 0 {
@@ -275,8 +275,8 @@ mod tests {
             items.push(item);
         }
         assert_eq!(items, [b"$A*41\r\n".as_slice(), &frame, b"$B*42\r\n"]);
-        assert_eq!(raim::sentence::sentences(&said).expect("sentences"), "$A*41\r\n$B*42\r\n");
-        assert!(raim::sentence::sentences(&said[..12]).is_err(), "cut off");
+        assert_eq!(raim::sentence::sentences(&reported).expect("sentences"), "$A*41\r\n$B*42\r\n");
+        assert!(raim::sentence::sentences(&reported[..12]).is_err(), "cut off");
     }
 
     #[test]

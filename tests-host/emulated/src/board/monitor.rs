@@ -80,8 +80,8 @@ impl Monitor {
     /// # Errors
     /// If the emulator does not answer.
     pub fn clock_ms(&mut self) -> Result<u32> {
-        let said = self.ask(&format!("xp /1uw {:#x}", self.clock_address))?;
-        number_behind_colon(&said).with_context(|| format!("the monitor printed no number: {said:?}"))
+        let reported = self.ask(&format!("xp /1uw {:#x}", self.clock_address))?;
+        number_behind_colon(&reported).with_context(|| format!("the monitor printed no number: {reported:?}"))
     }
 
     /// Resets the chip, wherever its program is.
@@ -100,14 +100,14 @@ impl Monitor {
     }
 
     fn answer(&mut self) -> Result<String> {
-        let mut said = Vec::new();
+        let mut reported = Vec::new();
         let mut chunk = [0; 1024];
-        while !said.ends_with(PROMPT.as_bytes()) {
+        while !reported.ends_with(PROMPT.as_bytes()) {
             let count = self.port.read(&mut chunk).context("the monitor does not answer")?;
             ensure!(count > 0, "the emulator has closed its monitor");
-            said.extend_from_slice(&chunk[..count]);
+            reported.extend_from_slice(&chunk[..count]);
         }
-        Ok(String::from_utf8_lossy(&said).into_owned())
+        Ok(String::from_utf8_lossy(&reported).into_owned())
     }
 }
 
@@ -120,8 +120,8 @@ fn clock_address(image: &Path) -> Result<u64> {
 }
 
 /// Parses the number of a line such as `0000000020009574: 15858`.
-fn number_behind_colon(said: &str) -> Option<u32> {
-    said.lines().rev().find_map(|line| line.split_once(": ")?.1.trim().parse().ok())
+fn number_behind_colon(reported: &str) -> Option<u32> {
+    reported.lines().rev().find_map(|line| line.split_once(": ")?.1.trim().parse().ok())
 }
 
 #[cfg(test)]
@@ -130,8 +130,8 @@ mod tests {
 
     #[test]
     fn word_is_read_behind_the_echo_of_the_command() {
-        let said = "xp /1uw 0x20009574\r\n0000000020009574: 15858\r\n(qemu) ";
-        assert_eq!(number_behind_colon(said), Some(15_858));
+        let reported = "xp /1uw 0x20009574\r\n0000000020009574: 15858\r\n(qemu) ";
+        assert_eq!(number_behind_colon(reported), Some(15_858));
         assert_eq!(number_behind_colon("unknown command: 'xq'\r\n(qemu) "), None);
     }
 }

@@ -142,22 +142,22 @@ impl Plan {
         let epochs = Injector::new(recording.epochs.into_iter(), vec![self.fault()]);
         for (index, epoch) in (0_u32..).zip(epochs) {
             let bytes = encoder.epoch(&epoch)?;
-            let said = module.judge(&bytes).with_context(|| format!("epoch {index}"))?;
-            ordinary.extend(accepter.hear(&bytes, f64::from(index), &simulation.site));
+            let reported = module.judge(&bytes).with_context(|| format!("epoch {index}"))?;
+            ordinary.extend(accepter.receive(&bytes, f64::from(index), &simulation.site));
             let (time_s, pin_is_high) = (f64::from(index), module.board.pin_is_high());
-            let (_, seen) = twin.hear(&bytes, u64::from(index) * 1000)?;
+            let (_, seen) = twin.receive(&bytes, u64::from(index) * 1000)?;
             let view = seen.last().and_then(|seen| seen.view.as_ref());
-            let error = error(&said, &simulation.site);
-            journal.push(&Happened { time_s, output: &said, error, pin_is_high, view });
-            moments.push(Moment::of(time_s, &said, error, pin_is_high));
+            let error = error(&reported, &simulation.site);
+            journal.push(&Happened { time_s, output: &reported, error, pin_is_high, view });
+            moments.push(Moment::of(time_s, &reported, error, pin_is_high));
             watch(&moments);
         }
         // The report comes twice, to show that the alarm lasts.
         for times in 1..=2 {
-            let (said, pin_is_high) = module.fall_silent().context("the silent line")?;
+            let (reported, pin_is_high) = module.fall_silent().context("the silent line")?;
             let time_s = f64::from(EPOCHS - 1) + f64::from(times) * SILENCE_S;
-            journal.push(&Happened { time_s, output: &said, error: None, pin_is_high, view: None });
-            moments.push(Moment::of(time_s, &said, error(&said, &simulation.site), pin_is_high));
+            journal.push(&Happened { time_s, output: &reported, error: None, pin_is_high, view: None });
+            moments.push(Moment::of(time_s, &reported, error(&reported, &simulation.site), pin_is_high));
             watch(&moments);
         }
         let instructions = module.board.epoch_instructions();
@@ -190,14 +190,14 @@ impl Module {
     /// pin then.
     fn fall_silent(&mut self) -> Result<(EpochOutput, bool)> {
         let lines = self.board.read_through("$PRAIS", PATIENCE)?;
-        let said = lines.last().map_or("", String::as_str);
-        let said = sentence::epochs(said)?.pop().context("the module did not report the silence")?;
+        let reported = lines.last().map_or("", String::as_str);
+        let reported = sentence::epochs(reported)?.pop().context("the module did not report the silence")?;
         // The log comes over its own port, slightly later.
         let deadline = Instant::now() + PIN_PATIENCE;
         while self.board.pin_is_high() && Instant::now() < deadline {
             std::thread::sleep(Duration::from_millis(20));
         }
-        Ok((said, self.board.pin_is_high()))
+        Ok((reported, self.board.pin_is_high()))
     }
 
     /// Sends one epoch and reads the module's report on it.
@@ -220,6 +220,6 @@ impl Module {
 }
 
 /// Returns the error of the reported position.
-fn error(said: &EpochOutput, site: &Site) -> Option<Enu> {
-    said.position.map(|geodetic| site.frame.rotate(geodetic.to_ecef() - site.position))
+fn error(reported: &EpochOutput, site: &Site) -> Option<Enu> {
+    reported.position.map(|geodetic| site.frame.rotate(geodetic.to_ecef() - site.position))
 }

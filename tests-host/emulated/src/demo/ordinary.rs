@@ -37,18 +37,18 @@ impl Accepter {
     }
 
     /// Processes the bytes of one epoch; returns `None` if they give no fix with redundancy.
-    pub fn hear(&mut self, bytes: &[u8], time_s: f64, site: &Site) -> Option<Ordinary> {
-        let mut said = None;
+    pub fn receive(&mut self, bytes: &[u8], time_s: f64, site: &Site) -> Option<Ordinary> {
+        let mut reported = None;
         let Self { input, store, mask_rad } = self;
         input.feed(bytes, 0, |event| match event {
             Event::Ephemeris(ephemeris) => {
                 store.insert(ephemeris, None);
             }
-            Event::Epoch(raw, _) => said = judge(raw, store, *mask_rad, time_s, site),
+            Event::Epoch(raw, _) => reported = judge(raw, store, *mask_rad, time_s, site),
             Event::Redated(present) => store.redate(present),
             _ => {}
         });
-        said
+        reported
     }
 }
 

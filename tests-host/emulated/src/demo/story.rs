@@ -66,7 +66,7 @@ impl Story {
 
     /// Returns the largest horizontal error of the receiver that accepts every satellite, m.
     pub fn largest_accepted_error_m(&self) -> f64 {
-        self.ordinary.iter().map(|said| said.horizontal_error_m).fold(0.0, f64::max)
+        self.ordinary.iter().map(|reported| reported.horizontal_error_m).fold(0.0, f64::max)
     }
 
     /// Returns all satellites that were ever left out, with the number of epochs.

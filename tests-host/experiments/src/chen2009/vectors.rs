@@ -48,12 +48,13 @@ fn lines(text: impl BufRead) -> Result<Vec<Value>> {
 
 fn rows(pairs: &[(&Value, &Value)]) -> Vec<Row> {
     let satellites = |want: &Value| want["los_enu"].as_array().map_or(0, Vec::len);
-    let of = |quantity: &str, paper: &str, chosen: &dyn Fn(&Value) -> bool, said: &dyn Fn(&Value) -> bool| {
-        let chosen: Vec<_> = pairs.iter().filter(|(_, want)| chosen(want)).collect();
-        let hits = chosen.iter().filter(|(have, _)| said(&have["out"])).count();
-        let ours = Finding::Words(format!("{hits} of {}", chosen.len()));
-        Row::new(quantity, paper, ours, Judgement::Reproduced)
-    };
+    let of =
+        |quantity: &str, paper: &str, chosen: &dyn Fn(&Value) -> bool, reported: &dyn Fn(&Value) -> bool| {
+            let chosen: Vec<_> = pairs.iter().filter(|(_, want)| chosen(want)).collect();
+            let hits = chosen.iter().filter(|(have, _)| reported(&have["out"])).count();
+            let ours = Finding::Words(format!("{hits} of {}", chosen.len()));
+            Row::new(quantity, paper, ours, Judgement::Reproduced)
+        };
     let same = pairs.iter().filter(|(have, want)| agree(&have["out"], &want["out"])).count();
     let all = Row::new(QUANTITY, "", Finding::Words(format!("{same} of {}", pairs.len())), Judgement::Ours)
         .held_if(12, "all", same == pairs.len());

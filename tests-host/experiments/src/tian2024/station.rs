@@ -122,8 +122,8 @@ fn judge(effort: Effort, limits: &Limits, index: usize, epoch: &Epoch<ROWS>) -> 
             score.add(&answer(*method, fix, &selection, limits), &faulty);
         }
         if index.is_multiple_of(stride(effort)) {
-            let said = Traditional::Consensus.judge(rows, limits, most_subsets(effort), &mut draw)?;
-            scores[METHODS.len()].add(&said, &faulty);
+            let reported = Traditional::Consensus.judge(rows, limits, most_subsets(effort), &mut draw)?;
+            scores[METHODS.len()].add(&reported, &faulty);
         }
     }
     Ok(scores)

@@ -114,10 +114,11 @@ impl Browser {
         let mut command = Command::new("sh");
         command.args(["-c", &script]).stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut child = command.spawn().context("starting the browser")?;
-        let (orders, said) = (child.stdin.take().context("a pipe")?, child.stdout.take().context("a pipe")?);
+        let (orders, reported) =
+            (child.stdin.take().context("a pipe")?, child.stdout.take().context("a pipe")?);
         let (sender, answers) = channel();
         thread::spawn(move || {
-            for part in BufReader::new(said).split(0).map_while(Result::ok) {
+            for part in BufReader::new(reported).split(0).map_while(Result::ok) {
                 let Ok(value) = serde_json::from_slice(&part) else { return };
                 if sender.send(value).is_err() {
                     return;

@@ -90,10 +90,10 @@ fn counted(program: &[&str], words: &str) -> Result<u64> {
     command.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]).args(program);
     command.env(VARIABLE, words).env("GLIBC_TUNABLES", "glibc.cpu.x86_rep_stosb_threshold=1000000000");
     let output = command.output().context("valgrind cannot be run")?;
-    let said = String::from_utf8_lossy(&output.stderr);
-    ensure!(output.status.success(), "{words}: {said}");
-    let count = said.lines().find_map(|line| line.split_once("Collected :")?.1.trim().parse().ok());
-    count.with_context(|| format!("valgrind counts nothing: {said}"))
+    let reported = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "{words}: {reported}");
+    let count = reported.lines().find_map(|line| line.split_once("Collected :")?.1.trim().parse().ok());
+    count.with_context(|| format!("valgrind counts nothing: {reported}"))
 }
 
 /// Judges epochs as words tell: precision (`f32` or `f64`), satellites, faults, epochs.

@@ -167,7 +167,7 @@ fn rustc(crate_type: &str, features: &str, target_folder: &Path) -> Command {
 pub fn run(command: &mut Command) -> anyhow::Result<Vec<u8>> {
     let output =
         command.output().with_context(|| format!("{} cannot be run", command.get_program().display()))?;
-    let said = String::from_utf8_lossy(&output.stderr);
-    ensure!(output.status.success(), "{} failed:\n{said}", command.get_program().display());
+    let reported = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "{} failed:\n{reported}", command.get_program().display());
     Ok(output.stdout)
 }

@@ -101,8 +101,8 @@ fn link(name: &str, compiled_for: CompiledFor) -> anyhow::Result<PathBuf> {
         .args(["--quiet", "--message-format=json-render-diagnostics", "--"])
         .args(["-C", "link-arg=--warn-unresolved-symbols"]);
     let output = cargo.output().context("cargo cannot be run")?;
-    let said = String::from_utf8_lossy(&output.stderr);
-    ensure!(output.status.success(), "the image does not build:\n{said}");
+    let reported = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "the image does not build:\n{reported}");
     image::executable(&String::from_utf8_lossy(&output.stdout)).context("cargo linked no image")
 }
 

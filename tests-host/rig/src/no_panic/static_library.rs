@@ -86,8 +86,8 @@ impl StaticLibrary {
 /// Returns the linker that comes with the compiler and links the images.
 pub(crate) fn linker() -> anyhow::Result<PathBuf> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let said = String::from_utf8(run(Command::new(rustc).args(["--print", "target-libdir"]))?)?;
-    let folder = Path::new(said.trim()).parent().context("the folder of the compiler is unknown")?;
+    let reported = String::from_utf8(run(Command::new(rustc).args(["--print", "target-libdir"]))?)?;
+    let folder = Path::new(reported.trim()).parent().context("the folder of the compiler is unknown")?;
     Ok(folder.join("bin/rust-lld"))
 }
 

@@ -42,10 +42,10 @@ impl Files {
     /// Runs a command that is refused; returns its one line.
     fn refusal(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
+        let reported = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {reported}");
         assert!(output.stdout.is_empty(), "{arguments:?}: {:?}", output.stdout);
-        let [line] = said.lines().collect::<Vec<_>>()[..] else { panic!("{arguments:?}: {said}") };
+        let [line] = reported.lines().collect::<Vec<_>>()[..] else { panic!("{arguments:?}: {reported}") };
         assert!(line.starts_with("error: "), "{arguments:?}: {line}");
         line.to_owned()
     }
@@ -180,8 +180,8 @@ fn a_line_that_cannot_be_read_is_counted_in_words_and_in_json() {
     let later = OBSERVATIONS.lines().skip(4).collect::<Vec<_>>().join("\n").replace("00  0.0", "00 30.0");
     files.write("day.obs", &format!("{damaged}{later}\n"));
     let arguments = ["replay", "--obs", "day.obs", "--nav", "day.nav", "--systems", "G"];
-    let said = String::from_utf8(files.run(&arguments).stdout).unwrap();
-    assert!(said.contains("records skipped    1 damaged; first flaw: day.obs, line 7\n"), "{said}");
+    let reported = String::from_utf8(files.run(&arguments).stdout).unwrap();
+    assert!(reported.contains("records skipped    1 damaged; first flaw: day.obs, line 7\n"), "{reported}");
     let output = files.run(&[&arguments[..], &["--json"]].concat());
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&summary["epochs"], &summary["skipped"]["damaged"]), (&2.into(), &1.into()), "{summary}");
@@ -193,8 +193,8 @@ fn a_line_that_cannot_be_read_is_counted_in_words_and_in_json() {
 fn without_a_truth_nothing_is_said_of_misleading_epochs() {
     let files = Files::new("no_truth");
     let output = files.run(&["replay", "--obs", "day.obs", "--nav", "day.nav"]);
-    let said = String::from_utf8(output.stdout).unwrap();
-    assert!(said.contains("unknown: --truth") && !said.contains("misleading"), "{said}");
+    let reported = String::from_utf8(output.stdout).unwrap();
+    assert!(reported.contains("unknown: --truth") && !reported.contains("misleading"), "{reported}");
     let output = files.run(&["replay", "--obs", "day.obs", "--nav", "day.nav", "--json"]);
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(summary["misleading"].is_null() && summary["hazardous"].is_null(), "{summary}");
@@ -240,10 +240,10 @@ fn a_reader_that_goes_away_is_no_error() {
             .unwrap()
             .wait_with_output()
             .unwrap();
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let reported = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(
-            output.status.success() && said.is_empty(),
-            "{arguments:?}: {:?} {said}",
+            output.status.success() && reported.is_empty(),
+            "{arguments:?}: {:?} {reported}",
             output.status.code()
         );
     }

@@ -51,16 +51,16 @@ impl Folder {
 
     /// Returns standard error of a replay that succeeds or fails, as `succeeds` says.
     #[track_caller]
-    fn said(&self, arguments: &[&str], succeeds: bool) -> String {
+    fn reported(&self, arguments: &[&str], succeeds: bool) -> String {
         let output = self.replay(arguments);
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.success(), succeeds, "{arguments:?}: {said}");
-        said
+        let reported = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.success(), succeeds, "{arguments:?}: {reported}");
+        reported
     }
 
     /// Returns the sentences of a replay.
     fn sentences(&self, captures: &[&str]) -> String {
-        self.said(&[captures, &["--nmea", "said.nmea"]].concat(), true);
+        self.reported(&[captures, &["--nmea", "said.nmea"]].concat(), true);
         fs::read_to_string(self.0.join("said.nmea")).unwrap()
     }
 }
@@ -76,13 +76,13 @@ fn settings_and_faults_that_cannot_be_meant_are_answered_with_what_may_be() {
         (["--inject", "R03:+50@5.."], "--inject R03: GLONASS does not take part"),
         (["--ramp", "J01:1@5.."], "J01: QZSS does not take part"),
     ] {
-        let said = folder.said(&[&["day.ubx"][..], &arguments].concat(), false);
-        assert!(said.contains(want), "{arguments:?}: {said}");
+        let reported = folder.reported(&[&["day.ubx"][..], &arguments].concat(), false);
+        assert!(reported.contains(want), "{arguments:?}: {reported}");
     }
-    let said = folder.said(&["day.ubx", "--inject", "R03:+50@5..", "--systems", "gcer"], false);
-    assert!(said.contains("R03 is never received"), "{said}");
-    let said = folder.said(&["ntrip://caster:2101/MOUNT"], false);
-    assert!(said.contains("rai run --input RECEIVER --caster ntrip://caster:2101/MOUNT"), "{said}");
+    let reported = folder.reported(&["day.ubx", "--inject", "R03:+50@5..", "--systems", "gcer"], false);
+    assert!(reported.contains("R03 is never received"), "{reported}");
+    let reported = folder.reported(&["ntrip://caster:2101/MOUNT"], false);
+    assert!(reported.contains("rai run --input RECEIVER --caster ntrip://caster:2101/MOUNT"), "{reported}");
 }
 
 /// The sky is that of 34.125 N, 108.57 E.
@@ -95,16 +95,16 @@ fn truth_whose_numbers_are_in_another_order_is_asked_about() {
         ("5007000,-1683000,3563000", "-1683000,5007000,3563000"),
         ("1683000,5007000,3563000", "-1683000,5007000,3563000"),
     ] {
-        let said = folder.said(&["day.ubx", "--truth", wrong], true);
-        let is_asked = said.contains(&format!("in another order? {right} is "));
-        assert!(is_asked && said.contains("km or more from every position"), "{said}");
+        let reported = folder.reported(&["day.ubx", "--truth", wrong], true);
+        let is_asked = reported.contains(&format!("in another order? {right} is "));
+        assert!(is_asked && reported.contains("km or more from every position"), "{reported}");
     }
     for wrong in ["108.57,34.17,400", "400,34.17,108.57"] {
-        let said = folder.said(&["day.ubx", "--truth", wrong], false);
-        assert!(said.contains("of angles the latitude stands first"), "{said}");
+        let reported = folder.reported(&["day.ubx", "--truth", wrong], false);
+        assert!(reported.contains("of angles the latitude stands first"), "{reported}");
     }
-    let said = folder.said(&["day.ubx", "--truth", "34.17,108.57,400"], true);
-    assert!(!said.contains("order"), "{said}");
+    let reported = folder.reported(&["day.ubx", "--truth", "34.17,108.57,400"], true);
+    assert!(!reported.contains("order"), "{reported}");
 }
 
 #[test]
@@ -113,21 +113,21 @@ fn gzip_file_that_is_cut_off_is_read_as_far_as_it_goes() {
     let packed = gzip(&pieces().concat());
     folder.write("cut.ubx.gz", &packed[..packed.len() * 3 / 4]);
     folder.write("whole.ubx.gz", &packed);
-    let said = folder.said(&["cut.ubx.gz"], true);
-    assert!(said.contains("cut.ubx.gz is cut off, and read as far as the gzip data goes"), "{said}");
+    let reported = folder.reported(&["cut.ubx.gz"], true);
+    assert!(reported.contains("cut.ubx.gz is cut off, and read as far as the gzip data goes"), "{reported}");
     let (cut, whole) = (folder.sentences(&["cut.ubx.gz"]), folder.sentences(&["whole.ubx.gz"]));
     let epochs = [&cut, &whole].map(|text| text.matches("$PRAIS").count());
     assert!(epochs[0] >= 5 && epochs[0] < epochs[1], "{epochs:?}");
     // The last epoch may be that which the end cuts.
     let common = cut.rfind("$GNRMC").unwrap();
     assert_eq!(cut[..common], whole[..common]);
-    assert!(!folder.said(&["whole.ubx.gz"], true).contains("cut off"));
+    assert!(!folder.reported(&["whole.ubx.gz"], true).contains("cut off"));
     // Bytes that changed are another matter.
     let mut spoilt = packed.clone();
     let last = spoilt.len() - 5;
     spoilt[last] ^= 1;
     folder.write("spoilt.ubx.gz", &spoilt);
-    assert!(folder.said(&["spoilt.ubx.gz"], false).contains("damaged gzip"));
+    assert!(folder.reported(&["spoilt.ubx.gz"], false).contains("damaged gzip"));
 }
 
 /// A logger begins a new file after so many bytes, inside a frame.
@@ -145,13 +145,13 @@ fn several_captures_of_one_logger_are_read_in_the_order_of_time() {
     for captures in [["a.ubx", "b.ubx", "c.ubx.gz"], ["c.ubx.gz", "b.ubx", "a.ubx"]] {
         assert_eq!(folder.sentences(&captures), want, "{captures:?}");
     }
-    let said = folder.said(&["a.ubx", "b.ubx", "c.ubx.gz"], true);
-    assert!(said.contains("reading b.ubx, c.ubx.gz, a.ubx in the order of their time"), "{said}");
+    let reported = folder.reported(&["a.ubx", "b.ubx", "c.ubx.gz"], true);
+    assert!(reported.contains("reading b.ubx, c.ubx.gz, a.ubx in the order of their time"), "{reported}");
     for (captures, want) in [
         (["b.ubx", "b.ubx"], "begin with the same epoch"),
         (["b.ubx", "-"], "several captures must be files, and - is none"),
         (["b.ubx", "no.ubx"], "several captures must be files, and no.ubx is none"),
     ] {
-        assert!(folder.said(&captures, false).contains(want));
+        assert!(folder.reported(&captures, false).contains(want));
     }
 }

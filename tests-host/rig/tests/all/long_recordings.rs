@@ -220,10 +220,10 @@ fn monitor_judges_every_epoch_that_replay_judges() {
         assert_eq!(verdicts(&have).len(), TEN_HERTZ as usize, "{name}");
         assert_eq!(verdicts(&monitor(&packed, &[])), verdicts(&have), "{name}");
         // The recorded sentences are a file again.
-        let said = folder.join("said.nmea");
-        let record = ["--record", said.to_str().unwrap()];
+        let reported = folder.join("said.nmea");
+        let record = ["--record", reported.to_str().unwrap()];
         assert_eq!(verdicts(&monitor(&plain, &record)), verdicts(&have), "{name}");
-        assert_eq!(verdicts(&monitor(&said, &["--speed", "max"])), verdicts(&have), "{name}");
+        assert_eq!(verdicts(&monitor(&reported, &["--speed", "max"])), verdicts(&have), "{name}");
     }
 }
 
@@ -242,10 +242,10 @@ fn monitor_refuses_what_is_no_stream_as_replay_does() {
         let path = folder.join(name);
         fs::write(&path, bytes).unwrap();
         for output in [monitor(&path, &[]), program().arg("replay").arg(&path).output().unwrap()] {
-            let said = String::from_utf8(output.stderr).unwrap();
-            assert_eq!(output.status.code(), Some(1), "{name}: {said}");
-            assert!(said.contains(want) && said.contains(name), "{name}: {said}");
-            assert_eq!(said.lines().count(), 1, "{name}: {said}");
+            let reported = String::from_utf8(output.stderr).unwrap();
+            assert_eq!(output.status.code(), Some(1), "{name}: {reported}");
+            assert!(reported.contains(want) && reported.contains(name), "{name}: {reported}");
+            assert_eq!(reported.lines().count(), 1, "{name}: {reported}");
         }
     }
     let output = monitor(Path::new("day.obs"), &["--speed", "0"]);
@@ -276,11 +276,14 @@ mod at_length {
                     truth,
                 ]);
                 arguments.extend(["--report".to_owned(), report]);
-                let (said, kib) = replay(&arguments);
+                let (reported, kib) = replay(&arguments);
                 let rows = fs::read_to_string(&csv).unwrap().lines().count();
-                println!("{way}, {epochs} epochs: {kib} KiB; {}", said.lines().next().unwrap_or(""));
+                println!("{way}, {epochs} epochs: {kib} KiB; {}", reported.lines().next().unwrap_or(""));
                 assert_eq!(rows, epochs as usize + 1, "{way}");
-                assert!(said.contains(&format!("epochs {epochs}, fixes {epochs}: ")), "{way}: {said}");
+                assert!(
+                    reported.contains(&format!("epochs {epochs}, fixes {epochs}: ")),
+                    "{way}: {reported}"
+                );
                 assert!(kib < MEMORY_KIB, "{way}, {epochs} epochs: {kib} KiB");
                 match of_few.get(index) {
                     None => of_few.push(kib),

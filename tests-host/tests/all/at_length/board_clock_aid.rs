@@ -91,11 +91,11 @@ fn judged_on_board(lumps: &[Lump]) -> Option<Vec<EpochOutput>> {
     }
     let commands = ["CLOCKAID,ON".to_owned()];
     let image = image::build().expect("the image builds");
-    let mut said = String::new();
+    let mut reported = String::new();
     let source = lumps.iter().cloned().map(Ok);
-    let board = lockstep::on_board(&image, source, &commands, |heard| said.push_str(&heard.board));
+    let board = lockstep::on_board(&image, source, &commands, |heard| reported.push_str(&heard.board));
     assert_eq!(board.expect("both judge").difference, None, "board and host");
-    let outputs = epochs(&said).expect("sentences");
+    let outputs = epochs(&reported).expect("sentences");
     assert_eq!(outputs.len(), END_S as usize, "one verdict a second");
     Some(outputs)
 }
@@ -144,8 +144,8 @@ fn step_on_one_of_four_satellites_is_an_alarm() {
 #[test]
 fn without_the_clock_four_satellites_are_no_test() {
     let lumps = received(&FOUR, &steps(&FOUR, SHORT_QUIET_S));
-    let said = replay::on_host(&lumps, &[], Pace::LockStep, |_| {}).expect("the host judges");
-    for (second, output) in with_few(&epochs(&said.sentences()).expect("sentences")) {
+    let reported = replay::on_host(&lumps, &[], Pace::LockStep, |_| {}).expect("the host judges");
+    for (second, output) in with_few(&epochs(&reported.sentences()).expect("sentences")) {
         assert_eq!(verdict(output), ('U', "REDUNDANCY"), "{second} s");
     }
 }

@@ -55,10 +55,10 @@ fn a_u_blox_stream_of_five_systems_is_judged_alike() {
     let window = Window { to_s: 40.0, ..Window::ALL };
     let lumps = Capture::of(bytes, None).unwrap().lumps(&[], &window).unwrap().lumps;
     // The epochs have more than fifty satellites, so the other tests check the cost.
-    let Both { host: said, board, run } = on_both(&lumps, "SYSTEMS,GCERJ");
-    assert_eq!((&board, run.losses), (&said, 0));
-    let (last, of_glonass) = (said.rfind("$PRAIS").unwrap(), said.rfind("$GLGSA").unwrap());
-    assert!(last > of_glonass && said[last..].contains(",P,OK,"), "{}", &said[last..]);
+    let Both { host: reported, board, run } = on_both(&lumps, "SYSTEMS,GCERJ");
+    assert_eq!((&board, run.losses), (&reported, 0));
+    let (last, of_glonass) = (reported.rfind("$PRAIS").unwrap(), reported.rfind("$GLGSA").unwrap());
+    assert!(last > of_glonass && reported[last..].contains(",P,OK,"), "{}", &reported[last..]);
 }
 
 #[test]

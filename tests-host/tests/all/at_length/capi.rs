@@ -59,10 +59,10 @@ fn monitor_from_c_names_the_satellite_that_is_wrong() {
     ];
     for (compiler, flags) in modes {
         let program = compile(compiler, &example("monitor.c"), &library, flags, out.path());
-        let said = String::from_utf8(run(&mut Command::new(&program)).expect("protected")).expect("text");
+        let reported = String::from_utf8(run(&mut Command::new(&program)).expect("protected")).expect("text");
         // The example in the README of `raim-core`, with its numbers: G05 is left out, and nothing else.
-        assert!(said.starts_with("EXCLUDED: 6 of 7 satellites, HPL "), "{said}");
-        assert!(said.contains("left out: G05, off by 80.0 m"), "{said}");
+        assert!(reported.starts_with("EXCLUDED: 6 of 7 satellites, HPL "), "{reported}");
+        assert!(reported.contains("left out: G05, off by 80.0 m"), "{reported}");
     }
 }
 
@@ -116,10 +116,10 @@ fn stream() -> Vec<u8> {
 fn from_rust(bytes: &[u8]) -> String {
     let boot = Boot::on_host("library");
     let mut receiver = Receiver::new(MemoryPin::default(), boot).expect("in the tables");
-    let mut said = Vec::new();
-    receiver.greet(&mut said);
+    let mut reported = Vec::new();
+    receiver.greet(&mut reported);
     for (count, byte) in (1_u64..).zip(bytes) {
-        receiver.gnss(&[*byte], count * 1000 / 11520, &mut said);
+        receiver.gnss(&[*byte], count * 1000 / 11520, &mut reported);
     }
-    String::from_utf8(said).expect("ASCII")
+    String::from_utf8(reported).expect("ASCII")
 }

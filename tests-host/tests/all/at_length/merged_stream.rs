@@ -87,15 +87,15 @@ struct Outcome {
 
 impl Outcome {
     fn protected(&self) -> usize {
-        self.seen.iter().filter(|seen| seen.said.state.is_protected()).count()
+        self.seen.iter().filter(|seen| seen.reported.state.is_protected()).count()
     }
 
     fn vpl_m(&self, epoch: usize) -> f64 {
-        self.seen[epoch].said.state.vpl_m.unwrap_or(f64::INFINITY)
+        self.seen[epoch].reported.state.vpl_m.unwrap_or(f64::INFINITY)
     }
 
     fn hpl_m(&self, epoch: usize) -> f64 {
-        self.seen[epoch].said.state.hpl_m.unwrap_or(f64::INFINITY)
+        self.seen[epoch].reported.state.hpl_m.unwrap_or(f64::INFINITY)
     }
 
     /// Returns the mean of the vertical level over protected epochs, m.
@@ -103,8 +103,8 @@ impl Outcome {
         let levels = self
             .seen
             .iter()
-            .filter(|seen| seen.said.state.is_protected())
-            .filter_map(|seen| seen.said.state.vpl_m);
+            .filter(|seen| seen.reported.state.is_protected())
+            .filter_map(|seen| seen.reported.state.vpl_m);
         let levels: Vec<f64> = levels.collect();
         levels.iter().sum::<f64>() / levels.len() as f64
     }
@@ -112,7 +112,7 @@ impl Outcome {
 
 /// Feeds the ranges of some systems, with the sets of a caster, or with those that a receiver would
 /// send.
-fn hear(recording: &Recording, systems: &str, caster: Option<&Caster>, step_s: usize) -> Outcome {
+fn receive(recording: &Recording, systems: &str, caster: Option<&Caster>, step_s: usize) -> Outcome {
     let selection = Selection::new(systems, Frequency::Dual).unwrap();
     let sets: &[TimedEphemeris] = if caster.is_some() { &[] } else { &recording.ephemerides };
     let mut encoder = Encoder::new(sets, selection).as_receiver();
@@ -124,7 +124,7 @@ fn hear(recording: &Recording, systems: &str, caster: Option<&Caster>, step_s: u
             caster.map(|caster| caster.due(index * step_s, step_s, epoch.time)).unwrap_or_default();
         bytes.extend(encoder.epoch(epoch).unwrap());
         // An alert for a silent line may follow it.
-        outcome.seen.extend(victim.hear(&bytes, truth).unwrap().into_iter().next());
+        outcome.seen.extend(victim.receive(&bytes, truth).unwrap().into_iter().next());
         let missing = victim.counter("ephemeris_missing").expect("an answer");
         outcome.missing.push(missing - std::mem::replace(&mut before, missing));
     }
@@ -151,12 +151,12 @@ const ORDERS: [&str; 6] = ["GEC", "GCE", "EGC", "ECG", "CGE", "CEG"];
 #[test]
 fn whatever_the_order_of_systems_those_in_view_have_their_ephemerides_from_the_second_time_on() {
     let recording = sky(250, 1.0);
-    let alone = ["G", "E", "C"].map(|system| hear(&recording, system, None, 1));
-    let want = hear(&recording, "GEC", None, 1);
+    let alone = ["G", "E", "C"].map(|system| receive(&recording, system, None, 1));
+    let want = receive(&recording, "GEC", None, 1);
     for order in ORDERS {
         for (period_s, pace) in [10, 60].into_iter().flat_map(|period_s| PACES.map(|pace| (period_s, pace))) {
             let caster = Caster::new(&recording.ephemerides, order, period_s, pace);
-            let have = hear(&recording, "GEC", Some(&caster), 1);
+            let have = receive(&recording, "GEC", Some(&caster), 1);
             let case = format!("{order} every {period_s} s, {pace:?}");
             let from = 2 * period_s;
             let missing: u32 = have.missing[from..].iter().sum();
@@ -182,7 +182,7 @@ fn satellites_that_rise_have_their_ephemerides_within_one_repetition() {
     let recording = sky(360, STEP_S as f64);
     for (period_s, pace) in [30, 60].into_iter().flat_map(|period_s| PACES.map(|pace| (period_s, pace))) {
         let caster = Caster::new(&recording.ephemerides, "GEC", period_s, pace);
-        let have = hear(&recording, "GEC", Some(&caster), STEP_S);
+        let have = receive(&recording, "GEC", Some(&caster), STEP_S);
         // Each satellite that rises or returns may lack its set until it comes again.
         let rising: usize = recording
             .epochs
@@ -219,7 +219,7 @@ fn real(
         station.folder,
         caster.satellites.len()
     );
-    let outcomes = [Some(&caster), None].map(|caster| hear(&recording, systems, caster, step_s));
+    let outcomes = [Some(&caster), None].map(|caster| receive(&recording, systems, caster, step_s));
     for (name, outcome) in ["caster", "receiver"].iter().zip(&outcomes) {
         println!(
             "  {name}: {} of {} protected, VPL {:.2} m, {} times without an ephemeris, {} displaced",

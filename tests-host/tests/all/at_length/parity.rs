@@ -90,9 +90,9 @@ fn says_what_the_host_says(named: &Named) {
     let image = named.build_with_log().expect("the image builds");
     let (have, mut board) = on_board(&image, &lumps);
     // `small` does not learn the noise of the receiver, so that later epochs have other levels.
-    let compared = |said: &str| {
-        let first = said.split_inclusive("$PRAIN").next().unwrap_or_default();
-        if named.is_whole() { said.to_owned() } else { first.to_owned() }
+    let compared = |reported: &str| {
+        let first = reported.split_inclusive("$PRAIN").next().unwrap_or_default();
+        if named.is_whole() { reported.to_owned() } else { first.to_owned() }
     };
     assert_eq!(compared(&have), compared(&want), "image {}", named.name);
     assert!(want.contains("$PRAIX") && want.contains(",P,OK,"), "a satellite is excluded, then used again");

@@ -85,9 +85,9 @@ fn package_for_python_passes_its_own_tests() {
     let mut python = with_recording(&python, out.path());
     python.args(["-m", "unittest", "discover", "-s"]).arg(package().join("tests"));
     let output = python.output().expect("python3");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    assert!(!said.contains("skipped"), "{said}");
+    let reported = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{reported}");
+    assert!(!reported.contains("skipped"), "{reported}");
 }
 
 /// A cell that raises ends the run. The last table must have the satellites of the recording.

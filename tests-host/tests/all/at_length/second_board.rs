@@ -22,11 +22,11 @@ fn lumps(epochs: u32) -> Vec<Vec<u8>> {
 fn on_host(lumps: &[Vec<u8>]) -> Vec<String> {
     let boot = Boot::on_host("host");
     let mut receiver = Receiver::new(MemoryPin::default(), boot).expect("the module starts");
-    let mut said = Vec::new();
+    let mut reported = Vec::new();
     for lump in lumps {
-        receiver.gnss(lump, 0, &mut said);
+        receiver.gnss(lump, 0, &mut reported);
     }
-    of_epochs(String::from_utf8(said).expect("sentences are ASCII").lines())
+    of_epochs(String::from_utf8(reported).expect("sentences are ASCII").lines())
 }
 
 /// Returns only the sentences of epochs, because the timing of the others depends on the start of
@@ -41,16 +41,16 @@ fn on_board(machine: Machine, lumps: &[Vec<u8>]) -> (Vec<String>, Vec<u64>) {
     let settings = Settings { machine, ..Settings::default() };
     let mut board = EmulatedBoard::start_with(&image, &settings).expect("the emulator starts");
     board.read_through("$PRAIV", PATIENCE).expect("the board greets");
-    let mut said = Vec::new();
+    let mut reported = Vec::new();
     for lump in lumps {
         board.feed(lump).expect("the board takes bytes");
-        said.extend(board.read_through("$PRAIS", PATIENCE).expect("the board judges an epoch"));
+        reported.extend(board.read_through("$PRAIS", PATIENCE).expect("the board judges an epoch"));
     }
     board.log_with(&format!("epoch {} took", lumps.len()), 0, PATIENCE).expect("the cost is logged");
     let ticks: Vec<u64> = board.log().iter().filter_map(LogLine::epoch_ticks).collect();
     board.stop().expect("the board ran to its end");
     let instructions = ticks.iter().map(|ticks| ticks * 1_000_000_000 / machine.tick_hz()).collect();
-    (of_epochs(said.iter().map(|line| line.trim_end())), instructions)
+    (of_epochs(reported.iter().map(|line| line.trim_end())), instructions)
 }
 
 #[test]

@@ -40,14 +40,14 @@ fn pin_of_the_zephyr_sample_rises_with_the_sky_and_falls_in_a_silence() {
         .spawn()
         .expect("it was compiled a moment ago");
     board.stdin.take().expect("a pipe").write_all(&bytes).expect("it reads");
-    let said = board.wait_with_output().expect("it ends").stdout;
-    let said = String::from_utf8(said).expect("text");
-    let lines: Vec<Vec<&str>> = said.lines().map(|line| line.split(' ').collect()).collect();
+    let reported = board.wait_with_output().expect("it ends").stdout;
+    let reported = String::from_utf8(reported).expect("text");
+    let lines: Vec<Vec<&str>> = reported.lines().map(|line| line.split(' ').collect()).collect();
     let end_ms = bytes.len() as u64 * 10 * 1000 / 115_200;
-    let [at_start, rise, fall, host] = lines.as_slice() else { panic!("{said}") };
-    assert_eq!(*at_start, ["pin", "0", "at", "0"], "{said}");
+    let [at_start, rise, fall, host] = lines.as_slice() else { panic!("{reported}") };
+    assert_eq!(*at_start, ["pin", "0", "at", "0"], "{reported}");
     let time_ms = |line: &[&str]| line[3].parse::<u64>().expect("a time");
-    assert!(rise[1] == "1" && time_ms(rise) < end_ms, "{said}");
-    assert!(fall[1] == "0" && time_ms(fall) <= end_ms + TIME_TO_ALERT_MS + DELAY_MS, "{said}");
-    assert!(host[1].parse::<u64>().expect("a number") > 40 * 300, "the host gets the sentences: {said}");
+    assert!(rise[1] == "1" && time_ms(rise) < end_ms, "{reported}");
+    assert!(fall[1] == "0" && time_ms(fall) <= end_ms + TIME_TO_ALERT_MS + DELAY_MS, "{reported}");
+    assert!(host[1].parse::<u64>().expect("a number") > 40 * 300, "the host gets the sentences: {reported}");
 }

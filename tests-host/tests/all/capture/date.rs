@@ -77,8 +77,8 @@ fn table_of_satellites_has_the_date_of_the_capture() {
     let mut playback = Playback::start(lumps, &setup, Pace::Recorded).unwrap();
     playback.watch();
     let mut weeks = std::collections::BTreeSet::new();
-    while let Some((_, said)) = playback.advance().unwrap() {
-        weeks.extend(said.view().and_then(|view| view.time).map(|time| time.week));
+    while let Some((_, reported)) = playback.advance().unwrap() {
+        weeks.extend(reported.view().and_then(|view| view.time).map(|time| time.week));
     }
     assert_eq!(weeks.into_iter().collect::<Vec<_>>(), [1709]);
 }
@@ -94,7 +94,7 @@ fn station_that_tags_beidou_with_gps_time_gets_its_position() {
     let setup = [format!("WEEK,{}", prepared.week.unwrap())];
     let run = replay::on_host(&prepared.lumps, &setup, Pace::Recorded, |_| ()).unwrap();
     // The last minute has ephemerides of four satellites of GPS.
-    let places: Vec<_> = run.said.iter().filter_map(|said| said.output()?.position).collect();
+    let places: Vec<_> = run.reported.iter().filter_map(|reported| reported.output()?.position).collect();
     assert!(places.len() >= 60, "{} positions", places.len());
     for place in places {
         let found = [place.latitude_rad, place.longitude_rad].map(f64::to_degrees);

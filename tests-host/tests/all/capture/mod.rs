@@ -124,8 +124,8 @@ fn run(lumps: &[Lump], truth: Option<&Truth>) -> Track {
 }
 
 fn run_with(lumps: &[Lump], truth: Option<&Truth>, setup: &[String]) -> Track {
-    let said = replay::on_host(lumps, setup, Pace::Recorded, |_| ()).unwrap();
-    replay::track(lumps, &said, truth)
+    let reported = replay::on_host(lumps, setup, Pace::Recorded, |_| ()).unwrap();
+    replay::track(lumps, &reported, truth)
 }
 
 fn times(track: &Track) -> Vec<GpsTime> {
@@ -241,9 +241,9 @@ fn sigma_check_is_that_of_the_module_under_every_method() {
     let lumps = replay::encode(&STREAMS[1].recording(), &selection, &[], &window).unwrap();
     for method in ["AUTO", "BAARDA", "SEPARATION"] {
         let setup = [format!("METHOD,{method}")];
-        let said = replay::on_host(&lumps, &setup, Pace::Recorded, |_| ()).unwrap();
-        let of_module = said.counters.iter().find(|(name, _)| name == "sigma_check_pct").unwrap().1;
-        let summary = Summary::of(&replay::track(&lumps, &said, None), &[], false);
+        let reported = replay::on_host(&lumps, &setup, Pace::Recorded, |_| ()).unwrap();
+        let of_module = reported.counters.iter().find(|(name, _)| name == "sigma_check_pct").unwrap().1;
+        let summary = Summary::of(&replay::track(&lumps, &reported, None), &[], false);
         assert_eq!(summary.protected, summary.epochs, "{method}");
         let have = summary.sigma_check_pct.unwrap();
         assert!((have - f64::from(of_module)).abs() <= 1.0, "{method}: {have} %, {of_module} %");

@@ -140,22 +140,22 @@ fn delays_at_their_ends_leave_no_number_that_is_none_and_no_promise_beyond_its_l
         let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection.clone(), None);
         let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("cnav")).unwrap();
         let truth = recording.approximate_position.unwrap();
-        let (mut said, mut worst) = (Vec::new(), 0.0_f64);
+        let (mut reported, mut worst) = (Vec::new(), 0.0_f64);
         for (second, epoch) in (0_u64..).zip(&recording.epochs) {
             // One satellite after another learns the extreme delays.
             let number = (second % 32) as u8 + 1;
             let mut bytes =
                 cnav(gps(number), CnavMessage::Delays([group, other, other, other, other]), false);
             bytes.extend(encoder.epoch(epoch).unwrap());
-            receiver.gnss(&bytes, 1000 * second, &mut said);
+            receiver.gnss(&bytes, 1000 * second, &mut reported);
             let report = receiver.last_report().unwrap();
             let Some((solution, levels)) = report.solution.as_ref().zip(report.protection) else { continue };
             if receiver.pin().high {
                 worst = worst.max(solution.position.distance_m(truth) / levels.hpl_m.hypot(levels.vpl_m));
             }
         }
-        let said = String::from_utf8(said).unwrap();
-        assert!(!said.contains("NaN") && !said.contains("inf"), "{group}, {other}");
+        let reported = String::from_utf8(reported).unwrap();
+        assert!(!reported.contains("NaN") && !reported.contains("inf"), "{group}, {other}");
         println!("TGD {group}, ISC {other}: error up to {worst:.2} of the level");
         assert!(worst < 1.0, "TGD {group}, ISC {other}: {worst}");
     }

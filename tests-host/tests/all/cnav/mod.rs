@@ -48,11 +48,11 @@ fn heard(bytes: &[u8]) -> (Vec<CnavFrame>, Counters) {
 
 /// Returns the last delays that each satellite sent, 2⁻³⁵ s.
 fn delays(frames: &[CnavFrame]) -> BTreeMap<SatelliteId, [i16; 5]> {
-    let said = frames.iter().filter_map(|frame| match frame.content {
+    let reported = frames.iter().filter_map(|frame| match frame.content {
         CnavContent::Delays(delays) => Some((frame.satellite, delays.steps)),
         _ => None,
     });
-    said.collect()
+    reported.collect()
 }
 
 /// Returns a file of the reference folder, unpacked; counts the test as skipped if it is missing.

@@ -35,7 +35,7 @@ fn sky(second: (u8, char)) -> (Vec<Vec<u8>>, Vec<SatelliteId>) {
 }
 
 /// What the module says of a sky.
-struct Said {
+struct Reported {
     used: BTreeSet<SatelliteId>,
     /// The last field of `PRAIE` in the last epoch.
     unhealthy: Option<u8>,
@@ -43,7 +43,7 @@ struct Said {
 }
 
 /// Judges a sky whose satellites have sent `bits` before the first epoch.
-fn judged(lumps: &[Vec<u8>], bits: &[u8], setup: &[(&str, &str)]) -> Said {
+fn judged(lumps: &[Vec<u8>], bits: &[u8], setup: &[(&str, &str)]) -> Reported {
     let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("cnav")).unwrap();
     for (key, values) in setup {
         receiver.set(key, Some(values), &mut Vec::new()).unwrap();
@@ -63,11 +63,11 @@ fn judged(lumps: &[Vec<u8>], bits: &[u8], setup: &[(&str, &str)]) -> Said {
         assert_eq!(fields[2..9].concat(), "", "the receiver says nothing: {line}");
         fields[9].parse().unwrap()
     });
-    Said { used, unhealthy, sentences }
+    Reported { used, unhealthy, sentences }
 }
 
-fn of_gps(said: &Said) -> usize {
-    said.used.iter().filter(|one| one.constellation() == Constellation::Gps).count()
+fn of_gps(reported: &Reported) -> usize {
+    reported.used.iter().filter(|one| one.constellation() == Constellation::Gps).count()
 }
 
 fn health(satellites: &[SatelliteId], out: [bool; 3]) -> Vec<u8> {
@@ -108,8 +108,8 @@ fn a_band_out_of_service_is_not_used_and_the_satellite_falls_back_to_the_other()
         let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection, None);
         recording.epochs.iter().map(|epoch| encoder.epoch(epoch).unwrap()).collect::<Vec<_>>()
     };
-    let states = |said: &Said| {
-        let lines = said.sentences.lines();
+    let states = |reported: &Reported| {
+        let lines = reported.sentences.lines();
         lines
             .filter(|line| line.starts_with("$PRAIS") || line.starts_with("$GNGGA"))
             .collect::<Vec<_>>()
@@ -154,10 +154,10 @@ fn separation_with_a_preset_of_icao_uses_healthy_l5_alone() {
     let (lumps, seen) = sky((5, 'Q'));
     let bad = health(&seen, [false, false, true]);
     let with = |setup: &[(&str, &str)]| {
-        let said = judged(&lumps, &bad, &[&[("FREQ", "DUAL"), ("METHOD", "SEPARATION")], setup].concat());
+        let reported = judged(&lumps, &bad, &[&[("FREQ", "DUAL"), ("METHOD", "SEPARATION")], setup].concat());
         (
-            said.unhealthy.is_some(),
-            said.sentences.lines().find(|line| line.starts_with("$PRAIM")).map(str::to_owned),
+            reported.unhealthy.is_some(),
+            reported.sentences.lines().find(|line| line.starts_with("$PRAIM")).map(str::to_owned),
         )
     };
     for preset in ["ICAO", "ICAO-AIR"] {
@@ -181,14 +181,17 @@ fn the_setting_is_reported_where_it_is_not_as_at_start_and_takes_a_promise_back(
         receiver.gnss(lump, 1000 * second, &mut Vec::new());
     }
     assert!(receiver.pin().high, "a healthy sky");
-    let mut said = Vec::new();
-    receiver.command(command("L5").as_bytes(), &mut said);
-    receiver.command(command("L5,HEALTHY").as_bytes(), &mut said);
+    let mut reported = Vec::new();
+    receiver.command(command("L5").as_bytes(), &mut reported);
+    receiver.command(command("L5,HEALTHY").as_bytes(), &mut reported);
     assert!(!receiver.pin().high, "the promise rested on it");
-    receiver.tick(30_000, &mut said);
-    let said = String::from_utf8(said).unwrap();
-    assert!(said.contains("$PRAIA,L5,TRACKED,OK*"), "{said}");
-    assert!(said.contains("$PRAIA,L5,HEALTHY,OK*"), "{said}");
-    assert!(said.contains(",A,STALE,") || said.contains(",U,SETTINGS,"), "{said}");
-    assert!(said.lines().any(|line| line.starts_with("$PRAIQ") && line.contains(",L5,HEALTHY,")), "{said}");
+    receiver.tick(30_000, &mut reported);
+    let reported = String::from_utf8(reported).unwrap();
+    assert!(reported.contains("$PRAIA,L5,TRACKED,OK*"), "{reported}");
+    assert!(reported.contains("$PRAIA,L5,HEALTHY,OK*"), "{reported}");
+    assert!(reported.contains(",A,STALE,") || reported.contains(",U,SETTINGS,"), "{reported}");
+    assert!(
+        reported.lines().any(|line| line.starts_with("$PRAIQ") && line.contains(",L5,HEALTHY,")),
+        "{reported}"
+    );
 }

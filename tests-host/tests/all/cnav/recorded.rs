@@ -262,9 +262,9 @@ fn delays_are_those_of_the_independent_reader() {
         }
         have.push('\n');
     }
-    let said = String::from_utf8(output.stdout).unwrap();
-    let want: Vec<&str> = said.lines().filter(|line| line.starts_with('G')).collect();
-    assert!(want.len() >= 9, "{said}");
+    let reported = String::from_utf8(output.stdout).unwrap();
+    let want: Vec<&str> = reported.lines().filter(|line| line.starts_with('G')).collect();
+    assert!(want.len() >= 9, "{reported}");
     for (have, want) in have.lines().zip(&want) {
         println!("{have}");
         assert!(want.starts_with(have), "{have}, not {want}");

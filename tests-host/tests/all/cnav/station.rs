@@ -215,7 +215,7 @@ struct Day {
     /// Number of epochs that report an unhealthy L5 in use.
     unhealthy: usize,
     /// State, position, levels and satellites of each epoch.
-    said: Vec<String>,
+    reported: Vec<String>,
 }
 
 fn day(lumps: &[Vec<u8>], setup: &[(&str, &str)]) -> Day {
@@ -223,7 +223,7 @@ fn day(lumps: &[Vec<u8>], setup: &[(&str, &str)]) -> Day {
     for (key, values) in setup {
         receiver.set(key, Some(values), &mut Vec::new()).unwrap();
     }
-    let (mut levels_m, mut said) = (Vec::new(), Vec::new());
+    let (mut levels_m, mut reported) = (Vec::new(), Vec::new());
     let (mut is_protected, mut excluded, mut misleading, mut unhealthy) = (0, 0, 0, 0);
     for (epoch, lump) in (0_u64..).zip(lumps) {
         let mut sentences = Vec::new();
@@ -240,7 +240,7 @@ fn day(lumps: &[Vec<u8>], setup: &[(&str, &str)]) -> Day {
                 misleading += usize::from(error_m > levels.hpl_m.hypot(levels.vpl_m));
             }
         }
-        said.extend(
+        reported.extend(
             sentences
                 .lines()
                 .filter(|line| line.starts_with("$GNGGA") || line.starts_with("$PRAIS"))
@@ -249,7 +249,7 @@ fn day(lumps: &[Vec<u8>], setup: &[(&str, &str)]) -> Day {
     }
     levels_m.sort_by(f64::total_cmp);
     let median_hpl_m = levels_m[levels_m.len() / 2];
-    Day { median_hpl_m, epochs: lumps.len(), is_protected, excluded, misleading, unhealthy, said }
+    Day { median_hpl_m, epochs: lumps.len(), is_protected, excluded, misleading, unhealthy, reported }
 }
 
 /// Returns a sentence without its checksum; `PRAIS` without the number of satellites that the receiver
@@ -336,8 +336,8 @@ mod at_length {
                     assert!(tracked.unhealthy > tracked.epochs / 2, "{name}: {}", tracked.unhealthy);
                 }
                 let bare = of(&without_l5, "HEALTHY");
-                let differs = bare.said.iter().zip(&healthy.said).find(|(one, other)| one != other);
-                assert!(bare.said == healthy.said, "{name}: {differs:?}");
+                let differs = bare.reported.iter().zip(&healthy.reported).find(|(one, other)| one != other);
+                assert!(bare.reported == healthy.reported, "{name}: {differs:?}");
             }
         }
     }

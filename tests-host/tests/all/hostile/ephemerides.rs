@@ -60,7 +60,7 @@ fn orbits_that_cannot_be_are_refused_and_the_known_ones_stay_in_use() {
     for ((name, of_gps, of_beidou), lump) in cases.into_iter().zip(&sky.lumps[3..]) {
         module.note();
         let bytes = spoiled(&sky.lumps[0], of_gps, of_beidou);
-        assert!(module.hear(&bytes).is_empty());
+        assert!(module.receive(&bytes).is_empty());
         assert!(module.grown("ephemerides_invalid") > 40, "{name}: {}", module.grown("ephemerides_invalid"));
         assert_eq!(module.grown("ephemerides"), 0, "{name}");
         module.recovers(lump);
@@ -71,21 +71,21 @@ fn orbits_that_cannot_be_are_refused_and_the_known_ones_stay_in_use() {
 fn the_highest_eccentricity_that_is_let_in_is_found_out_by_the_set_before_it() {
     let sky = Sky::quiet(8);
     let mut module = Module::after(&sky, 3);
-    let said =
-        module.hear(&[of_one(&sky, |m| m.eccentricity = ECCENTRICITY_LET_IN), sky.lumps[3].clone()].concat());
-    let [only] = said.as_slice() else { panic!("one epoch is one answer: {said:?}") };
-    let healthy = Module::after(&sky, 3).hear(&sky.lumps[3]);
+    let reported = module
+        .receive(&[of_one(&sky, |m| m.eccentricity = ECCENTRICITY_LET_IN), sky.lumps[3].clone()].concat());
+    let [only] = reported.as_slice() else { panic!("one epoch is one answer: {reported:?}") };
+    let healthy = Module::after(&sky, 3).receive(&sky.lumps[3]);
     assert_eq!(only.state.used + 1, healthy[0].state.used, "{only:?}");
     assert_eq!((module.grown("ephemerides_disputed"), module.grown("ephemeris_disputed")), (1, 1));
     // All are changed, so that every satellite is contradicted.
-    module.hear(&spoiled(
+    module.receive(&spoiled(
         &sky.lumps[0],
         |m| m.eccentricity = ECCENTRICITY_LET_IN,
         |m| m.eccentricity = ECCENTRICITY_LET_IN,
     ));
     module.has_no_fix(&sky.lumps[4]);
     assert!(!module.pin_is_high());
-    module.hear(&only_ephemerides(&sky));
+    module.receive(&only_ephemerides(&sky));
     module.recovers(&sky.lumps[5]);
 }
 
@@ -106,10 +106,10 @@ fn ephemerides_of_random_bits_make_no_number_that_is_none() {
             rtcm_frame(&payload)
         };
         let burst: Vec<u8> = [1019, 1042, 1045, 1046].repeat(8).into_iter().flat_map(&mut random).collect();
-        assert!(module.hear(&burst).is_empty());
+        assert!(module.receive(&burst).is_empty());
         assert!(module.grown("ephemerides_invalid") > 0);
-        module.hear(&sky.lumps[module.second()]);
-        module.hear(&only_ephemerides(&sky));
+        module.receive(&sky.lumps[module.second()]);
+        module.receive(&only_ephemerides(&sky));
         module.recovers(&sky.lumps[module.second()]);
     }
 }
@@ -118,13 +118,13 @@ fn ephemerides_of_random_bits_make_no_number_that_is_none() {
 fn an_unhealthy_satellite_is_left_out_and_an_unhealthy_sky_is_no_fix() {
     let sky = Sky::quiet(8);
     let mut module = Module::after(&sky, 3);
-    module.hear(&of_one(&sky, |m| m.sv_health_ind = 1));
+    module.receive(&of_one(&sky, |m| m.sv_health_ind = 1));
     module.recovers(&sky.lumps[3]);
     assert_eq!(module.grown("satellite_unhealthy"), 1);
-    module.hear(&spoiled(&sky.lumps[0], |m| m.sv_health_ind = 63, |m| m.sv_health_flag = 1));
+    module.receive(&spoiled(&sky.lumps[0], |m| m.sv_health_ind = 63, |m| m.sv_health_flag = 1));
     module.has_no_fix(&sky.lumps[4]);
     assert!(module.grown("satellite_unhealthy") > 10);
-    module.hear(&only_ephemerides(&sky));
+    module.receive(&only_ephemerides(&sky));
     module.recovers(&sky.lumps[5]);
 }
 
@@ -132,7 +132,7 @@ fn an_unhealthy_satellite_is_left_out_and_an_unhealthy_sky_is_no_fix() {
 fn a_sky_that_stays_unhealthy_is_unavailable_and_never_stale() {
     let sky = Sky::quiet(30);
     let mut module = Module::after(&sky, 3);
-    module.hear(&spoiled(&sky.lumps[0], |m| m.sv_health_ind = 63, |m| m.sv_health_flag = 1));
+    module.receive(&spoiled(&sky.lumps[0], |m| m.sv_health_ind = 63, |m| m.sv_health_flag = 1));
     // Each epoch has one answer, and there is no other between them, although the time to alert
     // passes twice.
     sky.lumps[3..].iter().for_each(|lump| module.has_no_fix(lump));
@@ -144,7 +144,7 @@ fn a_sky_that_stays_unhealthy_is_unavailable_and_never_stale() {
 fn ephemerides_hours_ahead_do_not_displace_those_in_use() {
     let sky = Sky::quiet(5);
     let mut module = Module::after(&sky, 3);
-    module.hear(&spoiled(&sky.lumps[0], |m| m.toe_s += 14_400.0, |m| m.toe_s += 14_400.0));
+    module.receive(&spoiled(&sky.lumps[0], |m| m.toe_s += 14_400.0, |m| m.toe_s += 14_400.0));
     // The plane of the geostationary ones turns with the reference time, so that theirs are no
     // orbits of theirs.
     assert!(module.grown("ephemerides_kept") + module.grown("ephemerides_invalid") > 40);
@@ -157,11 +157,11 @@ fn ephemerides_of_hours_ago_are_no_fix_until_new_ones_come() {
     let mut module = Module::after(&before, 3);
     module.has_no_fix(&only(&later.lumps[0], |message| !is_ephemeris(message)));
     assert!(module.grown("ephemeris_stale") > 10);
-    module.hear(&only(&later.lumps[0], is_ephemeris));
+    module.receive(&only(&later.lumps[0], is_ephemeris));
     module.recovers(&later.lumps[1]);
     // The old ones do not return to use when they are repeated.
     module.note();
-    module.hear(&only_ephemerides(&before));
+    module.receive(&only_ephemerides(&before));
     assert!(module.grown("ephemerides_kept") > 40);
     module.recovers(&later.lumps[2]);
 }
@@ -188,10 +188,10 @@ fn a_new_issue_that_is_wrong_by_kilometres_is_contradicted_and_the_satellite_not
         m.m0_sc += if m.m0_sc > 0.0 { -1e-4 } else { 1e-4 };
     });
     module.note();
-    let said = module.hear(&[wrong, sky.lumps[3].clone()].concat());
-    assert!(said[0].state.is_protected() && said[0].excluded.is_empty(), "{said:?}");
+    let reported = module.receive(&[wrong, sky.lumps[3].clone()].concat());
+    assert!(reported[0].state.is_protected() && reported[0].excluded.is_empty(), "{reported:?}");
     assert_eq!((module.grown("ephemerides_disputed"), module.grown("ephemeris_disputed")), (1, 1));
-    module.hear(&of_one(&sky, |m| m.iode = m.iode.wrapping_add(2)));
+    module.receive(&of_one(&sky, |m| m.iode = m.iode.wrapping_add(2)));
     module.recovers(&sky.lumps[4]);
     assert_eq!(module.grown("ephemeris_disputed"), 1);
 }

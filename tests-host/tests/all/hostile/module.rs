@@ -86,28 +86,28 @@ impl Module {
     }
 
     /// Sends a second's bytes and a pause; returns the output after a check.
-    pub(crate) fn hear(&mut self, bytes: &[u8]) -> Vec<EpochOutput> {
-        let mut said = Vec::new();
-        self.receiver.gnss(bytes, self.now_ms, &mut said);
-        self.receiver.tick(self.now_ms + PAUSE_MS, &mut said);
+    pub(crate) fn receive(&mut self, bytes: &[u8]) -> Vec<EpochOutput> {
+        let mut reported = Vec::new();
+        self.receiver.gnss(bytes, self.now_ms, &mut reported);
+        self.receiver.tick(self.now_ms + PAUSE_MS, &mut reported);
         self.now_ms += 1000;
-        self.checked(said)
+        self.checked(reported)
     }
 
     /// Keeps the line silent; returns the output.
     pub(crate) fn silence(&mut self, for_ms: u64) -> Vec<EpochOutput> {
-        let mut said = Vec::new();
+        let mut reported = Vec::new();
         let end_ms = self.now_ms + for_ms;
         for now_ms in (self.now_ms..=end_ms).step_by(100) {
-            self.receiver.tick(now_ms, &mut said);
+            self.receiver.tick(now_ms, &mut reported);
         }
         self.now_ms = end_ms;
-        self.checked(said)
+        self.checked(reported)
     }
 
     /// Checks the invariants of any output.
-    fn checked(&self, said: Vec<u8>) -> Vec<EpochOutput> {
-        let text = String::from_utf8(said).expect("sentences are ASCII");
+    fn checked(&self, reported: Vec<u8>) -> Vec<EpochOutput> {
+        let text = String::from_utf8(reported).expect("sentences are ASCII");
         let small = text.to_lowercase();
         assert!(!small.contains("nan") && !small.contains("inf"), "a number that is none: {text}");
         let outputs = sentence::epochs(&text).expect("sentences that can be read");
@@ -130,8 +130,8 @@ impl Module {
 
     /// Sends a healthy epoch and checks that it is protected, with all satellites, and right.
     pub(crate) fn recovers(&mut self, lump: &[u8]) {
-        let said = self.hear(lump);
-        let last = said.last().expect("an epoch is answered");
+        let reported = self.receive(lump);
+        let last = reported.last().expect("an epoch is answered");
         assert!(last.state.is_protected() && last.excluded.is_empty(), "healthy epoch: {last:?}");
         assert!(self.error_m(last) < HEALTHY_M, "healthy epoch: {last:?}");
         assert!(self.pin_is_high());
@@ -139,8 +139,8 @@ impl Module {
 
     /// Sends an unusable epoch and checks that there is no position, and that the pin is low.
     pub(crate) fn has_no_fix(&mut self, lump: &[u8]) {
-        let said = self.hear(lump);
-        let [only] = said.as_slice() else { panic!("one epoch is one answer: {said:?}") };
+        let reported = self.receive(lump);
+        let [only] = reported.as_slice() else { panic!("one epoch is one answer: {reported:?}") };
         assert_eq!((only.state.state, only.position), ('U', None), "{only:?}");
         assert!(!self.pin_is_high());
     }

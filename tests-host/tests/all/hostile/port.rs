@@ -14,8 +14,8 @@ fn a_silent_line_is_stale_after_the_time_to_alert_and_the_pin_falls() {
     // The last epoch came a second ago.
     assert!(module.silence(limit_ms - 1100).is_empty(), "no alert before its time");
     assert!(module.pin_is_high());
-    let said = module.silence(200);
-    let [only] = said.as_slice() else { panic!("one alert: {said:?}") };
+    let reported = module.silence(200);
+    let [only] = reported.as_slice() else { panic!("one alert: {reported:?}") };
     assert_eq!((only.state.state, only.state.reason.as_str()), ('A', "STALE"));
     assert!(!module.pin_is_high());
     assert_eq!(module.grown("line_stale"), 1);
@@ -27,8 +27,8 @@ fn noise_is_no_sign_of_life() {
     let sky = Sky::quiet(15);
     let mut module = Module::after(&sky, 3);
     let limit_s = module.receiver.configuration().time_to_alert_s as usize;
-    let said: Vec<_> = (0..=limit_s).flat_map(|_| module.hear(&[0x55; 400])).collect();
-    assert!(said.iter().any(|output| output.state.reason == "STALE"), "{said:?}");
+    let reported: Vec<_> = (0..=limit_s).flat_map(|_| module.receive(&[0x55; 400])).collect();
+    assert!(reported.iter().any(|output| output.state.reason == "STALE"), "{reported:?}");
     assert!(!module.pin_is_high());
     module.recovers(&sky.lumps[module.second()]);
 }
@@ -57,9 +57,9 @@ fn a_bad_command_is_refused_with_the_reason_and_changes_nothing() {
     let want = *module.receiver.configuration();
     for ((bytes, counter, why), lump) in cases.into_iter().zip(&sky.lumps[3..]) {
         module.note();
-        let mut said = Vec::new();
-        module.receiver.command(bytes.as_bytes(), &mut said);
-        let answer = String::from_utf8(said).unwrap();
+        let mut reported = Vec::new();
+        module.receiver.command(bytes.as_bytes(), &mut reported);
+        let answer = String::from_utf8(reported).unwrap();
         assert!(
             answer.starts_with("$PRAIA,") && answer.contains(&format!(",ERR,{why}*")),
             "{bytes}: {answer}"
@@ -79,17 +79,17 @@ fn no_setting_leaves_an_old_promise_standing() {
     for setting in Setting::ALL {
         let (key, row) = (setting.key(), setting.row());
         let mut module = Module::after(&sky, 4);
-        let mut said = Vec::new();
+        let mut reported = Vec::new();
         let order = sentence::command(&format!("{key},{}", setting.documentation().example));
-        module.receiver.command(order.as_bytes(), &mut said);
+        module.receiver.command(order.as_bytes(), &mut reported);
         assert_eq!(module.pin_is_high(), !row.bears_on_promise, "{key}");
-        let said = sentence::epochs(&String::from_utf8(said).unwrap()).unwrap();
-        let reasons: Vec<_> = said.iter().map(|output| output.state.reason.as_str()).collect();
+        let reported = sentence::epochs(&String::from_utf8(reported).unwrap()).unwrap();
+        let reasons: Vec<_> = reported.iter().map(|output| output.state.reason.as_str()).collect();
         assert_eq!(reasons, if row.bears_on_promise { vec!["SETTINGS"] } else { vec![] }, "{key}");
-        assert!(said.iter().all(|output| !output.state.has_epoch()), "{key}");
+        assert!(reported.iter().all(|output| !output.state.has_epoch()), "{key}");
         assert_eq!(module.receiver.last_report().is_some(), !row.bears_on_promise, "{key}");
-        let said = module.hear(&sky.lumps[4]);
-        assert!(said.len() == 1 && said[0].state.reason != "SETTINGS", "{key}: {said:?}");
+        let reported = module.receive(&sky.lumps[4]);
+        assert!(reported.len() == 1 && reported[0].state.reason != "SETTINGS", "{key}: {reported:?}");
     }
 }
 
@@ -105,10 +105,13 @@ fn an_epoch_whose_last_message_is_lost_ends_with_the_silence_of_the_line() {
     let sky = sky_with_a_gap();
     let mut module = Module::after(&sky, 4);
     let begun = frames(&sky.lumps[4]);
-    let said = module.hear(&begun[..begun.len() - 1].concat());
-    assert!(said.len() == 1 && said[0].state.has_epoch(), "{said:?}");
-    let said = module.silence(30_000);
-    assert!(said.iter().all(|output| output.state.reason == "STALE") && !module.pin_is_high(), "{said:?}");
+    let reported = module.receive(&begun[..begun.len() - 1].concat());
+    assert!(reported.len() == 1 && reported[0].state.has_epoch(), "{reported:?}");
+    let reported = module.silence(30_000);
+    assert!(
+        reported.iter().all(|output| output.state.reason == "STALE") && !module.pin_is_high(),
+        "{reported:?}"
+    );
     module.recovers(&sky.lumps[5]);
 }
 
@@ -117,12 +120,12 @@ fn the_time_to_alert_counts_from_when_an_epoch_came() {
     let sky = sky_with_a_gap();
     let mut module = Module::after(&sky, 4);
     let begun = frames(&sky.lumps[4]);
-    let said = module.hear(&begun[..begun.len() - 1].concat());
-    assert!(said.len() == 1 && module.pin_is_high(), "{said:?}");
+    let reported = module.receive(&begun[..begun.len() - 1].concat());
+    assert!(reported.len() == 1 && module.pin_is_high(), "{reported:?}");
     // Noise on the line is no epoch.
-    let said: Vec<_> = (0..8).flat_map(|_| module.hear(&[0x55; 400])).collect();
-    assert!(said.is_empty() && module.pin_is_high(), "nine seconds old, and still good: {said:?}");
-    let said = module.silence(1500);
-    assert!(said.len() == 1 && said[0].state.reason == "STALE", "{said:?}");
+    let reported: Vec<_> = (0..8).flat_map(|_| module.receive(&[0x55; 400])).collect();
+    assert!(reported.is_empty() && module.pin_is_high(), "nine seconds old, and still good: {reported:?}");
+    let reported = module.silence(1500);
+    assert!(reported.len() == 1 && reported[0].state.reason == "STALE", "{reported:?}");
     assert!(!module.pin_is_high(), "ten seconds after the epoch came");
 }

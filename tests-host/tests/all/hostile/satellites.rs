@@ -108,8 +108,8 @@ fn where_the_first_of_two_with_one_id_lies_it_is_excluded_by_name() {
     let sky = Sky::quiet(6);
     let mut module = Module::after(&sky, 3);
     let (lie, liar) = lying(gps(&sky.lumps[3]));
-    let said = module.hear(&[lie, sky.lumps[3].clone()].concat());
-    let [only] = said.as_slice() else { panic!("one epoch is one answer: {said:?}") };
+    let reported = module.receive(&[lie, sky.lumps[3].clone()].concat());
+    let [only] = reported.as_slice() else { panic!("one epoch is one answer: {reported:?}") };
     let excluded: Vec<SatelliteId> = only.excluded.iter().map(|excluded| excluded.satellite).collect();
     assert_eq!((only.state.reason.as_str(), excluded), ("EXCLUDED", vec![liar]));
     assert!(module.grown("satellites_duplicate") > 0);
@@ -175,8 +175,8 @@ fn sixty_four_satellites_that_are_not_there_fill_the_epoch_and_move_nothing() {
         crowd_of_beidou(true_beidou.clone()),
         frame(&Message::Msg1127(true_beidou)),
     ];
-    let said = module.hear(&epoch.concat());
-    assert_eq!(said.len(), 1, "{said:?}");
+    let reported = module.receive(&epoch.concat());
+    assert_eq!(reported.len(), 1, "{reported:?}");
     assert_eq!(module.grown("satellites_unknown"), 32 + 28 + 1);
     assert_eq!(module.grown("satellites_duplicate") as usize, seen.0);
     // 32 of GPS and 32 of Galileo are 64; 4 of Galileo, 63 of BeiDou and both signals of those in
@@ -190,7 +190,7 @@ fn sixty_four_satellites_that_are_not_there_fill_the_epoch_and_move_nothing() {
     // Ranges that come twice with other values are an alert, so the satellites must agree for three
     // seconds.
     for lump in &sky.lumps[4..7] {
-        module.hear(lump);
+        module.receive(lump);
         assert!(!module.pin_is_high());
     }
     module.recovers(&sky.lumps[7]);
@@ -201,12 +201,12 @@ fn a_crowd_before_the_true_ranges_does_not_raise_the_pin() {
     let sky = Sky::quiet(8);
     let mut module = Module::after(&sky, 3);
     let lies = [crowd_of_gps(gps(&sky.lumps[3])), crowd_of_beidou(beidou(&sky.lumps[3]))];
-    module.hear(&[lies.concat(), sky.lumps[3].clone()].concat());
+    module.receive(&[lies.concat(), sky.lumps[3].clone()].concat());
     assert!(!module.pin_is_high());
     assert!(module.grown("satellites_duplicate") > 0 && module.grown("satellites_surplus") > 0);
     // It was an alert, so the satellites must agree for three seconds.
     for lump in &sky.lumps[4..7] {
-        module.hear(lump);
+        module.receive(lump);
         assert!(!module.pin_is_high());
     }
     module.recovers(&sky.lumps[7]);

@@ -28,7 +28,8 @@ fn receiver_that_returns_under_another_number_is_named_and_taken_after_forget() 
     let mut module = Module::after(&sky, 10);
     let mut reasons = Vec::new();
     for lump in &sky.lumps[10..30] {
-        reasons.extend(module.hear(&renumbered(lump, 5)).into_iter().map(|said| said.state.reason));
+        reasons
+            .extend(module.receive(&renumbered(lump, 5)).into_iter().map(|reported| reported.state.reason));
     }
     assert_eq!(reasons, ["SOURCE"; 2], "every ten seconds after the last epoch");
     assert!(!module.pin_is_high() && module.grown("observations_doubled") > 0);
@@ -55,14 +56,14 @@ fn one_repeat_in_ten_at_ten_hertz_costs_no_promise() {
         lumps.push(encoder.epoch(&epoch).unwrap());
     }
     let mut module = Module::new(&Sky { site: simulation.site, lumps: Vec::new() });
-    let (mut said, mut text) = (0, Vec::new());
+    let (mut reported, mut text) = (0, Vec::new());
     for (index, lump) in lumps.iter().enumerate() {
         text.clear();
         module.receiver.gnss(lump, 100 * index as u64, &mut text);
         let outputs = raim::sentence::epochs(std::str::from_utf8(&text).unwrap()).unwrap();
         assert!(outputs.iter().all(|output| output.state.is_protected()), "epoch {index}: {outputs:?}");
-        said += outputs.len();
+        reported += outputs.len();
     }
-    assert_eq!((said, module.grown("epochs_repeated")), (180, 20));
+    assert_eq!((reported, module.grown("epochs_repeated")), (180, 20));
     assert_eq!(module.grown("epochs_alert") + module.grown("epochs_unavailable"), 0);
 }

@@ -8,8 +8,8 @@ fn an_epoch_that_goes_back_is_dropped_whole_and_changes_nothing() {
     let mut module = Module::after(&sky, 6);
     for earlier in [5, 4, 2] {
         module.note();
-        let said = module.hear(&sky.lumps[earlier]);
-        assert!(said.is_empty(), "{said:?}");
+        let reported = module.receive(&sky.lumps[earlier]);
+        assert!(reported.is_empty(), "{reported:?}");
         assert_eq!(module.grown("epochs_backwards"), 1);
     }
     module.recovers(&sky.lumps[6]);
@@ -25,8 +25,8 @@ fn a_pass_goes_on_over_the_roll_over_of_the_week() {
     // UTC is 18 s behind.
     let first_s = 86_400.0 - 18.0 - 5.0;
     for (lump, want_s) in sky.lumps.iter().zip((0..).map(|elapsed| first_s + f64::from(elapsed))) {
-        let said = module.hear(lump);
-        let [only] = said.as_slice() else { panic!("one epoch is one answer: {said:?}") };
+        let reported = module.receive(lump);
+        let [only] = reported.as_slice() else { panic!("one epoch is one answer: {reported:?}") };
         assert!(only.state.is_protected() && only.excluded.is_empty(), "{only:?}");
         assert_eq!(only.state.time_s, Some(want_s));
     }

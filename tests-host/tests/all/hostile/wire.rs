@@ -37,7 +37,7 @@ fn a_wrong_crc_costs_its_frame_only() {
         let mut bytes = frames(&sky.lumps[turn]);
         let middle = bytes[spoiled].len() / 2;
         bytes[spoiled][middle] ^= 0x10;
-        module.hear(&bytes.concat());
+        module.receive(&bytes.concat());
         assert_eq!(module.grown("crc_failures"), 1, "frame {spoiled}");
         module.recovers(&sky.lumps[turn + 1]);
         turn += 2;
@@ -52,7 +52,7 @@ fn a_frame_cut_anywhere_costs_its_epoch_only() {
     for (turn, pair) in sky.lumps[3..].chunks_exact(2).enumerate() {
         let Some((cut, rest)) = pair[0].split_at_checked(1 + turn * STEP) else { break };
         module.note();
-        module.hear(cut);
+        module.receive(cut);
         let at_border = rest.first().is_none_or(|byte| *byte == 0xD3) && module.grown("bytes_skipped") == 0;
         assert!(module.grown("frames_cut") > 0 || at_border, "cut after {}", cut.len());
         module.recovers(&pair[1]);
@@ -88,8 +88,8 @@ fn the_longest_frame_is_read_through_whatever_it_claims_to_be() {
     ];
     for (number, fill, counter) in cases {
         module.note();
-        let said = module.hear(&rtcm_frame(&claiming(number, 1023, fill)));
-        assert!(said.is_empty(), "{number}: {said:?}");
+        let reported = module.receive(&rtcm_frame(&claiming(number, 1023, fill)));
+        assert!(reported.is_empty(), "{number}: {reported:?}");
         assert_eq!(module.grown(counter), 1, "{number} of {fill:#x}");
         module.recovers(&sky.lumps[module.second()]);
     }
@@ -103,7 +103,7 @@ fn messages_shorter_than_their_type_are_malformed() {
     for number in TYPES {
         module.note();
         let short = [2, 3, 7, 9].map(|length| rtcm_frame(&claiming(number, length, 0)));
-        assert!(module.hear(&short.concat()).is_empty());
+        assert!(module.receive(&short.concat()).is_empty());
         assert_eq!(module.grown("messages_malformed") as usize, short.len(), "{number}");
         module.recovers(&sky.lumps[module.second()]);
     }
@@ -112,7 +112,7 @@ fn messages_shorter_than_their_type_are_malformed() {
         .iter()
         .map(|frame| rtcm_frame(&payload(frame)[..payload(frame).len() / 2]))
         .collect();
-    assert!(module.hear(&halves.concat()).is_empty(), "half a message is no epoch");
+    assert!(module.receive(&halves.concat()).is_empty(), "half a message is no epoch");
     assert_eq!(module.grown("messages_malformed") as usize, halves.len());
     module.recovers(&sky.lumps[module.second()]);
 }
@@ -121,7 +121,7 @@ fn messages_shorter_than_their_type_are_malformed() {
 fn an_empty_frame_is_malformed() {
     let sky = Sky::quiet(4);
     let mut module = Module::after(&sky, 3);
-    assert!(module.hear(&[rtcm_frame(&[]), rtcm_frame(&[0x43])].concat()).is_empty());
+    assert!(module.receive(&[rtcm_frame(&[]), rtcm_frame(&[0x43])].concat()).is_empty());
     assert_eq!(module.grown("messages_malformed"), 2);
     module.recovers(&sky.lumps[3]);
 }

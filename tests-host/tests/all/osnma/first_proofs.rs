@@ -76,10 +76,10 @@ fn lumps(pages: &[Page], (_, written): (&str, Written)) -> Vec<Lump> {
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Sentences that follow from pages and epochs, not from the start of the board.
-fn of_epochs<'t>(said: impl Iterator<Item = &'t str>) -> Vec<String> {
+fn of_epochs<'t>(reported: impl Iterator<Item = &'t str>) -> Vec<String> {
     let is_of_start =
         |line: &&str| ["$PRAIV", "$PRAIA", "$PRAIQ", "$PRAIL"].iter().any(|its| line.starts_with(its));
-    said.filter(|line| !is_of_start(line)).map(|line| line.trim_end().to_owned()).collect()
+    reported.filter(|line| !is_of_start(line)).map(|line| line.trim_end().to_owned()).collect()
 }
 
 /// Gives the lumps to a board at the pace of the sky, and to a module in process at the times of the
@@ -118,10 +118,10 @@ fn on_both(
         };
         board.feed(&lump.bytes).expect("the board takes bytes");
         for tick_ms in ticked_ms + 1..=now_ms {
-            host.receiver.tick(tick_ms, &mut host.said);
+            host.receiver.tick(tick_ms, &mut host.reported);
         }
         ticked_ms = now_ms;
-        host.receiver.gnss(&lump.bytes, now_ms, &mut host.said);
+        host.receiver.gnss(&lump.bytes, now_ms, &mut host.reported);
         heard.extend(board.heard());
     }
     // The answer follows all sentences of the last epoch, if the board has read that.
@@ -131,7 +131,8 @@ fn on_both(
         board.read_through("$PRAIA", PATIENCE).expect("an answer").into_iter().map(String::into_bytes),
     );
     board.stop().expect("the board ran to its end");
-    let [host, board] = [host.said, heard.concat()].map(|said| String::from_utf8(said).expect("ASCII"));
+    let [host, board] =
+        [host.reported, heard.concat()].map(|reported| String::from_utf8(reported).expect("ASCII"));
     [of_epochs(host.lines()), of_epochs(board.lines())]
 }
 
@@ -150,10 +151,10 @@ fn without_age(line: &str) -> (String, Option<u32>) {
 
 /// Returns the time from the arrival of the first page, which begins at `start_s`, to the first epoch
 /// with four proved satellites, s.
-fn first_four_s(said: &[String], start_s: u32) -> Option<f64> {
+fn first_four_s(reported: &[String], start_s: u32) -> Option<f64> {
     let is_reached =
         |fields: &Vec<&str>| fields[0] == "$PRAIO" && fields[5].parse::<u32>().is_ok_and(|n| n >= 4);
-    let fields = said.iter().map(|line| line.split(',').collect::<Vec<&str>>()).find(is_reached)?;
+    let fields = reported.iter().map(|line| line.split(',').collect::<Vec<&str>>()).find(is_reached)?;
     let two = |from: usize| fields[1][from..from + 2].parse::<u32>().expect("two digits");
     let utc_s = 3600 * two(0) + 60 * two(2) + two(4);
     let after_s = (86_400 + utc_s + 18 - start_s % 86_400) % 86_400;

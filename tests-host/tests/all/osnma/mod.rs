@@ -196,7 +196,7 @@ fn found<const S: usize, const R: usize, const L: usize>(
     let first_s = pages.first().expect("a page").begin_s;
     for page in pages {
         now_ms = u64::from(page.begin_s - first_s + 2) * 1000;
-        osnma.hear(page.satellite, &page.word(), page.authentication(), page.is_e1, now_ms);
+        osnma.receive(page.satellite, &page.word(), page.authentication(), page.is_e1, now_ms);
         while osnma.work(keys, now_ms) != Worked::Nothing {}
         let summary = osnma.summary(keys, now_ms);
         if states.last() != Some(&summary.state) {
@@ -273,13 +273,13 @@ mod at_length {
 /// A module that hears pages as `RXM-SFRBX` and epochs as `RXM-RAWX`.
 struct Module {
     receiver: Receiver<MemoryPin>,
-    said: Vec<u8>,
+    reported: Vec<u8>,
 }
 
 impl Module {
     fn new(settings: &[&str]) -> Self {
         let receiver = Receiver::new(MemoryPin::default(), Boot::on_host("osnma")).expect("a receiver");
-        let mut module = Self { receiver, said: Vec::new() };
+        let mut module = Self { receiver, reported: Vec::new() };
         for setting in settings {
             module.obey(setting);
         }
@@ -287,10 +287,10 @@ impl Module {
     }
 
     fn obey(&mut self, text: &str) {
-        let mut said = Vec::new();
-        self.receiver.command(sentence::command(text).as_bytes(), &mut said);
-        let said = String::from_utf8(said).expect("ASCII");
-        assert!(said.contains(",OK"), "{said}");
+        let mut reported = Vec::new();
+        self.receiver.command(sentence::command(text).as_bytes(), &mut reported);
+        let reported = String::from_utf8(reported).expect("ASCII");
+        assert!(reported.contains(",OK"), "{reported}");
     }
 
     fn counter(&self, name: &str) -> u32 {
@@ -300,11 +300,11 @@ impl Module {
 
     /// Hears pages as they come, with ticks of this distance; returns the time to four proved
     /// satellites, s.
-    fn hear(&mut self, pages: &[Page], start_s: u32, tick_ms: u64) -> Option<f64> {
+    fn receive(&mut self, pages: &[Page], start_s: u32, tick_ms: u64) -> Option<f64> {
         self.hear_as(pages, start_s, tick_ms, Page::message)
     }
 
-    /// Works like [`Self::hear`], in the receiver's format that `written` makes of a page.
+    /// Works like [`Self::receive`], in the receiver's format that `written` makes of a page.
     fn hear_as(
         &mut self,
         pages: &[Page],
@@ -318,22 +318,22 @@ impl Module {
             let came_ms = u64::from(page.begin_s + 2 - start_s) * 1000;
             while now_ms < came_ms {
                 now_ms = (now_ms + tick_ms).min(came_ms);
-                self.receiver.tick(now_ms, &mut self.said);
+                self.receiver.tick(now_ms, &mut self.reported);
                 let proved = self.receiver.authentication().map_or(0, |summary| summary.proved);
                 if proved >= 4 && first.is_none() {
                     first = Some((now_ms as f64 - 2000.0) * 1e-3);
                 }
             }
-            self.receiver.gnss(&written(page), came_ms, &mut self.said);
+            self.receiver.gnss(&written(page), came_ms, &mut self.reported);
         }
         first
     }
 
     /// Hears an epoch with a range to each satellite, and returns what the module says.
     fn epoch(&mut self, satellites: &[u8], gst_s: u32, now_ms: u64) -> String {
-        self.said.clear();
-        self.receiver.gnss(&ranges(satellites, gst_s), now_ms, &mut self.said);
-        String::from_utf8(self.said.clone()).expect("ASCII")
+        self.reported.clear();
+        self.receiver.gnss(&ranges(satellites, gst_s), now_ms, &mut self.reported);
+        String::from_utf8(self.reported.clone()).expect("ASCII")
     }
 }
 
@@ -374,7 +374,7 @@ fn a_false_ephemeris_is_said_or_left_out_as_the_setting_demands() {
     let satellites: Vec<u8> = counts.keys().copied().collect();
     // The one that is proved first without the lie.
     let mut genuine = Module::new(&[KEY]);
-    genuine.hear(&some().collect::<Vec<_>>(), start_s, 100);
+    genuine.receive(&some().collect::<Vec<_>>(), start_s, 100);
     let proved = genuine.receiver.authentication().expect("a summary").proved;
     assert!(proved >= 4);
     let forged = [2, 7, 8, 13, 19, 26, 27, 29, 30, 33]
@@ -396,14 +396,14 @@ fn a_false_ephemeris_is_said_or_left_out_as_the_setting_demands() {
         (&[KEY, "AUTH,ONLY"], false, u32::MAX),
     ] {
         let mut module = Module::new(settings);
-        module.hear(&lied, start_s, 100);
+        module.receive(&lied, start_s, 100);
         module.receiver.tick(end_ms, &mut Vec::new());
         if trusted {
             module.obey(&trust);
         }
-        let said = module.epoch(&satellites, end_s, end_ms);
+        let reported = module.epoch(&satellites, end_s, end_ms);
         let left_out = module.counter("ephemeris_unproved");
-        let line = said.lines().find(|line| line.starts_with("$PRAIO"));
+        let line = reported.lines().find(|line| line.starts_with("$PRAIO"));
         println!("{settings:?} trusted {trusted}: {left_out} left out, {line:?}");
         if settings.contains(&"AUTH,OFF") {
             assert_eq!((left_out, line), (0, None));
@@ -419,7 +419,7 @@ fn a_false_ephemeris_is_said_or_left_out_as_the_setting_demands() {
             u32::MAX => assert!(left_out > 4),
             want => assert_eq!(left_out, want),
         }
-        let is_unproved = said.contains(",UNPROVED,");
+        let is_unproved = reported.contains(",UNPROVED,");
         assert!(!is_unproved || settings.contains(&"AUTH,ONLY"));
     }
 }
@@ -438,16 +438,16 @@ fn a_sky_of_another_time_is_a_replay_in_its_first_epoch() {
     for (late_s, bound_s, want) in [(0.0, 5, false), (40.0, 5, true), (-40.0, 5, true), (40.0, 60, false)] {
         let mut module = Module::new(&[&format!("WEEK,{}", time.week)]);
         module.obey(&format!("TRUST,{:.1},{bound_s}", utc_s + late_s));
-        let mut said = Vec::new();
+        let mut reported = Vec::new();
         for (index, bytes) in epochs.iter().enumerate() {
-            module.receiver.gnss(bytes, 1000 * index as u64, &mut said);
-            module.receiver.tick(1000 * index as u64 + 600, &mut said);
+            module.receiver.gnss(bytes, 1000 * index as u64, &mut reported);
+            module.receiver.tick(1000 * index as u64 + 600, &mut reported);
         }
-        let said = String::from_utf8(said).expect("ASCII");
-        let replays = said.lines().filter(|line| line.contains(",A,REPLAY,")).count();
-        let states = said.lines().filter(|line| line.starts_with("$PRAIS")).count();
+        let reported = String::from_utf8(reported).expect("ASCII");
+        let replays = reported.lines().filter(|line| line.contains(",A,REPLAY,")).count();
+        let states = reported.lines().filter(|line| line.starts_with("$PRAIS")).count();
         println!("{late_s} s late, bound {bound_s} s: {replays} of {states}");
-        assert_eq!(replays, if want { states } else { 0 }, "{said}");
+        assert_eq!(replays, if want { states } else { 0 }, "{reported}");
         assert_eq!(module.receiver.pin().high, !want);
     }
 }
@@ -463,7 +463,7 @@ fn no_seal_outlives_the_words_that_it_is_of() {
     for page in &pages {
         let now_ms = u64::from(page.begin_s - start_s + 2) * 1000;
         let before = osnma.seal_of(page.satellite);
-        osnma.hear(page.satellite, &page.word(), page.authentication(), page.is_e1, now_ms);
+        osnma.receive(page.satellite, &page.word(), page.authentication(), page.is_e1, now_ms);
         let seal = osnma.seal_of(page.satellite);
         if seal.version != before.version {
             versions += 1;

@@ -20,17 +20,17 @@ fn heard(path: &str, key: &str, time_ms: fn(Kind, &[u8]) -> Option<u64>) -> Opti
             let came_ms = time_ms - *first_ms.get_or_insert(time_ms);
             while now_ms < came_ms {
                 now_ms = (now_ms + 20).min(came_ms);
-                module.receiver.tick(now_ms, &mut module.said);
+                module.receiver.tick(now_ms, &mut module.reported);
             }
         }
-        module.receiver.gnss(piece.bytes, now_ms, &mut module.said);
+        module.receiver.gnss(piece.bytes, now_ms, &mut module.reported);
         let summary = module.receiver.authentication();
         let is_false = summary.is_some_and(|summary| summary.false_ > 0 || summary.is_alarm);
         assert!(!is_false, "false at {now_ms} ms: {summary:?}");
     }
     for _ in 0..1000 {
         now_ms += 20;
-        module.receiver.tick(now_ms, &mut module.said);
+        module.receiver.tick(now_ms, &mut module.reported);
     }
     Some(module)
 }

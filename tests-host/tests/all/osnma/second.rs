@@ -36,7 +36,7 @@ impl Second {
         Self { osnma: Box::new(osnma), words: BTreeMap::new() }
     }
 
-    fn hear(&mut self, satellite: u8, begin_s: u32, word: &[u8; 16], bits: [u8; 5], is_e1: bool) {
+    fn receive(&mut self, satellite: u8, begin_s: u32, word: &[u8; 16], bits: [u8; 5], is_e1: bool) {
         let number = Svn::try_from(satellite).expect("a satellite");
         let gst = Gst::new((begin_s / 604_800) as u16, begin_s % 604_800);
         let band = if is_e1 { InavBand::E1B } else { InavBand::E5B };
@@ -94,9 +94,9 @@ fn compared(keys: &Keys, pages: impl Iterator<Item = Heard>) -> (Agreement, u32)
     let mut first_s = None;
     for Heard { satellite, begin_s, word, bits, is_e1 } in pages {
         let now_ms = u64::from(begin_s - *first_s.get_or_insert(begin_s) + 2) * 1000;
-        ours.hear(satellite, &word, bits, is_e1, now_ms);
+        ours.receive(satellite, &word, bits, is_e1, now_ms);
         while ours.work(keys, now_ms) != Worked::Nothing {}
-        second.hear(satellite, begin_s, &word, bits, is_e1);
+        second.receive(satellite, begin_s, &word, bits, is_e1);
         let verdict = ours.seal_of(satellite).verdict;
         let is_its = second.is_proved(satellite);
         if !verdict.is_proved() && is_its {
@@ -162,7 +162,7 @@ fn galileo_osnma_accepts_what_the_signer_makes() {
         // All satellites are proved there too, at the end.
         let mut second = Second::new(&keys);
         for page in system.pages(START..START + end) {
-            second.hear(page.satellite, page.begin_s, &page.word, page.bits, true);
+            second.receive(page.satellite, page.begin_s, &page.word, page.bits, true);
         }
         assert!(system.satellites.iter().all(|satellite| second.is_proved(*satellite)), "{name}");
     }
@@ -189,11 +189,11 @@ fn the_script_of_the_reference_folder_accepts_what_the_signer_makes() {
         system.pages(START..START + 40).iter().map(raim::signal::osnma::Page::line).collect();
     program.stdin.take().expect("an input").write_all((lines.join("\n") + "\n").as_bytes()).expect("written");
     let output = program.wait_with_output().expect("an end");
-    let said = String::from_utf8(output.stdout).expect("text");
-    println!("{said}");
-    assert!(said.contains("padding True signature True"), "{said}");
-    assert!(!said.contains("WRONG") && !said.contains("ADKD not as table"), "{said}");
-    assert!(["ADKD0 ok", "ADKD4 ok", "ADKD12 ok", "macseq ok"].iter().all(|count| said.contains(count)));
+    let reported = String::from_utf8(output.stdout).expect("text");
+    println!("{reported}");
+    assert!(reported.contains("padding True signature True"), "{reported}");
+    assert!(!reported.contains("WRONG") && !reported.contains("ADKD not as table"), "{reported}");
+    assert!(["ADKD0 ok", "ADKD4 ok", "ADKD12 ok", "macseq ok"].iter().all(|count| reported.contains(count)));
 }
 
 /// Recordings and vectors, which take seconds.

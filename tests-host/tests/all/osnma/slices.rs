@@ -21,7 +21,7 @@ impl Behind {
         let start_s = pages[0].begin_s;
         for page in pages {
             now_ms = u64::from(page.begin_s + 2 - start_s) * 1000;
-            module.receiver.gnss(&page.message(), now_ms, &mut module.said);
+            module.receiver.gnss(&page.message(), now_ms, &mut module.reported);
         }
         Self { module, now_ms }
     }
@@ -33,9 +33,9 @@ impl Behind {
         for _ in 0..passes {
             self.now_ms += 1;
             if !bytes.is_empty() {
-                self.module.receiver.gnss(bytes, self.now_ms, &mut self.module.said);
+                self.module.receiver.gnss(bytes, self.now_ms, &mut self.module.reported);
             }
-            self.module.receiver.tick(self.now_ms, &mut self.module.said);
+            self.module.receiver.tick(self.now_ms, &mut self.module.reported);
         }
         self.module.receiver.slices() - before
     }
@@ -62,12 +62,12 @@ fn no_slice_is_done_while_bytes_of_an_epoch_wait() {
     let epoch = encoder.epoch(&recording.epochs[0]).expect("an epoch");
     behind.pass(10, &[]);
     let whole = epoch.len() - 20;
-    behind.module.receiver.gnss(&epoch[..whole], behind.now_ms, &mut behind.module.said);
+    behind.module.receiver.gnss(&epoch[..whole], behind.now_ms, &mut behind.module.reported);
     assert_eq!(behind.pass(LONG - 1, &[]), 0);
     assert!((1..=4).contains(&behind.pass(1, &[])));
     // Its last bytes complete it: slices go on as before.
-    behind.module.receiver.gnss(&epoch[whole..], behind.now_ms, &mut behind.module.said);
+    behind.module.receiver.gnss(&epoch[whole..], behind.now_ms, &mut behind.module.reported);
     assert_eq!(behind.pass(2, &[]), 0);
     assert!(behind.pass(100, &[]) >= 100);
-    assert!(behind.module.said.windows(6).any(|part| part == b"$PRAIS"), "the epoch was judged");
+    assert!(behind.module.reported.windows(6).any(|part| part == b"$PRAIS"), "the epoch was judged");
 }

@@ -24,18 +24,18 @@ fn time_that_goes_back_is_an_alert_until_it_is_corrected_and_what_is_none_change
         if index == PART || index == 2 * PART {
             module.obey(&format!("TRUST,{:.1},5", utc_s + index as f64 + wrong_s));
         }
-        let mut said = Vec::new();
+        let mut reported = Vec::new();
         for text in NO_TIMES.into_iter().filter(|_| index == 3 * PART) {
-            module.receiver.command(sentence::command(text).as_bytes(), &mut said);
+            module.receiver.command(sentence::command(text).as_bytes(), &mut reported);
         }
-        let refused = String::from_utf8_lossy(&said).matches(",ERR,").count();
+        let refused = String::from_utf8_lossy(&reported).matches(",ERR,").count();
         assert_eq!(refused, if index == 3 * PART { NO_TIMES.len() } else { 0 });
         let bytes = encoder.epoch(epoch).expect("an epoch");
-        module.receiver.gnss(&bytes, 1000 * index as u64, &mut said);
-        module.receiver.tick(1000 * index as u64 + 600, &mut said);
-        let said = String::from_utf8(said).expect("ASCII");
-        replays[index / PART] += said.lines().filter(|line| line.contains(",A,REPLAY,")).count();
-        assert!(index / PART != 1 || !module.receiver.pin().high, "{said}");
+        module.receiver.gnss(&bytes, 1000 * index as u64, &mut reported);
+        module.receiver.tick(1000 * index as u64 + 600, &mut reported);
+        let reported = String::from_utf8(reported).expect("ASCII");
+        replays[index / PART] += reported.lines().filter(|line| line.contains(",A,REPLAY,")).count();
+        assert!(index / PART != 1 || !module.receiver.pin().high, "{reported}");
     }
     assert_eq!(replays, [0, PART, 0, 0]);
     assert!(module.receiver.pin().high, "the promise goes on with the right time");

@@ -97,7 +97,10 @@ fn glonass_alone_gives_positions() {
     let lumps = encode(&recording, &selection, &[], &window).unwrap();
     let commands = ["SYSTEMS,R".to_owned()];
     let run = on_host(&lumps, &commands, Pace::LockStep, |_| ()).unwrap();
-    let fixes =
-        run.said.iter().filter(|said| said.output().is_some_and(|epoch| epoch.position.is_some())).count();
-    assert_eq!((run.said.len(), fixes), (120, 120), "{:?}", run.said.first());
+    let fixes = run
+        .reported
+        .iter()
+        .filter(|reported| reported.output().is_some_and(|epoch| epoch.position.is_some()))
+        .count();
+    assert_eq!((run.reported.len(), fixes), (120, 120), "{:?}", run.reported.first());
 }

@@ -10,7 +10,7 @@ use raim_firmware::time::GpsTime;
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng as _, RngExt as _, SeedableRng as _};
 
-use super::said;
+use super::reported;
 
 /// Time of blocks that have none of their own: 2020-06-25, noon.
 const NOON: GpsTime = GpsTime { week: 2111, tow_ms: (4 * 86_400 + 43_200) * 1000 };
@@ -45,7 +45,7 @@ impl Module {
 
     /// Sends a second's bytes and a pause; returns the verdicts with all levels, as they came with
     /// the bytes and after them, each with the level of the pin.
-    fn hear(&mut self, bytes: &[u8]) -> [(Vec<String>, bool); 2] {
+    fn receive(&mut self, bytes: &[u8]) -> [(Vec<String>, bool); 2] {
         let (mut at_once, mut later) = (Vec::new(), Vec::new());
         self.receiver.gnss(bytes, self.now_ms, &mut at_once);
         let pin = self.receiver.pin().high;
@@ -59,8 +59,8 @@ impl Module {
     }
 }
 
-fn verdicts(said: &[u8]) -> Vec<String> {
-    let text = String::from_utf8_lossy(said);
+fn verdicts(reported: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(reported);
     let is_verdict = |line: &&str| ["$PRAIS", "$GNGNS", "$PRAIX"].iter().any(|name| line.starts_with(name));
     text.lines().filter(is_verdict).map(str::to_owned).collect()
 }
@@ -72,15 +72,15 @@ fn unharmed(name: &str, counter: &str, mut spoil: impl FnMut(&[u8]) -> Vec<u8>) 
     let lumps = sky(15);
     let (mut clean, mut spoiled) = (Module::new(), Module::new());
     for lump in &lumps[..GOOD] {
-        clean.hear(lump);
-        spoiled.hear(lump);
+        clean.receive(lump);
+        spoiled.receive(lump);
     }
     assert!(clean.receiver.pin().high, "the sky is healthy");
     let before = spoiled.counter(counter);
     for lump in &lumps[GOOD..] {
-        let want = clean.hear(lump);
+        let want = clean.receive(lump);
         assert!(!want[0].0.is_empty() && want[0].1, "{name}: the verdict comes with the bytes");
-        assert_eq!(spoiled.hear(&spoil(lump)), want, "{name}");
+        assert_eq!(spoiled.receive(&spoil(lump)), want, "{name}");
     }
     spoiled.counter(counter) - before
 }
@@ -194,9 +194,9 @@ fn signals_of_another_antenna_are_left_out() {
 #[test]
 fn text_and_cut_blocks_between_blocks_cost_nothing() {
     let text = |lump: &[u8]| {
-        let said =
+        let reported =
             b"$R: setSBFOutput, Stream1, COM1, MeasEpoch, sec1\r\n$GPGGA,,,,,,0,,,,,,,,*66\r\nCOM1>$@$@$$@";
-        let blocks = pieces(lump).flat_map(|piece| [&said[..], piece.bytes].concat());
+        let blocks = pieces(lump).flat_map(|piece| [&reported[..], piece.bytes].concat());
         blocks.collect::<Vec<u8>>()
     };
     assert!(unharmed("text", "bytes_skipped", text) > 500);
@@ -209,7 +209,7 @@ fn text_and_cut_blocks_between_blocks_cost_nothing() {
 #[test]
 fn a_wrong_bit_of_a_navigation_block_makes_no_other_ephemeris() {
     let lump = sky(1).remove(0);
-    let want = said(&lump).0.ephemerides;
+    let want = reported(&lump).0.ephemerides;
     assert!(want.len() > 15);
     let blocks: Vec<Vec<u8>> = pieces(&lump).map(|piece| piece.bytes.to_vec()).collect();
     let mut random = ChaCha8Rng::seed_from_u64(2);
@@ -220,7 +220,7 @@ fn a_wrong_bit_of_a_navigation_block_makes_no_other_ephemeris() {
             let bit = random.random_range(8 * 20..8 * stream[wrong].len());
             stream[wrong][bit / 8] ^= 1 << (bit % 8);
             stream[wrong] = sbf::sealed(stream[wrong].clone());
-            let (have, _) = said(&stream.concat());
+            let (have, _) = reported(&stream.concat());
             assert!(have.ephemerides.iter().all(|one| want.contains(one)), "block {wrong}, bit {bit}");
             refused += usize::from(have.ephemerides.len() < want.len());
         }
@@ -233,23 +233,23 @@ fn compressed_ranges_alone_are_named() {
     let at = |second: u32| GpsTime { tow_ms: NOON.tow_ms + 1000 * second, ..NOON };
     let compressed = |second| sbf::block(4109, at(second), &[0; 20]);
     let alone: Vec<u8> = (0..10).flat_map(compressed).collect();
-    assert!(said(&alone).1.meas3_only >= 6);
+    assert!(reported(&alone).1.meas3_only >= 6);
     let plain = |second| sbf::block(4027, at(second), &[0, 20, 12, 0, 0, 0]);
     let both: Vec<u8> = (0..10).flat_map(|second| [compressed(second), plain(second)].concat()).collect();
-    assert_eq!(said(&both).1.meas3_only, 0);
+    assert_eq!(reported(&both).1.meas3_only, 0);
 }
 
 #[test]
 fn smoothed_ranges_are_counted_and_used() {
     let lump = sky(1).remove(0);
     let smoothed = changed(&meas_epoch(&lump), |block| block[17] |= 0b10);
-    let (said, counters) = said(&smoothed);
-    assert_eq!((counters.codes_smoothed, said.epochs.len()), (1, 1));
+    let (reported, counters) = reported(&smoothed);
+    assert_eq!((counters.codes_smoothed, reported.epochs.len()), (1, 1));
 }
 
 /// Returns the reports of a block with this body.
 fn reports(number: u16, body: &[u8]) -> Vec<SelfReport> {
-    said(&sbf::block(number, NOON, body)).0.reports
+    reported(&sbf::block(number, NOON, body)).0.reports
 }
 
 #[test]
@@ -261,8 +261,8 @@ fn either_flag_of_rf_status_is_a_certainty_of_the_receiver() {
         (0b1111_1100, 8, Suspicion::None, Suspicion::Sure),
     ] {
         let body = [1, 8, flags, 0, 0, 0, 0, 0, 0, 0, 0, 0, mode, 0];
-        let [SelfReport::Interference(said)] = reports(4092, &body)[..] else { panic!("{flags}") };
-        assert_eq!((said.spoofing, said.jamming), (Some(spoofing), Some(jamming)), "{flags} {mode}");
+        let [SelfReport::Interference(reported)] = reports(4092, &body)[..] else { panic!("{flags}") };
+        assert_eq!((reported.spoofing, reported.jamming), (Some(spoofing), Some(jamming)), "{flags} {mode}");
     }
     assert_eq!(reports(4092, &[255, 8, 3, 0, 0, 0]), []);
     assert_eq!(reports(4092, &[1, 0, 3, 0, 0, 0, 0, 0, 0, 0]), []);
@@ -293,22 +293,22 @@ fn levels_of_an_augmentation_come_before_those_of_an_outlier() {
         sbf::block(4001, NOON, &[&[9; 10][..], &levels(horizontal_m, vertical_m)].concat())
     };
     let raim = |flag| sbf::block(4011, NOON, &[&[flag, 0][..], &levels(7.5, 12.25)].concat());
-    let (mut input, mut said) = (Input::new(), Vec::new());
-    let mut hear = |bytes: &[u8], now_ms| {
-        said.clear();
+    let (mut input, mut reported) = (Input::new(), Vec::new());
+    let mut receive = |bytes: &[u8], now_ms| {
+        reported.clear();
         input.feed(bytes, now_ms, |event| {
             if let Event::SelfReport(SelfReport::Levels(levels)) = event {
-                said.push(levels.map(|levels| (levels.frame, levels.axes_mm)));
+                reported.push(levels.map(|levels| (levels.frame, levels.axes_mm)));
             }
         });
-        said.clone()
+        reported.clone()
     };
-    assert_eq!(hear(&raim(0), 0), [Some((11, [7500, 7500, 12_250]))]);
-    assert_eq!(hear(&raim(1), 0), [None]);
-    assert_eq!(hear(&dop(3.5, 5.0), 1000), [Some((10, [3500, 3500, 5000]))]);
-    assert_eq!(hear(&raim(0), 1100), []);
-    assert_eq!(hear(&raim(0), 4001), [Some((11, [7500, 7500, 12_250]))]);
+    assert_eq!(receive(&raim(0), 0), [Some((11, [7500, 7500, 12_250]))]);
+    assert_eq!(receive(&raim(1), 0), [None]);
+    assert_eq!(receive(&dop(3.5, 5.0), 1000), [Some((10, [3500, 3500, 5000]))]);
+    assert_eq!(receive(&raim(0), 1100), []);
+    assert_eq!(receive(&raim(0), 4001), [Some((11, [7500, 7500, 12_250]))]);
     for unknown in [-2e10, f32::NAN, f32::INFINITY, 1e9] {
-        assert_eq!(hear(&dop(unknown, 5.0), 5000), [None], "{unknown}");
+        assert_eq!(receive(&dop(unknown, 5.0), 5000), [None], "{unknown}");
     }
 }

@@ -22,22 +22,22 @@ use rig::shared;
 
 /// Content of some bytes.
 #[derive(Default)]
-struct Said {
+struct Reported {
     ephemerides: Vec<Ephemeris>,
     epochs: Vec<RawEpoch>,
     reports: Vec<SelfReport>,
 }
 
 /// Returns the content of some bytes for a module without earlier input, as of one instant.
-fn said(bytes: &[u8]) -> (Said, Counters) {
-    let (mut input, mut said) = (Input::new(), Said::default());
+fn reported(bytes: &[u8]) -> (Reported, Counters) {
+    let (mut input, mut reported) = (Input::new(), Reported::default());
     input.feed(bytes, 0, |event| match event {
-        Event::Epoch(epoch, _) => said.epochs.push(epoch.clone()),
-        Event::Ephemeris(ephemeris) => said.ephemerides.push(ephemeris),
-        Event::SelfReport(report) => said.reports.push(report),
+        Event::Epoch(epoch, _) => reported.epochs.push(epoch.clone()),
+        Event::Ephemeris(ephemeris) => reported.ephemerides.push(ephemeris),
+        Event::SelfReport(report) => reported.reports.push(report),
         _ => {}
     });
-    (said, *input.counters())
+    (reported, *input.counters())
 }
 
 /// Returns the bytes of a packed file below the reference folder; reports a skip if it is missing.

@@ -13,7 +13,7 @@ use raim_firmware::raw::Band;
 use raim_firmware::settings::{Configuration, Systems};
 use raim_firmware::time::GpsTime;
 
-use super::{said, unpacked};
+use super::{reported, unpacked};
 use crate::consumers::printed;
 
 const RECORDING: &str = "sbf/mosaic_12s.sbf.gz";
@@ -93,10 +93,10 @@ fn every_range_doppler_and_strength_is_that_of_pysbf2() {
     const DOPPLER_HZ: f64 = 1.0 / 1024.0 + 4.0 * 0.5 / 2048.0;
     let Some(bytes) = unpacked(RECORDING) else { return };
     let Some(mut rows) = rows(&bytes) else { return };
-    let (said, counters) = said(&only(&bytes, &[4027]));
-    assert_eq!(said.epochs.len(), 12);
+    let (reported, counters) = reported(&only(&bytes, &[4027]));
+    assert_eq!(reported.epochs.len(), 12);
     let (mut compared, mut farthest_hz) = (0, 0.0_f64);
-    for epoch in &said.epochs {
+    for epoch in &reported.epochs {
         assert_eq!(epoch.clock_jumps_ms, Some(252));
         for (satellite, signal) in epoch
             .satellites
@@ -138,14 +138,14 @@ fn every_frame_of_bits_passes_its_check() {
         let wrong = blocks.iter().filter(|block| block[15] == 0).count();
         // The slot of a satellite of GLONASS is not known.
         let unknown = blocks.iter().filter(|block| block[14] == 62).count();
-        let (_, counters) = said(&blocks.concat());
+        let (_, counters) = reported(&blocks.concat());
         println!("{number}: {} frames, {wrong} marked as wrong", blocks.len());
         assert_eq!(counters.subframes as usize, blocks.len() - wrong - unknown, "{number}: {counters:?}");
         assert_eq!(counters.subframes_parity as usize, wrong, "{number}");
         assert_eq!(wrong, if number == 4047 { 16 } else { 0 });
     }
     // CNAV is not in the recording; SBAS is framed and counted.
-    let (_, counters) = said(&only(&bytes, &[4020]));
+    let (_, counters) = reported(&only(&bytes, &[4020]));
     assert_eq!((counters.subframes_other, counters.subframes), (24, 0));
 }
 
@@ -154,7 +154,7 @@ fn every_frame_of_bits_passes_its_check() {
 #[test]
 fn decoded_sets_are_the_orbits_of_the_bits() {
     let Some(bytes) = unpacked("sbf/osnma_new_config.sbf.gz") else { return };
-    let sets = |number| said(&only(&bytes, &[number])).0.ephemerides;
+    let sets = |number| reported(&only(&bytes, &[number])).0.ephemerides;
     let (decoded, bits) = (sets(4002), sets(4023));
     let mut compared = 0;
     for have in &decoded {
@@ -174,10 +174,10 @@ fn bits_of_an_issue_stay_in_use_beside_its_decoded_set() {
     let Some(bytes) = unpacked("sbf/osnma_new_config.sbf.gz") else { return };
     let at = GpsTime { week: 2277, tow_ms: 72_300_000 };
     let now = Some(at);
-    let bits = said(&only(&bytes, &[4023])).0.ephemerides;
+    let bits = reported(&only(&bytes, &[4023])).0.ephemerides;
     let (mut compared, mut usable) = (0, 0);
     for block in pieces(&bytes).filter(|piece| piece.kind == Kind::Sbf(4002)) {
-        let [decoded] = said(block.bytes).0.ephemerides[..] else { panic!("one set") };
+        let [decoded] = reported(block.bytes).0.ephemerides[..] else { panic!("one set") };
         let same = |bits: &&Ephemeris| (bits.satellite(), bits.toe()) == (decoded.satellite(), decoded.toe());
         let bits = *bits.iter().find(same).expect("bits of this issue");
         let mut store = Store::new();
@@ -190,7 +190,7 @@ fn bits_of_an_issue_stay_in_use_beside_its_decoded_set() {
         // The data of E1 without guarantee.
         let mut doubtful = block.bytes.to_vec();
         doubtful[130] |= 0b10;
-        let [doubtful] = said(&sbf::sealed(doubtful)).0.ephemerides[..] else { panic!("one set") };
+        let [doubtful] = reported(&sbf::sealed(doubtful)).0.ephemerides[..] else { panic!("one set") };
         assert_eq!(store.insert(doubtful, now), Insertion::Kept);
         assert_eq!(store.get(bits.satellite(), at), Err(EphemerisError::Unhealthy));
         compared += 1;
@@ -224,7 +224,7 @@ fn each_epoch_has_a_position_near_that_of_the_receiver() {
             _ => {}
         });
         let (mut farthest_m, mut highest_m) = (0.0_f64, 0.0_f64);
-        let epochs = said(&only(&bytes, &[4027])).0.epochs;
+        let epochs = reported(&only(&bytes, &[4027])).0.epochs;
         for raw in &epochs {
             let report = navigator.judge(raw, 0, &configuration);
             let have = report.solution.as_ref().unwrap_or_else(|| panic!("{:?}", raw.time)).position;
@@ -242,8 +242,8 @@ fn each_epoch_has_a_position_near_that_of_the_receiver() {
 #[test]
 fn the_receiver_reports_as_pysbf2_reads_it() {
     let Some(bytes) = unpacked(RECORDING) else { return };
-    let (said, _) = said(&only(&bytes, &[4092, 4245, 4001]));
-    let levels: Vec<ReceiverLevels> = said
+    let (reported, _) = reported(&only(&bytes, &[4092, 4245, 4001]));
+    let levels: Vec<ReceiverLevels> = reported
         .reports
         .iter()
         .filter_map(|report| match report {
@@ -254,11 +254,11 @@ fn the_receiver_reports_as_pysbf2_reads_it() {
     // DOP of the first epoch: HPL 3.630913734436035, VPL 5.65706205368042.
     assert_eq!(levels.len(), 12);
     assert_eq!(levels[0], ReceiverLevels { frame: 10, axes_mm: [3631, 3631, 5657], risk: (0, 0) });
-    let quiet = said.reports.iter().filter(|report| {
-        matches!(report, SelfReport::Interference(said)
-            if (said.jamming, said.spoofing) == (Some(Suspicion::None), Some(Suspicion::None)))
+    let quiet = reported.reports.iter().filter(|report| {
+        matches!(report, SelfReport::Interference(reported)
+            if (reported.jamming, reported.spoofing) == (Some(Suspicion::None), Some(Suspicion::None)))
     });
     assert_eq!(quiet.count(), 12);
     let idle = SelfReport::Authenticity(0, Suspicion::Unknown);
-    assert_eq!(said.reports.iter().filter(|report| **report == idle).count(), 12);
+    assert_eq!(reported.reports.iter().filter(|report| **report == idle).count(), 12);
 }

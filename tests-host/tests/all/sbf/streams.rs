@@ -21,7 +21,7 @@ const APART_M: f64 = 5e-3;
 const LEVEL_M: f64 = 0.1;
 
 /// What the module says of an epoch.
-struct Said {
+struct Reported {
     time: GpsTime,
     verdict: Verdict,
     used: Vec<SatelliteId>,
@@ -29,18 +29,18 @@ struct Said {
     levels_m: Option<[f64; 2]>,
 }
 
-fn judged(bytes: &[u8], systems: &str) -> Vec<Said> {
+fn judged(bytes: &[u8], systems: &str) -> Vec<Reported> {
     let mut configuration = Configuration::at_start();
     configuration.systems = Systems::of(systems).unwrap();
     let mut navigator = Navigator::new(configuration.requirements()).unwrap();
-    let (mut input, mut now, mut said) = (Input::new(), None, Vec::new());
+    let (mut input, mut now, mut reported) = (Input::new(), None, Vec::new());
     input.feed(bytes, 0, |event| match event {
         Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, now)),
         Event::Ionosphere(of, coefficients) => navigator.hear_ionosphere(of, coefficients, now),
         Event::Epoch(raw, came_ms) => {
             now = Some(raw.time);
             let report = navigator.judge(raw, came_ms, &configuration);
-            said.push(Said {
+            reported.push(Reported {
                 time: raw.time,
                 verdict: report.verdict,
                 used: report.used.iter().copied().collect(),
@@ -50,7 +50,7 @@ fn judged(bytes: &[u8], systems: &str) -> Vec<Said> {
         }
         _ => {}
     });
-    said
+    reported
 }
 
 /// A fault put into a capture of SBF is found as in its UBX, and a lost satellite is lost.
@@ -69,7 +69,9 @@ fn faults_in_a_capture_of_sbf_are_those_of_its_ubx() {
         for (have, want) in have.iter().zip(&want) {
             assert_eq!((have.verdict, &have.used), (want.verdict, &want.used), "{:?}", want.time);
         }
-        let with = |said: &[Said]| said.iter().filter(|said| said.used.contains(&fault_of(&fault))).count();
+        let with = |reported: &[Reported]| {
+            reported.iter().filter(|reported| reported.used.contains(&fault_of(&fault))).count()
+        };
         println!("{} of {} epochs with the satellite", with(&have), have.len());
         assert!(with(&have) < have.len() - 60, "{fault:?}");
     }

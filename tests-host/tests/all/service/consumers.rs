@@ -226,11 +226,11 @@ fn listening(python: &Path, script: &str) -> (Child, std::io::BufReader<ChildStd
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
-    let mut said = std::io::BufReader::new(listener.stdout.take().unwrap());
+    let mut reported = std::io::BufReader::new(listener.stdout.take().unwrap());
     let mut line = String::new();
-    std::io::BufRead::read_line(&mut said, &mut line).unwrap();
+    std::io::BufRead::read_line(&mut reported, &mut line).unwrap();
     assert_eq!(line, "ready\n");
-    (listener, said, port)
+    (listener, reported, port)
 }
 
 #[test]
@@ -242,7 +242,7 @@ fn pymavlink_behind_udp_gets_a_fix_while_protected_and_none_after_a_jump() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let (mut listener, mut said, port) = listening(&python, LISTEN);
+    let (mut listener, mut reported, port) = listening(&python, LISTEN);
     let (receiver, input) = receiver();
     let output = vec![format!("mavlink-udp://127.0.0.1:{port}")];
     let set = ["HEARTBEAT", "GPS_INPUT", "GNSS_INTEGRITY"].map(|item| format!("OUTPUT={item},1")).to_vec();
@@ -254,7 +254,7 @@ fn pymavlink_behind_udp_gets_a_fix_while_protected_and_none_after_a_jump() {
     drop(service);
     drop(listener.stdin.take());
     let mut answer = String::new();
-    said.read_to_string(&mut answer).unwrap();
+    reported.read_to_string(&mut answer).unwrap();
     listener.wait().unwrap();
     let answer: Value = serde_json::from_str(&answer).expect("its answer");
     assert_eq!(answer["bad"], 0, "{answer}");
@@ -315,7 +315,7 @@ fn pymavlink_gets_what_px4_reads_while_protected_and_no_position_after_a_jump() 
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let (mut listener, mut said, port) = listening(&python, PX4);
+    let (mut listener, mut reported, port) = listening(&python, PX4);
     let (receiver, input) = receiver();
     // No message is named: the output brings its own.
     let output = vec![format!("px4-udp://127.0.0.1:{port}")];
@@ -329,7 +329,7 @@ fn pymavlink_gets_what_px4_reads_while_protected_and_no_position_after_a_jump() 
     drop(service);
     drop(listener.stdin.take());
     let mut answer = String::new();
-    said.read_to_string(&mut answer).unwrap();
+    reported.read_to_string(&mut answer).unwrap();
     listener.wait().unwrap();
     let answer: Value = serde_json::from_str(&answer).expect("its answer");
     assert_eq!([&answer["bad"], &answer["gaps"]], [0, 0], "{answer}");

@@ -152,7 +152,7 @@ fn time_of_a_recording_is_refused() {
         service.env(ARGUMENTS, "--output=chrony:/nowhere/x.sock").env("RUST_TEST_THREADS", "1");
         let input = if kind == "file" { File::open("Cargo.toml").unwrap().into() } else { Stdio::piped() };
         let output = service.stdin(input).output().unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(!output.status.success() && said.contains("may be of the past"), "{said}");
+        let reported = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && reported.contains("may be of the past"), "{reported}");
     }
 }

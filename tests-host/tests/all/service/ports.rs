@@ -134,11 +134,11 @@ fn receiver_of_sentences_is_told_once_what_is_missing() {
         thread::sleep(Duration::from_millis(100));
     }
     let _ = Command::new("kill").arg(service.id().to_string()).status();
-    let mut said = String::new();
-    service.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    let mut reported = String::new();
+    service.stderr.take().unwrap().read_to_string(&mut reported).unwrap();
     service.wait().unwrap();
-    assert_eq!(said.matches("lines of NMEA. missing: ranges").count(), 1, "{said}");
-    assert!(said.contains("RXM-RAWX and RXM-SFRBX"), "{said}");
+    assert_eq!(reported.matches("lines of NMEA. missing: ranges").count(), 1, "{reported}");
+    assert!(reported.contains("RXM-RAWX and RXM-SFRBX"), "{reported}");
 }
 
 /// Returns the range messages of a piece, RXM-RAWX, without its navigation bits.

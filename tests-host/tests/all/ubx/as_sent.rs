@@ -14,7 +14,7 @@ use raim_firmware::raw::Band;
 use raim_firmware::time::GpsTime;
 use rig::shared;
 
-use super::said;
+use super::reported;
 
 /// Returns a capture of the reference folder; counts the test as skipped if it is missing.
 fn capture(relative: &str) -> Option<Vec<u8>> {
@@ -45,10 +45,10 @@ fn assert_no_frame_refused(counters: &Counters) {
 #[test]
 fn lnav_of_three_receivers_passes_and_says_what_rtklib_reads() {
     let Some(bytes) = capture("cases/lnav-as-sent.ubx") else { return };
-    let (said, counters) = said(&bytes);
+    let (reported, counters) = reported(&bytes);
     assert_no_frame_refused(&counters);
     assert_eq!(counters.subframes, 5);
-    let [g02] = said.ephemerides.as_slice() else { panic!("{:?}", said.ephemerides) };
+    let [g02] = reported.ephemerides.as_slice() else { panic!("{:?}", reported.ephemerides) };
     assert_eq!(g02.satellite(), SatelliteId::new(Constellation::Gps, 2).unwrap());
     assert_eq!(g02.toe(), GpsTime { week: 2414, tow_ms: 144_000_000 });
     assert_eq!(g02.usable_at(g02.toe()), Ok(()), "health 0");
@@ -102,12 +102,13 @@ fn no_frame_of_a_real_f9p_is_refused() {
     let sent = SYSTEMS.map(|system| frames_of(&bytes, system));
     assert!(sent.iter().all(|frames| *frames > 0), "{sent:?}");
     assert_eq!(sent.iter().sum::<u32>(), 1125);
-    let (said, counters) = said(&bytes);
+    let (reported, counters) = reported(&bytes);
     assert_no_frame_refused(&counters);
-    println!("{sent:?} frames, {} ephemerides, {counters:?}", said.ephemerides.len());
+    println!("{sent:?} frames, {} ephemerides, {counters:?}", reported.ephemerides.len());
     assert!(counters.subframes + counters.subframes_other + counters.leap_unknown >= 1125);
     for of in [Constellation::Gps, Constellation::Galileo, Constellation::Beidou] {
-        let of_it = said.ephemerides.iter().filter(|ephemeris| ephemeris.satellite().constellation() == of);
+        let of_it =
+            reported.ephemerides.iter().filter(|ephemeris| ephemeris.satellite().constellation() == of);
         assert!(of_it.count() > 0, "{of:?}");
     }
 }
@@ -116,9 +117,9 @@ fn no_frame_of_a_real_f9p_is_refused() {
 fn galileo_of(bytes: &[u8], signals: &[u8]) -> Vec<Ephemeris> {
     let is_of = |piece: &raim::signal::pieces::Piece<'_>| matches!(piece.bytes, [_, _, 0x02, 0x13, _, _, 2, _, signal, ..] if signals.contains(signal));
     let kept: Vec<u8> = pieces(bytes).filter(is_of).flat_map(|piece| piece.bytes.to_vec()).collect();
-    let (said, counters) = said(&kept);
+    let (reported, counters) = reported(&kept);
     assert_no_frame_refused(&counters);
-    said.ephemerides
+    reported.ephemerides
 }
 
 /// E15, E27, E30 and E34 sent words 1, 3, 5 on E1, then 2 and 4 of the same issue, as `pyubx2`

@@ -8,7 +8,7 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1045T, Msg1046T};
 
-use super::{NOON, by_rtcm, said};
+use super::{NOON, by_rtcm, reported};
 
 /// Draws a number of that many bits in two's complement, in units of `2^exponent`.
 fn signed(random: &mut ChaCha8Rng, width: u32, exponent: i32) -> f64 {
@@ -145,7 +145,7 @@ fn every_bit_of_every_ephemeris_is_as_rtcm_says_it() {
             let ephemeris = source(&mut random);
             let want = by_rtcm(&ephemeris);
             assert_eq!(want.len(), 1, "{name}: {ephemeris:?}");
-            let (have, counters) = said(&ubx::pages(&ephemeris, NOON).unwrap());
+            let (have, counters) = reported(&ubx::pages(&ephemeris, NOON).unwrap());
             assert_eq!(have.ephemerides, want, "{name}: {ephemeris:?} {counters:?}");
         }
     }
@@ -179,7 +179,7 @@ fn satellite_that_raises_the_alert_promises_no_accuracy() {
             .iter()
             .enumerate()
             .flat_map(|(index, frame)| if alerted == Some(index) { raised(frame) } else { frame.to_vec() });
-        let (have, counters) = said(&sent.collect::<Vec<u8>>());
+        let (have, counters) = reported(&sent.collect::<Vec<u8>>());
         let [have] = have.ephemerides.as_slice() else { panic!("one ephemeris, {counters:?}") };
         let want = if alerted.is_some() { Err(EphemerisError::Unhealthy) } else { Ok(()) };
         assert_eq!(have.usable_at(now), want, "alert in {alerted:?}");
@@ -199,8 +199,8 @@ fn ionosphere_and_leap_second_come_from_the_bits() {
     let nothing = raim::signal::measurement::MeasuredEpoch { time: NOON, satellites: Vec::new() };
     let bytes = encoder.epoch(&nothing).unwrap();
     let mut input = raim_firmware::input::Input::new();
-    let mut heard = super::Said::default();
-    input.feed(&bytes, 0, |event| heard.hear(&event));
+    let mut heard = super::Reported::default();
+    input.feed(&bytes, 0, |event| heard.receive(&event));
     assert_eq!(heard.ionosphere, [(Constellation::Gps, klobuchar)]);
     assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(18));
     // Galileo sends the same in its own word, once the date is known.
@@ -240,7 +240,7 @@ fn galileo_set_is_read_with_the_last_of_its_words_in_any_order() {
     assert_eq!(orders().len(), 120);
     for order in orders() {
         let sent: Vec<u8> = order.iter().flat_map(|word| words[*word]).copied().collect();
-        let (have, counters) = said(&sent);
+        let (have, counters) = reported(&sent);
         assert_eq!(have.ephemerides, want, "{order:?} {counters:?}");
         assert_eq!(counters.subframes_mixed, 0, "{order:?}");
     }
@@ -264,7 +264,7 @@ fn health_of_galileo_is_that_of_the_last_word_5() {
     // Words 1, 3, 5 come first, then 2 and 4, then the next half minute.
     let early: Vec<u8> = [2, 3, 4, 0, 1].into_iter().flat_map(|place| word(&well, place)).collect();
     let next: Vec<u8> = [2, 3, 4].into_iter().flat_map(|place| word(&ill, place)).collect();
-    let (have, _) = said(&[early, next].concat());
+    let (have, _) = reported(&[early, next].concat());
     let usable: Vec<_> = have.ephemerides.iter().map(|set| set.usable_at(now)).collect();
     assert_eq!(usable, [Ok(()), Err(EphemerisError::Unhealthy)]);
 }

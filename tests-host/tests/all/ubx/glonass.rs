@@ -146,7 +146,7 @@ impl Module {
         }
     }
 
-    fn hear(&mut self, bytes: &[u8], truth: Ecef) {
+    fn receive(&mut self, bytes: &[u8], truth: Ecef) {
         let Self { input, navigator, configuration, squares_m2, fixes, used, now } = self;
         input.feed(bytes, 0, |event| match event {
             Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, *now)),
@@ -174,7 +174,7 @@ impl Module {
 }
 
 /// Returns page 18, the only source of the leap seconds.
-fn said(recording: &Recording) -> ubx::IonosphereAndUtc {
+fn reported(recording: &Recording) -> ubx::IonosphereAndUtc {
     ubx::IonosphereAndUtc { klobuchar: recording.klobuchar.unwrap(), leap_s: (18, 18), change: (1929, 7) }
 }
 
@@ -239,10 +239,10 @@ fn a_receiver_that_delays_channels_differently_is_worse_with_it() {
     let play = |recording: &Recording, systems: &str| {
         let selection = Selection::new(systems, Frequency::Dual).unwrap();
         let mut module = Module::new(systems);
-        let encoder = ubx::Encoder::new(&recording.ephemerides, selection, Some(said(recording)));
+        let encoder = ubx::Encoder::new(&recording.ephemerides, selection, Some(reported(recording)));
         let mut encoder = encoder.as_receiver();
         for epoch in &recording.epochs {
-            module.hear(&encoder.epoch(epoch).unwrap(), STATIC_BASE.truth);
+            module.receive(&encoder.epoch(epoch).unwrap(), STATIC_BASE.truth);
         }
         println!("{systems}: {} times a satellite of GLONASS in {} epochs", module.used, module.fixes);
         module.errors_m()
@@ -275,7 +275,7 @@ fn instructions(numbers: [usize; 4]) -> Option<Vec<u64>> {
     let mut bench = Bench::default();
     for number in numbers {
         let selection = Selection::new("GR", Frequency::Dual).unwrap();
-        let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection, Some(said(&recording)));
+        let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection, Some(reported(&recording)));
         let epochs = recording.epochs[number - 3..=number].iter();
         let epochs: Vec<Vec<u8>> = epochs.map(|epoch| encoder.epoch(epoch).unwrap()).collect();
         let (last, before) = epochs.split_last().unwrap();
@@ -317,15 +317,15 @@ mod at_length {
                 let play = |systems: &str| {
                     let selection = Selection::new(systems, Frequency::Dual).unwrap();
                     let mut module = Module::new(systems);
-                    let said = said(&recording);
+                    let reported = reported(&recording);
                     let mut rtcm =
                         encode::Encoder::new(&recording.ephemerides, selection.clone()).as_receiver();
                     let mut ubx =
-                        ubx::Encoder::new(&recording.ephemerides, selection, Some(said)).as_receiver();
+                        ubx::Encoder::new(&recording.ephemerides, selection, Some(reported)).as_receiver();
                     for epoch in recording.epochs.iter().step_by(4) {
                         let bytes =
                             if format == "UBX" { ubx.epoch(epoch) } else { rtcm.epoch(epoch) }.unwrap();
-                        module.hear(&bytes, ESBC.truth);
+                        module.receive(&bytes, ESBC.truth);
                     }
                     module
                 };

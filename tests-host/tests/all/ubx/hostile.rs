@@ -12,7 +12,7 @@ use rand::seq::SliceRandom;
 use rtcm_rs::{Message, MessageBuilder};
 
 use super::bits::{SOURCES, beidou, gps, inav};
-use super::{NOON, by_rtcm, said};
+use super::{NOON, by_rtcm, reported};
 
 const RAWX: [u8; 2] = [0x02, 0x15];
 const SFRBX: [u8; 2] = [0x02, 0x13];
@@ -73,7 +73,7 @@ fn no_wrong_bit_of_a_page_makes_another_ephemeris() {
                 page[bit / 8] ^= 1 << (bit % 8);
                 let mut stream = pages.clone();
                 stream[wrong] = ubx::frame(SFRBX, &page);
-                let (have, counters) = said(&stream.concat());
+                let (have, counters) = reported(&stream.concat());
                 if have.ephemerides.is_empty() {
                     let counted = counters.subframes_parity + counters.subframes_malformed;
                     assert_eq!(counted, 1, "{name}: page {wrong}, bit {bit}: {counters:?}");
@@ -101,7 +101,7 @@ fn pages_out_of_order_make_the_same_ephemeris() {
             let is_inav = matches!(ephemeris.message, Ephemeris::GalileoInav(_));
             let movable = pages.len() - usize::from(is_inav);
             pages[..movable].shuffle(&mut random);
-            let (have, counters) = said(&pages.concat());
+            let (have, counters) = reported(&pages.concat());
             assert_eq!(have.ephemerides, by_rtcm(&ephemeris), "{name}: {counters:?}");
         }
     }
@@ -126,7 +126,7 @@ fn pages_of_two_issues_make_none() {
             (frames(&ubx::pages(&first, NOON).unwrap()), frames(&ubx::pages(&second, later).unwrap()));
         for taken in 1..first.len() - 1 {
             let mixed = [&first[..taken], &second[taken..]].concat().concat();
-            let (have, counters) = said(&mixed);
+            let (have, counters) = reported(&mixed);
             assert!(have.ephemerides.is_empty(), "{name}, {taken} of the first");
             assert!(counters.subframes_mixed >= 1, "{name}, {taken} of the first: {counters:?}");
         }
@@ -142,11 +142,11 @@ fn a_missing_page_makes_none_until_it_comes() {
         for missing in 0..pages.len() {
             let mut some = pages.clone();
             let late = some.remove(missing);
-            assert!(said(&some.concat()).0.ephemerides.is_empty(), "{name}: without page {missing}");
+            assert!(reported(&some.concat()).0.ephemerides.is_empty(), "{name}: without page {missing}");
             some.push(late);
             // The last word of I/NAV is repeated in any case.
             some.push(pages[pages.len() - 1].clone());
-            assert!(!said(&some.concat()).0.ephemerides.is_empty(), "{name}: page {missing} late");
+            assert!(!reported(&some.concat()).0.ephemerides.is_empty(), "{name}: page {missing} late");
         }
     }
 }
@@ -159,7 +159,7 @@ fn every_number_of_words_but_the_right_one_is_refused() {
         for words in 0..=16_u8 {
             let mut payload = vec![system, 7, signal, 0, words, 0, 2, 0];
             payload.resize(8 + 4 * usize::from(words), 0x55);
-            let (have, counters) = said(&ubx::frame(SFRBX, &payload));
+            let (have, counters) = reported(&ubx::frame(SFRBX, &payload));
             assert!(have.ephemerides.is_empty());
             let refused = counters.subframes_malformed + counters.subframes_other + counters.subframes_parity;
             assert_eq!(refused, 1, "{system}, {words} words: {counters:?}");
@@ -168,7 +168,7 @@ fn every_number_of_words_but_the_right_one_is_refused() {
             }
             // The count differs from the number of bytes.
             payload[4] = words + 1;
-            let (_, counters) = said(&ubx::frame(SFRBX, &payload));
+            let (_, counters) = reported(&ubx::frame(SFRBX, &payload));
             assert_eq!(counters.subframes_malformed, 1, "{system}, {words} words");
         }
     }
@@ -182,7 +182,7 @@ fn systems_satellites_and_signals_that_are_none_are_counted() {
         for word in words {
             payload.extend_from_slice(&u32::to_le_bytes(word));
         }
-        said(&ubx::frame(SFRBX, &payload)).1
+        reported(&ubx::frame(SFRBX, &payload)).1
     };
     for system in [1, 4, 7, 8, 255] {
         assert_eq!(frame(system, 1, 0).subframes_other, 1, "system {system}");
@@ -196,7 +196,7 @@ fn systems_satellites_and_signals_that_are_none_are_counted() {
     assert_eq!(frame(0, 1, 3).subframes_malformed, 1);
     assert_eq!(frame(0, 1, 12).subframes_other, 1);
     let of =
-        |system, satellite, signal| said(&epoch_of(&[measurement(2.2e7, [system, satellite, signal])])).1;
+        |system, satellite, signal| reported(&epoch_of(&[measurement(2.2e7, [system, satellite, signal])])).1;
     assert_eq!(of(7, 1, 0).observations_other, 1);
     assert_eq!(of(0, 33, 0).satellites_unknown, 1);
     assert_eq!(of(0, 1, 9).signals_other, 1);
@@ -204,8 +204,8 @@ fn systems_satellites_and_signals_that_are_none_are_counted() {
 
 /// Returns the number of satellites of an epoch, and the counters.
 fn satellites(frame: &[u8]) -> (Option<usize>, Counters) {
-    let (said, counters) = said(frame);
-    (said.epochs.first().map(|epoch| epoch.satellites.len()), counters)
+    let (reported, counters) = reported(frame);
+    (reported.epochs.first().map(|epoch| epoch.satellites.len()), counters)
 }
 
 #[test]
@@ -220,7 +220,7 @@ fn doubles_are_hostile_numbers() {
         assert_eq!((have, counters.times_out_of_range), (None, 1), "{tow_s}");
     }
     // The last half millisecond of a week is the next week.
-    let (have, _) = said(&rawx(604_799.999_8, 2111, 1, 1, &good));
+    let (have, _) = reported(&rawx(604_799.999_8, 2111, 1, 1, &good));
     assert_eq!(have.epochs[0].time, raim_firmware::time::GpsTime { week: 2112, tow_ms: 0 });
     let moved_m = have.epochs[0].satellites[0].signals[0].range_m - 2.2e7;
     assert!((moved_m - 0.000_2 * 299_792_458.0).abs() < 0.01, "{moved_m}");
@@ -237,10 +237,10 @@ fn every_wrong_bit_of_a_frame_is_counted_and_costs_that_frame_alone() {
         let mut wrong = victim.clone();
         wrong[bit / 8] ^= 1 << (bit % 8);
         let mut input = raim_firmware::input::Input::new();
-        let mut heard = super::Said::default();
-        input.feed(&[&wrong[..], &good[..]].concat(), 0, |event| heard.hear(&event));
+        let mut heard = super::Reported::default();
+        input.feed(&[&wrong[..], &good[..]].concat(), 0, |event| heard.receive(&event));
         // A longer length waits for bytes that never come.
-        input.silence(|event| heard.hear(&event));
+        input.silence(|event| heard.receive(&event));
         let counters = input.counters();
         assert_eq!(heard.epochs.len(), 1, "bit {bit}: {counters:?}");
         assert_eq!((counters.frames, counters.subframes), (1, 0), "bit {bit}: {counters:?}");
@@ -259,9 +259,9 @@ fn a_set_that_is_never_completed_is_counted_when_it_is_given_up() {
         let pages = frames(&ubx::pages(&ephemeris, NOON).unwrap());
         let (last, others) = pages.split_last().unwrap();
         let mut input = raim_firmware::input::Input::new();
-        let mut heard = super::Said::default();
-        input.feed(&others.concat(), 0, |event| heard.hear(&event));
-        input.feed(last, 180_000, |event| heard.hear(&event));
+        let mut heard = super::Reported::default();
+        input.feed(&others.concat(), 0, |event| heard.receive(&event));
+        input.feed(last, 180_000, |event| heard.receive(&event));
         assert!(heard.ephemerides.is_empty(), "{name}");
         assert_eq!(input.counters().subframes_abandoned, 1, "{name}: {:?}", input.counters());
     }
@@ -303,8 +303,8 @@ fn an_epoch_holds_what_it_can_and_counts_the_rest() {
     assert!(have == Some(5) && counters.bytes_skipped > 8_000, "{have:?} {counters:?}");
     // The same signal twice: the first counts.
     let twice = [measurement(2.2e7, [0, 5, 0]), measurement(2.3e7, [0, 5, 0])];
-    let (said, counters) = said(&epoch_of(&twice));
-    let signals = &said.epochs[0].satellites[0].signals;
+    let (reported, counters) = reported(&epoch_of(&twice));
+    let signals = &reported.epochs[0].satellites[0].signals;
     assert_eq!((signals.len(), counters.signals_surplus), (1, 1));
     assert!((signals[0].range_m - 2.2e7).abs() < 1e-6);
 }
@@ -320,9 +320,9 @@ fn of_five_signals_of_beidou_those_with_known_delays_are_kept() {
             order.shuffle(&mut random);
             let measurements: Vec<Vec<u8>> =
                 order[..many].iter().map(|signal| measurement(2.2e7, [3, 20, *signal])).collect();
-            let (said, counters) = said(&epoch_of(&measurements));
+            let (reported, counters) = reported(&epoch_of(&measurements));
             let kept: Vec<Band> =
-                said.epochs[0].satellites[0].signals.iter().map(|signal| signal.carrier.band).collect();
+                reported.epochs[0].satellites[0].signals.iter().map(|signal| signal.carrier.band).collect();
             assert_eq!((kept.len(), counters.signals_surplus as usize), (3, many - 3), "{order:?}");
             for (signal, band) in [(0, Band::B1I), (2, Band::B2I), (4, Band::B3I)] {
                 assert_eq!(kept.contains(&band), order[..many].contains(&signal), "{order:?}: {kept:?}");
@@ -355,10 +355,10 @@ fn formats_that_are_mixed_are_read_however_the_bytes_arrive() {
     let want = [by_rtcm(&ephemeris), by_rtcm(&ephemeris), by_rtcm(&ephemeris), by_rtcm(&ephemeris)].concat();
     for cut in 0..=stream.len() {
         let mut input = raim_firmware::input::Input::new();
-        let mut heard = super::Said::default();
+        let mut heard = super::Reported::default();
         let (front, back) = stream.split_at(cut);
-        input.feed(front, 0, |event| heard.hear(&event));
-        input.feed(back, 1, |event| heard.hear(&event));
+        input.feed(front, 0, |event| heard.receive(&event));
+        input.feed(back, 1, |event| heard.receive(&event));
         assert_eq!((heard.ephemerides.len(), heard.epochs.len()), (4, 1), "cut at {cut}");
         assert_eq!(heard.ephemerides, want, "cut at {cut}");
     }
@@ -372,9 +372,9 @@ fn a_frame_that_is_cut_at_any_byte_costs_itself_alone() {
     let stream = parts.concat();
     for cut in 1..victim.len() {
         let mut input = raim_firmware::input::Input::new();
-        let mut heard = super::Said::default();
-        input.feed(&[&victim[..cut], &stream[..]].concat(), 0, |event| heard.hear(&event));
-        input.silence(|event| heard.hear(&event));
+        let mut heard = super::Reported::default();
+        input.feed(&[&victim[..cut], &stream[..]].concat(), 0, |event| heard.receive(&event));
+        input.silence(|event| heard.receive(&event));
         assert_eq!(heard.ephemerides.len(), 4, "cut at {cut}: {:?}", input.counters());
         assert!(heard.ephemerides.iter().all(|ephemeris| *ephemeris == want[0]), "cut at {cut}");
         assert_eq!(heard.epochs.len(), 1, "cut at {cut}");
@@ -388,13 +388,13 @@ fn a_satellite_that_comes_back_begins_anew() {
         let ephemeris = source(&mut random);
         let pages = frames(&ubx::pages(&ephemeris, NOON).unwrap());
         let mut input = raim_firmware::input::Input::new();
-        let mut heard = super::Said::default();
+        let mut heard = super::Reported::default();
         let (last, others) = pages.split_last().unwrap();
-        input.feed(&others.concat(), 0, |event| heard.hear(&event));
+        input.feed(&others.concat(), 0, |event| heard.receive(&event));
         // Three minutes later its last page comes, and matches no set.
-        input.feed(last, 180_000, |event| heard.hear(&event));
+        input.feed(last, 180_000, |event| heard.receive(&event));
         assert!(heard.ephemerides.is_empty(), "{ephemeris:?}");
-        input.feed(&pages.concat(), 190_000, |event| heard.hear(&event));
+        input.feed(&pages.concat(), 190_000, |event| heard.receive(&event));
         // A word 5 of Galileo serves two sets: that of the words behind it, and that of the words
         // before the next one.
         heard.ephemerides.dedup();
@@ -414,12 +414,12 @@ fn more_satellites_than_there_is_room_for_are_heard_later() {
     }
     let pages: Vec<Vec<Vec<u8>>> =
         ephemerides.iter().map(|ephemeris| frames(&ubx::pages(ephemeris, NOON).unwrap())).collect();
-    let (mut input, mut heard) = (raim_firmware::input::Input::new(), super::Said::default());
+    let (mut input, mut heard) = (raim_firmware::input::Input::new(), super::Reported::default());
     // All satellites send their pages in parallel, twice.
     for turn in 0..10 {
         for pages in &pages {
             if let Some(page) = pages.get(turn % 5) {
-                input.feed(page, 6_000 * turn as u64, |event| heard.hear(&event));
+                input.feed(page, 6_000 * turn as u64, |event| heard.receive(&event));
             }
         }
     }

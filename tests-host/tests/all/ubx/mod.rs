@@ -33,14 +33,14 @@ use raim_firmware::time::GpsTime;
 
 /// Content of some bytes.
 #[derive(Default)]
-struct Said {
+struct Reported {
     ephemerides: Vec<Ephemeris>,
     epochs: Vec<RawEpoch>,
     ionosphere: Vec<(Constellation, [f64; 8])>,
 }
 
-impl Said {
-    fn hear(&mut self, event: &Event<'_>) {
+impl Reported {
+    fn receive(&mut self, event: &Event<'_>) {
         match event {
             Event::Epoch(epoch, _) => self.epochs.push((*epoch).clone()),
             Event::Ephemeris(ephemeris) => self.ephemerides.push(*ephemeris),
@@ -51,10 +51,10 @@ impl Said {
 }
 
 /// Returns the content of some bytes for a module without earlier input.
-fn said(bytes: &[u8]) -> (Said, Counters) {
-    let (mut input, mut said) = (Input::new(), Said::default());
-    input.feed(bytes, 0, |event| said.hear(&event));
-    (said, *input.counters())
+fn reported(bytes: &[u8]) -> (Reported, Counters) {
+    let (mut input, mut reported) = (Input::new(), Reported::default());
+    input.feed(bytes, 0, |event| reported.receive(&event));
+    (reported, *input.counters())
 }
 
 /// Returns an ephemeris as RTCM carries it.
@@ -62,7 +62,7 @@ fn by_rtcm(ephemeris: &TimedEphemeris) -> Vec<Ephemeris> {
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();
     let nothing = MeasuredEpoch { time: ephemeris.toe, satellites: Vec::new() };
     let bytes = Encoder::new(std::slice::from_ref(ephemeris), selection).epoch(&nothing).unwrap();
-    said(&bytes).0.ephemerides
+    reported(&bytes).0.ephemerides
 }
 
 /// Time of the messages made here: 2020-06-25, noon.

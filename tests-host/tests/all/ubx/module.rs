@@ -41,7 +41,7 @@ impl Module {
         Self { input: Input::new(), navigator, configuration, now: None }
     }
 
-    fn hear(&mut self, bytes: &[u8]) -> Option<Found> {
+    fn receive(&mut self, bytes: &[u8]) -> Option<Found> {
         let Self { input, navigator, configuration, now } = self;
         let mut found = None;
         input.feed(bytes, 0, |event| match event {
@@ -74,8 +74,8 @@ fn compare(name: &str, recording: &Recording, every: usize, is_rounded: bool) ->
                 signal.pseudorange_m = (signal.pseudorange_m / MSM7_STEP_M).round() * MSM7_STEP_M;
             }
         }
-        let want = rtcm.1.hear(&rtcm.0.epoch(&epoch).unwrap());
-        let have = ubx.1.hear(&ubx.0.epoch(&epoch).unwrap());
+        let want = rtcm.1.receive(&rtcm.0.epoch(&epoch).unwrap());
+        let have = ubx.1.receive(&ubx.0.epoch(&epoch).unwrap());
         let (Some(want), Some(have)) = (want, have) else {
             panic!("{name}: {:?}: {want:?} {have:?}", epoch.time)
         };

@@ -18,7 +18,7 @@ use rtcm_rs::{Message, MessageBuilder};
 
 use super::bits::gps;
 use super::streams::{STREAMS, Stream};
-use super::{NOON, said};
+use super::{NOON, reported};
 
 /// Returns the same elements as a QZSS satellite's RTCM message.
 fn message_1044(number: u8, m: &Msg1019T) -> Msg1044T {
@@ -68,11 +68,11 @@ fn every_bit_of_lnav_is_as_rtcm_says_it() {
         elements.i0_sc -= 0.0625;
         let mut builder = MessageBuilder::new();
         let frame = builder.build_message(&Message::Msg1044(message_1044(number, elements))).unwrap();
-        let (want, counters) = said(frame);
+        let (want, counters) = reported(frame);
         assert_eq!(want.ephemerides.len(), 1, "{broadcast:?} {counters:?}");
         let satellite = SatelliteId::qzss(number).unwrap();
         let as_qzss = TimedEphemeris { satellite, ..broadcast.clone() };
-        let (have, counters) = said(&ubx::pages(&as_qzss, NOON).unwrap());
+        let (have, counters) = reported(&ubx::pages(&as_qzss, NOON).unwrap());
         assert_eq!(have.ephemerides, want.ephemerides, "{broadcast:?} {counters:?}");
         assert_eq!(have.ephemerides[0].satellite().to_string(), format!("J{number:02}"));
     }

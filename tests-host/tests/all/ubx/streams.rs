@@ -18,7 +18,7 @@ use raim_firmware::raw::{Band, RawEpoch};
 use raim_firmware::settings::{Configuration, Frequencies, Systems};
 use rig::shared;
 
-use super::{Said, by_rtcm};
+use super::{Reported, by_rtcm};
 
 /// A stream, and its source files.
 pub(super) struct Stream {
@@ -72,14 +72,14 @@ impl Stream {
 }
 
 /// Sends a stream in lumps that end with an epoch's ranges, a lump a second of the clock.
-fn hear(bytes: &[u8]) -> (Said, Counters, Input) {
-    let (mut input, mut said, mut epochs) = (Input::new(), Said::default(), 0);
+fn receive(bytes: &[u8]) -> (Reported, Counters, Input) {
+    let (mut input, mut reported, mut epochs) = (Input::new(), Reported::default(), 0);
     for lump in bytes.chunks(200) {
-        input.feed(lump, 1000 * epochs, |event| said.hear(&event));
-        epochs = said.epochs.len() as u64;
+        input.feed(lump, 1000 * epochs, |event| reported.receive(&event));
+        epochs = reported.epochs.len() as u64;
     }
     let counters = *input.counters();
-    (said, counters, input)
+    (reported, counters, input)
 }
 
 /// Returns the band of a satellite's RINEX signal, if both sides have a name for it.
@@ -141,8 +141,8 @@ fn streams_of_an_independent_program_hold_the_epochs_and_ephemerides_of_their_re
         for ephemeris in &recording.ephemerides {
             want.entry(ephemeris.satellite).or_default().extend(by_rtcm(ephemeris));
         }
-        let (said, counters, input) = hear(&bytes);
-        let of_kepler = said.ephemerides.iter().filter(|ephemeris| {
+        let (reported, counters, input) = receive(&bytes);
+        let of_kepler = reported.ephemerides.iter().filter(|ephemeris| {
             let satellite = ephemeris.satellite();
             satellite.constellation() != Constellation::Glonass && !satellite.is_qzss()
         });
@@ -153,14 +153,14 @@ fn streams_of_an_independent_program_hold_the_epochs_and_ephemerides_of_their_re
             ephemerides += 1;
         }
         let mut ranges = 0;
-        for have in &said.epochs {
+        for have in &reported.epochs {
             let recorded = recording.epochs.iter().find(|epoch| epoch.time == have.time);
             ranges += compare(have, recorded.unwrap_or_else(|| panic!("{:?} is no epoch", have.time)));
         }
         println!(
             "{}: {} epochs with {ranges} ranges, {ephemerides} ephemerides, leap second {:?}",
             stream.name,
-            said.epochs.len(),
+            reported.epochs.len(),
             input.leap_second()
         );
         let nonzero: Vec<_> = counters.iter().filter(|(_, count)| *count > 0).collect();
@@ -195,9 +195,9 @@ fn beidou_says_its_own_coefficients_of_the_ionosphere() {
     let nagoya = [1.8626e-8, 2.2352e-8, -1.1921e-7, -5.9605e-8, 1.2902e5, 1.6384e5, -1.9661e5, -2.6214e5];
     for (stream, want) in [(&STREAMS[3], toulouse), (&STREAMS[1], nagoya)] {
         let Some(bytes) = stream.bytes() else { return };
-        let (said, _, _) = hear(&of_beidou_alone(&bytes));
-        assert!(said.ionosphere.len() > 100, "{}: {}", stream.name, said.ionosphere.len());
-        for (of, have) in said.ionosphere {
+        let (reported, _, _) = receive(&of_beidou_alone(&bytes));
+        assert!(reported.ionosphere.len() > 100, "{}: {}", stream.name, reported.ionosphere.len());
+        for (of, have) in reported.ionosphere {
             assert_eq!(of, Constellation::Beidou);
             // The file has five digits.
             let is_same = have.iter().zip(want).all(|(have, want)| (have / want - 1.0).abs() < 1e-4);

@@ -18,7 +18,7 @@ fn a_line_with_a_bad_checksum_is_refused() {
     ];
     for bytes in cases {
         let mut module = Module::new();
-        assert_eq!(module.hear(bytes), []);
+        assert_eq!(module.receive(bytes), []);
         assert_eq!(module.bodies(), ["PRAIA,HAL,ERR,checksum"]);
         assert_eq!(module.configuration, Configuration::at_start());
         assert_eq!((module.counter("cmd_checksum"), module.counter("cmd_refused")), (1, 1));
@@ -31,7 +31,7 @@ fn a_checksum_in_lower_case_is_a_checksum() {
     let (body, checksum) = upper.split_at(upper.len() - 4);
     let lower = [body, &checksum.to_ascii_lowercase()].concat();
     assert_ne!(lower, upper, "the example needs a letter in its checksum");
-    assert_eq!(Module::new().hear(&lower), [Action::Reconfigured]);
+    assert_eq!(Module::new().receive(&lower), [Action::Reconfigured]);
 }
 
 #[test]
@@ -39,8 +39,8 @@ fn a_command_in_pieces_is_one_command() {
     let mut module = Module::new();
     let bytes = line("PRAIC,HAL,40");
     let (first, second) = bytes.split_at(7);
-    assert_eq!(module.hear(first), []);
-    assert_eq!(module.hear(second), [Action::Reconfigured]);
+    assert_eq!(module.receive(first), []);
+    assert_eq!(module.receive(second), [Action::Reconfigured]);
 }
 
 /// Two equal characters that are missing leave the checksum right: 556 m would become 6 m.
@@ -53,7 +53,7 @@ fn a_line_that_lost_characters_in_the_ring_is_no_command() {
     all[..18].iter().for_each(|byte| _ = ring.push(*byte));
     let read = |module: &mut Module| {
         while let Some(byte) = ring.pop() {
-            assert_eq!(module.hear(&[byte]), []);
+            assert_eq!(module.receive(&[byte]), []);
         }
     };
     read(&mut module);
@@ -78,17 +78,17 @@ fn garbage_costs_at_most_the_line_it_is_in() {
     ];
     for noise in garbage {
         let mut module = Module::new();
-        module.hear(noise);
+        module.receive(noise);
         assert_eq!(module.configuration, Configuration::at_start(), "{noise:?}");
-        assert_eq!(module.hear(&good), [Action::Reconfigured], "{noise:?}");
+        assert_eq!(module.receive(&good), [Action::Reconfigured], "{noise:?}");
     }
 }
 
 #[test]
 fn what_is_no_command_is_counted_and_not_answered() {
     let mut module = Module::new();
-    module.hear(b"$GNGNS,120000.00,,,,,N,00,,,,,,V*00\r\n$PRAIC,HAL\x00,40*00\r\n$PRAIC,H");
-    module.hear(&line("PRAIS,120000.00,P"));
+    module.receive(b"$GNGNS,120000.00,,,,,N,00,,,,,,V*00\r\n$PRAIC,HAL\x00,40*00\r\n$PRAIC,H");
+    module.receive(&line("PRAIS,120000.00,P"));
     assert_eq!(module.answers, "");
     assert_eq!((module.counter("cmd_foreign"), module.counter("cmd_noise")), (2, 2));
 }
@@ -98,10 +98,10 @@ fn a_line_that_is_too_long_is_refused_and_the_next_one_obeyed() {
     let mut module = Module::new();
     let longest = format!("PRAIC,HAL,{}40", "0".repeat(MAX_LINE - 15));
     assert_eq!(longest.len() + 3, MAX_LINE);
-    assert_eq!(module.hear(&line(&longest)), [Action::Reconfigured]);
+    assert_eq!(module.receive(&line(&longest)), [Action::Reconfigured]);
     assert_eq!(module.bodies(), ["PRAIA,HAL,OK"]);
     module.answers.clear();
-    assert_eq!(module.hear(&line(&longest.replace("40", "040"))), []);
+    assert_eq!(module.receive(&line(&longest.replace("40", "040"))), []);
     assert_eq!(module.bodies(), ["PRAIA,,ERR,too long"]);
     assert_eq!(module.counter("cmd_too_long"), 1);
     assert_eq!(module.ask("PRAIC,HAL,50"), ["PRAIA,HAL,50,OK"]);
@@ -153,7 +153,7 @@ proptest! {
         for byte in bytes {
             let before = module.configuration;
             module.answers.clear();
-            let actions = module.hear(&[byte]);
+            let actions = module.receive(&[byte]);
             let answer = module.bodies().concat();
             let said_so =
                 actions == [Action::Reconfigured] && (answer.ends_with(",OK") || answer.contains(",OK,WARN,"));

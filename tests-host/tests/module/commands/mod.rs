@@ -2,7 +2,7 @@
 //! command changes nothing.
 
 mod lines;
-mod said;
+mod reported;
 mod table;
 
 use raim_core::internals::allocation::Allocation;
@@ -32,7 +32,7 @@ impl Module {
     }
 
     /// Takes bytes; returns the actions that they cause.
-    fn hear(&mut self, bytes: &[u8]) -> Vec<Action> {
+    fn receive(&mut self, bytes: &[u8]) -> Vec<Action> {
         let mut actions = Vec::new();
         for byte in bytes {
             let mut room = [0; 128];
@@ -49,7 +49,7 @@ impl Module {
     /// Returns the bodies of the answers to one command.
     fn ask(&mut self, body: &str) -> Vec<String> {
         self.answers.clear();
-        self.hear(&line(body));
+        self.receive(&line(body));
         self.bodies()
     }
 
@@ -325,12 +325,12 @@ fn a_long_answer_is_continued_in_another() {
     let strip = |answer: &String| {
         answer.strip_prefix("PRAIA,IONO,").and_then(|rest| rest.strip_suffix(",OK")).map(String::from)
     };
-    let said =
+    let reported =
         answers.iter().map(strip).collect::<Option<Vec<_>>>().expect("key and OK around each part").join(",");
     let numbers = |text: &str| {
         text.split(',').map(|number| number.parse::<f64>().expect("a number")).collect::<Vec<_>>()
     };
-    assert_eq!(numbers(&said), numbers(set));
+    assert_eq!(numbers(&reported), numbers(set));
 }
 
 #[test]
@@ -350,8 +350,8 @@ fn the_promises_of_one_system_replace_those_of_the_preset_until_the_next_preset(
     want.constellations[Constellation::Gps as usize] = support(2.4, 2.4, 0.0, 1e-5, 1e-4);
     want.constellations[Constellation::Galileo as usize] = support(6.0, 4.5, 0.75, 0.0, 2e-4);
     assert_eq!(module.configuration.promises.ism(), want);
-    let said = "PRAIA,ISM,RESEARCH-AIR,G,2.4,2.4,0,1e-5,1e-4,E,6,4.5,0.75,0,2e-4,OK";
-    assert_eq!(module.ask("PRAIC,ISM"), [said]);
+    let reported = "PRAIA,ISM,RESEARCH-AIR,G,2.4,2.4,0,1e-5,1e-4,E,6,4.5,0.75,0,2e-4,OK";
+    assert_eq!(module.ask("PRAIC,ISM"), [reported]);
     module.ask("PRAIC,ISM,ICAO");
     assert_eq!(module.configuration.promises.ism(), Ism::ICAO);
     assert_eq!(module.ask("PRAIC,ISM"), ["PRAIA,ISM,ICAO,OK"]);
@@ -400,7 +400,7 @@ fn actions_are_for_the_receiver_to_carry_out() {
     ];
     for (command, action, answer) in cases {
         let mut module = Module::new();
-        assert_eq!(module.hear(&line(&format!("PRAIC,{command}"))), [action]);
+        assert_eq!(module.receive(&line(&format!("PRAIC,{command}"))), [action]);
         assert_eq!(module.bodies(), answer.into_iter().collect::<Vec<_>>());
     }
 }

@@ -9,7 +9,7 @@ use std::{env, fs};
 use raim_firmware::settings::{Configuration, Order, SEALED_BYTES, Setting, Unsealed, scientific};
 
 use super::Module;
-use super::said::settings;
+use super::reported::settings;
 
 /// Returns a module that has obeyed the example of a setting, with its answer.
 fn changed(setting: Setting) -> (Module, String) {
@@ -181,8 +181,8 @@ fn a_row_without_one_of_its_columns_does_not_compile() {
             lines.iter().enumerate().filter(|(index, _)| *index != missing).map(|(_, line)| *line).collect();
         compiled(&row).expect_err(lines[missing]);
     }
-    let said = compiled(&ROW.replace("&[(0.0, 9.0)]", "&[]")).expect_err("a number without a range");
-    assert!(said.contains("one range a number"), "{said}");
+    let reported = compiled(&ROW.replace("&[(0.0, 9.0)]", "&[]")).expect_err("a number without a range");
+    assert!(reported.contains("one range a number"), "{reported}");
     compiled(&ROW.replace("Apart", "Nowhere")).expect_err("an effect that there is not");
 }
 

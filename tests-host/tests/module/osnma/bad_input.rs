@@ -13,7 +13,7 @@ use super::*;
 fn hear_at(bench: &mut Bench, pages: impl IntoIterator<Item = (Page, u64)>) {
     for (page, now_ms) in pages {
         bench.now_ms = now_ms;
-        bench.osnma.hear(page.satellite, &page.word, page.bits, true, now_ms);
+        bench.osnma.receive(page.satellite, &page.word, page.bits, true, now_ms);
         while bench.osnma.work(&bench.keys, now_ms) != Worked::Nothing {}
         must_hold(bench);
     }
@@ -27,7 +27,7 @@ fn must_hold(bench: &Bench) {
 
 fn hear_checked(bench: &mut Bench, pages: &[Page]) {
     for page in pages {
-        bench.hear(page);
+        bench.receive(page);
         must_hold(bench);
     }
 }

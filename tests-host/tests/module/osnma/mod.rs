@@ -24,15 +24,15 @@ impl Bench {
     }
 
     /// Takes a page when it is complete, and does all the work.
-    fn hear(&mut self, page: &Page) {
+    fn receive(&mut self, page: &Page) {
         self.now_ms = u64::from(page.begin_s - 30 * ROOT + 2) * 1000;
-        self.osnma.hear(page.satellite, &page.word, page.bits, true, self.now_ms);
+        self.osnma.receive(page.satellite, &page.word, page.bits, true, self.now_ms);
         while self.osnma.work(&self.keys, self.now_ms) != Worked::Nothing {}
     }
 
     fn hear_all(&mut self, pages: &[Page]) {
         for page in pages {
-            self.hear(page);
+            self.receive(page);
         }
     }
 
@@ -41,7 +41,7 @@ impl Bench {
     fn until(&mut self, pages: &[Page], when: impl Fn(&Self) -> bool) -> Option<u32> {
         let first = pages.first()?.begin_s;
         pages.iter().find_map(|page| {
-            self.hear(page);
+            self.receive(page);
             when(self).then_some(page.begin_s + 2 - first)
         })
     }
@@ -146,7 +146,7 @@ fn a_false_satellite_stays_false_with_every_new_set_until_one_is_proved() {
     }
     bench.until(&pages, |bench| bench.verdict(24) == Verdict::False).expect("false words");
     for page in &pages[15 * 6 * 8..] {
-        bench.hear(page);
+        bench.receive(page);
         assert_eq!(bench.verdict(24), Verdict::False, "at {} s", page.begin_s);
     }
 }
@@ -272,7 +272,7 @@ fn lost_pages_lose_tags_and_make_nothing_wrong() {
     for every in [3, 7, 50, 91] {
         let mut bench = Bench::new(system.public());
         for (_, page) in pages.iter().enumerate().filter(|(index, _)| index % every != 0) {
-            bench.hear(page);
+            bench.receive(page);
         }
         assert_eq!((bench.wrong(), bench.summary().false_), (0, 0), "every {every}th page lost");
     }
@@ -285,8 +285,8 @@ fn lost_pages_lose_tags_and_make_nothing_wrong() {
     // Every page twice.
     let mut bench = Bench::new(system.public());
     for page in &pages {
-        bench.hear(page);
-        bench.hear(page);
+        bench.receive(page);
+        bench.receive(page);
     }
     assert_eq!((bench.wrong(), bench.summary().proved), (0, 6));
 }
@@ -324,7 +324,7 @@ fn slices_with_a_clock(system: &System, ahead_s: u32) -> u32 {
             word += u128::from(ahead_s) << 23;
         }
         let now_ms = u64::from(page.begin_s - 30 * ROOT + 2) * 1000;
-        bench.osnma.hear(page.satellite, &word.to_be_bytes(), page.bits, true, now_ms);
+        bench.osnma.receive(page.satellite, &word.to_be_bytes(), page.bits, true, now_ms);
         while bench.osnma.work(&bench.keys, now_ms) != Worked::Nothing {
             slices += 1;
         }
@@ -359,7 +359,7 @@ fn four_slices_ten_times_a_second_prove_four_satellites_in_three_minutes() {
         let now_ms = u64::from(start_s - 30 * ROOT) * 1000 + 100 * tick;
         while let Some(page) = ahead.next_if(|page| u64::from(page.begin_s - 30 * ROOT + 2) * 1000 <= now_ms)
         {
-            bench.osnma.hear(page.satellite, &page.word, page.bits, true, now_ms);
+            bench.osnma.receive(page.satellite, &page.word, page.bits, true, now_ms);
         }
         for _ in 0..4 {
             bench.osnma.work(&bench.keys, now_ms);
@@ -416,7 +416,7 @@ proptest! {
         }
         for (page, late_ms) in pages.iter().zip(late) {
             let now_ms = u64::from(page.begin_s - 30 * ROOT + 2) * 1000 + late_ms;
-            bench.osnma.hear(page.satellite, &page.word, page.bits, true, now_ms);
+            bench.osnma.receive(page.satellite, &page.word, page.bits, true, now_ms);
             for _ in 0..3000 {
                 if bench.osnma.work(&bench.keys, now_ms) == Worked::Nothing {
                     break;

@@ -10,7 +10,7 @@ const START: u32 = ROOT + 125;
 fn states(bench: &mut Bench, system: &System, end: u32) -> Vec<State> {
     let mut states = Vec::new();
     for page in system.pages(START..START + end) {
-        bench.hear(&page);
+        bench.receive(&page);
         let summary = bench.summary();
         assert_eq!(summary.proved > 0, summary.oldest_proof_s.is_some(), "a proof has an age");
         if states.last() != Some(&summary.state) {
@@ -110,7 +110,7 @@ fn older_root_key_does_not_lift_a_revocation() {
     assert_eq!(bench.summary().state, State::DontUse);
     let genuine = system.pages(START + 16..START + 32);
     for (page, old) in genuine.iter().zip(before.pages(START + 16..START + 32)) {
-        bench.hear(if page.satellite < 12 { &old } else { page });
+        bench.receive(if page.satellite < 12 { &old } else { page });
         assert_eq!((bench.summary().state, bench.summary().proved), (State::DontUse, 0));
     }
     assert!(bench.count("osnma_roots_right") >= 2, "{:?}", bench.osnma.tally());

@@ -107,8 +107,8 @@ fn glonass_alone_has_its_week_and_leap_seconds_from_1013() {
     let mut input = Input::new();
     assert!(epochs(feed(&mut input, &midnight_in_moscow())).is_empty());
     feed(&mut input, &DATE);
-    let said = input.leap_second().map(|leap| (leap.seconds, leap.source));
-    assert_eq!(said, Some((18, LeapSource::Receiver)));
+    let reported = input.leap_second().map(|leap| (leap.seconds, leap.source));
+    assert_eq!(reported, Some((18, LeapSource::Receiver)));
     let seen = epochs(feed(&mut input, &midnight_in_moscow()));
     // 2020-06-24 is the third day of week 2111, counted from 0.
     let want = GpsTime { week: 2111, tow_ms: (3 * 86_400 + 21 * 3600 + 18) * 1000 };

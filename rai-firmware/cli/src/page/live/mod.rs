@@ -26,9 +26,10 @@ pub fn style() -> String {
 
 /// Returns the state as the page and `/state.json` have it.
 pub fn json(state: &State) -> Value {
-    let said = state.said.as_ref();
-    let level = |of: fn(&crate::verdict::State) -> Option<f64>| said.and_then(|said| of(&said.state));
-    let position = said.and_then(|said| said.position);
+    let reported = state.reported.as_ref();
+    let level =
+        |of: fn(&crate::verdict::State) -> Option<f64>| reported.and_then(|reported| of(&reported.state));
+    let position = reported.and_then(|reported| reported.position);
     let satellites: Vec<Value> = state.satellites.iter().map(satellite).collect();
     json!({
         "state": state.word(),
@@ -37,22 +38,22 @@ pub fn json(state: &State) -> Value {
         "pin": state.pin_is_high,
         "has_ranges": !state.lacks_ranges,
         "verdicts": state.verdicts,
-        "utc_s": said.and_then(|said| said.state.time_s),
+        "utc_s": reported.and_then(|reported| reported.state.time_s),
         "age_s": state.age().map(|age| rounded(age.as_secs_f64(), 3)),
-        "tracked": said.map(|said| said.state.tracked),
-        "used": said.map(|said| said.state.used),
-        "dof": said.and_then(|said| said.state.dof),
-        "statistic": level(|said| said.statistic),
-        "threshold": level(|said| said.threshold),
-        "hpl_m": level(|said| said.hpl_m),
-        "vpl_m": level(|said| said.vpl_m),
-        "hal_m": level(|said| said.hal_m),
-        "val_m": level(|said| said.val_m),
+        "tracked": reported.map(|reported| reported.state.tracked),
+        "used": reported.map(|reported| reported.state.used),
+        "dof": reported.and_then(|reported| reported.state.dof),
+        "statistic": level(|reported| reported.statistic),
+        "threshold": level(|reported| reported.threshold),
+        "hpl_m": level(|reported| reported.hpl_m),
+        "vpl_m": level(|reported| reported.vpl_m),
+        "hal_m": level(|reported| reported.hal_m),
+        "val_m": level(|reported| reported.val_m),
         "latitude_deg": position.map(|place| rounded(place.latitude_rad.to_degrees(), 7)),
         "longitude_deg": position.map(|place| rounded(place.longitude_rad.to_degrees(), 7)),
         "height_m": position.map(|place| rounded(place.height_m, 1)),
-        "excluded": said.map(|said| {
-            said.excluded.iter().map(|excluded| excluded.satellite.to_string()).collect::<Vec<_>>()
+        "excluded": reported.map(|reported| {
+            reported.excluded.iter().map(|excluded| excluded.satellite.to_string()).collect::<Vec<_>>()
         }),
         "satellites": satellites,
         "input": state.input,

@@ -25,7 +25,7 @@ pub struct State {
     /// Settings, as `KEY=VALUE`.
     pub settings: Vec<String>,
     /// The last output.
-    pub said: Option<EpochOutput>,
+    pub reported: Option<EpochOutput>,
     /// Level of the pin.
     pub pin_is_high: bool,
     /// Satellites of the last epoch; none during a silence.
@@ -50,7 +50,7 @@ impl State {
         Self {
             input,
             settings,
-            said: None,
+            reported: None,
             pin_is_high: false,
             satellites: Vec::new(),
             counters: Vec::new(),
@@ -71,14 +71,14 @@ impl State {
     }
 
     /// Takes a verdict; returns true if it is another than that before.
-    pub fn take(&mut self, said: EpochOutput, satellites: Option<Vec<Account>>) -> bool {
+    pub fn take(&mut self, reported: EpochOutput, satellites: Option<Vec<Account>>) -> bool {
         let (word, reason) = (self.word(), self.reason().to_owned());
-        let is_first = self.said.is_none();
+        let is_first = self.reported.is_none();
         self.verdicts += 1;
         self.judged = Some(Instant::now());
         // After a silence the satellites are those of before.
         self.satellites = satellites.unwrap_or_default();
-        let state = &said.state;
+        let state = &reported.state;
         self.past.push_back(json!([
             self.verdicts,
             state.time_s,
@@ -88,10 +88,10 @@ impl State {
             state.statistic,
             state.threshold
         ]));
-        self.said = Some(said);
+        self.reported = Some(reported);
         let has_changed = is_first || word != self.word() || reason != self.reason();
         if has_changed {
-            let time_s = self.said.as_ref().and_then(|said| said.state.time_s);
+            let time_s = self.reported.as_ref().and_then(|reported| reported.state.time_s);
             self.changes.push_back(json!([time_s, self.word(), self.reason()]));
         }
         self.past.drain(..self.past.len().saturating_sub(PAST));
@@ -102,25 +102,27 @@ impl State {
     /// Returns the state in a word. Before the first verdict, and if the loop hangs, the position is
     /// unavailable.
     pub fn word(&self) -> &'static str {
-        match &self.said {
-            Some(said) if self.alive.elapsed() < HUNG => Verdict::from_letter(said.state.state).word(),
+        match &self.reported {
+            Some(reported) if self.alive.elapsed() < HUNG => {
+                Verdict::from_letter(reported.state.state).word()
+            }
             _ => "unavailable",
         }
     }
 
     /// Returns the reason, in the module's word.
     pub fn reason(&self) -> &str {
-        self.said.as_ref().map_or("", |said| &said.state.reason)
+        self.reported.as_ref().map_or("", |reported| &reported.state.reason)
     }
 
     /// Returns the reason in words.
     pub fn explanation(&self) -> &'static str {
-        match &self.said {
+        match &self.reported {
             _ if self.alive.elapsed() >= HUNG => "the module does not come round",
-            Some(said) if self.lacks_ranges && said.state.reason == "STALE" => {
+            Some(reported) if self.lacks_ranges && reported.state.reason == "STALE" => {
                 "the receiver sends no ranges any more, and other messages still"
             }
-            Some(said) => explanation(&said.state.reason).unwrap_or_default(),
+            Some(reported) => explanation(&reported.state.reason).unwrap_or_default(),
             None => "no epoch has been judged yet",
         }
     }
@@ -133,10 +135,9 @@ impl State {
     /// Returns true while the loop runs and the receiver is heard.
     pub fn is_healthy(&self) -> bool {
         self.alive.elapsed() < HUNG
-            && self
-                .said
-                .as_ref()
-                .is_some_and(|said| !matches!(said.state.reason.as_str(), "STALE" | "SOURCE" | "SELFTEST"))
+            && self.reported.as_ref().is_some_and(|reported| {
+                !matches!(reported.state.reason.as_str(), "STALE" | "SOURCE" | "SELFTEST")
+            })
     }
 
     /// Returns the past for a new page: verdicts, and changes of the state.

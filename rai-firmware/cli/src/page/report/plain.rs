@@ -44,7 +44,7 @@ pub(super) fn words(journal: &Journal) -> String {
     stretches.truncate(NAMED);
     stretches.sort_by(|one, other| one.from_s.total_cmp(&other.from_s));
     for stretch in &stretches {
-        let _ = write!(text, "; {}", said(journal, stretch));
+        let _ = write!(text, "; {}", reported(journal, stretch));
     }
     if more > 0 {
         let _ = write!(text, "; and not in {more} shorter stretches");
@@ -86,7 +86,7 @@ fn stretches(journal: &Journal) -> Vec<Stretch> {
 }
 
 /// Returns a stretch in words, with its reason.
-fn said(journal: &Journal, stretch: &Stretch) -> String {
+fn reported(journal: &Journal, stretch: &Stretch) -> String {
     let (from, to) = (clock(journal, stretch.from_s), clock(journal, stretch.to_s));
     let lasted = duration(stretch.to_s - stretch.from_s);
     let is_first = journal.events.first().is_some_and(|event| event.time_s >= stretch.from_s);

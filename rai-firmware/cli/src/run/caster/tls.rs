@@ -156,8 +156,8 @@ openssl x509 -req -in own.csr -CA ca.pem -CAkey ca.key -CAcreateserial -days 2 -
             }
             let mut line = begin(server.connect(), "localhost", own()).unwrap();
             line.write_all(b"GET /MOUNT HTTP/1.0\r\n\r\n").unwrap();
-            let said = server.0.stdin.as_mut().unwrap();
-            said.write_all(b"ICY 200 OK\r\nrest").unwrap();
+            let reported = server.0.stdin.as_mut().unwrap();
+            reported.write_all(b"ICY 200 OK\r\nrest").unwrap();
             let status = super::super::super::status_line(&mut line).unwrap();
             assert_eq!(status, "ICY 200 OK\r\n");
         }

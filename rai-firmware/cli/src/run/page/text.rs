@@ -45,7 +45,7 @@ pub(super) fn metrics(state: &State, back: Option<&Back>) -> String {
             let _ = write!(text, "# HELP {name} {help}\n# TYPE {name} gauge\n{name} {value}\n");
         }
     };
-    let said = state.said.as_ref().map(|said| &said.state);
+    let reported = state.reported.as_ref().map(|reported| &reported.state);
     let is = |yes: bool| Some(f64::from(u8::from(yes)));
     gauge("rai_protected", "1 while the position may be used.", is(state.word() == "protected"));
     gauge("rai_alert", "1 while the position must not be used.", is(state.word() == "alert"));
@@ -60,14 +60,22 @@ pub(super) fn metrics(state: &State, back: Option<&Back>) -> String {
         "Time since the last verdict.",
         state.age().map(|age| age.as_secs_f64()),
     );
-    gauge("rai_satellites_tracked", "Satellites tracked.", said.map(|said| f64::from(said.tracked)));
-    gauge("rai_satellites_used", "Satellites used.", said.map(|said| f64::from(said.used)));
-    gauge("rai_test_statistic", "Square root of SSE/dof.", said.and_then(|said| said.statistic));
-    gauge("rai_test_threshold", "Threshold of the statistic.", said.and_then(|said| said.threshold));
-    gauge("rai_hpl_meters", "Horizontal protection level.", said.and_then(|said| said.hpl_m));
-    gauge("rai_vpl_meters", "Vertical protection level.", said.and_then(|said| said.vpl_m));
-    gauge("rai_hal_meters", "Horizontal alert limit.", said.and_then(|said| said.hal_m));
-    gauge("rai_val_meters", "Vertical alert limit.", said.and_then(|said| said.val_m));
+    gauge(
+        "rai_satellites_tracked",
+        "Satellites tracked.",
+        reported.map(|reported| f64::from(reported.tracked)),
+    );
+    gauge("rai_satellites_used", "Satellites used.", reported.map(|reported| f64::from(reported.used)));
+    gauge("rai_test_statistic", "Square root of SSE/dof.", reported.and_then(|reported| reported.statistic));
+    gauge(
+        "rai_test_threshold",
+        "Threshold of the statistic.",
+        reported.and_then(|reported| reported.threshold),
+    );
+    gauge("rai_hpl_meters", "Horizontal protection level.", reported.and_then(|reported| reported.hpl_m));
+    gauge("rai_vpl_meters", "Vertical protection level.", reported.and_then(|reported| reported.vpl_m));
+    gauge("rai_hal_meters", "Horizontal alert limit.", reported.and_then(|reported| reported.hal_m));
+    gauge("rai_val_meters", "Vertical alert limit.", reported.and_then(|reported| reported.val_m));
     text.push_str("# HELP rai_reason_info Reason of the state.\n# TYPE rai_reason_info gauge\n");
     let _ = writeln!(text, "rai_reason_info{{reason=\"{}\"}} 1", state.reason());
     text.push_str(

@@ -94,10 +94,10 @@ impl Cutter {
     /// together, they are one here, because the module reports only the last verdict.
     pub(super) fn take(&mut self, piece: &Piece<'_>) -> Option<Cut> {
         let refused = self.input.counters().ephemerides_invalid;
-        let time = self.hear(|input, hear| {
-            input.feed(piece.bytes, 0, &mut *hear);
+        let time = self.receive(|input, receive| {
+            input.feed(piece.bytes, 0, &mut *receive);
             if is_last_of_epoch(piece) {
-                input.silence(hear);
+                input.silence(receive);
             }
         });
         if self.input.counters().ephemerides_invalid != refused
@@ -124,15 +124,15 @@ impl Cutter {
     /// Returns the epoch that a silence completes.
     pub(super) fn silence(&mut self) -> Option<Cut> {
         self.opened = None;
-        let time = self.hear(|input, hear| {
-            input.silence(&mut *hear);
-            input.end_epoch(hear);
+        let time = self.receive(|input, receive| {
+            input.silence(&mut *receive);
+            input.end_epoch(receive);
         });
         Some(self.cut(time?, None))
     }
 
     /// Collects what the input tells; returns the time of the last epoch that it completes.
-    fn hear(&mut self, act: impl FnOnce(&mut Input, &mut dyn FnMut(Event<'_>))) -> Option<GpsTime> {
+    fn receive(&mut self, act: impl FnOnce(&mut Input, &mut dyn FnMut(Event<'_>))) -> Option<GpsTime> {
         let Self { input, ranged, ranged_last, known, ephemerides, ionosphere, .. } = self;
         let mut ended = None;
         act(input, &mut |event| match event {

@@ -204,7 +204,7 @@ impl<R: Read> Lumps<R> {
         );
         let elapsed_s = self.span.as_ref().map_or(0.0, |span| cut.time.since_ms(span.first) as f64 * 1e-3);
         if let Some(feeder) = &mut self.feeder {
-            cut.ephemerides.iter().for_each(|ephemeris| feeder.hear(ephemeris));
+            cut.ephemerides.iter().for_each(|ephemeris| feeder.receive(ephemeris));
         }
         if !self.window.holds(elapsed_s, self.last_used_s) {
             if self.last_used_s.is_none() {

@@ -102,7 +102,7 @@ pub(super) struct Feeder {
 
 impl Feeder {
     /// Notes an ephemeris of the capture.
-    pub(super) fn hear(&mut self, ephemeris: &Ephemeris) {
+    pub(super) fn receive(&mut self, ephemeris: &Ephemeris) {
         self.own.insert(ephemeris.satellite(), ephemeris.toe());
     }
 

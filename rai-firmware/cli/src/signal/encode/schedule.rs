@@ -46,7 +46,7 @@ struct Satellite {
     /// Index of the broadcast that was sent last.
     known: Option<usize>,
     /// Time of that.
-    said: Option<GpsTime>,
+    reported: Option<GpsTime>,
 }
 
 impl Schedule {
@@ -109,12 +109,12 @@ impl Satellite {
         let newest = self.broadcasts.get(newest)?;
         let is_glonass = matches!(newest.message, Ephemeris::Glonass(_));
         let repeats_ms = if is_glonass { Some(REPEATED_MS) } else { repeats_ms };
-        let is_due = |repeats_ms| self.said.is_none_or(|said| now.since_ms(said) >= repeats_ms);
+        let is_due = |repeats_ms| self.reported.is_none_or(|reported| now.since_ms(reported) >= repeats_ms);
         let is_repeated = repeats_ms.is_some_and(is_due) && is_seen;
         if !(is_news || is_repeated) {
             return None;
         }
-        self.said = Some(now);
+        self.reported = Some(now);
         Some(newest)
     }
 

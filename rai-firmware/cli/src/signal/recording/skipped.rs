@@ -148,9 +148,9 @@ impl fmt::Display for Skipped {
             (self.out_of_order, "epochs out of order"),
             (self.other_kinds, "of kinds not read"),
         ];
-        let said = counts.iter().filter(|(count, _)| *count > 0);
-        let said: Vec<String> = said.map(|(count, what)| format!("{count} {what}")).collect();
-        formatter.write_str(&said.join(", "))?;
+        let reported = counts.iter().filter(|(count, _)| *count > 0);
+        let reported: Vec<String> = reported.map(|(count, what)| format!("{count} {what}")).collect();
+        formatter.write_str(&reported.join(", "))?;
         match &self.first {
             Some(Place { file, line }) => write!(formatter, "; first flaw: {file}, line {line}"),
             None => Ok(()),

@@ -103,7 +103,7 @@ fn run(sky: &Sky, forged: &[u8]) -> Result<Tally> {
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
         let before = if index == FORGED_AT { forged } else { &[] };
-        tally.add_all(&victim.hear(&[before, bytes].concat(), sky.truth)?);
+        tally.add_all(&victim.receive(&[before, bytes].concat(), sky.truth)?);
     }
     Ok(tally)
 }
@@ -145,7 +145,7 @@ fn near(_: Effort) -> Result<Vec<Figure>> {
         one.satellites.retain(|seen| seen.satellite.constellation() == Constellation::Gps);
         one.satellites.truncate(1);
         let ahead = if index % 5 == 4 { later(&sky.ranges(&one)?, 59) } else { Vec::new() };
-        tally.add_all(&victim.hear(&[&ahead[..], bytes].concat(), sky.truth)?);
+        tally.add_all(&victim.receive(&[&ahead[..], bytes].concat(), sky.truth)?);
     }
     Ok(figures("every fifth", &tally))
 }
@@ -160,10 +160,10 @@ fn once_later(_: Effort) -> Result<Vec<Figure>> {
     let mut all = figures("in the middle", &run(&sky, &middle.ranges(&middle.recording.epochs[0])?)?);
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     for bytes in of_later(3599.0)?.bytes(|_, _| {})? {
-        victim.hear(&bytes, sky.truth)?;
+        victim.receive(&bytes, sky.truth)?;
     }
     for bytes in sky.bytes(|_, _| {})? {
-        tally.add_all(&victim.hear(&bytes, sky.truth)?);
+        tally.add_all(&victim.receive(&bytes, sky.truth)?);
     }
     all.push(Figure::at_least(
         "before all others: promised",
@@ -179,7 +179,8 @@ fn other_cycle(_: Effort) -> Result<Vec<Figure>> {
         let mut victim = Victim::new(&[], 1.0)?;
         let mut used = 0;
         for bytes in bytes {
-            used += victim.hear(bytes, sky.truth)?.iter().map(|seen| seen.said.state.used).sum::<u32>();
+            used +=
+                victim.receive(bytes, sky.truth)?.iter().map(|seen| seen.reported.state.used).sum::<u32>();
         }
         Ok(f64::from(used))
     };
@@ -237,10 +238,10 @@ fn first(_: Effort) -> Result<Vec<Figure>> {
     let here = Sky::of(&here, Frequency::Dual)?;
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     for bytes in away.bytes(|_, _| {})? {
-        victim.hear(&bytes, away.truth)?;
+        victim.receive(&bytes, away.truth)?;
     }
     for bytes in here.bytes(|_, _| {})? {
-        tally.add_all(&victim.hear(&bytes, here.truth)?);
+        tally.add_all(&victim.receive(&bytes, here.truth)?);
     }
     Ok(vec![
         Figure::at_least("promised", tally.outcomes.promised as f64, f64::from(EPOCHS) - OUTLASTS),
@@ -254,24 +255,24 @@ fn leap_seconds(_: Effort) -> Result<Vec<Figure>> {
     }
     let Some(recording) = STATIC_BASE.load() else { return Ok(skipped()) };
     let selection = Selection::new("GCER", Frequency::Dual)?;
-    let said = ubx::IonosphereAndUtc {
+    let reported = ubx::IonosphereAndUtc {
         klobuchar: recording.klobuchar.unwrap_or_default(),
         leap_s: (18, 18),
         change: (1929, 7),
     };
-    let forged = ubx::IonosphereAndUtc { leap_s: (28, 28), ..said };
+    let forged = ubx::IonosphereAndUtc { leap_s: (28, 28), ..reported };
     let galileo = SatelliteId::new(Constellation::Galileo, 1).context("Galileo must have a satellite 1")?;
     let (mut figures, mut wanted) = (Vec::new(), 0.0);
     for words in [0, 1, 3] {
-        let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection.clone(), Some(said));
+        let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection.clone(), Some(reported));
         let (mut victim, mut used, mut promised) = (Victim::new(&["SYSTEMS,GCER"], 1.0)?, 0, 0.0);
         for (index, epoch) in recording.epochs.iter().take(EPOCHS as usize).enumerate() {
             let mut bytes = encoder.epoch(epoch)?;
             for _ in 0..if index == FORGED_AT { words } else { 0 } {
                 bytes.extend(ubx::utc(galileo, &forged)?);
             }
-            for seen in victim.hear(&bytes, STATIC_BASE.truth)? {
-                used += seen.said.state.used;
+            for seen in victim.receive(&bytes, STATIC_BASE.truth)? {
+                used += seen.reported.state.used;
                 promised += f64::from(u8::from(seen.is_promised));
             }
         }

@@ -55,7 +55,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
                         .into_iter()
                         .flat_map(|frame| tagged(frame, offset_ms, of_gps))
                         .collect();
-                    tally.add_all(&victim.hear(&tagged, sky.truth)?);
+                    tally.add_all(&victim.receive(&tagged, sky.truth)?);
                 }
             }
         }

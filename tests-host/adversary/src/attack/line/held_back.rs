@@ -55,7 +55,7 @@ fn hold_back(effort: Effort) -> Result<Vec<Figure>> {
     for own_s in [1.0, 1.05, 2.0, 9.0] {
         let (mut victim, mut oldest_s, mut promised) = (Victim::new(&[], own_s)?, 0.0_f64, 0);
         for (index, bytes) in bytes.iter().enumerate() {
-            victim.hear(bytes, sky.truth)?;
+            victim.receive(bytes, sky.truth)?;
             // At the end of the step the signals are one step older.
             if victim.is_promised() {
                 oldest_s = oldest_s.max(index as f64 * (own_s - 1.0));
@@ -81,8 +81,8 @@ fn send_again(effort: Effort) -> Result<Vec<Figure>> {
     let promised = |victim: &mut Victim| -> Result<f64> {
         let mut promised = 0.0;
         for bytes in &bytes {
-            let seen = victim.hear(bytes, sky.truth)?;
-            promised += seen.iter().filter(|seen| seen.said.state.is_protected()).count() as f64;
+            let seen = victim.receive(bytes, sky.truth)?;
+            promised += seen.iter().filter(|seen| seen.reported.state.is_protected()).count() as f64;
         }
         Ok(promised)
     };
@@ -110,13 +110,13 @@ fn week_old(_: Effort) -> Result<Vec<Figure>> {
         (Sky::of(&honest, Frequency::Dual)?, Sky::of(&elsewhere(&old, 0.05), Frequency::Dual)?);
     let (mut victim, mut before, mut after) = (Victim::new(&[], 1.0)?, Tally::default(), Tally::default());
     for bytes in honest.bytes(|_, _| {})? {
-        before.add_all(&victim.hear(&bytes, honest.truth)?);
+        before.add_all(&victim.receive(&bytes, honest.truth)?);
     }
     let bytes = old.bytes(|_, _| {})?;
     for (index, own) in bytes.iter().enumerate() {
         // The ephemerides come twice.
         let again: &[u8] = if index == 30 { &bytes[0] } else { &[] };
-        after.add_all(&victim.hear(&[own, again].concat(), honest.truth)?);
+        after.add_all(&victim.receive(&[own, again].concat(), honest.truth)?);
     }
     let mut figures = after.figures(0.0);
     figures.push(Figure::at_least("protected before", before.outcomes.promised as f64, f64::from(LIVE)));

@@ -70,7 +70,7 @@ fn joined(_: Effort) -> Result<Vec<Figure>> {
         for (own_bytes, of_other) in own.bytes(|_, _| {})?.into_iter().zip(&other.recording.epochs) {
             let of_other = announcing(&other.ranges(of_other)?);
             let (sets, ranges) = parted(&own_bytes);
-            tally.add_all(&victim.hear(&[sets, of_other, ranges].concat(), own.truth)?);
+            tally.add_all(&victim.receive(&[sets, of_other, ranges].concat(), own.truth)?);
         }
     }
     Ok(tally.figures(0.0))
@@ -88,8 +88,8 @@ fn in_turn(_: Effort) -> Result<Vec<Figure>> {
         for (index, (own_bytes, of_other)) in epochs.enumerate() {
             let own_bytes = if index < SILENT_FROM { own_bytes } else { Vec::new() };
             let tally = if index < SILENT_FROM { &mut both } else { &mut alone };
-            tally.add_all(&victim.hear(&own_bytes, own.truth)?);
-            tally.add_all(&victim.hear(&other.ranges(of_other)?, own.truth)?);
+            tally.add_all(&victim.receive(&own_bytes, own.truth)?);
+            tally.add_all(&victim.receive(&other.ranges(of_other)?, own.truth)?);
         }
     }
     let mut figures = both.figures(UNSEEN * AWAY_DEG.len() as f64);
@@ -153,11 +153,11 @@ fn continued(seed: u64, silence_s: f64, apart_s: f64, away_deg: f64) -> Result<T
     let other = Sky::of(&elsewhere(&second, away_deg), Frequency::Dual)?;
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     for bytes in own.bytes(|_, _| {})? {
-        let _ = victim.hear(&bytes, own.truth)?;
+        let _ = victim.receive(&bytes, own.truth)?;
     }
     let _ = victim.silence(silence_s + apart_s, own.truth)?;
     for bytes in other.bytes(|_, _| {})? {
-        tally.add_all(&victim.hear(&bytes, own.truth)?);
+        tally.add_all(&victim.receive(&bytes, own.truth)?);
     }
     Ok(tally)
 }

@@ -68,10 +68,11 @@ fn run(share: f64, change: impl Fn(usize, &[u8]) -> Vec<u8>) -> Result<Vec<Figur
     let (mut tally, mut used, mut wanted) = (Tally::default(), 0, 0);
     for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
         let changed: Vec<u8> = frames(bytes).into_iter().flat_map(|frame| change(index, frame)).collect();
-        let seen = victim.hear(&changed, sky.truth)?;
+        let seen = victim.receive(&changed, sky.truth)?;
         tally.add_all(&seen);
-        used += seen.iter().map(|seen| seen.said.state.used).sum::<u32>();
-        wanted += reference.hear(bytes, sky.truth)?.iter().map(|seen| seen.said.state.used).sum::<u32>();
+        used += seen.iter().map(|seen| seen.reported.state.used).sum::<u32>();
+        wanted +=
+            reference.receive(bytes, sky.truth)?.iter().map(|seen| seen.reported.state.used).sum::<u32>();
     }
     let mut figures = tally.figures(0.0);
     figures.push(Figure::at_least(
@@ -115,7 +116,7 @@ fn next() -> Result<Vec<Figure>> {
                         }
                     });
                     let changed: Vec<u8> = changed.collect();
-                    tally.add_all(&victim.hear(&changed, sky.truth)?);
+                    tally.add_all(&victim.receive(&changed, sky.truth)?);
                 }
                 least = least.min(tally.outcomes.promised);
                 all = all.with(&tally);

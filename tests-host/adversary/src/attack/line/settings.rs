@@ -54,7 +54,7 @@ fn time_to_alert(_: Effort) -> Result<Vec<Figure>> {
     let mut victim = Victim::new(&["PHASE,NPA"], 1.0)?;
     let answer = victim.obey("TTA,3600")?;
     for bytes in sky.bytes(|_, _| {})? {
-        let _ = victim.hear(&bytes, sky.truth)?;
+        let _ = victim.receive(&bytes, sky.truth)?;
     }
     let was_promised = victim.is_promised();
     let mut high_s = 0.0;
@@ -90,7 +90,7 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
         for _ in 0..3 {
             victim.restart_from(&mut sealed)?;
             for bytes in sky.bytes(|_, _| {})? {
-                let _ = victim.hear(&bytes, sky.truth)?;
+                let _ = victim.receive(&bytes, sky.truth)?;
                 promised += usize::from(victim.is_promised());
             }
         }
@@ -99,14 +99,17 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
         victim.restart_from(&mut sealed)?;
         let mut alerts = 0;
         for bytes in wrong(&sky)? {
-            alerts +=
-                victim.hear(&bytes, sky.truth)?.iter().filter(|seen| seen.said.state.state == 'A').count();
+            alerts += victim
+                .receive(&bytes, sky.truth)?
+                .iter()
+                .filter(|seen| seen.reported.state.state == 'A')
+                .count();
         }
         figures.push(Figure::at_least(format!("alerts unconfirmed: {what}"), alerts as f64, 5.0));
         victim.restart_from(&mut sealed)?;
         victim.obey("CONFIRM")?;
         for bytes in sky.bytes(|_, _| {})? {
-            let _ = victim.hear(&bytes, sky.truth)?;
+            let _ = victim.receive(&bytes, sky.truth)?;
         }
         figures.push(Figure::at_least(
             "promised once confirmed",
@@ -159,10 +162,10 @@ fn never(effort: Effort) -> Result<Vec<Figure>> {
             warned += victim.1;
             let astray = *high.choose(&mut chance).unwrap_or(&sky.recording.epochs[0].satellites()[0]);
             for bytes in sky.bytes(|_, epoch| epoch.lengthen(astray, size_m))? {
-                tally.add_all(&victim.0.hear(&bytes, sky.truth)?);
+                tally.add_all(&victim.0.receive(&bytes, sky.truth)?);
             }
             for bytes in sky.bytes(|_, _| {})? {
-                healthy.add_all(&reference.hear(&bytes, sky.truth)?);
+                healthy.add_all(&reference.receive(&bytes, sky.truth)?);
             }
         }
     }

@@ -58,12 +58,12 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
         let sky = Sky::quiet(EPOCHS.iter().sum::<usize>() as u32, 1)?;
         let mut victim = Victim::new(commands, 1.0)?;
         for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
-            let said = match index.checked_sub(EPOCHS[0]) {
+            let reported = match index.checked_sub(EPOCHS[0]) {
                 None => Vec::new(),
                 Some(since) if since < EPOCHS[1] => [of_both(3), of_spoofing_unknown()].concat(),
                 Some(_) => of_both(1),
             };
-            let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+            let seen = victim.receive(&[&reported[..], bytes].concat(), sky.truth)?;
             match index.checked_sub(EPOCHS[0]) {
                 None => before.add_all(&seen),
                 Some(since) if since < EPOCHS[1] => {
@@ -127,7 +127,7 @@ fn promised_during(commands: &[&str], message: &[u8]) -> Result<f64> {
     let sky = Sky::quiet(30, 1)?;
     let (mut victim, mut tally) = (Victim::new(commands, 1.0)?, Tally::default());
     for bytes in sky.bytes(|_, _| {})? {
-        tally.add_all(&victim.hear(&[message, &bytes].concat(), sky.truth)?);
+        tally.add_all(&victim.receive(&[message, &bytes].concat(), sky.truth)?);
     }
     Ok(tally.outcomes.promised as f64)
 }
@@ -138,12 +138,12 @@ fn begun_anew() -> Result<(f64, f64)> {
     let sky = Sky::quiet(40, 1)?;
     let (mut victim, mut after, mut alerts) = (Victim::new(&[], 1.0)?, Tally::default(), 0);
     for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
-        let said = match index {
+        let reported = match index {
             0..10 => of_both(1),
             10..20 => of_both(3),
             _ => ubx::frame([0x27, 0x09], &[2, 0b0000_0011, 0, 0]),
         };
-        let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+        let seen = victim.receive(&[&reported[..], bytes].concat(), sky.truth)?;
         if index >= 20 {
             after.add_all(&seen);
             alerts += seen.iter().filter(|seen| is_spoofed(seen)).count();
@@ -157,8 +157,8 @@ fn word_of_none_s() -> Result<f64> {
     let sky = Sky::quiet(120, 1)?;
     let (mut victim, mut holds_s) = (Victim::new(&[], 1.0)?, 0.0);
     for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
-        let said = if index == 10 { of_both(1) } else { Vec::new() };
-        victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+        let reported = if index == 10 { of_both(1) } else { Vec::new() };
+        victim.receive(&[&reported[..], bytes].concat(), sky.truth)?;
         holds_s += f64::from(u8::from(victim.spoofing() == Suspicion::None));
     }
     Ok(holds_s)
@@ -170,11 +170,11 @@ fn forgotten() -> Result<f64> {
     let sky = Sky::quiet(40, 1)?;
     let (mut victim, mut after) = (Victim::new(&[], 1.0)?, Tally::default());
     for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
-        let said = if index == 10 { of_both(3) } else { Vec::new() };
+        let reported = if index == 10 { of_both(3) } else { Vec::new() };
         if index == 20 {
             victim.obey("FORGET")?;
         }
-        let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+        let seen = victim.receive(&[&reported[..], bytes].concat(), sky.truth)?;
         if index >= 20 {
             after.add_all(&seen);
         }
@@ -184,6 +184,6 @@ fn forgotten() -> Result<f64> {
 
 /// Returns true for a spoofing alert without a protection level.
 fn is_spoofed(seen: &Seen) -> bool {
-    let state = &seen.said.state;
+    let state = &seen.reported.state;
     state.reason == "SPOOFED" && state.hpl_m.is_none()
 }

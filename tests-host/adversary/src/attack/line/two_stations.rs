@@ -74,7 +74,7 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
     {
         let own = if SILENT.contains(&index) { Vec::new() } else { own };
         let of_station = if index == 0 { Vec::new() } else { renumbered(&station.ranges(of_station)?) };
-        tally.add_all(&victim.hear(&[of_station, own].concat(), receiver.truth)?);
+        tally.add_all(&victim.receive(&[of_station, own].concat(), receiver.truth)?);
     }
     let mut figures = tally.figures(0.0);
     // The station that replaces the silent receiver is elsewhere, so the module must recover
@@ -145,7 +145,7 @@ fn beside_a_base(away_deg: f64, missing: Missing) -> Result<Tally> {
         };
         let own = if is_there { own } else { Vec::new() };
         let of_station = if index == 0 { Vec::new() } else { renumbered(&station.ranges(of_station)?) };
-        tally.add_all(&victim.hear(&[own, of_station].concat(), receiver.truth)?);
+        tally.add_all(&victim.receive(&[own, of_station].concat(), receiver.truth)?);
     }
     Ok(tally)
 }
@@ -164,12 +164,12 @@ fn namesake(_: Effort) -> Result<Vec<Figure>> {
             let own = receiver.bytes(|_, _| {})?;
             for (index, (own, of_station)) in own.into_iter().zip(&station.recording.epochs).enumerate() {
                 if index < ALONE {
-                    alone.add_all(&victim.hear(&own, receiver.truth)?);
+                    alone.add_all(&victim.receive(&own, receiver.truth)?);
                     continue;
                 }
                 let of_station = station.ranges(of_station)?;
                 let both = if is_first { [of_station, own] } else { [own, of_station] };
-                beside.add_all(&victim.hear(&both.concat(), receiver.truth)?);
+                beside.add_all(&victim.receive(&both.concat(), receiver.truth)?);
             }
         }
     }
@@ -191,7 +191,7 @@ fn twice(_: Effort) -> Result<Vec<Figure>> {
     }
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     for (bytes, epoch) in sky.bytes(|_, _| {})?.into_iter().zip(&sky.recording.epochs) {
-        tally.add_all(&victim.hear(&[bytes, sky.ranges(epoch)?].concat(), sky.truth)?);
+        tally.add_all(&victim.receive(&[bytes, sky.ranges(epoch)?].concat(), sky.truth)?);
     }
     let mut figures = tally.figures(0.0);
     figures.push(Figure::at_least("promised", tally.outcomes.promised as f64, 60.0));

@@ -82,7 +82,7 @@ fn cycle(effort: Effort) -> Result<Vec<Figure>> {
             let mut victim = Victim::new(&["PHASE,CUSTOM", "TTA,200"], f64::from(STEP_S))?;
             let mut tally = Tally::default();
             for epoch in &recording.epochs {
-                tally.add_all(&victim.hear(&encoder.epoch(epoch)?, simulation.site.position)?);
+                tally.add_all(&victim.receive(&encoder.epoch(epoch)?, simulation.site.position)?);
             }
             let quantity = format!("{systems} {name}: promised of {epochs}");
             figures.push(Figure::at_least(quantity, tally.outcomes.promised as f64, f64::from(epochs - 2)));
@@ -120,7 +120,7 @@ fn after_an_hour(systems: &str, hours: u32) -> Result<Tally> {
                 _ => bytes.extend_from_slice(frame),
             }
         }
-        let seen = victim.hear(&bytes, simulation.site.position)?;
+        let seen = victim.receive(&bytes, simulation.site.position)?;
         if index >= 3600 / STEP_S {
             tally.add_all(&seen);
         }

@@ -55,13 +55,13 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         let mut alert_s = f64::INFINITY;
         for (index, bytes) in bytes.iter().enumerate() {
             let state = if is_suspected { 0b0010_1011 } else { 0b0001_1011 };
-            let said = ubx::frame([0x27, 0x09], &[2, state, 0, 0]);
-            let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+            let reported = ubx::frame([0x27, 0x09], &[2, state, 0, 0]);
+            let seen = victim.receive(&[&reported[..], bytes].concat(), sky.truth)?;
             let Some(seconds) = index.checked_sub(BEFORE) else {
                 before.add_all(&seen);
                 continue;
             };
-            if seen.iter().any(|seen| seen.said.state.reason == "SPOOFED") {
+            if seen.iter().any(|seen| seen.reported.state.reason == "SPOOFED") {
                 alert_s = alert_s.min(seconds as f64);
             }
             during.add_all(&seen);
@@ -107,7 +107,7 @@ fn false_signs(recording: &Recording, systems: &str, most: usize) -> Result<(f64
     let mut victim = Victim::new(&[], step_s)?;
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new(systems, Frequency::Dual)?);
     for epoch in recording.epochs.iter().take(most) {
-        victim.hear(&encoder.epoch(epoch)?, Ecef::CENTRE)?;
+        victim.receive(&encoder.epoch(epoch)?, Ecef::CENTRE)?;
     }
     let hours = step_s * recording.epochs.len().min(most) as f64 / 3600.0;
     Ok((f64::from(victim.counter("strengths_alike")?), hours))

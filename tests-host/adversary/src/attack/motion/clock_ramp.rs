@@ -76,7 +76,7 @@ fn attempt(systems: &[Constellation], count: usize, epochs: u32, seed: u64) -> R
     })?;
     let (mut victim, mut tally) = (Victim::new(&["CLOCKAID,ON"], 1.0)?, Tally::default());
     for (index, bytes) in bytes.iter().enumerate() {
-        let seen = victim.hear(bytes, sky.truth)?;
+        let seen = victim.receive(bytes, sky.truth)?;
         if index >= LEARNT as usize {
             tally.add_all(&seen);
         }

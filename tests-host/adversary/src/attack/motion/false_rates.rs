@@ -157,7 +157,7 @@ fn attempt(kept: usize, seed: u64, mut change: impl FnMut(&mut MeasuredEpoch)) -
     })?;
     let (mut victim, mut told) = (Victim::new(&[], 1.0)?, Told::default());
     for bytes in &bytes {
-        let _ = victim.hear(bytes, sky.truth)?;
+        let _ = victim.receive(bytes, sky.truth)?;
         told.add(&victim);
     }
     Ok(told)

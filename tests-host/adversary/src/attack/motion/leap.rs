@@ -52,10 +52,10 @@ fn run(effort: Effort, leap_s: f64) -> Result<Vec<Figure>> {
 
     let (mut victim, mut before, mut after) = (Victim::new(&[], 1.0)?, Tally::default(), Tally::default());
     for bytes in honest.bytes(|_, _| {})? {
-        before.add_all(&victim.hear(&bytes, honest.truth)?);
+        before.add_all(&victim.receive(&bytes, honest.truth)?);
     }
     for bytes in forged.bytes(|_, _| {})? {
-        after.add_all(&victim.hear(&bytes, honest.truth)?);
+        after.add_all(&victim.receive(&bytes, honest.truth)?);
     }
     let mut figures = after.figures(0.0);
     figures.push(Figure::at_least("protected before", before.outcomes.promised as f64, f64::from(BEFORE)));

@@ -130,12 +130,12 @@ fn attempt(seed: u64, speed_m_s: f64, change: Change<'_>) -> Result<Run> {
     let mut victim = Victim::new(&[], 1.0)?;
     let (mut before, mut after, mut alert_s) = (Tally::default(), Tally::default(), f64::INFINITY);
     for (index, bytes) in (0_u32..).zip(&bytes) {
-        let seen = victim.hear(bytes, sky.truth)?;
+        let seen = victim.receive(bytes, sky.truth)?;
         let Some(seconds) = index.checked_sub(BEFORE) else {
             before.add_all(&seen);
             continue;
         };
-        if seen.iter().any(|seen| seen.said.state.state == 'A') {
+        if seen.iter().any(|seen| seen.reported.state.state == 'A') {
             alert_s = alert_s.min(f64::from(seconds));
         }
         if alert_s.is_finite() {
@@ -155,11 +155,11 @@ fn silence(effort: Effort) -> Result<Vec<Figure>> {
         (Sky::of(&honest, Frequency::Dual)?, Sky::of(&elsewhere(&forged, AWAY_DEG), Frequency::Dual)?);
     let (mut victim, mut before, mut after) = (Victim::new(&[], 1.0)?, Tally::default(), Tally::default());
     for bytes in honest.bytes(|_, _| {})? {
-        before.add_all(&victim.hear(&bytes, honest.truth)?);
+        before.add_all(&victim.receive(&bytes, honest.truth)?);
     }
     let _ = victim.silence(SILENT_S, honest.truth)?;
     for bytes in forged.bytes(|_, _| {})? {
-        after.add_all(&victim.hear(&bytes, honest.truth)?);
+        after.add_all(&victim.receive(&bytes, honest.truth)?);
     }
     let mut figures = after.figures(0.0);
     figures.push(Figure::at_least("protected before", before.outcomes.promised as f64, 60.0));

@@ -90,7 +90,7 @@ fn repeated(seed: u64, delay_m: f64) -> Result<[usize; 2]> {
     let (mut seen, mut before) = (Tally::default(), Tally::default());
     for (index, bytes) in (0_u32..).zip(&bytes) {
         let tally = if index < BEFORE { &mut before } else { &mut seen };
-        tally.add_all(&victim.hear(bytes, sky.truth)?);
+        tally.add_all(&victim.receive(bytes, sky.truth)?);
     }
     Ok([seen.of_reason("CLOCK").min(1), before.of_reason("CLOCK")])
 }
@@ -105,7 +105,7 @@ fn clean(seed: u64, epochs: u32, oscillator: Oscillator, step_s: f64, steered_m:
     let bytes = sky.bytes(|index, epoch| lengthen_all(epoch, steered_m * (2.4 * index as f64).sin()))?;
     let (mut victim, mut tally) = (Victim::new(&[], step_s)?, Tally::default());
     for bytes in &bytes {
-        tally.add_all(&victim.hear(bytes, sky.truth)?);
+        tally.add_all(&victim.receive(bytes, sky.truth)?);
     }
     Ok(tally)
 }
@@ -171,7 +171,7 @@ fn play(
         let mut epoch = epoch.clone();
         let signals = epoch.satellites.iter_mut().flat_map(|satellite| &mut satellite.signals);
         signals.for_each(|signal| signal.doppler_hz = None);
-        tally.add_all(&victim.hear(&encoder.epoch(&epoch)?, Ecef::CENTRE)?);
+        tally.add_all(&victim.receive(&encoder.epoch(&epoch)?, Ecef::CENTRE)?);
     }
     Ok(tally)
 }

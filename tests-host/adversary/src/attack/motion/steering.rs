@@ -77,7 +77,7 @@ fn steered(seed: u64, drift_m_s: f64) -> Result<(Tally, f64)> {
     })?;
     let (mut victim, mut tally, mut lost_s) = (Victim::new(&[], 1.0)?, Tally::default(), 0.0);
     for (index, bytes) in (0_u32..).zip(&bytes) {
-        let seen = victim.hear(bytes, sky.truth)?;
+        let seen = victim.receive(bytes, sky.truth)?;
         if index >= BEFORE && !victim.is_promised() {
             lost_s += 1.0;
         }

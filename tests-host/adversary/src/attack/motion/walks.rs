@@ -145,7 +145,7 @@ impl Scene {
             if since_s.is_some() || rates == Rates::Missing {
                 rates.apply(&mut epoch);
             }
-            for seen in victim.hear(&encoder.epoch(&epoch)?, self.truth)? {
+            for seen in victim.receive(&encoder.epoch(&epoch)?, self.truth)? {
                 run.add(&seen, since_s, place_m);
             }
         }
@@ -191,7 +191,7 @@ impl Run {
 
     fn add(&mut self, seen: &crate::attack::seen::Seen, since_s: Option<f64>, place_m: f64) {
         // Other signs, such as ranges that bend once, do not tell that the place is another.
-        let is_alert = ["TRACK", "CLOCK", "JUMP"].contains(&seen.said.state.reason.as_str());
+        let is_alert = ["TRACK", "CLOCK", "JUMP"].contains(&seen.reported.state.reason.as_str());
         let Some(since_s) = since_s else {
             self.early += usize::from(is_alert);
             return;

@@ -157,7 +157,7 @@ fn attempt(count: usize, has_fault: bool, epochs: u32, seed: u64) -> Result<Tall
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     for (index, bytes) in (0..).zip(&bytes) {
         state_height(&mut victim, height_m(&sky) + wrong.at(index))?;
-        tally.add_all(&victim.hear(bytes, sky.truth)?);
+        tally.add_all(&victim.receive(bytes, sky.truth)?);
     }
     Ok(tally)
 }
@@ -182,7 +182,7 @@ fn rising(effort: Effort) -> Result<Vec<Figure>> {
                     u64::from(seed),
                 );
                 let seen = risen(&simulation, speed_m_s, has_height)?;
-                let alert_s = noticed_s(&seen, |seen| seen.said.state.state == 'A');
+                let alert_s = noticed_s(&seen, |seen| seen.reported.state.state == 'A');
                 let promised = seen.iter().flatten().filter(|seen| seen.is_misleading()).count();
                 Ok((alert_s, promised))
             });
@@ -234,7 +234,7 @@ fn risen(simulation: &Simulation, speed_m_s: f64, has_height: bool) -> Result<Ve
         if has_height {
             state_height(&mut victim, height_m(&sky))?;
         }
-        reports.push(victim.hear(bytes, sky.truth)?);
+        reports.push(victim.receive(bytes, sky.truth)?);
     }
     Ok(reports)
 }
@@ -310,13 +310,13 @@ fn ramp(seed: u64, of_satellite: Option<f64>, of_altimeter: Option<f64>) -> Resu
             let wrong = Wrong::Ramp(rate_m_min / 60.0);
             state_height(&mut victim, height_m(&sky) + wrong.at(index))?;
         }
-        reports.push(victim.hear(bytes, sky.truth)?);
+        reports.push(victim.receive(bytes, sky.truth)?);
     }
-    let is_promised = |seen: &Seen| seen.said.state.state == 'P';
+    let is_promised = |seen: &Seen| seen.reported.state.state == 'P';
     if !reports.get(BEFORE as usize - 1).is_some_and(|seen| seen.iter().any(is_promised)) {
         return Ok(None);
     }
     let noticed_s =
-        noticed_s(&reports, |seen| seen.said.state.state == 'A' || !seen.said.excluded.is_empty());
+        noticed_s(&reports, |seen| seen.reported.state.state == 'A' || !seen.reported.excluded.is_empty());
     Ok(Some((noticed_s, reports.iter().flatten().filter(|seen| seen.is_misleading()).count())))
 }

@@ -73,7 +73,7 @@ struct Signs {
 
 impl Signs {
     fn add(&mut self, seen: &Seen, is_known: bool) {
-        let state = &seen.said.state;
+        let state = &seen.reported.state;
         if !state.has_epoch() {
             return;
         }
@@ -232,7 +232,7 @@ fn simulated(
     })?;
     let (mut victim, mut signs) = (Victim::new(&[], step_s)?, Signs::default());
     for bytes in &bytes {
-        for seen in victim.hear(bytes, sky.truth)? {
+        for seen in victim.receive(bytes, sky.truth)? {
             signs.add(&seen, true);
         }
     }
@@ -257,7 +257,7 @@ fn recorded(
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new(systems, frequency)?);
     for epoch in &recording.epochs {
         let point = truth.and_then(|truth| at(truth, epoch.time));
-        let seen = victim.hear(&encoder.epoch(epoch)?, point.unwrap_or(Ecef::CENTRE))?;
+        let seen = victim.receive(&encoder.epoch(epoch)?, point.unwrap_or(Ecef::CENTRE))?;
         for seen in &seen {
             signs.add(seen, point.is_some());
         }

@@ -93,7 +93,7 @@ fn listen(
             silent_until = silent_from + GAPS_S.choose(&mut chance).copied().unwrap_or(1.0);
         }
         let bytes = if time_s < silent_from { bytes } else { Vec::new() };
-        tally.add_all(&victim.hear(&bytes, sky.truth)?);
+        tally.add_all(&victim.receive(&bytes, sky.truth)?);
     }
     Ok(tally)
 }

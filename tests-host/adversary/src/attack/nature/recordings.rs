@@ -159,7 +159,7 @@ fn play(
     let mut tally = Tally::default();
     for epoch in recording.epochs.iter().take(most) {
         let point = at(truth, epoch.time);
-        let seen = victim.hear(&encoder.epoch(epoch)?, point.unwrap_or(Ecef::CENTRE))?;
+        let seen = victim.receive(&encoder.epoch(epoch)?, point.unwrap_or(Ecef::CENTRE))?;
         if point.is_some() {
             tally.add_all(&seen);
         }

@@ -137,7 +137,7 @@ pub(in crate::attack) struct Streets {
 impl Streets {
     fn add(&mut self, seen: &Seen) {
         self.all.add(seen);
-        if let Some(tally) = self.by_excluded.get_mut(seen.said.excluded.len()) {
+        if let Some(tally) = self.by_excluded.get_mut(seen.reported.excluded.len()) {
             tally.add(seen);
         }
     }
@@ -219,7 +219,7 @@ pub(in crate::attack) fn drive(
     let mut streets = Streets::default();
     for (index, (epoch, seen)) in recording.epochs.iter().zip(directions).enumerate() {
         if index < begins {
-            victim.hear(&encoder.epoch(epoch)?, truth)?;
+            victim.receive(&encoder.epoch(epoch)?, truth)?;
             continue;
         }
         if index > begins && (index - begins) % epochs_per_block == 0 {
@@ -232,7 +232,7 @@ pub(in crate::attack) fn drive(
                 None => epoch.lose(satellite),
             }
         }
-        victim.hear(&encoder.epoch(&epoch)?, truth)?.iter().for_each(|seen| streets.add(seen));
+        victim.receive(&encoder.epoch(&epoch)?, truth)?.iter().for_each(|seen| streets.add(seen));
     }
     Ok(streets)
 }

@@ -92,7 +92,7 @@ fn early(effort: Effort) -> Result<Vec<Figure>> {
         }
     }
     let mut victim = Victim::new(SETTINGS, STEP_S)?;
-    let _ = victim.hear(&first, sky.truth)?;
+    let _ = victim.receive(&first, sky.truth)?;
     figures_of(&mut victim, &sky, DISPUTED, |_| Vec::new())
 }
 
@@ -102,7 +102,7 @@ fn absent(_: Effort) -> Result<Vec<Figure>> {
     let in_view: Vec<SatelliteId> = sky.recording.epochs[0].satellites();
     let strangers = strangers(&simulation, START_S + 172_800.0, |satellite| !in_view.contains(&satellite))?;
     for stranger in strangers.iter().take(96) {
-        let _ = victim.hear(stranger, sky.truth)?;
+        let _ = victim.receive(stranger, sky.truth)?;
     }
     figures_of(&mut victim, &sky, KEPT, |_| Vec::new())
 }
@@ -132,10 +132,13 @@ fn figures_of(
     let mut wanted = 0;
     for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
         let crowded = [between(index), bytes.clone()].concat();
-        let seen = victim.hear(&crowded, sky.truth)?;
-        used += seen.iter().map(|seen| seen.said.state.used as usize).sum::<usize>();
-        wanted +=
-            reference.hear(bytes, sky.truth)?.iter().map(|seen| seen.said.state.used as usize).sum::<usize>();
+        let seen = victim.receive(&crowded, sky.truth)?;
+        used += seen.iter().map(|seen| seen.reported.state.used as usize).sum::<usize>();
+        wanted += reference
+            .receive(bytes, sky.truth)?
+            .iter()
+            .map(|seen| seen.reported.state.used as usize)
+            .sum::<usize>();
         tally.add_all(&seen);
     }
     let mut figures = tally.figures(0.0);

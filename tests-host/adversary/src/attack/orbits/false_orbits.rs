@@ -173,7 +173,7 @@ fn attempt_beside(every_s: u32, change: Change<'_>, is_truth_sent: bool, during:
     let sets = in_view(&sky);
     for (index, bytes) in (0_u32..).zip(sky.bytes(|_, _| {})?) {
         let Some(since_s) = index.checked_sub(BEFORE) else {
-            let _ = victim.hear(&bytes, sky.truth)?;
+            let _ = victim.receive(&bytes, sky.truth)?;
             continue;
         };
         let mut sent = Vec::new();
@@ -191,7 +191,7 @@ fn attempt_beside(every_s: u32, change: Change<'_>, is_truth_sent: bool, during:
             }
         }
         sent.extend(bytes);
-        tally.add_all(&victim.hear(&sent, sky.truth)?);
+        tally.add_all(&victim.receive(&sent, sky.truth)?);
     }
     Ok(tally)
 }
@@ -215,11 +215,11 @@ fn first(_: Effort) -> Result<Vec<Figure>> {
         ("before any", falsified),
     ] {
         let mut victim = Victim::new(&[], 1.0)?;
-        let _ = victim.hear(&before, sky.truth)?;
+        let _ = victim.receive(&before, sky.truth)?;
         let (mut alone, mut after) = (Tally::default(), Tally::default());
         for (index, epoch) in sky.recording.epochs.iter().enumerate() {
             let sent = if index % TRUE_EVERY == TRUE_EVERY - 1 { truth.clone() } else { Vec::new() };
-            let seen = victim.hear(&[sent, sky.ranges(epoch)?].concat(), sky.truth)?;
+            let seen = victim.receive(&[sent, sky.ranges(epoch)?].concat(), sky.truth)?;
             let tally = if index < TRUE_EVERY - 1 { &mut alone } else { &mut after };
             tally.add_all(&seen);
         }
@@ -255,7 +255,7 @@ fn one(effort: Effort) -> Result<Vec<Figure>> {
                     sky.bytes(|_, epoch| epoch.satellites.retain(|raw| kept.contains(&raw.satellite)))?;
                 for (index, bytes) in (0_u32..).zip(bytes) {
                     let falsified = if index == BEFORE { frame(&set)? } else { Vec::new() };
-                    let seen = victim.hear(&[falsified, bytes].concat(), sky.truth)?;
+                    let seen = victim.receive(&[falsified, bytes].concat(), sky.truth)?;
                     if index >= BEFORE {
                         tally.add_all(&seen);
                     }

@@ -59,7 +59,7 @@ fn attempt(seed: u64) -> Result<Tally> {
         .for_each(|ephemeris| move_ahead(ephemeris, along_m));
     let (mut victim, mut tally) = (Victim::new(&["HAL,60"], 1.0)?, Tally::default());
     for bytes in sky.bytes(|_, epoch| epoch.satellites.retain(|raw| kept.contains(&raw.satellite)))? {
-        tally.add_all(&victim.hear(&bytes, sky.truth)?);
+        tally.add_all(&victim.receive(&bytes, sky.truth)?);
     }
     Ok(tally)
 }

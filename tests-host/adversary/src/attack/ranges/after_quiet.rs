@@ -104,7 +104,7 @@ fn ramp(rate_m_s: f64, seed: u64) -> Result<Tally> {
     })?;
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     for (index, bytes) in bytes.iter().enumerate() {
-        let seen = victim.hear(bytes, sky.truth)?;
+        let seen = victim.receive(bytes, sky.truth)?;
         if index >= QUIET as usize {
             tally.add_all(&seen);
         }
@@ -147,8 +147,8 @@ fn suspicion(effort: Effort) -> Result<Vec<Figure>> {
     let sky = Sky::quiet(epochs, 1)?;
     let (mut victim, mut after) = (Victim::new(&[], 1.0)?, Tally::default());
     for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
-        let said = of_both(if (100..100 + SURE).contains(&index) { 3 } else { 1 });
-        let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+        let reported = of_both(if (100..100 + SURE).contains(&index) { 3 } else { 1 });
+        let seen = victim.receive(&[&reported[..], bytes].concat(), sky.truth)?;
         if index >= 100 + SURE + AGAIN {
             after.add_all(&seen);
         }

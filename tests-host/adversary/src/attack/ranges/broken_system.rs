@@ -101,7 +101,7 @@ fn attempt(method: &str, fault: Fault, seed: u64) -> Result<Tally> {
     })?;
     let (mut victim, mut tally) = (Victim::new(&[&format!("METHOD,{method}")], 1.0)?, Tally::default());
     for bytes in &bytes {
-        tally.add_all(&victim.hear(bytes, sky.truth)?);
+        tally.add_all(&victim.receive(bytes, sky.truth)?);
     }
     Ok(tally)
 }

@@ -85,6 +85,6 @@ fn attempt(seed: u64, method: &str, copies: u8) -> Result<(Tally, u32)> {
         }
     })?;
     let (mut victim, mut tally) = (Victim::new(&[method], 1.0)?, Tally::default());
-    tally.add_all(&victim.hear(&bytes.concat(), sky.truth)?);
+    tally.add_all(&victim.receive(&bytes.concat(), sky.truth)?);
     Ok((tally, victim.counter("satellite_twice")?))
 }

@@ -75,14 +75,14 @@ fn afterwards(effort: Effort) -> Result<Vec<Figure>> {
         for (tally, gap_s) in [(&mut silent, SILENCE_S), (&mut forgotten, 0)] {
             let mut victim = Victim::new(&[], 1.0)?;
             for bytes in &healthy[..HEALTHY] {
-                let _ = victim.hear(bytes, sky.truth)?;
+                let _ = victim.receive(bytes, sky.truth)?;
             }
             if gap_s == 0 {
                 victim.obey("FORGET")?;
             } else {
                 let _ = victim.silence(gap_s as f64, sky.truth)?;
             }
-            tally.add_all(&victim.hear(&falsely(HEALTHY + gap_s)?, sky.truth)?);
+            tally.add_all(&victim.receive(&falsely(HEALTHY + gap_s)?, sky.truth)?);
         }
     }
     let figure = |what: &str, tally: &Tally| {
@@ -111,7 +111,7 @@ fn attempt(seed: u64) -> Result<Tally> {
     })?;
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     for (index, bytes) in bytes.iter().enumerate() {
-        let seen = victim.hear(bytes, sky.truth)?;
+        let seen = victim.receive(bytes, sky.truth)?;
         if index >= HEALTHY {
             tally.add_all(&seen);
         }

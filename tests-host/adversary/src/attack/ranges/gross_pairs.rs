@@ -101,7 +101,7 @@ fn attempt(method: &str, faults: Faults, seed: u64, healthy: usize) -> Result<Ta
     })?;
     let (mut victim, mut tally) = (Victim::new(&[&format!("METHOD,{method}")], 1.0)?, Tally::default());
     for (index, bytes) in bytes.iter().enumerate() {
-        let seen = victim.hear(bytes, sky.truth)?;
+        let seen = victim.receive(bytes, sky.truth)?;
         if index >= healthy {
             tally.add_all(&seen);
         }

@@ -93,7 +93,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         // I/NAV comes first, then F/NAV, then the ranges: in this order the module knows everything
         // in time.
         let bytes = [out_of_service.clone(), encoder.epoch(epoch)?].concat();
-        tally.add_all(&victim.hear(&bytes, truth)?);
+        tally.add_all(&victim.receive(&bytes, truth)?);
     }
     Ok(tally.figures(0.0))
 }

@@ -140,7 +140,7 @@ fn attempt(
         let _ = victim.obey(command)?;
     }
     for bytes in bytes {
-        tally.add_all(&victim.hear(&bytes, sky.truth)?);
+        tally.add_all(&victim.receive(&bytes, sky.truth)?);
     }
     Ok(tally)
 }
@@ -185,19 +185,19 @@ fn under_forged(latitude_deg: f64, start_s: f64, page: Page) -> Result<Tally> {
     let satellite = SatelliteId::new(Constellation::Gps, 1).context("GPS must have a satellite 1")?;
     let (mut victim, mut tally) = (Victim::new(&["PHASE,ENROUTE", "NOISE,AUTO"], 1.0)?, Tally::default());
     for (index, epoch) in recording.epochs.iter().enumerate() {
-        let said = match index {
+        let reported = match index {
             0 => Some(ORDINARY),
             QUIET => Some(page),
             _ => None,
         };
         let mut bytes = Vec::new();
-        if let Some(said) = said {
-            let klobuchar = std::array::from_fn(|term| f64::from(said[term]) * 2_f64.powi(STEPS[term]));
-            let said = ubx::IonosphereAndUtc { klobuchar, leap_s: (18, 18), change: (1929, 7) };
-            bytes.extend(ubx::ionosphere_and_utc(satellite, &said, epoch.time)?);
+        if let Some(reported) = reported {
+            let klobuchar = std::array::from_fn(|term| f64::from(reported[term]) * 2_f64.powi(STEPS[term]));
+            let reported = ubx::IonosphereAndUtc { klobuchar, leap_s: (18, 18), change: (1929, 7) };
+            bytes.extend(ubx::ionosphere_and_utc(satellite, &reported, epoch.time)?);
         }
         bytes.extend(encoder.epoch(epoch)?);
-        tally.add_all(&victim.hear(&bytes, simulation.site.position)?);
+        tally.add_all(&victim.receive(&bytes, simulation.site.position)?);
     }
     Ok(tally)
 }

@@ -72,7 +72,7 @@ fn shares(at_start: &[&str], then: &str, seed: u64) -> Result<[f64; 2]> {
             fixed.obey(then)?;
         }
         let level_m = |victim: &mut Victim| -> Result<Option<f64>> {
-            Ok(victim.hear(bytes, sky.truth)?.last().and_then(|seen| seen.said.state.hpl_m))
+            Ok(victim.receive(bytes, sky.truth)?.last().and_then(|seen| seen.reported.state.hpl_m))
         };
         let share = level_m(&mut learns)?.zip(level_m(&mut fixed)?).map(|(have_m, want_m)| have_m / want_m);
         let [before, after] = &mut least;

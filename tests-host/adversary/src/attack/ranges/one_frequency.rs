@@ -128,15 +128,15 @@ impl Course {
             if let Some(&satellite) = wrong {
                 epoch.lengthen(satellite, STEP_M);
             }
-            let seen = victim.hear(&encoder.epoch(&epoch)?, self.truth)?;
+            let seen = victim.receive(&encoder.epoch(&epoch)?, self.truth)?;
             sighting.all.add_all(&seen);
-            let Some(last) = seen.iter().find(|seen| seen.said.state.has_epoch()) else { continue };
-            let is_noticed = !last.is_promised || !last.said.excluded.is_empty();
+            let Some(last) = seen.iter().find(|seen| seen.reported.state.has_epoch()) else { continue };
+            let is_noticed = !last.is_promised || !last.reported.excluded.is_empty();
             if wrong.is_some() && was_promised {
                 sighting.steps += 1;
                 sighting.noticed += usize::from(is_noticed);
             } else if wrong.is_none() && !is_noticed {
-                sighting.levels_m.extend(last.said.state.hpl_m);
+                sighting.levels_m.extend(last.reported.state.hpl_m);
             }
             was_promised = last.is_promised;
         }

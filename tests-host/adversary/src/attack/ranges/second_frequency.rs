@@ -72,6 +72,6 @@ fn attempt(seed: u64, method: &str, sign: f64) -> Result<(Tally, u32)> {
         }
     })?;
     let (mut victim, mut tally) = (Victim::new(&[method], 1.0)?, Tally::default());
-    tally.add_all(&victim.hear(&bytes.concat(), sky.truth)?);
+    tally.add_all(&victim.receive(&bytes.concat(), sky.truth)?);
     Ok((tally, victim.counter("bands_apart")?))
 }

@@ -66,7 +66,7 @@ pub(in crate::attack) fn by_every_method(bytes: &[u8], truth: Ecef) -> Result<Ta
     let mut tally = Tally::default();
     for method in METHODS {
         let mut victim = Victim::new(&[&format!("METHOD,{method}")], 1.0)?;
-        tally.add_all(&victim.hear(bytes, truth)?);
+        tally.add_all(&victim.receive(bytes, truth)?);
     }
     Ok(tally)
 }
@@ -153,7 +153,7 @@ fn random(commands: &[&str], satellites: usize, faults: usize, epochs: u64) -> R
                 epoch.lengthen(*faulty, if chance.random() { size_m } else { -size_m });
             }
         })?;
-        tally.add_all(&Victim::new(commands, 1.0)?.hear(&bytes.concat(), sky.truth)?);
+        tally.add_all(&Victim::new(commands, 1.0)?.receive(&bytes.concat(), sky.truth)?);
     }
     Ok(tally)
 }
@@ -199,7 +199,7 @@ fn of_chosen(command: &str, geometries: u32) -> Result<Tally> {
             epoch.lengthen(first, bias_m);
             epoch.lengthen(second, bias_m * ratio);
         })?;
-        tally.add_all(&Victim::new(&[command], 1.0)?.hear(&bytes.concat(), sky.truth)?);
+        tally.add_all(&Victim::new(&[command], 1.0)?.receive(&bytes.concat(), sky.truth)?);
     }
     Ok(tally)
 }

@@ -147,7 +147,7 @@ fn grossly(commands: &[&str], bias_m: f64, seed: u64) -> Result<Tally> {
             epoch.lengthen(faulty, bias_m);
         }
     })?;
-    hear(commands, &sky, &bytes)
+    receive(commands, &sky, &bytes)
 }
 
 fn attempt(commands: &[&str], seed: u64, kind: fn(f64) -> Kind) -> Result<Tally> {
@@ -170,14 +170,14 @@ fn attempt(commands: &[&str], seed: u64, kind: fn(f64) -> Kind) -> Result<Tally>
         epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
         fault.apply(epoch, index as f64);
     })?;
-    hear(commands, &sky, &bytes)
+    receive(commands, &sky, &bytes)
 }
 
 /// Counts the reports of a module with these settings on the faulty epochs.
-fn hear(commands: &[&str], sky: &Sky, bytes: &[Vec<u8>]) -> Result<Tally> {
+fn receive(commands: &[&str], sky: &Sky, bytes: &[Vec<u8>]) -> Result<Tally> {
     let (mut victim, mut tally) = (Victim::new(commands, 1.0)?, Tally::default());
     for (index, bytes) in bytes.iter().enumerate() {
-        let seen = victim.hear(bytes, sky.truth)?;
+        let seen = victim.receive(bytes, sky.truth)?;
         if index >= HEALTHY as usize {
             tally.add_all(&seen);
         }

@@ -127,7 +127,7 @@ fn attempt(seed: u64, sent: Sent) -> Result<Tally> {
     })?;
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     for bytes in &bytes {
-        tally.add_all(&victim.hear(bytes, sky.truth)?);
+        tally.add_all(&victim.receive(bytes, sky.truth)?);
     }
     Ok(tally)
 }

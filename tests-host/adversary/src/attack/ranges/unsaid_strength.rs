@@ -51,14 +51,14 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     for weak_dbhz in WEAK_DBHZ {
         let mut tally = Tally::default();
         for seed in 0..effort.pick(60, 600) {
-            tally = tally.with(&hear(seed, Some(weak_dbhz))?);
+            tally = tally.with(&receive(seed, Some(weak_dbhz))?);
         }
         figures.push(Figure::plain(format!("beyond at {weak_dbhz} dB-Hz"), tally.outcomes.misleading as f64));
         figures.push(Figure::plain("of protected", tally.outcomes.promised as f64));
         all = all.with(&tally);
     }
     for seed in 0..effort.pick(12, 120) {
-        silent = silent.with(&hear(seed, None)?);
+        silent = silent.with(&receive(seed, None)?);
     }
     let rate = least_rate(all.outcomes.misleading, all.outcomes.epochs());
     figures.push(Figure::at_most("their rate is above", rate, MISSED));
@@ -70,7 +70,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
 
 /// Sends half a minute in which some satellites are that weak and report no strength. If
 /// `weak_dbhz` is `None`, no satellite reports its strength.
-fn hear(seed: u64, weak_dbhz: Option<f64>) -> Result<Tally> {
+fn receive(seed: u64, weak_dbhz: Option<f64>) -> Result<Tally> {
     let start_s = 600.0 + 5400.0 * (seed % 16) as f64;
     let sky = Sky::with(&Simulation::above_xian(start_s, 30, seed), "G", Frequency::Dual)?;
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
@@ -91,7 +91,7 @@ fn hear(seed: u64, weak_dbhz: Option<f64>) -> Result<Tally> {
     })?;
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     for bytes in &bytes {
-        tally.add_all(&victim.hear(bytes, sky.truth)?);
+        tally.add_all(&victim.receive(bytes, sky.truth)?);
     }
     Ok(tally)
 }

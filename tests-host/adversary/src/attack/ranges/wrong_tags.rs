@@ -196,7 +196,7 @@ fn attempt(trial: &Trial) -> Result<(Tally, InTheEnd)> {
     let mut victim = Victim::new(commands, 1.0)?;
     let mut tally = Tally::default();
     for (index, bytes) in bytes.iter().enumerate() {
-        let seen = victim.hear(bytes, sky.truth)?;
+        let seen = victim.receive(bytes, sky.truth)?;
         if is_wrong(index) {
             tally.add_all(&seen);
         }
@@ -205,7 +205,7 @@ fn attempt(trial: &Trial) -> Result<(Tally, InTheEnd)> {
     // With limits close to the levels, a healthy module may promise nothing either.
     let mut reference = Victim::new(commands, 1.0)?;
     for bytes in sky.bytes(|_, _| {})? {
-        reference.hear(&bytes, sky.truth)?;
+        reference.receive(&bytes, sky.truth)?;
     }
     Ok((tally, (ended_well, reference.is_promised())))
 }

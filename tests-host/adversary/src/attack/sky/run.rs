@@ -25,7 +25,7 @@ const PASSES: u32 = 10;
 
 /// What a module said in a second.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Said {
+struct Reported {
     is_promised: bool,
     is_misleading: bool,
     reason: String,
@@ -36,7 +36,7 @@ struct Said {
 /// What a module said, second by second; `None` without an epoch.
 pub(super) struct Course {
     is_poisoned: bool,
-    said: Vec<Option<Said>>,
+    reported: Vec<Option<Reported>>,
     first_four_s: Option<u32>,
 }
 
@@ -60,7 +60,7 @@ pub(super) fn course(skies: &Skies, scene: &Scene, means: Means) -> Result<Cours
     let selection = Selection::new("GEC", Frequency::Dual)?;
     let mut encoder = Encoder::new(&others, selection, Some(utc)).as_receiver();
     let is_poisoned = scene.pages == Pages::Poisoned;
-    let mut course = Course { is_poisoned, said: Vec::new(), first_four_s: None };
+    let mut course = Course { is_poisoned, reported: Vec::new(), first_four_s: None };
     for second in 0..LENGTH {
         let mut bytes = Vec::new();
         if let Some(epoch) = scene.epoch(skies, second, means.has_rates) {
@@ -68,11 +68,11 @@ pub(super) fn course(skies: &Skies, scene: &Scene, means: Means) -> Result<Cours
             bytes.extend(frames(pages, epoch.time));
             bytes.extend(encoder.epoch(&epoch)?);
         }
-        let mut said = None;
+        let mut reported = None;
         for _ in 0..PASSES {
-            let seen = victim.hear(&std::mem::take(&mut bytes), skies.truth)?;
-            if let Some(seen) = seen.iter().rfind(|seen| seen.said.state.has_epoch()) {
-                said = Some((seen.is_promised, seen.is_misleading(), seen.said.state.reason.clone()));
+            let seen = victim.receive(&std::mem::take(&mut bytes), skies.truth)?;
+            if let Some(seen) = seen.iter().rfind(|seen| seen.reported.state.has_epoch()) {
+                reported = Some((seen.is_promised, seen.is_misleading(), seen.reported.state.reason.clone()));
             }
         }
         let summary = victim.authentication();
@@ -80,7 +80,7 @@ pub(super) fn course(skies: &Skies, scene: &Scene, means: Means) -> Result<Cours
             course.first_four_s.get_or_insert(second);
         }
         let false_ = summary.map_or(0, |summary| summary.false_);
-        course.said.push(said.map(|(is_promised, is_misleading, reason)| Said {
+        course.reported.push(reported.map(|(is_promised, is_misleading, reason)| Reported {
             is_promised,
             is_misleading,
             reason,
@@ -123,31 +123,34 @@ impl Course {
     /// Returns what the attack led to, beside the genuine sky.
     pub(super) fn beside(&self, genuine: &Self) -> Cell {
         let from = ATTACKED as usize;
-        let both = self.said[from..].iter().zip(&genuine.said[from..]);
-        let differs = |(said, genuine): (&Option<Said>, &Option<Said>)| match (said, genuine) {
-            (Some(said), Some(genuine)) if said.false_ > genuine.false_ => Some("FALSE".to_owned()),
-            (Some(said), Some(genuine)) if said.reason != genuine.reason => Some(said.reason.clone()),
+        let both = self.reported[from..].iter().zip(&genuine.reported[from..]);
+        let differs = |(reported, genuine): (&Option<Reported>, &Option<Reported>)| match (reported, genuine)
+        {
+            (Some(reported), Some(genuine)) if reported.false_ > genuine.false_ => Some("FALSE".to_owned()),
+            (Some(reported), Some(genuine)) if reported.reason != genuine.reason => {
+                Some(reported.reason.clone())
+            }
             // The module is silent but for the fall of its pin.
             (None, Some(_)) => Some("STALE".to_owned()),
             _ => None,
         };
         let seen = (1..).zip(both).find_map(|(second, both)| Some((second, differs(both)?)));
-        let during = || self.said[from..].iter().flatten();
-        let second_of = |is_it: fn(&Said) -> bool| {
-            self.said[from..]
+        let during = || self.reported[from..].iter().flatten();
+        let second_of = |is_it: fn(&Reported) -> bool| {
+            self.reported[from..]
                 .iter()
-                .position(|said| said.as_ref().is_some_and(is_it))
+                .position(|reported| reported.as_ref().is_some_and(is_it))
                 .map(|index| index as u32 + 1)
         };
         Cell {
-            decided_s: second_of(|said| said.is_promised && said.reason == "SYSTEM"),
+            decided_s: second_of(|reported| reported.is_promised && reported.reason == "SYSTEM"),
             seen_s: seen.as_ref().map(|(second, _)| *second),
             by: seen.map(|(_, by)| by).unwrap_or_default(),
-            promised: during().filter(|said| said.is_promised).count(),
-            beyond: during().filter(|said| said.is_misleading).count(),
-            last_beyond_s: self.said[from..]
+            promised: during().filter(|reported| reported.is_promised).count(),
+            beyond: during().filter(|reported| reported.is_misleading).count(),
+            last_beyond_s: self.reported[from..]
                 .iter()
-                .rposition(|said| said.as_ref().is_some_and(|said| said.is_misleading))
+                .rposition(|reported| reported.as_ref().is_some_and(|reported| reported.is_misleading))
                 .map(|index| index as u32 + 1),
             first_four_s: self.first_four_s.zip(genuine.first_four_s).filter(|_| self.is_poisoned),
         }

@@ -215,7 +215,7 @@ impl Scenario {
         let bytes = self.through_the_cable(&whole);
         let is_due = is_later && bytes == whole;
         let mishap = if self.unplugged.is_none() { self.mishap() } else { None };
-        let accepted = sending.accepter.hear(&sent, epoch.time.to_s(), &sending.site);
+        let accepted = sending.accepter.receive(&sent, epoch.time.to_s(), &sending.site);
         let accepted_error_m = accepted.map(|accepted| accepted.horizontal_error_m);
         let truth = sending.passage.truth;
         let offer = Offer { time: epoch.time, truth, falsified, accepted_error_m, early, is_due };

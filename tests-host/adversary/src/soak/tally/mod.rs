@@ -192,7 +192,7 @@ impl Tally {
     }
 
     /// Reads one line of the host port.
-    pub fn hear(&mut self, line: &[u8]) -> Heard {
+    pub fn receive(&mut self, line: &[u8]) -> Heard {
         let line = String::from_utf8_lossy(line);
         let line = self.behind_a_reset(&line);
         self.sentences += 1;
@@ -288,13 +288,13 @@ impl Tally {
         self.is_sound = !open.offer.falsified.is_any();
         let (offer, age_s) = (open.offer, now_s - open.offered_s);
         let error = position.map(|position| error(position, &offer));
-        let said = EpochOutput { position, state, excluded: Vec::new(), authentication: None };
-        self.count(&said, error, &offer, age_s);
-        self.moments.push(Moment::of(offer.time.to_s(), &said, error, said.state.is_protected()));
+        let reported = EpochOutput { position, state, excluded: Vec::new(), authentication: None };
+        self.count(&reported, error, &offer, age_s);
+        self.moments.push(Moment::of(offer.time.to_s(), &reported, error, reported.state.is_protected()));
     }
 
-    fn count(&mut self, said: &EpochOutput, error: Option<Enu>, offer: &Offer, age_s: f64) {
-        let state = &said.state;
+    fn count(&mut self, reported: &EpochOutput, error: Option<Enu>, offer: &Offer, age_s: f64) {
+        let state = &reported.state;
         let is_promised = offer.falsified.is_within_promise();
         self.falsified += u64::from(offer.falsified.is_any());
         self.beyond_promise += u64::from(!is_promised);

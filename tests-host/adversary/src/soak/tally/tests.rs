@@ -23,11 +23,11 @@ fn says(tally: &mut Tally, north_m: f64, state: &str) {
         angle_deg.floor() * 100.0 + angle_deg.fract() * 60.0
     };
     let (latitude, longitude) = (degrees_minutes(latitude_rad), degrees_minutes(TRUTH.longitude_rad));
-    tally.hear(
+    tally.receive(
         nmea_line(&format!("GNGNS,000000.00,{latitude:.7},N,{longitude:.7},E,A,9,1.0,100.0,0.0,,,S"))
             .as_bytes(),
     );
-    tally.hear(nmea_line(&format!("PRAIS,000000.00,{state},9,9,4,0.5,2.0,12.0,20.0,40.0,")).as_bytes());
+    tally.receive(nmea_line(&format!("PRAIS,000000.00,{state},9,9,4,0.5,2.0,12.0,20.0,40.0,")).as_bytes());
 }
 
 fn after(falsified: Falsified, north_m: f64, state: &str) -> Tally {
@@ -55,7 +55,7 @@ fn pin_high_beyond_the_limit_is_counted_apart_by_the_promise() {
 fn protected_without_a_position_is_as_bad_as_a_wrong_one() {
     let mut tally = Tally::new(10.0);
     tally.offer(offer(18, Falsified::Satellites(0)), true, 0.0);
-    tally.hear(nmea_line("PRAIS,000000.00,P,OK,9,9,4,0.5,2.0,12.0,20.0,40.0,").as_bytes());
+    tally.receive(nmea_line("PRAIS,000000.00,P,OK,9,9,4,0.5,2.0,12.0,20.0,40.0,").as_bytes());
     assert_eq!(tally.hazardous, 1);
 }
 
@@ -66,7 +66,7 @@ fn satellite_left_out_is_counted_where_no_range_was_false_and_none_of_its_epheme
         let early = early.and_then(|number| SatelliteId::new(Constellation::Gps, number));
         tally.offer(Offer { early, ..offer(18, falsified) }, true, 0.0);
         says(&mut tally, 0.0, "P,EXCLUDED");
-        tally.hear(nmea_line("PRAIX,000000.00,1,G05,5.2,61.0").as_bytes());
+        tally.receive(nmea_line("PRAIX,000000.00,1,G05,5.2,61.0").as_bytes());
         (tally.early, tally.left_out_sound.len())
     };
     assert_eq!(left_out(Falsified::Satellites(0), None), (0, 1));
@@ -84,7 +84,7 @@ fn early_ephemeris_excuses_its_satellite_for_as_long_as_the_true_one_may_be_away
         (1..later).for_each(|_| tally.offer(offer(17, Falsified::Satellites(0)), false, 0.0));
         tally.offer(offer(18, Falsified::Satellites(0)), true, 0.0);
         says(&mut tally, 0.0, "P,EXCLUDED");
-        tally.hear(nmea_line("PRAIX,000000.00,1,G05,5.2,61.0").as_bytes());
+        tally.receive(nmea_line("PRAIX,000000.00,1,G05,5.2,61.0").as_bytes());
         assert_eq!(tally.left_out_sound.len(), want, "{later} epochs later");
     }
 }
@@ -101,7 +101,7 @@ fn epoch_older_than_the_time_to_alert_is_stale() {
 #[test]
 fn epoch_that_nobody_offered_and_epoch_never_spoken_of() {
     let mut tally = after(Falsified::Satellites(0), 0.0, "P,OK");
-    tally.hear(nmea_line("PRAIS,000001.00,U,NOFIX,9,0,,,,,,40.0,").as_bytes());
+    tally.receive(nmea_line("PRAIS,000001.00,U,NOFIX,9,0,,,,,,40.0,").as_bytes());
     assert_eq!(tally.invented, 1);
     (100..129).for_each(|tow_s| tally.offer(offer(tow_s, Falsified::Satellites(0)), false, 0.0));
     assert_eq!(tally.unspoken.len(), 0, "the first was judged");
@@ -125,9 +125,9 @@ fn limit_that_is_neither_of_before_the_restart_nor_set_since_is_lost() {
         let mut tally = Tally::new(10.0);
         tally.expect_limit(40.0);
         tally.expect_start();
-        tally.hear(nmea_line("PRAIV,0.1.0,abc,UNKNOWN,PASS").as_bytes());
+        tally.receive(nmea_line("PRAIV,0.1.0,abc,UNKNOWN,PASS").as_bytes());
         tally.expect_limit(25.0);
-        tally.hear(nmea_line(&format!("PRAIS,000000.00,A,STALE,9,9,4,0.5,2.0,,,{limit_m},")).as_bytes());
+        tally.receive(nmea_line(&format!("PRAIS,000000.00,A,STALE,9,9,4,0.5,2.0,,,{limit_m},")).as_bytes());
         tally.settings_lost.len()
     };
     assert_eq!(["40.0", "25.0", "556.0", ""].map(lost_at), [0, 0, 1, 1]);
@@ -136,15 +136,15 @@ fn limit_that_is_neither_of_before_the_restart_nor_set_since_is_lost() {
 #[test]
 fn damaged_sentence_and_unasked_start_are_told_from_a_reset() {
     let mut tally = Tally::new(10.0);
-    assert_eq!(tally.hear(nmea_line("PRAIV,0.1.0,abc,UNKNOWN,PASS").as_bytes()), Heard::Greeting);
+    assert_eq!(tally.receive(nmea_line("PRAIV,0.1.0,abc,UNKNOWN,PASS").as_bytes()), Heard::Greeting);
     tally.expect_start();
     let cut = [b"$GNGNS,0000".as_slice(), nmea_line("PRAIV,0.1.0,abc,UNKNOWN,PASS").as_bytes()].concat();
-    assert_eq!(tally.hear(&cut), Heard::Greeting);
+    assert_eq!(tally.receive(&cut), Heard::Greeting);
     assert_eq!((tally.cut_off, tally.damaged.len(), tally.starts_unasked.len()), (1, 0, 0));
-    tally.hear(&cut);
+    tally.receive(&cut);
     assert_eq!((tally.cut_off, tally.damaged.len()), (1, 1), "nobody had asked");
-    tally.hear(nmea_line("PRAIV,0.1.0,abc,UNKNOWN,PASS").as_bytes());
+    tally.receive(nmea_line("PRAIV,0.1.0,abc,UNKNOWN,PASS").as_bytes());
     tally.expect_start();
-    tally.hear(nmea_line("PRAIV,0.1.0,abc,PANIC-0BADF00D,PASS").as_bytes());
+    tally.receive(nmea_line("PRAIV,0.1.0,abc,PANIC-0BADF00D,PASS").as_bytes());
     assert_eq!(tally.starts_unasked.len(), 2);
 }

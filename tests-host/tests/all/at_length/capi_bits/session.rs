@@ -137,20 +137,20 @@ impl Session {
         let boot = Boot::on_host("library");
         let receiver =
             self.receiver.insert(Receiver::new(MemoryPin::default(), boot).expect("in the tables"));
-        let mut said = Vec::new();
-        receiver.greet(&mut said);
-        self.want.push(said);
+        let mut reported = Vec::new();
+        receiver.greet(&mut reported);
+        self.want.push(reported);
     }
 
     pub(crate) fn gnss(&mut self, now_ms: u64, bytes: &[u8]) {
         self.calls.gnss(now_ms, bytes);
-        self.hear(|receiver, said| receiver.gnss(bytes, now_ms, said));
+        self.receive(|receiver, reported| receiver.gnss(bytes, now_ms, reported));
     }
 
     pub(crate) fn tick(&mut self, now_ms: u64) {
         self.calls.tick(now_ms);
-        self.hear(|receiver, said| {
-            receiver.tick(now_ms, said);
+        self.receive(|receiver, reported| {
+            receiver.tick(now_ms, reported);
             false
         });
     }
@@ -158,8 +158,8 @@ impl Session {
     pub(crate) fn command(&mut self, text: &str) {
         let line = sentence::command(text);
         self.calls.command(line.as_bytes());
-        self.hear(|receiver, said| {
-            receiver.command(line.as_bytes(), said);
+        self.receive(|receiver, reported| {
+            receiver.command(line.as_bytes(), reported);
             false
         });
     }
@@ -169,8 +169,8 @@ impl Session {
         self.calls.set(key, values);
         let line =
             sentence::command(&if values.is_empty() { key.to_owned() } else { format!("{key},{values}") });
-        self.hear(|receiver, said| {
-            receiver.command(line.as_bytes(), said);
+        self.receive(|receiver, reported| {
+            receiver.command(line.as_bytes(), reported);
             false
         });
     }
@@ -195,10 +195,10 @@ impl Session {
         self.want.push(want);
     }
 
-    fn hear(&mut self, call: impl FnOnce(&mut Receiver<MemoryPin>, &mut Vec<u8>) -> bool) {
+    fn receive(&mut self, call: impl FnOnce(&mut Receiver<MemoryPin>, &mut Vec<u8>) -> bool) {
         let mut receiver = self.receiver.take().expect("started");
-        let mut said = Vec::new();
-        let judged = call(&mut receiver, &mut said);
+        let mut reported = Vec::new();
+        let judged = call(&mut receiver, &mut reported);
         self.protected += usize::from(judged && receiver.pin().high);
         let (state, reason) =
             receiver.last_verdict().map_or((0, 0), |verdict| self.state_and_reason(verdict));
@@ -207,7 +207,7 @@ impl Session {
             Some(report) => self.of_report(report),
             None => without_position(state, reason),
         });
-        want.extend(said);
+        want.extend(reported);
         self.want.push(want);
         self.receiver = Some(receiver);
     }

@@ -71,8 +71,8 @@ fn replayed_s(folder: &Path) -> f64 {
     );
     let output = Command::new("sh").args(["-c", &line]).current_dir(folder).output().unwrap();
     assert!(output.status.success());
-    let said = String::from_utf8(output.stdout).unwrap();
-    let parts = said.lines().last().unwrap().split_whitespace();
+    let reported = String::from_utf8(output.stdout).unwrap();
+    let parts = reported.lines().last().unwrap().split_whitespace();
     parts
         .map(|part| {
             let (minutes, seconds) = part.trim_end_matches('s').split_once('m').unwrap();

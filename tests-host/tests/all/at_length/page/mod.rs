@@ -50,8 +50,8 @@ impl Built {
         let mut cargo =
             cargo(&["run", "--quiet", "-p", "release", "--", "release", "--only", "page", "--out"]);
         let output = cargo.arg(&out).output().unwrap();
-        let said = String::from_utf8_lossy(&output.stdout);
-        assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
+        let reported = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{reported}{}", String::from_utf8_lossy(&output.stderr));
         let path = out.join("rai.html");
         if !path.is_file() {
             skip::say("the target wasm32-wasip1 (rustup target add wasm32-wasip1)");

@@ -288,10 +288,10 @@ fn mutated_files_never_stop_the_program() {
         .value(&format!("window.mutated = null; {script}.then((text) => {{ window.mutated = text; }}); 1"))
         .unwrap();
     browser.wait_for("window.mutated !== null", Duration::from_hours(2)).unwrap();
-    let said = text(&mut browser, "window.mutated");
-    println!("{count} files: {said}");
-    let said: serde_json::Value = serde_json::from_str(&said).unwrap();
-    assert_eq!(said["stopped"], serde_json::json!([]));
-    assert!(said["codes"][0].as_u64() > Some(0) && said["codes"][1].as_u64() > Some(0), "{said}");
-    assert!(said["memory"].as_u64() < Some(64 << 20), "{said}");
+    let reported = text(&mut browser, "window.mutated");
+    println!("{count} files: {reported}");
+    let reported: serde_json::Value = serde_json::from_str(&reported).unwrap();
+    assert_eq!(reported["stopped"], serde_json::json!([]));
+    assert!(reported["codes"][0].as_u64() > Some(0) && reported["codes"][1].as_u64() > Some(0), "{reported}");
+    assert!(reported["memory"].as_u64() < Some(64 << 20), "{reported}");
 }

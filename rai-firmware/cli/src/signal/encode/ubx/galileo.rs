@@ -87,9 +87,9 @@ fn words(m: &Msg1046T) -> Result<[Row; 5]> {
 }
 
 /// Returns word 6 with the leap seconds.
-pub(super) fn utc(said: &IonosphereAndUtc) -> Result<Vec<u32>> {
-    let (before_s, after_s) = said.leap_s;
-    let (week, day) = said.change;
+pub(super) fn utc(reported: &IonosphereAndUtc) -> Result<Vec<u32>> {
+    let (before_s, after_s) = reported.leap_s;
+    let (week, day) = reported.change;
     let row = word(6)?
         .until(62)?
         .signed(f64::from(before_s), 8)?

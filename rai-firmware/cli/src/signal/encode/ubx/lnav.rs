@@ -74,14 +74,14 @@ pub(super) fn ephemeris(m: &Msg1019T, frame: u32) -> Result<Vec<Vec<u32>>> {
 }
 
 /// Returns page 18 of subframe 4.
-pub(super) fn ionosphere_and_utc(said: &IonosphereAndUtc, frame: u32) -> Result<Vec<u32>> {
+pub(super) fn ionosphere_and_utc(reported: &IonosphereAndUtc, frame: u32) -> Result<Vec<u32>> {
     const EXPONENTS: [i32; 8] = [-30, -27, -24, -24, 11, 14, 16, 16];
     let mut row = opening(frame, 4)?.unsigned(1, 2)?.unsigned(56, 6)?;
-    for (coefficient, exponent) in said.klobuchar.into_iter().zip(EXPONENTS) {
+    for (coefficient, exponent) in reported.klobuchar.into_iter().zip(EXPONENTS) {
         row = row.scaled(coefficient, 8, exponent)?;
     }
-    let (before_s, after_s) = said.leap_s;
-    let (week, day) = said.change;
+    let (before_s, after_s) = reported.leap_s;
+    let (week, day) = reported.change;
     words(
         row.until(192)?
             .signed(f64::from(before_s), 8)?

@@ -168,8 +168,9 @@ impl Encoder {
             let pages = pages(ephemeris, epoch.time)
                 .with_context(|| format!("ephemeris of {}", ephemeris.satellite))?;
             bytes.extend(pages);
-            if let (Ephemeris::Gps(_), Some(said)) = (&ephemeris.message, self.ionosphere_and_utc.take()) {
-                bytes.extend(ionosphere_and_utc(ephemeris.satellite, &said, epoch.time)?);
+            if let (Ephemeris::Gps(_), Some(reported)) = (&ephemeris.message, self.ionosphere_and_utc.take())
+            {
+                bytes.extend(ionosphere_and_utc(ephemeris.satellite, &reported, epoch.time)?);
             }
         }
         bytes.extend(rawx(&measurable(epoch), &self.selection, &self.channels));
@@ -218,8 +219,12 @@ pub fn pages(ephemeris: &TimedEphemeris, time: GpsTime) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// A number does not fit the page.
-pub fn ionosphere_and_utc(satellite: SatelliteId, said: &IonosphereAndUtc, time: GpsTime) -> Result<Vec<u8>> {
-    Ok(subframe(satellite, 0, &lnav::ionosphere_and_utc(said, frame_of_week(time))?))
+pub fn ionosphere_and_utc(
+    satellite: SatelliteId,
+    reported: &IonosphereAndUtc,
+    time: GpsTime,
+) -> Result<Vec<u8>> {
+    Ok(subframe(satellite, 0, &lnav::ionosphere_and_utc(reported, frame_of_week(time))?))
 }
 
 /// Returns words 1 to 5 of I/NAV, without a time in the last.
@@ -243,8 +248,8 @@ pub(in crate::signal) fn inav_page(satellite: SatelliteId, word: &[u8; 16], bits
 ///
 /// # Errors
 /// The leap seconds do not fit the word.
-pub fn utc(satellite: SatelliteId, said: &IonosphereAndUtc) -> Result<Vec<u8>> {
-    Ok(subframe(satellite, 1, &galileo::utc(said)?))
+pub fn utc(satellite: SatelliteId, reported: &IonosphereAndUtc) -> Result<Vec<u8>> {
+    Ok(subframe(satellite, 1, &galileo::utc(reported)?))
 }
 
 /// Returns the ranges of an epoch.

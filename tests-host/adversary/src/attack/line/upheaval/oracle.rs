@@ -151,8 +151,8 @@ impl Oracle {
     }
 
     /// Checks a report that came at `said_s` by the module's own clock.
-    pub(super) fn hear(&mut self, seen: &Seen, said_s: f64) {
-        let state = &seen.said.state;
+    pub(super) fn receive(&mut self, seen: &Seen, said_s: f64) {
+        let state = &seen.reported.state;
         if !state.has_epoch() {
             // A silence does not undo earlier agreement.
             return;
@@ -205,8 +205,8 @@ impl Oracle {
         self.promised += 1;
         self.agree(own_s, tag_s);
         self.hold_to_recover(own_s, tag_s);
-        let state = &seen.said.state;
-        let Some(place) = seen.said.position.map(Geodetic::to_ecef) else {
+        let state = &seen.reported.state;
+        let Some(place) = seen.reported.position.map(Geodetic::to_ecef) else {
             return self.find(Finding::Misleading, own_s, "no position");
         };
         let (hpl_m, vpl_m) = (state.hpl_m.unwrap_or(0.0), state.vpl_m.unwrap_or(0.0));

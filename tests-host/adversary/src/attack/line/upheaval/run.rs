@@ -172,8 +172,8 @@ impl Run {
             ..self.sky.clone()
         };
         let recording = stretch.record();
-        let said: &[TimedEphemeris] = if scene.says_ephemerides { &recording.ephemerides } else { &[] };
-        let mut encoder = AnyEncoder::new(self.format, said, self.selection.clone());
+        let reported: &[TimedEphemeris] = if scene.says_ephemerides { &recording.ephemerides } else { &[] };
+        let mut encoder = AnyEncoder::new(self.format, reported, self.selection.clone());
         let mut wrong = scene.wrong_of(recording.epochs.first(), &mut self.chance);
         for mut epoch in recording.epochs {
             epoch.satellites.truncate(scene.most_satellites);
@@ -220,7 +220,7 @@ impl Run {
             let seen = self.victim.silence(silent_s, Ecef::CENTRE)?;
             let own_s = self.victim.now_s();
             for seen in &seen {
-                self.oracle.hear(seen, own_s);
+                self.oracle.receive(seen, own_s);
             }
         }
         Ok(())
@@ -253,22 +253,22 @@ impl Run {
             bytes.splice(..0, std::mem::take(&mut self.kept));
         }
         let own_s = self.victim.now_s();
-        for seen in self.victim.hear(&bytes, place)? {
+        for seen in self.victim.receive(&bytes, place)? {
             if self.is_told {
-                let Seen { said, horizontal_error_m, vertical_error_m, .. } = &seen;
-                let state = &said.state;
+                let Seen { reported, horizontal_error_m, vertical_error_m, .. } = &seen;
+                let state = &reported.state;
                 println!(
                     "{own_s:10.1}   {} {} {} of {}, {} left out, levels {:?} {:?}, errors {horizontal_error_m:.1} {vertical_error_m:.1} m",
                     state.state,
                     state.reason,
                     state.used,
                     state.tracked,
-                    said.excluded.len(),
+                    reported.excluded.len(),
                     state.hpl_m,
                     state.vpl_m,
                 );
             }
-            self.oracle.hear(&seen, own_s);
+            self.oracle.receive(&seen, own_s);
         }
         Ok(())
     }
