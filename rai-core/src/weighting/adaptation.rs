@@ -89,6 +89,17 @@ impl Adaptation {
         self.since_s >= other.since_s
     }
 
+    /// Dates the first epoch no earlier than that of another adaptation to the same rest, so that
+    /// the end of the rest shows by [`Self::is_within`]. If the other has learned nothing, this one
+    /// forgets everything.
+    pub fn follow(&mut self, other: &Self) {
+        if other.since_s.is_nan() {
+            self.restart();
+        } else {
+            self.since_s = self.since_s.max(other.since_s);
+        }
+    }
+
     /// Returns the factor on the receiver's part of each variance, [`LEAST_NOISE`] to 1.
     #[inline(never)]
     pub fn noise(&self, time_s: f64) -> f32 {
