@@ -76,6 +76,8 @@ const FAULT_FREE_RISK: Probability = match Probability::new(1e-7) {
 };
 
 impl Requirements {
+    // Not inlined, so that the phases share one copy.
+    #[inline(never)]
     const fn horizontal(hal_m: f64, time_to_alert_s: f64) -> Self {
         Self {
             hal_m,

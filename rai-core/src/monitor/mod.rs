@@ -270,6 +270,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         memory: &mut MonitorMemory<T, N>,
         result: impl FnOnce(&Test<T>, &Snapshot<'_, T, N>) -> R,
     ) -> Option<R> {
+        let noise = self.as_before(noise, epoch);
         let aided = Aided::alone(epoch).noisier(noise);
         let fix = Fix::about(&mut memory.workspace, aided, start).ok()?;
         let test = self.criteria(shared_growth(noise)).test(fix.snapshot(), epoch.shared()).ok()?;
@@ -313,7 +314,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let forecast = if is_aided { self.clocks.aiding(&epoch.view()) } else { None };
         let MonitorMemory { workspace, scratch, outcome } = memory;
         let aided = Aided::by(epoch, forecast);
-        let mut noise = self.noise_of(&epoch.view());
+        let mut noise = self.as_before(self.noise(epoch.time_s()), epoch);
         let mut is_refuting = false;
         loop {
             // Judged in place, because a copy would be on the stack during every search.

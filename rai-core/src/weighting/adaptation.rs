@@ -3,7 +3,7 @@
 //! ```text
 //! κ = Σ SSE / χ²_α(Σ dof)     limited to 1/9 … 1
 //! κ = 1                       unless SSE_m ≤ κ χ²_{1−α}(dof_m) in every span m of six minutes
-//! κ = 1                       as long as Σ dof < 600, or less than ten minutes have been learned
+//! κ = 1                       as long as Σ dof < 300, or less than ten minutes have been learned
 //! ```
 //!
 //! | symbol | field | unit |
@@ -11,7 +11,7 @@
 //! | `κ` | [`Adaptation::noise`]: factor on the receiver's part of each variance | – |
 //! | `SSE` | sum of squared residuals of one epoch, weighted by the sigmas of the model | – |
 //! | `dof` | its degrees of freedom | – |
-//! | `χ²_α(ν)` | quantile by Wilson and Hilferty, accurate to 1e-4 for at least 600 degrees of freedom | – |
+//! | `χ²_α(ν)` | quantile by Wilson and Hilferty, accurate to 3e-4 for at least 300 degrees of freedom | – |
 //!
 //! Only epochs that passed their test are learned. If the time goes back, or after a gap of an hour,
 //! the sums begin anew.
@@ -34,8 +34,10 @@ pub use super::residuals::Residuals;
 /// Length of one sum, s: a tenth of an hour.
 const SPAN_S: f32 = 360.0;
 
-/// Least degrees of freedom for a factor below 1.
-pub const LEAST_DOF: u32 = 600;
+/// Least degrees of freedom for a factor below 1. At 1 Hz ten minutes have more in any sky that can be
+/// tested. Half a minute apart, five in each epoch make them in half an hour, and these epochs are
+/// less alike than those of a second.
+pub const LEAST_DOF: u32 = 300;
 
 /// Least time of rest for a factor below 1, s.
 pub const LEAST_REST_S: f64 = 600.0;
@@ -87,6 +89,17 @@ impl Adaptation {
     pub fn is_within(&self, other: &Self) -> bool {
         // A NaN fails this comparison.
         self.since_s >= other.since_s
+    }
+
+    /// Dates the first epoch no earlier than that of another adaptation to the same rest, so that
+    /// the end of the rest shows by [`Self::is_within`]. If the other has learned nothing, this one
+    /// forgets everything.
+    pub fn follow(&mut self, other: &Self) {
+        if other.since_s.is_nan() {
+            self.restart();
+        } else {
+            self.since_s = self.since_s.max(other.since_s);
+        }
     }
 
     /// Returns the factor on the receiver's part of each variance, [`LEAST_NOISE`] to 1.

@@ -25,10 +25,10 @@ fn is_none(noise: f32) -> bool {
 }
 
 #[test]
-fn nothing_is_lowered_before_ten_minutes_and_600_degrees_of_freedom() {
+fn nothing_is_lowered_before_ten_minutes_and_300_degrees_of_freedom() {
     assert!(is_none(after(600, 1.0, 0.25).noise(599.0)));
     assert!(after(601, 1.0, 0.25).noise(600.0) < 0.5);
-    // Every half minute it takes half an hour.
+    // Every half minute it takes a quarter of an hour.
     let few = LEAST_DOF / 10 - 1;
     assert!(is_none(after(few, 30.0, 0.25).noise(30.0 * f64::from(few))));
     assert!(after(few + 1, 30.0, 0.25).noise(30.0 * f64::from(few)) < 0.5);

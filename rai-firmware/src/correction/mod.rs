@@ -54,7 +54,7 @@ pub use atmosphere::{Klobuchar, Place, Slant, Troposphere};
 use choice::choose_by;
 pub use choice::{Choice, Choices, SINGLES, choose, ionosphere_free};
 pub use fate::Fate;
-pub use frequency::{Preference, Ranges};
+pub use frequency::{Cost, Preference, Ranges};
 use notes::{Mark, Notes};
 pub use raim_single::CAPACITY;
 pub use site::Site;

@@ -5,7 +5,7 @@ use raim_core::frame::Ecef;
 use raim_core::report::ProtectionLevels;
 
 use super::{Navigator, Room};
-use crate::correction::{Located, Ranges};
+use crate::correction::{Cost, Located, Ranges};
 use crate::settings::{Configuration, Frequencies, Systems};
 use crate::time::GpsTime;
 
@@ -18,12 +18,14 @@ impl Navigator {
     pub(super) fn learn_anew_of(&mut self, learned: (Ranges, Systems)) {
         let before = self.learned.replace(learned);
         if before.is_some_and(|before| before != learned) {
+            #[cfg(feature = "both-kinds")]
+            let left = core::mem::take(self.monitor.adaptation_mut());
             self.monitor.forget_residuals();
             if before.map(|(ranges, _)| ranges) != Some(learned.0) {
                 self.monitor.change_kind(if learned.0 == Ranges::Pairs { NOISE_OF_PAIRS } else { 1.0 });
             }
             #[cfg(feature = "both-kinds")]
-            self.others.take_over(before, learned, self.monitor.adaptation_mut());
+            self.others.take_over(before, learned, left, self.monitor.adaptation_mut());
         }
     }
 
@@ -59,23 +61,36 @@ impl Navigator {
 
     /// Compares the levels of both kinds of ranges.
     fn compare(&mut self, point: Ecef, time: GpsTime, configuration: &Configuration) {
-        let (mut preference, before) = (self.preference, self.tally.mark());
-        let in_use = preference.ranges();
-        let others = self.noise_of_others(time);
-        #[cfg(feature = "both-kinds")]
-        if self.others.is_due(time.to_s()) {
-            preference.compare_now();
+        if !self.preference.is_due(time.tow_ms) {
+            return;
         }
-        preference.weigh(self.monitor.noise(time.to_s()), others, |ranges, noise| {
-            self.correct_about(point, time, ranges, configuration);
-            let levels = self.fault_free_levels(point, time, ranges != in_use, noise)?;
-            let vertical = configuration.val_m.map_or(0.0, |val_m| levels.vpl_m / val_m);
-            // A NaN is no cost. An infinite level is worse than any other.
-            Some((levels.hpl_m / configuration.hal_m).max(vertical) as f32)
-        });
+        let before = self.tally.mark();
+        let (noise, others) = (self.monitor.noise(time.to_s()), self.noise_of_others(time));
+        let noises = self.preference.noises(noise, others);
+        let pairs = self.cost(point, time, (Ranges::Pairs, noises[0]), configuration);
+        let singles = self.cost(point, time, (Ranges::Singles, noises[1]), configuration);
         // Refusals of a set that is not used do not count.
-        self.preference = preference;
         self.tally.restore(before);
+        self.preference.compare([pairs, singles], noise < 1.0 || others.is_some());
+    }
+
+    /// Returns the cost of a kind of ranges with this noise.
+    #[inline(never)]
+    fn cost(
+        &mut self,
+        point: Ecef,
+        time: GpsTime,
+        (ranges, noise): (Ranges, f32),
+        configuration: &Configuration,
+    ) -> Option<Cost> {
+        self.correct_about(point, time, ranges, configuration);
+        let levels = self.fault_free_levels(point, time, ranges != self.preference.ranges(), noise)?;
+        // A NaN is no cost. An infinite level is worse than any other.
+        let horizontal = (levels.hpl_m / configuration.hal_m) as f32;
+        let vertical = (levels.vpl_m / configuration.val_m.unwrap_or(configuration.hal_m)) as f32;
+        let is_vertical = configuration.val_m.is_some() && vertical > horizontal;
+        let (decisive, other) = if is_vertical { (vertical, horizontal) } else { (horizontal, vertical) };
+        Some(Cost { decisive, other })
     }
 }
 

@@ -73,6 +73,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     methods::EXPERIMENT,
     probabilities::EXPERIMENT,
     probabilities::edge::EXPERIMENT,
+    probabilities::noise::EXPERIMENT,
     araim::EXPERIMENT,
 ];
 

@@ -41,6 +41,7 @@ mod osnma;
 mod own_evidence;
 mod pin_in_time;
 mod precision;
+mod receivers;
 mod recordings;
 mod report;
 mod roots;

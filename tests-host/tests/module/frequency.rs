@@ -3,7 +3,7 @@
 use crate::walker::{self, Ionosphere, TOE, range_m, satellite};
 use raim_core::epoch::Epoch;
 use raim_core::requirements::Requirements;
-use raim_firmware::correction::{Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
+use raim_firmware::correction::{Cost, Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
 use raim_firmware::ephemeris::{Ephemeris, Store};
 use raim_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
 use raim_single::{Monitor, MonitorMemory};
@@ -79,14 +79,51 @@ fn ranges_have_no_say_in_the_choice() {
     }
 }
 
+/// A preference that is asked in equal steps of time.
+struct Asked {
+    preference: Preference,
+    tow_ms: u32,
+    step_ms: u32,
+}
+
+impl Asked {
+    fn every(step_ms: u32) -> Self {
+        Self { preference: Preference::new(), tow_ms: 0, step_ms }
+    }
+
+    fn new() -> Self {
+        Self::every(1000)
+    }
+
+    fn weigh(
+        &mut self,
+        noise: f32,
+        others: Option<f32>,
+        mut cost: impl FnMut(Ranges, f32) -> Option<Cost>,
+    ) -> Ranges {
+        self.tow_ms = (self.tow_ms + self.step_ms) % 604_800_000;
+        if self.preference.is_due(self.tow_ms) {
+            let [pairs, singles] = self.preference.noises(noise, others);
+            let costs = [cost(Ranges::Pairs, pairs), cost(Ranges::Singles, singles)];
+            self.preference.compare(costs, noise < 1.0 || others.is_some());
+        }
+        self.preference.ranges()
+    }
+}
+
+/// Returns a cost that is the same on both axes.
+const fn even(share: f32) -> Cost {
+    Cost { decisive: share, other: share }
+}
+
 /// Returns the costs of both kinds, whatever their noise.
-fn costs(pairs: Option<f32>, singles: Option<f32>) -> impl Fn(Ranges, f32) -> Option<f32> {
-    move |ranges, _| if ranges == Ranges::Pairs { pairs } else { singles }
+fn costs(pairs: Option<f32>, singles: Option<f32>) -> impl Fn(Ranges, f32) -> Option<Cost> {
+    move |ranges, _| if ranges == Ranges::Pairs { pairs } else { singles }.map(even)
 }
 
 /// Returns a preference after its first comparisons, which found pairs to be better.
-fn settled() -> Preference {
-    let mut preference = Preference::new();
+fn settled() -> Asked {
+    let mut preference = Asked::new();
     for _ in 0..61 {
         assert_eq!(preference.weigh(1.0, None, costs(Some(1.0), Some(1.0))), Ranges::Pairs);
     }
@@ -94,8 +131,8 @@ fn settled() -> Preference {
 }
 
 #[test]
-fn the_set_changes_when_the_other_has_been_a_twentieth_better_for_ten_epochs() {
-    assert_eq!(Preference::new().weigh(1.0, None, costs(Some(1.0), Some(0.94))), Ranges::Singles);
+fn the_set_changes_when_the_other_has_been_a_twentieth_better_for_ten_seconds() {
+    assert_eq!(Asked::new().weigh(1.0, None, costs(Some(1.0), Some(0.94))), Ranges::Singles);
     let mut preference = settled();
     for epoch in 1..=9 {
         assert_eq!(preference.weigh(1.0, None, costs(Some(1.0), Some(0.94))), Ranges::Pairs, "epoch {epoch}");
@@ -114,20 +151,60 @@ fn the_set_changes_when_the_other_has_been_a_twentieth_better_for_ten_epochs() {
     for _ in 0..40 {
         preference.weigh(1.0, None, costs(Some(5.0), None));
     }
-    assert_eq!(preference.ranges(), Ranges::Pairs);
+    assert_eq!(preference.preference.ranges(), Ranges::Pairs);
+}
+
+/// A satellite that is lost for one epoch doubles the levels of pairs for that epoch.
+#[test]
+fn half_a_minute_apart_each_epoch_takes_the_better_set() {
+    let mut preference = Asked::every(30_000);
+    for _ in 0..20 {
+        assert_eq!(preference.weigh(1.0, None, costs(Some(1.0), Some(1.2))), Ranges::Pairs);
+        assert_eq!(preference.weigh(1.0, None, costs(Some(2.0), Some(1.2))), Ranges::Singles);
+    }
+}
+
+#[test]
+fn ten_epochs_suffice_at_any_rate() {
+    let mut preference = Asked::every(100);
+    for _ in 0..61 {
+        preference.weigh(1.0, None, costs(Some(1.0), Some(1.0)));
+    }
+    for _ in 1..=9 {
+        assert_eq!(preference.weigh(1.0, None, costs(Some(1.0), Some(0.9))), Ranges::Pairs);
+    }
+    assert_eq!(preference.weigh(1.0, None, costs(Some(1.0), Some(0.9))), Ranges::Singles);
+    // A time that goes back is no reason to stay.
+    preference.step_ms = 604_800_000 - 5000;
+    let back = (0..60).find(|_| preference.weigh(1.0, None, costs(Some(0.9), Some(1.0))) == Ranges::Pairs);
+    assert!(back.is_some());
+}
+
+#[test]
+fn the_other_axis_decides_only_between_quiet_sets_that_are_alike_on_the_first() {
+    let of = |noise, pairs: (f32, f32), singles: (f32, f32)| {
+        let [pairs, singles] = [pairs, singles].map(|(decisive, other)| Cost { decisive, other });
+        let cost = move |ranges, _| Some(if ranges == Ranges::Pairs { pairs } else { singles });
+        Asked::new().weigh(noise, None, cost)
+    };
+    assert_eq!(of(0.5, (1.0, 2.0), (1.04, 1.0)), Ranges::Singles);
+    assert_eq!(of(1.0, (1.0, 2.0), (1.04, 1.0)), Ranges::Pairs);
+    assert_eq!(of(0.5, (1.0, 2.0), (1.06, 1.0)), Ranges::Pairs);
+    assert_eq!(of(0.5, (1.0, 1.0), (0.96, 1.0)), Ranges::Pairs);
+    assert_eq!(of(0.5, (1.0, 1.0), (0.94, 2.0)), Ranges::Singles);
 }
 
 #[test]
 fn what_the_other_set_has_shown_at_rest_counts() {
-    let cost = |ranges, noise: f32| Some(if ranges == Ranges::Pairs { noise.sqrt() } else { 0.9 });
-    let mut preference = Preference::new();
+    let cost = |ranges, noise: f32| Some(even(if ranges == Ranges::Pairs { noise.sqrt() } else { 0.9 }));
+    let mut preference = Asked::new();
     for _ in 0..100 {
         assert_eq!(preference.weigh(1.0, None, cost), Ranges::Singles);
     }
     for _ in 0..40 {
         preference.weigh(1.0, Some(0.25), cost);
     }
-    assert_eq!(preference.ranges(), Ranges::Pairs);
+    assert_eq!(preference.preference.ranges(), Ranges::Pairs);
 }
 
 #[test]
@@ -145,17 +222,17 @@ fn costs_that_swing_about_each_other_change_nothing() {
 #[test]
 fn noise_that_pairs_have_shown_is_kept_in_mind_for_minutes() {
     let by_noise = |ranges, noise: f32| match ranges {
-        Ranges::Pairs => Some(noise.sqrt()),
-        Ranges::Singles => Some(2.0),
+        Ranges::Pairs => Some(even(noise.sqrt())),
+        Ranges::Singles => Some(even(2.0)),
     };
     let mut preference = settled();
     for _ in 0..10 {
         preference.weigh(16.0, None, by_noise);
     }
-    assert_eq!(preference.ranges(), Ranges::Singles);
+    assert_eq!(preference.preference.ranges(), Ranges::Singles);
     let back = (0..2000).find(|_| preference.weigh(1.0, None, by_noise) == Ranges::Pairs);
-    // 1 + 15·0.95^n is below 0.95²·4 after 35 comparisons, thirty epochs apart, and ten epochs later.
-    assert!(back.is_some_and(|epoch| (1020..=1060).contains(&epoch)), "{back:?}");
+    // 1 + 15·0.95^n is below 4/1.05² after 34 comparisons, thirty epochs apart, and ten epochs later.
+    assert!(back.is_some_and(|epoch| (1020..=1030).contains(&epoch)), "{back:?}");
 }
 
 #[test]

@@ -82,7 +82,7 @@
 mod epoch;
 
 use super::{EpochOutcome, Monitor};
-use crate::epoch::{EpochView, Observation};
+use crate::epoch::{Epoch, EpochView, Observation};
 use crate::integrity::raim::isolation::exclusion::leaves_enough;
 use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
@@ -193,11 +193,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.evidence.noise(time_s).max(least)
     }
 
-    /// Works like [`Self::noise`], for an epoch that must be as those before it if quiet minutes
-    /// are to lower the noise.
-    pub(super) fn noise_of(&self, epoch: &EpochView<'_>) -> f32 {
-        let noise = self.noise(epoch.time_s());
-        if noise < 1.0 && !self.rest.is_as_before(epoch) { 1.0 } else { noise }
+    /// Returns the noise, or 1 if it is less and the epoch is not as those before it.
+    pub(super) fn as_before(&self, noise: f32, epoch: &Epoch<N>) -> f32 {
+        if noise < 1.0 && !self.rest.is_as_before(&epoch.view()) { 1.0 } else { noise }
     }
 
     fn compares_residuals(&self) -> bool {

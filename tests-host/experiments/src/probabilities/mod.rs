@@ -9,6 +9,7 @@
 //! | risk that a level lets pass, over every size of the fault | [`worst`] |
 //! | the same for the whole monitor, by every method | [`every_method`] |
 //! | detection and exclusion at the edge of availability | [`edge`], [`exclusion`] |
+//! | false alarms there by every setting of the noise | [`noise`] |
 //! | a day of positions with errors above their promise | [`day`], [`disc`] |
 //!
 //! Rates are multiples of the required probability, so 1 is exact. Every interval is one of 95 %,
@@ -21,6 +22,7 @@ pub(super) mod edge;
 mod every_method;
 mod exclusion;
 mod geometry;
+pub(super) mod noise;
 mod sampling;
 mod skies;
 mod worst;

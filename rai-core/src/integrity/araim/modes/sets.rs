@@ -1,6 +1,7 @@
 //! Sets of rows and of events, as bits of a word, and the hypotheses made of them.
 
 pub(super) use crate::bit_set::above;
+use crate::bit_set::count_of;
 pub(in crate::integrity::araim) use crate::bit_set::members;
 use crate::satellite::Constellation;
 
@@ -114,7 +115,7 @@ pub(super) fn subsets(pool: RowSet, most: u32) -> impl Iterator<Item = RowSet> {
     let lowest = |set: RowSet| set & set.wrapping_neg();
     core::iter::successors(Some(0), move |&last: &RowSet| {
         let (mut set, mut behind) = (last, pool & above_all(last));
-        if behind != 0 && set.count_ones() < most {
+        if behind != 0 && (count_of(set) as u32) < most {
             return Some(set | lowest(behind));
         }
         // Replaces the last event by the next one, or removes it and replaces the one before.

@@ -6,6 +6,7 @@ use core::ops::{ControlFlow, RangeInclusive};
 
 use super::Modes;
 use super::sets::{EVENTS, Hypothesis, NONE, RowSet, above, losses, members, row};
+use crate::bit_set::count_of;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 use pairs::Pairs;
@@ -99,7 +100,7 @@ impl<'m, T: Real> ModeWalk<'m, T> {
         let lost_rows = modes.rows_of(lost) & !gone;
         // Without its only satellite a constellation is lost, which belongs to another walk.
         let left = modes.fallible & !gone & !lost_rows & !alone;
-        let lost_count = lost_rows.count_ones() as usize;
+        let lost_count = count_of(lost_rows);
         Self { modes, lost, lost_rows, lost_count, gone: *gone, members, has_few: few & left != 0, left }
     }
 
