@@ -13,7 +13,6 @@ use super::modes::{Mode, ModeBatch, RemainingRows, RowSet, Visitor};
 use super::monitored::{ModeCount, MonitoredModes, SINGULAR};
 use super::subsets::{Bounds, SubsetSolution, SubsetSolutions};
 use super::{AraimError, Finding, MAX_MODES};
-use crate::bit_set::count_of;
 use crate::least_squares::infinity;
 use crate::numeric::normal::quantile;
 use crate::numeric::real::Real;
@@ -372,7 +371,7 @@ impl<T: Real, const N: usize> Visitor<T> for Evaluation<'_, '_, '_, T, N> {
         }
         let bounds = self.bounds(batch);
         let left = self.solutions.screen(batch.common, batch.rows, &bounds);
-        self.taken += count_of(batch.rows & !left);
+        self.taken += (batch.rows & !left).count_ones() as usize;
         left
     }
 

@@ -51,7 +51,7 @@ impl<'a, T: Real> MonitoredModes<'a, T> {
     // Not inlined, so that its many callers share one copy.
     #[inline(never)]
     pub(super) fn leaves_enough(&self, taken: RowSet, more: u32) -> bool {
-        let left = count_of(self.modes.satellites & !taken) as u32;
+        let left = (self.modes.satellites & !taken).count_ones();
         // Mostly there are enough for a clock of every constellation, which is the cheaper
         // comparison.
         left >= 3 + Constellation::COUNT as u32 + more || left >= 3 + self.clocks_left(taken) + more
@@ -105,7 +105,7 @@ impl<T: Real> Visitor<T> for ModeCounter<'_, '_, T> {
         if batch.taken > self.ample {
             return batch.rows;
         }
-        self.count.modes += count_of(batch.rows);
+        self.count.modes += batch.rows.count_ones() as usize;
         0
     }
 

@@ -228,7 +228,7 @@ impl<'r, T: Real> Modes<'r, T> {
             && (probability > self.mandatory
                 || self.comes_before_the_cut(
                     combination.events,
-                    count_of(combination.events) as u32,
+                    combination.events.count_ones(),
                     combination.size,
                 ))
     }
@@ -273,7 +273,7 @@ impl<'r, T: Real> Modes<'r, T> {
             }
         }
         combination.events = events;
-        combination.size = count_of(combination.rows);
+        combination.size = combination.rows.count_ones() as usize;
         combination
     }
 
