@@ -231,12 +231,12 @@ fn policy(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
     let policy = policy_of(input.byte()?)?;
     let mut workspace = linear::<f32>(input)?;
     let snapshot = workspace.solve().ok()?;
-    let (slopes, thresholds) = (largest_slopes(&snapshot), thresholds()?);
+    let (slopes, requirements, thresholds) = (largest_slopes(&snapshot), requirements(), thresholds()?);
     let (found, ticks) = stopwatch.time(|| {
         let demand = ThresholdProblem::new(
             black_box(snapshot.dof()),
             &LevelInputs::to_faults(slopes),
-            &requirements(),
+            black_box(&requirements),
             thresholds,
         );
         stages::threshold(&demand, policy)
