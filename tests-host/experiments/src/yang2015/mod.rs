@@ -62,7 +62,7 @@ fn run(effort: Effort, bar: &ProgressBar) -> anyhow::Result<Outcome> {
     sections.extend(table_sections);
     sections.extend(xian_sections);
     let setup = format!(
-        "Phases of both constellations by us (t = 0 unless reported); sigma {SIGMA_M} m, mask {MASK_DEG} deg, \
+        "Phases of both constellations by us (t = 0 unless said); sigma {SIGMA_M} m, mask {MASK_DEG} deg, \
          P_md {MISSED_DETECTION:e}, f 0.95, HAL 556 m. Table 1: BeiDou global, 35 satellites, {} cells, one day, 100 m \
          on one satellite in view from 7200 to 10800 s, drawn anew each second; {} samples simulated, seed {}. Figure 6: \
          Xi'an, one epoch a minute.",
