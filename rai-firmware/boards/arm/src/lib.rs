@@ -1,11 +1,10 @@
 //! Parts that all boards with a Cortex-M share: time, guarded stack, faults, log, rings of the
 //! ports, memory over a restart, and memory functions.
 //!
-//! A board is a package with a binary. It implements [`Board`] and [`Chip`] for one type, starts
-//! its clock, ports and watchdog, and calls [`start::run`]. [`handlers!`] gives its image the
-//! handlers of panics and faults and the log, of which an image has one each.
-//!
-//! [`Board`]: raim_firmware::board::Board
+//! A board is a package with a binary. It implements `raim_firmware::board::Board` and `Chip` for
+//! one type, starts its clock, ports and watchdog, and calls `start::run`. `handlers!` gives its
+//! image the handlers of panics and faults and the log, of which an image has one each. On a host
+//! this library is empty.
 #![no_std]
 #![cfg(target_os = "none")]
 #![deny(unsafe_code)]
