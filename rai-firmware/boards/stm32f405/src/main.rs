@@ -10,7 +10,8 @@
 //! | watchdog | IWDG, fed by the epoch loop alone |
 //!
 //! There is no switch between silicon and emulator. Every wait is bounded and every fallback has a
-//! name ([`clock::Source`]). A peripheral that does not answer is reported and does not stop the module.
+//! name (`clock::Source`). A peripheral that does not answer is reported and does not stop the
+//! module.
 //!
 //! PC6 needs a pull-down of 10 kΩ or less, because it floats from reset to start-up. All ports
 //! start at 115200 baud, 8N1.
