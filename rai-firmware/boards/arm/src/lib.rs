@@ -1,30 +1,37 @@
 //! Parts that all boards with a Cortex-M share: time, guarded stack, faults, log, rings of the
 //! ports, memory over a restart, and memory functions.
 //!
-//! A board is a package with a binary. It implements `raim_firmware::board::Board` and `Chip` for
-//! one type, starts its clock, ports and watchdog, and calls `start::run`. `handlers!` gives its
-//! image the handlers of panics and faults and the log, of which an image has one each. On a host
-//! this library is empty.
+//! A board is a package with a binary. It implements `Chip`, starts its pin, clock, ports and
+//! watchdog, and calls `start::run` with a `CortexBoard` of the chip. `handlers!` gives its image
+//! the handlers of panics and faults and the log, of which an image has one each. On a host this
+//! library is empty.
 #![no_std]
 #![cfg(target_os = "none")]
 #![deny(unsafe_code)]
 
+pub mod board;
 pub mod fault;
 pub mod log;
 mod memory;
+pub mod pin;
 pub mod rings;
-pub mod sealed;
+mod sealed;
 pub mod stack;
 pub mod start;
 pub mod time;
 
 use core::ops::Range;
 
+use embedded_hal::digital::OutputPin;
+
 /// True if the image has a log.
 pub const HAS_LOG: bool = raim_firmware::board::HAS_LOG;
 
-/// What the handlers of faults and the log need of a chip.
+/// What only a chip knows.
 pub trait Chip {
+    /// Output that is the integrity pin.
+    type Output: OutputPin;
+
     /// Addresses in which the stack lies.
     const RAM: Range<usize>;
 
@@ -33,6 +40,15 @@ pub trait Chip {
 
     /// Queues one frame of the log, whole or not at all. Interrupts are held back.
     fn send_log(frame: &[u8]);
+
+    /// Returns the largest rate at which the clock may run fast, parts per million.
+    fn clock_error_ppm(&self) -> u32;
+
+    /// Feeds the watchdog.
+    fn feed_watchdog(&mut self);
+
+    /// Sets the rate of the GNSS port, bit/s.
+    fn set_gnss_rate(&mut self, baud: u32);
 }
 
 /// Logs words of a level, in an image with a log.

@@ -11,7 +11,7 @@ static mut IS_TAKEN: bool = false;
 
 /// Returns the memory, or `None` if it was taken before.
 #[allow(unsafe_code)]
-pub fn take() -> Option<&'static mut [u8; SEALED_BYTES]> {
+pub(crate) fn take() -> Option<&'static mut [u8; SEALED_BYTES]> {
     interrupt::free(|_| {
         // SAFETY: interrupts are held back and the core is single; it is handed out once, so that
         // the reference is the only one. Any bytes are a value; a volatile read and write back

@@ -13,56 +13,32 @@ use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use stm32f4::stm32f405::{GPIOA, GPIOB, GPIOC, RCC};
 
-use raim_board_arm::{log, time};
+/// Output of the integrity pin: PC6, and PC7 for an LED.
+pub struct PinAndLed(GPIOC);
 
-/// Output that is high while the position may be used: PC6, and PC7 for an LED.
-pub struct IntegrityPin {
-    port: GPIOC,
-    high: bool,
-    driven_ticks: u64,
-}
-
-impl IntegrityPin {
+impl PinAndLed {
     /// Drives the pin low. The level is written before the pin becomes an output, so that it has no
     /// high glitch.
     pub fn take(rcc: &RCC, port: GPIOC) -> Self {
         rcc.ahb1enr().modify(|_, w| w.gpiocen().enabled());
         port.bsrr().write(|w| w.br6().set_bit().br7().set_bit());
         port.moder().modify(|_, w| w.moder6().output().moder7().output());
-        Self { port, high: false, driven_ticks: 0 }
-    }
-
-    /// Returns the tick at which the pin was last driven, to the same level or another; ticks of
-    /// the core clock since start.
-    pub fn driven_ticks(&self) -> u64 {
-        self.driven_ticks
-    }
-
-    /// Notes the tick, and returns true if the level changes.
-    fn changed(&mut self, high: bool) -> bool {
-        self.driven_ticks = time::now_ticks();
-        core::mem::replace(&mut self.high, high) != high
+        Self(port)
     }
 }
 
-impl ErrorType for IntegrityPin {
+impl ErrorType for PinAndLed {
     type Error = Infallible;
 }
 
-impl OutputPin for IntegrityPin {
+impl OutputPin for PinAndLed {
     fn set_low(&mut self) -> Result<(), Infallible> {
-        self.port.bsrr().write(|w| w.br6().set_bit().br7().set_bit());
-        if self.changed(false) {
-            log!(info, "integrity pin low");
-        }
+        self.0.bsrr().write(|w| w.br6().set_bit().br7().set_bit());
         Ok(())
     }
 
     fn set_high(&mut self) -> Result<(), Infallible> {
-        self.port.bsrr().write(|w| w.bs6().set_bit().bs7().set_bit());
-        if self.changed(true) {
-            log!(info, "integrity pin high");
-        }
+        self.0.bsrr().write(|w| w.bs6().set_bit().bs7().set_bit());
         Ok(())
     }
 }
