@@ -8,6 +8,7 @@ use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentifie
 use crate::least_squares::Snapshot;
 use crate::numeric::real::Real;
 use crate::numeric::sqrt;
+use crate::satellite::SatelliteId;
 use crate::weighting::residuals::Residuals;
 
 /// `Q⁻¹(0.5)`, for the noise that an epoch adds to its span.
@@ -27,6 +28,10 @@ const MOST_ONE: f32 = 9.0;
 /// Limit for what a shifted constellation explains, in the same units: `χ²` with three degrees of
 /// freedom exceeds it as rarely as a normal number exceeds three sigmas.
 const MOST_SHIFT: f32 = 14.156;
+
+/// Degrees of freedom with which one row explains almost any residuals: the parities of six rows
+/// are lines in a plane, 30° apart.
+const DOUBTFUL_DOF: u32 = 2;
 
 /// Largest SSE/dof with which an epoch counts: ten times the sigmas in use. Two such epochs suffice
 /// for any noise up to [`MOST_NOISE`].
@@ -53,12 +58,14 @@ pub(in crate::monitor) struct EpochResiduals {
     pub(super) rest: Residuals,
     /// Number of satellites that were excluded one by one; 0 if the rest does not agree.
     pub(in crate::monitor) excluded: u8,
+    /// Satellite that explains most of the rest.
+    pub(super) blamed: Option<SatelliteId>,
 }
 
 impl EpochResiduals {
     /// The residuals of no epoch.
     pub(in crate::monitor) const NONE: Self =
-        Self { ratio: 0.0, dof: 0, share: 1.0, noise: 1.0, rest: Residuals::NONE, excluded: 0 };
+        Self { ratio: 0.0, dof: 0, share: 1.0, noise: 1.0, rest: Residuals::NONE, excluded: 0, blamed: None };
 
     /// Returns the factor on the receiver's part that explains the residuals.
     fn shown(&self) -> f32 {
@@ -70,6 +77,15 @@ impl EpochResiduals {
     /// Returns the noise of the epoch as a sum over its degrees of freedom.
     pub(super) fn sum(&self) -> Residuals {
         Residuals { sse: self.shown() * self.dof as f32, dof: self.dof }
+    }
+
+    /// Returns this sum as it is if no satellite is to blame, where a single epoch cannot tell, and
+    /// none elsewhere.
+    pub(super) fn doubtful(&self) -> Residuals {
+        if self.rest.dof != DOUBTFUL_DOF {
+            return Residuals::NONE;
+        }
+        Self { ratio: self.rest.ratio().min(MOST_RATIO), ..*self }.sum()
     }
 
     /// Returns the factor on the levels of this epoch, at least 1, or `None` if its residuals refute
@@ -110,7 +126,16 @@ pub(in crate::monitor) fn residuals_of_all<T: Real, const N: usize>(
     let agrees = judgement.outcome == ExclusionOutcome::Isolated;
     // Residuals far below their sigmas show less noise than is in use, whatever the share.
     let share = if dof > 1 && ratio < SMALL { 1.0 } else { receivers_share(snapshot, epoch, noise) };
-    EpochResiduals { ratio, dof, share, noise, rest, excluded: if agrees { count as u8 } else { 0 } }
+    let worst = snapshot.statistics().worst.index.and_then(|row| epoch.observations().get(row));
+    EpochResiduals {
+        ratio,
+        dof,
+        share,
+        noise,
+        rest,
+        excluded: if agrees { count as u8 } else { 0 },
+        blamed: worst.map(|seen| seen.satellite),
+    }
 }
 
 /// Returns the SSE in which the most that one fault explains, of a row or of a constellation, is

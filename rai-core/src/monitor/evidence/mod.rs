@@ -42,8 +42,10 @@
 //! residual would never be excluded. The residual of one row therefore counts as at most
 //! [`MOST_ONE`](epoch::MOST_ONE) times the mean square of the others, and the shift of a whole constellation
 //! ([`constellation_shift`](crate::integrity::raim::hypotheses::constellation_shift)) as at most [`MOST_SHIFT`](epoch::MOST_SHIFT) times. With one degree of freedom no other row
-//! contradicts, nothing can be excluded, and all of it counts. Excluded satellites are treated in
-//! the same spirit:
+//! contradicts, nothing can be excluded, and all of it counts. With two some row explains almost any
+//! residuals, those of a fault and those of noise, and a single epoch cannot tell. A fault stays with
+//! its satellite. If the next epoch blames another one, all of this epoch counts then. Excluded
+//! satellites are treated in the same spirit:
 //!
 //! - The largest residual of the excluded satellites does not count, because a level allows for one
 //!   faulty satellite. Each of the other squares counts as at most [`MOST_EXCLUDED`](epoch::MOST_EXCLUDED).
@@ -87,8 +89,9 @@ use crate::integrity::raim::isolation::exclusion::leaves_enough;
 use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
 use crate::report::{Alert, Protected, Unavailable, Verdict};
+use crate::satellite::SatelliteId;
 use crate::weighting::adaptation::LEAST_NOISE;
-use crate::weighting::residuals::RecentResiduals;
+use crate::weighting::residuals::{RecentResiduals, Residuals};
 
 pub(super) use epoch::{EpochResiduals, residuals_of_all};
 
@@ -113,6 +116,10 @@ const ONE_FREQUENCY: f32 = 0.0625;
 pub(super) struct Evidence {
     /// Noise of each epoch, weighted by its degrees of freedom.
     all: RecentResiduals,
+    /// Satellite that explains most of the latest epoch.
+    blamed: Option<SatelliteId>,
+    /// The noise of that epoch if the satellite does not stay to blame.
+    doubtful: Residuals,
 }
 
 impl Evidence {
@@ -120,18 +127,23 @@ impl Evidence {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub(super) const fn new() -> Self {
-        Self { all: RecentResiduals::of(SPAN_S) }
+        Self { all: RecentResiduals::of(SPAN_S), blamed: None, doubtful: Residuals::NONE }
     }
 
     /// Forgets everything.
     pub(super) fn restart(&mut self) {
         self.all.restart();
+        self.doubtful = Residuals::NONE;
     }
 
     /// Adds an epoch. If its time is before the last span, the evidence begins anew. An epoch with
     /// a NaN time is not added.
     pub(super) fn learn(&mut self, time_s: f64, latest: &EpochResiduals) {
         self.all.add(time_s, latest.sum());
+        if latest.blamed != self.blamed {
+            self.all.add(time_s, self.doubtful);
+        }
+        (self.blamed, self.doubtful) = (latest.blamed, latest.doubtful());
     }
 
     /// Returns the factor on the receiver's part of the variances that the last minute shows,
@@ -251,6 +263,7 @@ pub(super) fn shared_growth(noise: f32) -> f32 {
 #[allow(clippy::float_cmp, reason = "a factor of 1 is exact")]
 mod tests {
     use super::{EpochResiduals, Evidence, LEAST_NOISE};
+    use crate::satellite::{Constellation, SatelliteId};
     use crate::weighting::residuals::Residuals;
 
     /// `χ²_{0.5}(10)/10` (printed tables: 9.342).
@@ -321,6 +334,34 @@ mod tests {
         assert!((near).growth(after(6, 1.0, &near).noise(5.0)).is_some());
         let beyond = EpochResiduals { noise: 4_900.0, ..of_all(1.1) };
         assert_eq!((of_all(0.5)).growth(after(6, 1.0, &beyond).noise(5.0)), None);
+    }
+
+    /// `χ²_{0.5}(2)/2` by Wilson and Hilferty: `(1 − 1/9)³`.
+    const MEDIAN_OF_TWO: f32 = 0.7023;
+
+    /// A ratio of 0.1, as the satellite to blame is limited, may be one of 4.
+    #[test]
+    fn two_degrees_of_freedom_are_noise_unless_the_same_satellite_is_to_blame() {
+        let blaming = |number| EpochResiduals {
+            ratio: 0.1 * MEDIAN_OF_TWO,
+            dof: 2,
+            rest: Residuals { sse: 4.0 * 2.0 * MEDIAN_OF_TWO, dof: 2 },
+            blamed: Some(SatelliteId::new(Constellation::Gps, number).expect("a satellite")),
+            ..EpochResiduals::NONE
+        };
+        let of = |numbers: [u8; 4]| {
+            let mut evidence = Evidence::new();
+            numbers
+                .iter()
+                .zip(0_u8..)
+                .for_each(|(number, second)| evidence.learn(f64::from(second), &blaming(*number)));
+            evidence.noise(3.0)
+        };
+        close(of([1, 1, 1, 1]), LEAST_NOISE);
+        // Each epoch counts as it is limited; the three before the latest count once more, as 4.
+        close(of([1, 2, 3, 1]), (4.0 * 0.1 + 3.0 * 4.0) / 7.0);
+        // A fault of satellite 3 that stays makes no noise, and what was withheld before it does.
+        close(of([1, 3, 3, 3]), (4.0 * 0.1 + 4.0) / 5.0);
     }
 
     #[test]

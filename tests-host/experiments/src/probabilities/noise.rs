@@ -74,7 +74,7 @@ const SETTINGS: [(Noise, &str, f64, Past); 6] = [
 ];
 
 /// Degrees of freedom of the rows after the noisy minute.
-const DOFS: [RangeInclusive<usize>; 4] = [1..=1, 2..=3, 4..=6, 7..=12];
+const DOFS: [RangeInclusive<usize>; 5] = [1..=1, 2..=2, 3..=3, 4..=6, 7..=12];
 
 /// Number of rates that must hold together.
 const FAMILY: usize = 2 * SETTINGS.len();

@@ -63,7 +63,12 @@ fn pin_falls_in_time_with_64_open_files_and_more_clients() {
     service.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     let _service = Running(service.spawn().unwrap());
     let (mut line, _) = receiver.accept().unwrap();
-    let held: Vec<_> = (0..100).filter_map(|_| TcpStream::connect(clients).ok()).collect();
+    // The service listens to clients once it has its receiver.
+    let patience = Instant::now() + Duration::from_secs(10);
+    let first = std::iter::from_fn(|| Some(TcpStream::connect(clients)));
+    let first = first.take_while(|_| Instant::now() < patience).find_map(Result::ok);
+    let held: Vec<_> =
+        first.into_iter().chain((0..100).filter_map(|_| TcpStream::connect(clients).ok())).collect();
     assert!(held.len() > 64, "{} clients", held.len());
     for piece in pieces(15) {
         line.write_all(&piece).unwrap();
