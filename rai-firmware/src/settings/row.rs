@@ -24,6 +24,10 @@ macro_rules! settings {
         #[non_exhaustive]
         pub enum Setting {
             $($(#[cfg($condition)])? #[doc = $text] $setting,)*
+            /// No setting: a variant with a value, so that the others have no numbers, which a new row
+            /// of the table would change.
+            #[doc(hidden)]
+            Unnumbered(core::convert::Infallible),
         }
 
         /// Everything that a command can change.
