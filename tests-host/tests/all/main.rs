@@ -34,7 +34,6 @@ mod kinds;
 mod known_place;
 mod memory_routines;
 mod moving_receiver;
-mod no_panic;
 mod observed;
 mod open_epochs;
 mod osnma;

@@ -11,29 +11,19 @@
 //! board's own files, overflow (which wraps in this profile), derived `Debug` and `Clone`, or a
 //! stack that is too deep.
 //!
-//! `rig::no_panic` builds it, names the functions that prevent linking, compares the lists here
-//! with the sources, and proves the shipped images and the library for C likewise.
+//! `rig::no_panic` builds it with the calls that it reads from the documentation, names the functions
+//! that prevent linking, and proves the shipped images and the library for C likewise.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![deny(unsafe_code)]
 #![allow(unreachable_pub)] // A binary's modules have no outside.
 
 #[cfg(target_os = "none")]
-mod core;
-#[cfg(target_os = "none")]
 mod handler;
-#[cfg(target_os = "none")]
-mod receiver;
-
-/// Passes functions out, so that they may be called with any arguments.
-#[cfg(target_os = "none")]
-macro_rules! reach {
-    ($($function:expr),+ $(,)?) => { $( ::core::hint::black_box($function); )+ };
-}
-#[cfg(target_os = "none")]
-pub(crate) use reach;
+#[cfg(all(target_os = "none", interface))]
+mod stand_in;
 
 /// Takes every element, so that all of an iterator is reached.
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", interface))]
 pub fn exhaust(elements: impl Iterator) {
     elements.for_each(|element| {
         ::core::hint::black_box(&element);
@@ -45,12 +35,16 @@ mod image {
     use cortex_m_rt::entry;
     use stm32f4 as _; // The table of its interrupts is part of every image.
 
+    /// Every function of the documented interface.
+    #[cfg(interface)]
+    mod calls {
+        include!(env!("RAI_INTERFACE"));
+    }
+
     #[entry]
     fn main() -> ! {
-        crate::core::monitor::<f32>();
-        crate::core::monitor::<f64>();
-        crate::core::values();
-        crate::receiver::reach_all();
+        #[cfg(interface)]
+        calls::reach_all();
         loop {
             cortex_m::asm::wfi();
         }

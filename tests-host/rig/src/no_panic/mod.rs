@@ -11,8 +11,8 @@
 //! | [`SYMBOL`] | some do, and [`callers`] names them |
 //! | anything else | the image is invalid |
 //!
-//! [`coverage`] compares the lists in that image with the sources, so that the proof stays complete
-//! as functions are added. The library for C compiles the same functions behind pointers and
+//! What [`interface`] finds documented is in that image, so that the proof stays complete as
+//! functions are added. The library for C compiles the same functions behind pointers and
 //! exports of its own: [`static_library`].
 //!
 //! The named images inline differently and have the board around the library. They must have a
@@ -20,7 +20,7 @@
 //! may call it.
 
 pub mod callers;
-pub mod coverage;
+pub mod interface;
 pub mod static_library;
 
 use std::path::PathBuf;
@@ -52,11 +52,18 @@ pub const TOLERATED: [&str; 1] = ["rai-firmware/boards/arm/src/log.rs"];
 /// # Errors
 /// If a panic is reachable, with each place; or if an image does not compile.
 pub fn prove() -> anyhow::Result<()> {
-    for compiled_for in CompiledFor::ALL {
-        prove_library(INTERFACE, compiled_for)?;
-    }
+    prove_interface()?;
     NAMED.iter().try_for_each(prove_image)?;
     refuse(&StaticLibrary::build()?.offences(&[])?)
+}
+
+/// Proves it for the documented interface, compiled for speed and for size.
+///
+/// # Errors
+/// As [`prove`].
+pub fn prove_interface() -> anyhow::Result<()> {
+    interface::write()?;
+    CompiledFor::ALL.into_iter().try_for_each(|compiled_for| prove_library(INTERFACE, compiled_for))
 }
 
 /// Proves it for a named image.
@@ -99,7 +106,8 @@ fn link(name: &str, compiled_for: CompiledFor) -> anyhow::Result<PathBuf> {
         .args(["rustc", "--profile", compiled_for.profile(), "--target=thumbv7em-none-eabihf"])
         .args(["--package=instruments", "--bin", name, "--features", "stm32f405"])
         .args(["--quiet", "--message-format=json-render-diagnostics", "--"])
-        .args(["-C", "link-arg=--warn-unresolved-symbols"]);
+        .args(["-C", "link-arg=--warn-unresolved-symbols"])
+        .env("RAI_INTERFACE", interface::FILE);
     let output = cargo.output().context("cargo cannot be run")?;
     let reported = String::from_utf8_lossy(&output.stderr);
     ensure!(output.status.success(), "the image does not build:\n{reported}");

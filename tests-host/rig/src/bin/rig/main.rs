@@ -54,6 +54,9 @@ fn dispatch(command: Command) -> Result<()> {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Monitor(arguments) => raim::monitor::command::run(&arguments, Some(&rig::watched)),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Prove(Prove { image: Some(name) }) if name == rig::no_panic::INTERFACE => {
+            rig::no_panic::prove_interface()
+        }
         Command::Prove(Prove { image: Some(name) }) => rig::no_panic::prove_image(Named::of(&name)?),
         Command::Prove(Prove { image: None }) => rig::no_panic::prove(),
         Command::Image(arguments) => image::run(&arguments),

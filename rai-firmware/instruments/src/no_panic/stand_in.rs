@@ -1,26 +1,35 @@
-//! Surroundings of the receiver: a host, a pin and a board with any results.
+//! What stands for a type parameter: for each trait that bounds one, a type of the trait's name, with
+//! any results. Behind the name of a function's trait stands the number of its arguments.
 
-use embedded_hal::digital::{self, OutputPin};
-use embedded_io::Write;
+use core::iter::Copied;
+use core::slice::Iter;
+
+use embedded_hal::digital;
 use raim_firmware::board::reset::ResetCause;
-use raim_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
+use raim_firmware::board::{self, Note, PortLosses, SEALED_BYTES};
 use raim_firmware::input::Event;
 use raim_firmware::timed_ring::Taken;
 
-/// Type of an event handler.
-pub(super) type Tell = fn(Event<'_>);
+/// Handler of events.
+pub type FnMut1 = fn(Event<'_>);
 
-/// Type of the function that an outlet calls when bytes are ready to send.
-pub(super) type Wake = fn();
+/// What an outlet calls when bytes are ready to send.
+pub type FnMut0 = fn();
+
+/// Values of a command.
+pub type Iterator = Copied<Iter<'static, &'static str>>;
+
+/// The observer of an image.
+pub type Observer = ();
 
 /// A host port with any result of a writer, valid or not.
-pub(super) struct Host(Result<usize, embedded_io::ErrorKind>);
+pub struct Write(Result<usize, embedded_io::ErrorKind>);
 
-impl embedded_io::ErrorType for Host {
+impl embedded_io::ErrorType for Write {
     type Error = embedded_io::ErrorKind;
 }
 
-impl Write for Host {
+impl embedded_io::Write for Write {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, Self::Error> {
         ::core::hint::black_box(bytes);
         ::core::hint::black_box(self.0)
@@ -32,13 +41,13 @@ impl Write for Host {
 }
 
 /// A pin that may refuse.
-pub(super) struct Pin(Result<(), digital::ErrorKind>);
+pub struct OutputPin(Result<(), digital::ErrorKind>);
 
-impl digital::ErrorType for Pin {
+impl digital::ErrorType for OutputPin {
     type Error = digital::ErrorKind;
 }
 
-impl OutputPin for Pin {
+impl digital::OutputPin for OutputPin {
     fn set_low(&mut self) -> Result<(), Self::Error> {
         ::core::hint::black_box(self.0)
     }
@@ -49,18 +58,18 @@ impl OutputPin for Pin {
 }
 
 /// A board with arbitrary results.
-pub(super) struct AnyBoard {
+pub struct Board {
     taken: Taken,
-    host: Host,
+    host: Write,
     number: u64,
     losses: PortLosses,
     cause: ResetCause,
     sealed: [u8; SEALED_BYTES],
 }
 
-impl Board for AnyBoard {
-    type Pin = Pin;
-    type Host = Host;
+impl board::Board for Board {
+    type Pin = OutputPin;
+    type Host = Write;
 
     fn clock_error_ppm(&self) -> u32 {
         ::core::hint::black_box(self.number as u32)
@@ -75,7 +84,7 @@ impl Board for AnyBoard {
         ::core::hint::black_box(None)
     }
 
-    fn host(&mut self) -> &mut Host {
+    fn host(&mut self) -> &mut Write {
         &mut self.host
     }
 
@@ -91,7 +100,7 @@ impl Board for AnyBoard {
         ::core::hint::black_box(self.number)
     }
 
-    fn driven_ticks(&self, _: &Pin) -> u64 {
+    fn driven_ticks(&self, _: &OutputPin) -> u64 {
         ::core::hint::black_box(self.number)
     }
 
