@@ -191,7 +191,7 @@ settings! {
         phase: Apart,
         warning: nothing,
         example: "BAARDA",
-        text: "Search for faulty satellites. `AUTO` tries every set of up to three satellites if that is within its budget of work, else it takes the largest w-test, which also finds errors of tens of kilometres under every method. `BAARDA` takes the largest w-test. `SIMULTANEOUS`, `SEQUENTIAL`, `HYBRID` and `GROUPING` search in parity space, `RANSAC` by consensus, `SEPARATION` by separation of solutions (ARAIM)",
+        text: "Search for faulty satellites. `AUTO` tries every set of up to three satellites if that is within its budget of work, else it takes the largest w-test, which also finds errors of tens of kilometres under every method. `BAARDA` takes the largest w-test. `SIMULTANEOUS`, `SEQUENTIAL`, `HYBRID` and `GROUPING` search in parity space, `RANSAC` by consensus, `SEPARATION`, also called `ARAIM`, by separation of solutions",
     }
     "LEVELS" Levels {
         levels: Levels = Levels::Bound,

@@ -70,7 +70,7 @@ const NEWCOMER: Person = Person {
         told("cargo xtask demo", "cargo xtask demo --yes --headless", &["protected"]),
         told("cargo xtask test", "cargo xtask test --yes", &[" 0 failed"]),
         told("cargo xtask check", "cargo xtask check --yes", &[" 0 failed"]),
-        told("--quick for the short ones", "cargo xtask test --yes --quick", &[" 0 failed"]),
+        told("--quick: format, lints and the unit tests", "cargo xtask test --yes --quick", &[" 0 failed"]),
         same("cargo xtask campaign tests-host/campaigns/lpv200.toml", &["availability"]),
     ],
 };

@@ -346,7 +346,7 @@ mod tests {
             ratio: 0.1 * MEDIAN_OF_TWO,
             dof: 2,
             rest: Residuals { sse: 4.0 * 2.0 * MEDIAN_OF_TWO, dof: 2 },
-            blamed: Some(SatelliteId::new(Constellation::Gps, number).expect("a satellite")),
+            blamed: SatelliteId::new(Constellation::Gps, number),
             ..EpochResiduals::NONE
         };
         let of = |numbers: [u8; 4]| {

@@ -136,6 +136,9 @@ fn keep_reading(source: &Source, line: &Line, first: Option<source::Line>, inbox
                 if is_standard {
                     return inbox.end();
                 }
+                if stop.load(Ordering::Relaxed) {
+                    return;
+                }
                 if count > 0 {
                     pause.reset();
                 }

@@ -159,7 +159,7 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
         let (lost, done) = outbox.for_clients();
         outbox.add_clients(clients.start(lost, done)?);
     }
-    let mut recorder = plan.report.clone().map(|folder| Recorder::new(folder, plan.input.to_string()));
+    let mut recorder = plan.report.clone().map(|folder| Recorder::new(folder, plan.named.clone()));
     let configuration = match &guard {
         None => Some(played::play(plan, wire, &mut outbox, recorder.as_mut(), stop)?),
         Some(guard) => live(plan, (wire, guard), &inbox, &mut outbox, recorder.as_mut(), stop)?,

@@ -169,7 +169,7 @@ impl Outbox {
     pub(super) fn report_start(&self, plan: &Plan, configuration: &Configuration) {
         let outputs: Vec<String> = plan.outputs.iter().map(ToString::to_string).collect();
         let (_, settings) = settings_of(configuration);
-        self.log.start(&plan.input.to_string(), &outputs, &plan.pin.to_string(), &settings);
+        self.log.start(&plan.named, &outputs, &plan.pin.to_string(), &settings);
     }
 
     /// Reports a verdict in the log if it changes the state.

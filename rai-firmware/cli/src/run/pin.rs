@@ -128,7 +128,8 @@ impl Wire {
                 // A level that stays low is safe, one that stays high is not.
                 Err(error) if !high => overwrite(path).or_else(|_| fs::remove_file(path)).map_err(|_| error),
                 replaced => replaced,
-            },
+            }
+            .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display()))),
             Kind::Program(actuator) => {
                 actuator.order(high);
                 Ok(())

@@ -124,6 +124,8 @@ impl Value {
 pub struct Plan {
     /// Source of the receiver's bytes.
     pub input: Source,
+    /// That source as it was named: a file then takes the place of standard input.
+    pub named: String,
     /// Caster of orbits.
     pub caster: Option<Caster>,
     /// Consumers of sentences and messages.
@@ -169,7 +171,7 @@ impl Plan {
             lower_pin: _,
         } = arguments;
         let file = config.map_or_else(|| Ok(File::default()), |path| read_file(&path))?;
-        let input = input.or(file.input).unwrap_or_else(|| "-".into());
+        let input: Source = input.or(file.input).unwrap_or_else(|| "-".into()).parse()?;
         let mut outputs = if output.is_empty() { file.outputs } else { output };
         if outputs.is_empty() {
             outputs.push("-".into());
@@ -198,7 +200,8 @@ impl Plan {
             "clients must be within 1 to {LARGEST_CLIENTS}, not {clients}"
         );
         Ok(Self {
-            input: source::in_place_of(input.parse()?)?,
+            named: input.to_string(),
+            input: source::in_place_of(input)?,
             caster: caster.or(file.caster).map(|text| text.parse()).transpose()?,
             outputs,
             pin: pin.or(file.pin).map_or(Ok(Place::Nowhere), |text| text.parse())?,

@@ -32,7 +32,9 @@ use leap_seconds::LeapSeconds;
 use present_week::{PresentWeek, Ruling};
 use roll_over::dated;
 
+#[cfg(feature = "glonass")]
 pub(super) use leap_seconds::MOST_S;
+#[cfg(feature = "osnma")]
 pub(crate) use leap_seconds::begins_half_year;
 pub use leap_seconds::{LeapSecond, LeapSource};
 pub(super) use message_week::MessageWeek;

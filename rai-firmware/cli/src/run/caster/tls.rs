@@ -13,7 +13,7 @@ use super::Line;
 /// True if this program has it.
 pub(super) const IS_BUILT: bool = cfg!(feature = "tls");
 /// What is said if it has not.
-pub(super) const MISSING: &str = "this `rai` was built without TLS: `cargo install --path rai-firmware/cli --features tls` builds it with TLS";
+pub(super) const MISSING: &str = "this `rai` was built without TLS: `cargo install --locked --path rai-firmware/cli --features tls` builds it with TLS";
 
 /// Begins TLS on a connection.
 ///

@@ -47,7 +47,7 @@ impl Page {
     /// If the address cannot be used.
     pub(super) fn serve(address: &str, plan: &Plan, back: Option<Arc<Back>>) -> Result<Self> {
         let settings = plan.settings.iter().map(|(key, value)| format!("{key}={value}")).collect();
-        let state = Arc::new(Mutex::new(State::new(plan.input.to_string(), settings)));
+        let state = Arc::new(Mutex::new(State::new(plan.named.clone(), settings)));
         let (own, waker) = server::start(&with_host(address), plan.clients, Arc::clone(&state), back)?;
         say!("page: http://{own}/");
         Ok(Self { state, waker })
