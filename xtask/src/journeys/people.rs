@@ -89,9 +89,9 @@ const ENGINEER: Person = Person {
             &["EXCLUDED", "report.html"],
         ),
         told(
-            "cargo xtask replay --sample --phase LPV200 --set MASK=5 --csv site.csv --satellites ranges.csv",
-            "cargo xtask replay --sample --phase LPV200 --set MASK=5 --csv site.csv --satellites ranges.csv && \
-             head -n 3 site.csv ranges.csv",
+            "cargo xtask replay --sample --phase LPV200 --set MASK=5 --csv target/site.csv --satellites target/ranges.csv",
+            "cargo xtask replay --sample --phase LPV200 --set MASK=5 --csv target/site.csv --satellites target/ranges.csv && \
+             head -n 3 target/site.csv target/ranges.csv",
             &["hpl", "residual"],
         ),
         Line { typed: "cargo xtask replay README.md", told: "", shows: &["README.md"], is_refused: true },
@@ -113,7 +113,7 @@ const C_ENGINEER: Person = Person {
         same("cmake --build build", &[]),
         same("cmake --install build --prefix out", &["rai.h"]),
         told(
-            "pkg-config rai",
+            "pkg-config --cflags --libs rai",
             "export PKG_CONFIG_PATH=out/lib/pkgconfig; \
              cc rai-firmware/capi/examples/c/receiver.c $(pkg-config --cflags --libs rai) -o receiver",
             &[],
@@ -149,7 +149,7 @@ const INTEGRATOR: Person = Person {
     aim: "Has a receiver on a serial port (socat plays it from the sample), and wants gpsd to read positions that may be trusted.",
     has_capture: true,
     lines: &[
-        same("cargo install --path rai-firmware/cli", &["Installed package"]),
+        same("cargo install --locked --path rai-firmware/cli", &["Installed package"]),
         told("--dry-run --receiver ublox9", "rai configure --dry-run --receiver ublox9", &["RXM_RAWX"]),
         told(
             "rai run --input serial:/dev/ttyUSB0@115200",
