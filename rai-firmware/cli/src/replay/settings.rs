@@ -78,7 +78,9 @@ pub(crate) fn advice(key: &str, why: &str) -> String {
     let Some(setting) = Setting::named(key) else { return String::new() };
     let documentation = setting.documentation();
     let (ranges, unit) = (setting.row().ranges, documentation.unit);
-    if why == "out of range" && !ranges.is_empty() {
+    // What is out of range may also be a value that is no number, such as digits of a key.
+    let are_all_numbers = documentation.example.split(',').count() <= ranges.len();
+    if why == "out of range" && are_all_numbers {
         let ranges: Vec<String> = ranges.iter().map(|(least, most)| format!("{least} to {most}")).collect();
         return format!("; it takes {}{}{unit}", ranges.join(", "), if unit.is_empty() { "" } else { " " });
     }
@@ -157,6 +159,7 @@ mod tests {
             assert_eq!(advice(key, "unknown key"), "; INTERFACES.md lists every key and its values");
         }
         assert_eq!(advice("MASK", "out of range"), "; it takes 0 to 60 °");
+        assert!(advice("KEY", "out of range").starts_with("; for example KEY=1,"));
         assert!(advice("PHASE", "unknown value").contains("NPA, LPV200"));
         assert_eq!(differences("kitten", "sitting"), 3);
     }
