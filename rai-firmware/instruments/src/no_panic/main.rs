@@ -37,6 +37,7 @@ mod image {
 
     /// Every function of the documented interface.
     #[cfg(interface)]
+    #[allow(clippy::too_many_lines, reason = "a line for each function")]
     mod calls {
         include!(env!("RAI_INTERFACE"));
     }
