@@ -17,6 +17,10 @@ macro_rules! reasons {
             #[non_exhaustive]
             pub enum $state {
                 $($(#[$when])* $(#[cfg(feature = $feature)])? $reason,)+
+                /// No reason: a variant with a value, so that the others have no numbers, which a new
+                /// row of the table would change. [`Verdict::code`] stays.
+                #[doc(hidden)]
+                Unnumbered(core::convert::Infallible),
             }
         )+
 
