@@ -90,7 +90,6 @@ use preference::{Preference, Source};
 use protocol::{Extent, Frame, Measurements, Protocol, formats};
 
 #[cfg(feature = "osnma")]
-#[cfg(feature = "osnma")]
 pub(crate) use calendar::begins_half_year;
 pub use calendar::{LeapSecond, LeapSource, NOT_BEFORE_WEEK};
 pub use counters::Counters;

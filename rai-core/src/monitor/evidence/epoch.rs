@@ -80,9 +80,9 @@ impl EpochResiduals {
     }
 
     /// Returns this sum as it is if no satellite is to blame, where a single epoch cannot tell, and
-    /// none elsewhere.
+    /// none elsewhere. Where several were excluded, more than the rest has counted already.
     pub(super) fn doubtful(&self) -> Residuals {
-        if self.rest.dof != DOUBTFUL_DOF {
+        if self.dof != DOUBTFUL_DOF || self.rest.dof != DOUBTFUL_DOF {
             return Residuals::NONE;
         }
         Self { ratio: self.rest.ratio().min(MOST_RATIO), ..*self }.sum()
