@@ -66,7 +66,6 @@ pub mod outcomes;
 pub mod satellites;
 pub mod sentence;
 pub mod signal;
-pub mod source;
 pub mod verdict;
 
 #[cfg(feature = "commands")]
@@ -77,13 +76,13 @@ pub mod command_line;
 pub mod configure;
 #[cfg(feature = "commands")]
 pub mod evaluate;
-#[cfg(feature = "replay")]
+#[cfg(feature = "page")]
 pub mod exit;
 #[cfg(feature = "commands")]
 pub mod in_order;
 #[cfg(feature = "commands")]
 pub mod monitor;
-#[cfg(feature = "replay")]
+#[cfg(feature = "page")]
 pub mod page;
 #[cfg(feature = "replay")]
 pub mod replay;
@@ -91,6 +90,8 @@ pub mod replay;
 pub mod run;
 #[cfg(feature = "commands")]
 pub mod second_opinion;
+#[cfg(feature = "replay")]
+pub mod source;
 
 /// The example of the readme.
 #[cfg(doctest)]

@@ -2,7 +2,7 @@
 //! has a number, whose earlier ones are in `CHANGELOG.md` beside it.
 
 use anyhow::{Context as _, Result, ensure};
-use raim::signal::recording::readable_unix;
+use raim::signal::calendar::readable_unix;
 
 /// Longest line.
 const WIDTH: usize = 78;

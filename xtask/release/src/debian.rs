@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
-use raim::signal::recording::readable_unix;
+use raim::signal::calendar::readable_unix;
 
 use super::deb::{Control, maintainer, package};
 use super::files::{Entry, gz, time_s};

@@ -16,8 +16,9 @@ use crate::signal::fault::Fault;
 use crate::signal::lump::Lump;
 use crate::signal::lumps::{Broadcast, Encoding, Window};
 use crate::signal::measurement::MeasuredEpoch;
-use crate::signal::recording::{Epochs, Recording, Skipped};
+use crate::signal::recording::{Epochs, Recording};
 use crate::signal::sample;
+use crate::signal::skipped::Skipped;
 
 /// Inputs beside the recording or the capture.
 pub(super) struct Question {

@@ -10,7 +10,7 @@ use super::quantiles::Quantiles;
 use super::track::{Moment, Track};
 use crate::outcomes::{Outcome, Outcomes};
 use crate::signal::fault::{Fault, Kind};
-use crate::signal::recording::Skipped;
+use crate::signal::skipped::Skipped;
 use crate::verdict::Authentication;
 
 /// Counts and errors of a run. Errors, misleading and hazardous epochs are known only with a truth.

@@ -15,7 +15,7 @@ use raim_core::frame::{Ecef, Geodetic, LocalFrame};
 use raim_firmware::output::geoid::Altitude;
 use raim_firmware::time::GpsTime;
 
-use crate::signal::recording::date;
+use crate::signal::calendar::date;
 
 /// Heights above the ellipsoid that a truth may have, m: those of the setting `HEIGHT`, which a
 /// receiver on an orbit needs, and a margin below. A position beyond was written in another form.

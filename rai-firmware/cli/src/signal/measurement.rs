@@ -11,9 +11,30 @@
 //! [`recording`](super::recording) and [`sky`](super::sky) make these values,
 //! [`fault`](super::fault) changes them, [`encode`](super::encode) sends them.
 
+use raim_core::frame::Ecef;
 use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::time::GpsTime;
 use rtcm_rs::msg::{Msg1019T, Msg1020T, Msg1042T, Msg1044T, Msg1045T, Msg1046T};
+
+use super::skipped::Skipped;
+
+/// Measurements of a receiver, and the broadcasts of the satellites meanwhile.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    /// Epochs in the order of time, no time twice.
+    pub epochs: Vec<MeasuredEpoch>,
+    /// Ephemerides in the order of the files.
+    pub ephemerides: Vec<TimedEphemeris>,
+    /// GPS coefficients of the single-frequency ionosphere model, `α0…α3, β0…β3`, in the
+    /// broadcast's units.
+    pub klobuchar: Option<[f64; 8]>,
+    /// GPS time minus UTC in the header of a navigation file, s.
+    pub leap_s: Option<u8>,
+    /// Records that were skipped.
+    pub skipped: Skipped,
+    /// Position of the antenna in the header; in some files it is wrong by hundreds of metres.
+    pub approximate_position: Option<Ecef>,
+}
 
 /// All measurements of one instant.
 #[derive(Clone, Debug, PartialEq)]

@@ -16,16 +16,21 @@
 //! | [`sort`] | what a file holds, by its content |
 //! | [`advice`] | what an input holds, what of it is not read, and what is missing |
 //! | [`corrected`](mod@corrected) | ranges as the module corrects them |
+//! | [`skipped`] | records that cannot be read, counted |
+//! | [`calendar`] | dates, leap seconds |
 //! | [`checksum`] | checksums of frames and sentences |
 //! | [`clock_models`] | clock series with known predictions |
 
+pub mod calendar;
 pub mod checksum;
 pub mod encode;
 pub mod fault;
 pub mod measurement;
 #[cfg(feature = "sign")]
 pub mod osnma;
+#[cfg(feature = "recordings")]
 pub mod recording;
+pub mod skipped;
 pub mod sky;
 
 #[cfg(feature = "replay")]

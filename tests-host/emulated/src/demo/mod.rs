@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, ensure};
 use raim::page::Moment;
 use raim::page::report::{Happened, Journal};
-use raim::replay;
+use raim::satellites::Views;
 use raim::sentence;
 use raim::signal::encode::{Encoder, Frequency, Selection};
 use raim::signal::fault::{Fault, Injector, Kind, Target};
@@ -38,6 +38,8 @@ use raim::signal::sky::{Site, sights};
 use raim::verdict::EpochOutput;
 use raim_core::frame::Enu;
 use raim_core::satellite::SatelliteId;
+use raim_firmware::pin::MemoryPin;
+use raim_firmware::receiver::{Boot, Receiver};
 
 pub use live::{Live, View};
 pub use ordinary::{Accepter, Ordinary};
@@ -135,8 +137,10 @@ impl Plan {
         module.set(&setup)?;
         // The same firmware in process: the sentences of the board have no residuals and no
         // directions.
-        let mut twin = replay::Module::start(&[setup])?;
-        twin.watch();
+        let mut twin = Receiver::observed(MemoryPin::default(), Views::new(true), Boot::on_host("host"))
+            .context("the module cannot start")?;
+        let mut sentences = Vec::new();
+        twin.command(sentence::command(&setup).as_bytes(), &mut sentences);
         let mut journal = Journal::default();
         let mut accepter = Accepter::new(MASK_DEG.to_radians());
         let epochs = Injector::new(recording.epochs.into_iter(), vec![self.fault()]);
@@ -145,7 +149,8 @@ impl Plan {
             let reported = module.judge(&bytes).with_context(|| format!("epoch {index}"))?;
             ordinary.extend(accepter.receive(&bytes, f64::from(index), &simulation.site));
             let (time_s, pin_is_high) = (f64::from(index), module.board.pin_is_high());
-            let (_, seen) = twin.receive(&bytes, u64::from(index) * 1000)?;
+            twin.gnss(&bytes, u64::from(index) * 1000, &mut sentences);
+            let seen = twin.observer_mut().take();
             let view = seen.last().and_then(|seen| seen.view.as_ref());
             let error = error(&reported, &simulation.site);
             journal.push(&Happened { time_s, output: &reported, error, pin_is_high, view });

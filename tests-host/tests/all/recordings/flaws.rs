@@ -1,6 +1,7 @@
 //! A flaw costs its record and is counted; the rest of the file is read.
 
-use raim::signal::recording::{Recording, Skipped};
+use raim::signal::recording::Recording;
+use raim::signal::skipped::Skipped;
 use raim_firmware::time::GpsTime;
 
 use super::made::{

@@ -4,8 +4,9 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::Command;
 
+use raim::signal::calendar::readable;
 use raim::signal::encode::{Frequency, Selection};
-use raim::signal::recording::{Recording, readable};
+use raim::signal::recording::Recording;
 use raim_core::frame::{Ecef, LocalFrame};
 
 use super::{ESBC, STATIC1HZ, lumps};

@@ -3,9 +3,10 @@
 
 use std::process::Command;
 
+use raim::signal::calendar::readable;
 use raim::signal::encode::ubx;
 use raim::signal::encode::{Frequency, Selection};
-use raim::signal::recording::{Recording, readable};
+use raim::signal::recording::Recording;
 use raim::signal::sky::raw::Simulation;
 use raim_firmware::time::GpsTime;
 use rand::SeedableRng;

@@ -10,7 +10,7 @@ use super::satellites::Satellite;
 use crate::page::Verdict;
 use crate::page::html::{Page, escaped};
 use crate::satellites::Fate;
-use crate::signal::recording::readable_unix;
+use crate::signal::calendar::readable_unix;
 
 /// Adds source, time, place, settings, version and command.
 pub(super) fn facts(page: &mut Page, journal: &Journal, facts: &Facts) {

@@ -10,11 +10,11 @@ use super::cuts::{Cut, Cutter};
 use super::falsify;
 use super::orbits::{Feeder, Orbits};
 use super::week;
+use crate::signal::calendar::readable;
 use crate::signal::fault::Fault;
 use crate::signal::lump::Lump;
 use crate::signal::lumps::Window;
 use crate::signal::pieces::{Kind, Piece, Stream, pieces};
-use crate::signal::recording::readable;
 
 /// Longest gap between two epochs of one recording, ms: a day.
 const LONGEST_GAP_MS: i64 = 86_400_000;

@@ -11,9 +11,10 @@ use raim_core::satellite::SatelliteId;
 use raim_firmware::ephemeris::Ephemeris;
 use raim_firmware::time::GpsTime;
 
+use crate::signal::calendar::readable;
 use crate::signal::encode::{Encoder, Selection};
 use crate::signal::measurement::{MeasuredEpoch, TimedEphemeris};
-use crate::signal::recording::{Recording, readable};
+use crate::signal::recording::Recording;
 
 /// Longest time from its reference time at which an ephemeris is useful, ms: 4 h.
 const USEFUL_MS: i64 = 4 * 3_600_000;

@@ -34,9 +34,9 @@ use rtcm_rs::{Message, MessageBuilder};
 use self::channels::Channels;
 pub use self::msm::Frequency;
 use self::schedule::Schedule;
+use crate::signal::calendar::leap_seconds;
 use crate::signal::checksum::rtcm_frame;
 use crate::signal::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
-use crate::signal::recording::leap_seconds;
 
 /// Selection of the measurements that are sent.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -8,8 +8,8 @@ use raim_firmware::time::GpsTime;
 
 use super::observations::Observations;
 use super::one_receiver::OneReceiver;
-use super::skipped::Skipped;
 use crate::signal::measurement::MeasuredEpoch;
+use crate::signal::skipped::Skipped;
 
 /// Epochs of several observation files, merged in time and read one at a time; no time comes twice.
 ///

@@ -25,10 +25,10 @@ use anyhow::{Context, Result, bail, ensure};
 use raim_firmware::time::GpsTime;
 
 use super::arcs::{Satellite, integer, update};
-use super::calendar::{self, TimeSystem};
 use super::header::ObservationCodes;
-use super::skipped::{Flaw, Skipped};
 use super::text::{Source, columns, label};
+use crate::signal::calendar::{self, TimeSystem};
+use crate::signal::skipped::{Flaw, Skipped};
 
 /// Label of the first line of a compact file.
 pub(super) const MARK: &str = "CRINEX VERS   / TYPE";

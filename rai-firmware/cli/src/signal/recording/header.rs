@@ -13,9 +13,9 @@ use std::collections::HashMap;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use raim_core::frame::Ecef;
 
-use super::calendar::TimeSystem;
-use super::skipped::{Flaw, Skipped};
 use super::text::{Lines, columns, label, number};
+use crate::signal::calendar::TimeSystem;
+use crate::signal::skipped::{Flaw, Skipped};
 
 /// Label of the first line.
 const FIRST: &str = "RINEX VERSION / TYPE";

@@ -32,7 +32,7 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use raim_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1044T, Msg1045T, Msg1046T};
 
-use super::calendar::{self, TimeSystem};
+use crate::signal::calendar::{self, TimeSystem};
 use crate::signal::measurement::{Ephemeris, TimedEphemeris};
 
 /// Largest magnitudes by row and column that any of the messages has room for, in the file's units.

@@ -22,7 +22,6 @@
 //! [Hatanaka2008]: crate#references
 
 mod arcs;
-mod calendar;
 mod epochs;
 mod file;
 mod glonass;
@@ -33,43 +32,24 @@ mod navigation;
 mod observations;
 mod one_receiver;
 mod signals;
-mod skipped;
 mod text;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use raim_core::frame::Ecef;
 use raim_firmware::time::GpsTime;
 
-pub use self::calendar::{date, leap_seconds, readable, readable_unix};
 pub use self::epochs::Epochs;
 pub use self::file::packed_by;
 use self::header::{Header, Kind};
 pub use self::observations::Observations;
-pub use self::skipped::{Place, Skipped};
-use crate::signal::measurement::{MeasuredEpoch, TimedEphemeris};
+use crate::signal::calendar::readable;
+pub use crate::signal::measurement::Recording;
+use crate::signal::measurement::TimedEphemeris;
+use crate::signal::skipped::Skipped;
 
 /// Longest time from its reference time at which a broadcast ephemeris is useful, ms: 4 h.
 const USEFUL_MS: i64 = 4 * 3_600_000;
-
-/// Measurements of a receiver, and the broadcasts of the satellites meanwhile.
-#[derive(Clone, Debug, Default)]
-pub struct Recording {
-    /// Epochs in the order of time, no time twice.
-    pub epochs: Vec<MeasuredEpoch>,
-    /// Ephemerides in the order of the files.
-    pub ephemerides: Vec<TimedEphemeris>,
-    /// GPS coefficients of the single-frequency ionosphere model, `α0…α3, β0…β3`, in the
-    /// broadcast's units.
-    pub klobuchar: Option<[f64; 8]>,
-    /// GPS time minus UTC in the header of a navigation file, s.
-    pub leap_s: Option<u8>,
-    /// Records that were skipped.
-    pub skipped: Skipped,
-    /// Position of the antenna in the header; in some files it is wrong by hundreds of metres.
-    pub approximate_position: Option<Ecef>,
-}
 
 impl Recording {
     /// Reads observation and navigation files; several are merged in time.

@@ -16,13 +16,13 @@
 use anyhow::{Context, Result, bail, ensure};
 use raim_core::satellite::{Constellation, SatelliteId};
 
-use super::calendar::{self, TimeSystem};
 use super::glonass;
 use super::header::Header;
 use super::kepler::Record;
-use super::skipped::{Flaw, Skipped};
 use super::text::{Lines, columns, is_labelled, number};
+use crate::signal::calendar::{self, TimeSystem};
 use crate::signal::measurement::TimedEphemeris;
+use crate::signal::skipped::{Flaw, Skipped};
 
 /// Number of lines of a record of Kepler elements.
 const FULL: usize = 8;

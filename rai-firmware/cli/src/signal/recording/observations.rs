@@ -22,13 +22,13 @@ use anyhow::{Context, Result, anyhow, bail};
 use raim_core::frame::Ecef;
 use raim_firmware::time::GpsTime;
 
-use super::calendar::{self, TimeSystem};
 use super::file;
 use super::header::{Header, Kind};
 use super::signals::{Fields, Read, satellite};
-use super::skipped::{Flaw, Skipped};
 use super::text::{Lines, columns, is_labelled};
+use crate::signal::calendar::{self, TimeSystem};
 use crate::signal::measurement::{MeasuredEpoch, MeasuredSatellite};
+use crate::signal::skipped::{Flaw, Skipped};
 
 /// Columns of a field, and of the value in it.
 const FIELD: usize = 16;

@@ -4,7 +4,7 @@ use std::io::{BufRead, ErrorKind, Read as _};
 
 use anyhow::{Context, Error, Result, ensure};
 
-use super::skipped::{Flaw, Skipped};
+use crate::signal::skipped::{Flaw, Skipped};
 
 /// Longest line of a text file, bytes.
 const LINE_LIMIT: u64 = 1 << 16;

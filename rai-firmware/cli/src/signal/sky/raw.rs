@@ -26,8 +26,9 @@ use raim_firmware::time::GpsTime;
 use super::atmosphere::{ionosphere_m, troposphere_m};
 use super::broadcast::{SatelliteClock, ephemeris};
 use super::{Fleet, Noise, Oscillator, ReceiverClock, Satellite, Sight, Site, sights};
+use crate::signal::measurement::Recording;
 use crate::signal::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal, TimedEphemeris};
-use crate::signal::recording::{Recording, Skipped};
+use crate::signal::skipped::Skipped;
 
 /// Interval between new ephemerides, s.
 const RENEWAL_S: f64 = 3600.0;

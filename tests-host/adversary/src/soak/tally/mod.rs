@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use raim::page::Moment;
 use raim::sentence::{self, Sentence};
-use raim::signal::recording::readable;
+use raim::signal::calendar::readable;
 use raim::verdict::{EpochOutput, State};
 use raim_core::frame::{Enu, Geodetic, LocalFrame};
 use raim_core::satellite::SatelliteId;

@@ -50,12 +50,18 @@ pub struct Skipped {
 
 /// Kinds of flaws that have a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Flaw {
+pub enum Flaw {
+    /// Counted as `damaged`.
     Damaged,
+    /// Counted as `unknown_satellites`.
     UnknownSatellite,
+    /// Counted as `comments`.
     Comment,
+    /// Counted as `header_fields`.
     HeaderField,
+    /// Counted as `cut`.
     Cut,
+    /// Counted as `out_of_order`.
     OutOfOrder,
 }
 
@@ -64,7 +70,7 @@ impl Skipped {
     const TENTH: u64 = 10;
 
     /// Counts a flaw at a line.
-    pub(super) fn note(&mut self, flaw: Flaw, line: u64) {
+    pub fn note(&mut self, flaw: Flaw, line: u64) {
         let count = match flaw {
             Flaw::Damaged => &mut self.damaged,
             Flaw::UnknownSatellite => &mut self.unknown_satellites,
@@ -81,13 +87,14 @@ impl Skipped {
     }
 
     /// Counts a flaw and the lines that it costs.
-    pub(super) fn lose(&mut self, flaw: Flaw, line: u64, lines: u64) {
+    pub fn lose(&mut self, flaw: Flaw, line: u64, lines: u64) {
         self.note(flaw, line);
         self.lost_lines += lines;
     }
 
     /// Returns the counts with the name of their file.
-    pub(super) fn named(mut self, file: &str) -> Self {
+    #[must_use]
+    pub fn named(mut self, file: &str) -> Self {
         if let Some(first) = &mut self.first {
             file.clone_into(&mut first.file);
         }
@@ -119,7 +126,10 @@ impl Skipped {
     }
 
     /// Checks that at most a tenth of the lines is lost.
-    pub(super) fn check(&self, lines: u64) -> Result<()> {
+    ///
+    /// # Errors
+    /// More is lost; the message names the first line.
+    pub fn check(&self, lines: u64) -> Result<()> {
         let first = self.first.as_ref().map_or(0, |first| first.line);
         let is_lost = self.lost_lines * Self::TENTH > lines;
         ensure!(

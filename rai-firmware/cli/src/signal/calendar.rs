@@ -22,7 +22,7 @@ const DAY_MS: i64 = 86_400_000;
 
 /// Time system of a date.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum TimeSystem {
+pub enum TimeSystem {
     /// GPS, Galileo and QZSS agree to nanoseconds.
     Gps,
     /// `BeiDou` time.
@@ -118,7 +118,7 @@ fn civil_from_days(days: i64) -> (i64, i64, i64) {
 ///
 /// Two-digit years are those of RINEX 2: 80 to 99 are 1980 to 1999, 00 to 79 are 2000 to 2079.
 /// Seconds are rounded to milliseconds, which is the resolution of an observation message.
-pub(super) fn instant(text: &str, system: TimeSystem) -> Option<GpsTime> {
+pub fn instant(text: &str, system: TimeSystem) -> Option<GpsTime> {
     let mut words = text.split_ascii_whitespace();
     let mut integer = || words.next()?.parse::<i64>().ok();
     let (year, month, day, hour, minute) = (integer()?, integer()?, integer()?, integer()?, integer()?);
@@ -160,7 +160,7 @@ fn from_ms(ms: i64) -> Option<GpsTime> {
 
 /// Returns the instant closest to `near` whose second of the week is `tow_s`, whatever the week of
 /// either; `None` for a second that is more than a week before or after the week's beginning.
-pub(super) fn nearest_week(tow_s: f64, near: GpsTime, system: TimeSystem) -> Option<GpsTime> {
+pub fn nearest_week(tow_s: f64, near: GpsTime, system: TimeSystem) -> Option<GpsTime> {
     const WEEK_S: f64 = 604_800.0;
     const WEEK_MS: i64 = 7 * DAY_MS;
     if !(-WEEK_S..=WEEK_S).contains(&tow_s) {
