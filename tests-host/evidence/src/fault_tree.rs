@@ -79,7 +79,7 @@ const LATE: &[Cause] = &[
 
 const PROCESSOR: &[Cause] = &[
     Test("a panic is reachable", "cargo xtask test --step \"no panic\""),
-    Test("the chip and the host differ", "cargo test -p tests-host --test all -- host_and_target"),
+    Test("the chip and the host differ", "cargo test -p rig --test all -- host_and_target"),
     Test("tables are damaged", "cargo xtask tables --check"),
     Test("faults, resets and noise for hours", "cargo xtask soak"),
     Open("upsets of memory or registers while it runs, except for the sealed settings"),

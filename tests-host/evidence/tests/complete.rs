@@ -60,7 +60,11 @@ fn every_command_names_something_that_can_be_run() {
 
 /// Returns true if a test program of a package has a module of that name.
 fn is_test(package: &str, program: &str, module: &str) -> bool {
-    let folder = if package == "raim-core" { "rai-core" } else { package };
+    let folder = match package {
+        "raim-core" => "rai-core",
+        "rig" => "tests-host/rig",
+        package => package,
+    };
     let program = top().join(folder).join("tests").join(program);
     let is_in = |folder: &Path| {
         folder.join(format!("{module}.rs")).is_file() || folder.join(module).join("mod.rs").is_file()

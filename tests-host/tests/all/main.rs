@@ -25,7 +25,6 @@ mod fuzz_corpus;
 mod geoid;
 mod gnss_port;
 mod gpsd;
-mod host_and_target;
 mod hostile;
 mod images;
 mod in_view;
