@@ -315,6 +315,15 @@ fn day() -> Journal {
     journal
 }
 
+#[test]
+fn name_that_ends_in_html_is_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("day.html");
+    let path = report::write(&Journal::default(), &Facts::default(), &file).unwrap();
+    assert_eq!(path, file);
+    assert!(file.is_file());
+}
+
 /// Many seconds each.
 mod at_length {
     use super::*;

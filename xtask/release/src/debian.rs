@@ -56,7 +56,8 @@ fn documents(maintainer: &str, time_s: u64) -> Result<Vec<Entry>> {
     let date = readable_unix(time_s.cast_signed() * 1000);
     let changes = fs::read_to_string(root().join("CHANGELOG.md"))?;
     let changes = changelog::debian(&changes, VERSION, maintainer, time_s)?;
-    let mut entries = binary::with_texts(folder, &["README.md", "INTERFACES.md", "CHANGELOG.md"])?;
+    let mut entries =
+        binary::with_texts(folder, &["README.md", "INTERFACES.md", "LIMITS.md", "CHANGELOG.md"])?;
     entries.push(Entry::text(format!("{folder}copyright"), copyright(date.get(..4).unwrap_or_default())?));
     entries.push(Entry::text(format!("{folder}rai.cdx.json"), sbom::text()?));
     entries

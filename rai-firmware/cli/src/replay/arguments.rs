@@ -119,7 +119,7 @@ pub struct Arguments {
     /// faults.
     #[arg(long, value_name = "FILE")]
     pub(super) rtcm: Option<PathBuf>,
-    /// Write a report into this folder: one HTML page with tables and plots.
+    /// Write a report, one HTML page with tables and plots, into this folder or to this `.html` file.
     #[arg(long, value_name = "DIR")]
     pub(super) report: Option<PathBuf>,
 }

@@ -48,17 +48,11 @@ impl Report {
         }
     }
 
-    /// Writes `report.html` into a folder; returns its path.
+    /// Writes the page to a file or into a folder; returns its path.
     ///
     /// # Errors
     /// The report cannot be drawn or written.
-    pub fn write(
-        &self,
-        folder: &Path,
-        faults: &[Fault],
-        summary: &Summary,
-        about: &About,
-    ) -> Result<PathBuf> {
+    pub fn write(&self, place: &Path, faults: &[Fault], summary: &Summary, about: &About) -> Result<PathBuf> {
         let (settings_hash, settings) = settings_of(&about.configuration);
         let facts = Facts {
             title: about.title.clone(),
@@ -77,7 +71,7 @@ impl Report {
                 .collect(),
             ..Facts::default()
         };
-        report::write(&self.journal, &facts, folder)
+        report::write(&self.journal, &facts, place)
     }
 }
 

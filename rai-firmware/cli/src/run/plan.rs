@@ -58,7 +58,8 @@ pub struct Arguments {
     /// Serve at most this many TCP clients at once; 16 unless given.
     #[arg(long, value_name = "N")]
     pub clients: Option<usize>,
-    /// Write a report into this folder, every ten minutes and at the end: one HTML page.
+    /// Write a report, one HTML page, into this folder or to this `.html` file, every ten minutes
+    /// and at the end.
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
     /// Pass the receiver's raw bytes to the TCP clients of this address: tcp://ADDRESS:PORT.

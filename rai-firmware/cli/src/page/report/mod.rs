@@ -66,13 +66,14 @@ pub fn page(journal: &Journal, facts: &Facts) -> Result<Page> {
     Ok(page)
 }
 
-/// Writes the page as `report.html` into a folder; returns its path. The values, which are most of
-/// a long page, are never in memory as text.
+/// Writes the page to a file whose name ends in `.html`, or as `report.html` into a folder; returns
+/// its path. The values, which are most of a long page, are never in memory as text.
 ///
 /// # Errors
 /// The page cannot be drawn or written.
-pub fn write(journal: &Journal, facts: &Facts, folder: &Path) -> Result<PathBuf> {
-    let path = folder.join("report.html");
+pub fn write(journal: &Journal, facts: &Facts, place: &Path) -> Result<PathBuf> {
+    let is_file = place.extension().is_some_and(|ending| ending == "html");
+    let path = if is_file { place.to_owned() } else { place.join("report.html") };
     let page = before_the_values(journal, facts)?;
     page.write_with(&path, |file| {
         data::json(journal, facts, file)?;
