@@ -150,8 +150,9 @@ impl Plan {
             ordinary.extend(accepter.receive(&bytes, f64::from(index), &simulation.site));
             let (time_s, pin_is_high) = (f64::from(index), module.board.pin_is_high());
             twin.gnss(&bytes, u64::from(index) * 1000, &mut sentences);
-            let seen = twin.observer_mut().take();
-            let view = seen.last().and_then(|seen| seen.view.as_ref());
+            let seen = twin.observer_mut().take().pop().context("the module in process judged nothing")?;
+            ensure!(seen.output == reported, "board and module in process differ in epoch {index}");
+            let view = seen.view.as_ref();
             let error = error(&reported, &simulation.site);
             journal.push(&Happened { time_s, output: &reported, error, pin_is_high, view });
             moments.push(Moment::of(time_s, &reported, error, pin_is_high));
