@@ -14,6 +14,7 @@ use anyhow::{Context as _, Result};
 
 use super::inbox::Inbox;
 use super::played;
+use super::record::Record;
 use super::reserve::Reserve;
 use super::share::Share;
 use crate::run::words::say;
@@ -82,22 +83,23 @@ pub(super) fn start(source: &Source, line: &Line, inbox: &Arc<Inbox>, stop: &Arc
     Ok(())
 }
 
-/// What a reader shares with others: the rate that it follows, bit/s, and the programs to which it
-/// passes the bytes.
+/// What a reader shares with others: the rate that it follows, bit/s, and the programs and the file
+/// to which it passes the bytes.
 #[derive(Clone, Debug)]
 pub(super) struct Line {
     pub(super) rate: Arc<AtomicU32>,
     pub(super) share: Option<Arc<Share>>,
+    pub(super) record: Option<Arc<Record>>,
 }
 
 impl Line {
     /// Returns the line of a source at start.
-    pub(super) fn of(source: &Source, share: Option<Arc<Share>>) -> Self {
+    pub(super) fn of(source: &Source, share: Option<Arc<Share>>, record: Option<Arc<Record>>) -> Self {
         let rate = match source {
             Source::Serial(_, baud) => *baud,
             Source::Tcp(_) | Source::Standard | Source::File(_) => 0,
         };
-        Self { rate: Arc::new(AtomicU32::new(rate)), share }
+        Self { rate: Arc::new(AtomicU32::new(rate)), share, record }
     }
 
     /// Notes the writing side of the port, or that it is closed.
@@ -167,6 +169,9 @@ fn read(mut port: source::Line, line: &Line, inbox: &Inbox, stop: &AtomicBool) -
                 inbox.push_in_turn(bytes);
                 if let Some(share) = &line.share {
                     share.pass(bytes);
+                }
+                if let Some(record) = &line.record {
+                    record.keep(bytes);
                 }
                 total += count as u64;
                 last = inbox.clock().now();

@@ -22,7 +22,7 @@
 //! | [`clock`] | has the time, which a test may move |
 //! | [`log`] | reports the start and each change of the state |
 //! | `report` | takes notes of every epoch, for a page as `replay` writes it |
-//! | `share` | passes the receiver's raw bytes to other programs |
+//! | `share`, `record` | pass the receiver's raw bytes to other programs, or into a file |
 //! | `page` | serves a page of the running module |
 //! | `words` | writes lines on standard error, for which nobody waits |
 //! | `guard` | drops the pin and ends the program if the epoch loop hangs |
@@ -48,6 +48,7 @@ pub mod plan;
 mod played;
 mod px4;
 mod ranges;
+mod record;
 mod report;
 mod reserve;
 mod share;
@@ -56,6 +57,7 @@ mod signals;
 mod time_server;
 mod words;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -78,6 +80,7 @@ use outbox::{Outbox, Wait};
 use output::Sink;
 use page::Page;
 use pin::{Pin, Wire};
+use record::Record;
 use report::Recorder;
 use share::Share;
 use words::say;
@@ -139,8 +142,8 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
         "--page shows a running module; `replay --report` shows a file"
     );
     ensure!(
-        nature == Nature::Live || plan.share.is_none(),
-        "--share passes the bytes of a receiver on a serial port or TCP"
+        nature == Nature::Live || (plan.share.is_none() && plan.record.is_none()),
+        "--share and --record take the bytes of a receiver on a serial port or TCP"
     );
     ensure!(
         nature == Nature::Live || !plan.outputs.iter().any(|output| matches!(output, Sink::Chrony(_))),
@@ -187,7 +190,10 @@ fn live(
     let mut sealed = Box::new([0; SEALED_BYTES]);
     let (mut after_power_on, mut configuration) = (true, None);
     let share = |name: &String| Share::serve(name, plan.share_write, plan.clients).map(Arc::new);
-    let line = Line::of(&plan.input, plan.share.as_ref().map(share).transpose().context("--share")?);
+    let share = plan.share.as_ref().map(share).transpose().context("--share")?;
+    let record = |path: &PathBuf| Record::open(path).map(Arc::new);
+    let record = plan.record.as_ref().map(record).transpose().context("--record")?;
+    let line = Line::of(&plan.input, share, record);
     let serve = |address: &String| {
         let back = line.share.as_ref().map(|share| Arc::clone(share.back()));
         Page::serve(address, plan, back)
@@ -237,6 +243,9 @@ fn live(
     let refused = line.share.as_ref().map_or(0, |share| share.back().counts()[1]);
     if refused > 0 {
         say!("share: {refused} bytes towards the receiver were refused");
+    }
+    if let Some(record) = &line.record {
+        record.end();
     }
     if inbox.has_ended() {
         contact.end()?;

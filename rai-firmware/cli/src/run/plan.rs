@@ -68,6 +68,10 @@ pub struct Arguments {
     /// Pass bytes of these clients to the receiver; otherwise they are dropped and counted.
     #[arg(long, requires = "share")]
     pub share_write: bool,
+    /// Append the receiver's raw bytes to this file, for `rai replay`. Its size has no limit;
+    /// each epoch adds one to five kilobytes.
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
     /// Serve a page of the running module here, read only: ADDRESS:PORT, or a PORT of this computer.
     #[arg(long, value_name = "ADDRESS")]
     pub page: Option<String>,
@@ -97,6 +101,7 @@ struct File {
     share: Option<String>,
     #[serde(default)]
     share_write: bool,
+    record: Option<PathBuf>,
     #[serde(default)]
     settings: BTreeMap<String, Value>,
 }
@@ -145,6 +150,8 @@ pub struct Plan {
     pub share: Option<String>,
     /// True if the bytes of these clients go to the receiver.
     pub share_write: bool,
+    /// File that keeps the receiver's bytes.
+    pub record: Option<PathBuf>,
     /// Settings of the module in the order in which they are given: key, value.
     pub settings: Vec<(String, String)>,
 }
@@ -167,6 +174,7 @@ impl Plan {
             page,
             share,
             share_write,
+            record,
             quiet,
             log,
             lower_pin: _,
@@ -210,6 +218,7 @@ impl Plan {
             page: page.or(file.page),
             share: share.or(file.share),
             share_write: share_write || file.share_write,
+            record: record.or(file.record),
             clients,
             log: (!quiet).then_some(log),
             settings,

@@ -22,6 +22,7 @@ fn other_programs_get_every_byte_and_write_only_if_that_is_allowed() {
             output: vec!["udp://127.0.0.1:9".to_owned()],
             share: Some(format!("tcp://{share}")),
             share_write,
+            record: Some(folder.path().join("capture.ubx")),
             page: Some(page.to_string()),
             ..Arguments::default()
         };
@@ -37,18 +38,29 @@ fn other_programs_get_every_byte_and_write_only_if_that_is_allowed() {
         assert!(read(&mut other, want.len()) == want, "every byte, in order");
         assert!(is_high(folder.path()), "the module has them too");
         program.write_all(&QUESTION).unwrap();
-        let (mut question, mut metrics) = ([0; 8], String::new());
+        let mut question = [0; 8];
         line.set_read_timeout(Some(Duration::from_millis(500))).unwrap();
         let has_come = line.read_exact(&mut question).is_ok();
         assert_eq!(has_come.then_some(question), share_write.then_some(QUESTION));
-        let mut scraper = client(page);
-        scraper.write_all(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
-        scraper.read_to_string(&mut metrics).unwrap();
         let (passed, refused) = if share_write { (8, 0) } else { (0, 8) };
         for (fate, count) in [("passed", passed), ("refused", refused)] {
-            let want = format!("rai_share_bytes_total{{fate=\"{fate}\"}} {count}\n");
-            assert!(metrics.contains(&want), "{want}: {metrics}");
+            wait_for_metric(page, &format!("rai_share_bytes_total{{fate=\"{fate}\"}} {count}\n"));
         }
+        drop(service);
+        assert!(fs::read(folder.path().join("capture.ubx")).unwrap() == want, "and the file has them");
+    }
+}
+
+/// Asks for the metrics until they have this line: the receiver has bytes before they are counted.
+fn wait_for_metric(page: SocketAddr, line: &str) {
+    let start = Instant::now();
+    loop {
+        let metrics = get(page, "/metrics");
+        if metrics.contains(line) {
+            return;
+        }
+        assert!(start.elapsed() < Duration::from_secs(5), "{line}: {metrics}");
+        thread::sleep(Duration::from_millis(10));
     }
 }
 
