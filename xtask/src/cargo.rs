@@ -26,14 +26,20 @@ pub fn command(arguments: &[impl AsRef<OsStr>]) -> Command {
 /// which paths on the command line are relative.
 pub fn program(package: &str, name: &str, features: &str) -> Command {
     let mut command = command(&["run", "--package", package, "--bin", name, "--features", features]);
-    command.arg("--manifest-path").arg(root().join("Cargo.toml")).arg("--").env(CALLED_AS, NAME);
-    if is_yes_assumed() {
-        command.env(VARIABLE, "1");
-    }
+    command.arg("--manifest-path").arg(root().join("Cargo.toml")).arg("--");
     if let Ok(folder) = std::env::current_dir() {
         command.current_dir(folder);
     }
+    for_a_person(&mut command);
     command
+}
+
+/// Lets a program answer as this one was asked.
+pub fn for_a_person(command: &mut Command) -> &mut Command {
+    if is_yes_assumed() {
+        command.env(VARIABLE, "1");
+    }
+    command.env(CALLED_AS, NAME)
 }
 
 /// Returns the project's root.
@@ -47,9 +53,11 @@ pub fn root() -> PathBuf {
 /// # Errors
 /// If it cannot be run or fails.
 pub fn spawn(command: &mut Command) -> anyhow::Result<()> {
-    let words: Vec<_> = command.get_args().map(|argument| argument.to_string_lossy().into_owned()).collect();
-    eprintln!("$ cargo {}", words.join(" "));
-    let status = command.status().context("cargo cannot be run")?;
-    ensure!(status.success(), "`cargo {}` failed", words.join(" "));
+    let name = Path::new(command.get_program()).file_name().unwrap_or_default();
+    let words: Vec<_> = std::iter::once(name).chain(command.get_args()).map(OsStr::to_string_lossy).collect();
+    let words = words.join(" ");
+    eprintln!("$ {words}");
+    let status = command.status().with_context(|| format!("`{words}` cannot be run"))?;
+    ensure!(status.success(), "`{words}` failed");
     Ok(())
 }

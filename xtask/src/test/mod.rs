@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
 use pico_args::Arguments;
-use xtask::cargo::{command, root, spawn};
+use xtask::cargo::root;
 use xtask::setup::{self, Need};
 
 use counts::Counts;
@@ -73,7 +73,7 @@ fn run(verb: &'static str, steps: &'static [Step], arguments: &mut Arguments) ->
     fs::create_dir_all(&logs).with_context(|| logs.display().to_string())?;
     // The steps on the chip need it, and the tests all that it is made of: otherwise they would wait for one another's
     // build. What goes wrong here, the steps report.
-    let _ = spawn(&mut command(&["build", "--package=rig"]));
+    let _ = steps::build("rig");
     println!("{} steps; their output is in {}", steps.len(), logs.display());
     let outcomes = Mutex::new(Vec::new());
     let walk = |lane: Lane| {

@@ -6,7 +6,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
-use xtask::cargo::{command, program, root, spawn};
+use xtask::cargo::{command, for_a_person, root, spawn};
 use xtask::setup::TARGETS;
 
 use super::counts::SKIPPED_TESTS;
@@ -101,9 +101,20 @@ fn cargo(arguments: &[&str]) -> Result<Done> {
     done(spawn(&mut command(arguments)))
 }
 
-/// Runs the program of a package whose name it has.
-fn run(package: &str, arguments: &[&str]) -> Result<Done> {
-    done(spawn(program(package, package, "").args(arguments)))
+/// Builds a program of the workspace.
+///
+/// A package with other features is another package, and so is all that needs it. A test beside the program makes cargo
+/// choose the features with which [`tests`] builds everything: nothing is compiled twice.
+pub(super) fn build(program: &str) -> Result<()> {
+    spawn(&mut command(&["build", "--workspace", "--bin", program, "--test", "top_level"]))
+}
+
+/// Builds a program and runs it. It stands beside this one.
+fn run(program: &str, arguments: &[&str]) -> Result<Done> {
+    build(program)?;
+    let here = std::env::args_os().next().context("this program has no name")?;
+    let mut command = std::process::Command::new(Path::new(&here).with_file_name(program));
+    done(spawn(for_a_person(command.args(arguments))))
 }
 
 fn rig(arguments: &[&str]) -> Result<Done> {
