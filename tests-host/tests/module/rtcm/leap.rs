@@ -48,22 +48,25 @@ fn orders() -> Vec<String> {
     orders
 }
 
-/// Runs over the step with a burst every `step_ms`, from 100 s before the inserted second on.
+/// Runs over the step with a burst every `step_ms`, from 100 s or 250 bursts before the inserted second on, which is in the
+/// week before.
 fn run(order: &str, step_ms: u32) {
     let mut input = Input::new();
     input.assume(MIDNIGHT_UTC.week - 1);
     let (mut known, mut epochs) = (Vec::new(), 0);
-    let many = 130_000 / step_ms;
+    let before_ms = (250 * step_ms).min(100_000);
+    let many = before_ms * 13 / (10 * step_ms);
     for burst in 0..many {
-        let gps_ms = MIDNIGHT_UTC.to_ms() + u64::from(BEFORE_S) * 1000 - 100_000 + u64::from(burst * step_ms);
+        let since_start_ms = u64::from(burst * step_ms);
+        let gps_ms =
+            MIDNIGHT_UTC.to_ms() + u64::from(BEFORE_S) * 1000 - u64::from(before_ms) + since_start_ms;
         let after_step = gps_ms >= MIDNIGHT_UTC.to_ms() + u64::from(BEFORE_S + 1) * 1000;
         let leap_s = BEFORE_S + u32::from(after_step);
         let tow_ms = (gps_ms % u64::from(WEEK_MS)) as u32;
         let burst_of = Burst { tow_ms, utc_ms: (tow_ms + WEEK_MS - leap_s * 1000) % WEEK_MS };
-        let came_ms = u64::from(burst * step_ms);
         for (place, system) in order.chars().enumerate() {
             let message = burst_of.message(system, place < 3);
-            input.feed(&message, came_ms + 5 * place as u64, |event| {
+            input.feed(&message, since_start_ms + 5 * place as u64, |event| {
                 assert!(!matches!(event, Event::Rivalry(_)), "{order}, every {step_ms} ms: two receivers?");
                 if let Event::Epoch(epoch, _) = event {
                     assert_eq!(epoch.time, GpsTime::from_ms(gps_ms), "{order}, every {step_ms} ms");

@@ -22,7 +22,7 @@ attacks! {
     at_length walks_of_twenty_minutes_are_promised_no_more_once_seen: walks::LONG,
     at_length leaps_stairs_and_waves_are_promised_no_more_once_seen: walks::LEAPS,
     at_length repeater_is_seen_without_range_rates: repeater::ATTACK,
-    clock_that_is_set_back_from_now_on_is_promised_again: steering::ATTACK,
+    at_length clock_that_is_set_back_from_now_on_is_promised_again: steering::ATTACK,
     at_length signals_of_one_strength_confirm_a_suspicion: alike_strengths::ATTACK,
     at_length height_that_is_wrong_vouches_for_nothing: wrong_height::WRONG,
     sky_that_rises_away_from_a_height_is_noticed: wrong_height::RISING,

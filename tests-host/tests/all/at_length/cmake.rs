@@ -190,66 +190,59 @@ target_of([], 'avr')
     assert!(error.contains("no Rust target is known for the processor 'avr'"), "{error}");
 }
 
-mod at_length {
-    use super::*;
-
-    #[test]
-    fn another_project_finds_and_links_the_installed_library() {
-        if !has(&["cmake", "gcc", "pkg-config", "readelf"]) {
-            return;
-        }
-        let out = tempfile::tempdir().expect("a folder");
-        let prefix = install(out.path(), &["RAI_PROFILE=dev".into()]);
-        let consumer = out.path().join("consumer");
-        let found = [format!("CMAKE_PREFIX_PATH={}", prefix.display())];
-        run(&mut configure(&folder().join("tests/consumer"), &consumer, &found))
-            .expect("the package is found");
-        build(&consumer);
-        assert_is_the_example(&mut Command::new(consumer.join("monitor")));
-        assert_is_the_example(&mut Command::new(consumer.join("monitor_shared")));
-
-        // The shared library has the version of the interface in its name; a program loads that name.
-        let header = std::fs::read_to_string(prefix.join("include/rai.h")).expect("the header is installed");
-        let version = header.lines().find_map(|line| line.strip_prefix("#define RAI_ABI_VERSION "));
-        let name = format!("librai.so.{}", version.expect("a version"));
-        let dynamic =
-            run(Command::new("readelf").arg("-d").arg(prefix.join("lib").join(&name))).expect("ELF");
-        assert!(String::from_utf8_lossy(&dynamic).contains(&format!("Library soname: [{name}]")));
-        let loads = run(Command::new("readelf").arg("-d").arg(consumer.join("monitor_shared"))).expect("ELF");
-        assert!(String::from_utf8_lossy(&loads).contains(&format!("Shared library: [{name}]")));
-
-        // By pkg-config, without CMake.
-        let mut asked = Command::new("pkg-config");
-        asked.args(["--cflags", "--libs", "rai"]).env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig"));
-        let flags = String::from_utf8(run(&mut asked).expect("rai.pc is found")).expect("text");
-        let folder_of_flag = |flag: &str| Path::new(&flag[2..]).canonicalize().expect("a folder");
-        let folders: Vec<PathBuf> = flags.split_whitespace().take(2).map(folder_of_flag).collect();
-        let prefix = prefix.canonicalize().expect("the prefix");
-        assert_eq!(folders, [prefix.join("include"), prefix.join("lib")], "{flags}");
-        let program = out.path().join("by_pkg_config");
-        let mut gcc = Command::new("gcc");
-        gcc.args(STRICT).arg(folder().join("examples/c/monitor.c")).args(flags.split_whitespace());
-        run(gcc.arg("-o").arg(&program)).expect("it links");
-        assert_is_the_example(Command::new(program).env("LD_LIBRARY_PATH", prefix.join("lib")));
+#[test]
+fn another_project_finds_and_links_the_installed_library() {
+    if !has(&["cmake", "gcc", "pkg-config", "readelf"]) {
+        return;
     }
+    let out = tempfile::tempdir().expect("a folder");
+    let prefix = install(out.path(), &["RAI_PROFILE=dev".into()]);
+    let consumer = out.path().join("consumer");
+    let found = [format!("CMAKE_PREFIX_PATH={}", prefix.display())];
+    run(&mut configure(&folder().join("tests/consumer"), &consumer, &found)).expect("the package is found");
+    build(&consumer);
+    assert_is_the_example(&mut Command::new(consumer.join("monitor")));
+    assert_is_the_example(&mut Command::new(consumer.join("monitor_shared")));
 
-    #[test]
-    fn a_cross_build_takes_its_target_from_the_processor() {
-        if !has(&["cmake", ARM]) {
-            return;
-        }
-        let out = tempfile::tempdir().expect("a folder");
-        let toolchain = folder().join("tests/consumer/cortex-m4.cmake");
-        let toolchain = format!("CMAKE_TOOLCHAIN_FILE={}", toolchain.display());
-        let prefix = install(out.path(), &[toolchain.clone(), "RAI_SATELLITES=16".into()]);
-        let consumer = out.path().join("consumer");
-        let found = [toolchain, format!("rai_DIR={}", prefix.join("lib/cmake/rai").display())];
-        run(&mut configure(&folder().join("tests/consumer"), &consumer, &found))
-            .expect("the package is found");
-        build(&consumer);
-        let program = std::fs::read(consumer.join("monitor")).expect("a program");
-        // ELF: 32 bits, little-endian, Arm.
-        assert_eq!((program.get(4..6), program.get(18..20)), (Some(&[1, 1][..]), Some(&[40, 0][..])));
-        assert!(!prefix.join("lib/librai.so").exists(), "a microcontroller has no shared library");
+    // The shared library has the version of the interface in its name; a program loads that name.
+    let header = std::fs::read_to_string(prefix.join("include/rai.h")).expect("the header is installed");
+    let version = header.lines().find_map(|line| line.strip_prefix("#define RAI_ABI_VERSION "));
+    let name = format!("librai.so.{}", version.expect("a version"));
+    let dynamic = run(Command::new("readelf").arg("-d").arg(prefix.join("lib").join(&name))).expect("ELF");
+    assert!(String::from_utf8_lossy(&dynamic).contains(&format!("Library soname: [{name}]")));
+    let loads = run(Command::new("readelf").arg("-d").arg(consumer.join("monitor_shared"))).expect("ELF");
+    assert!(String::from_utf8_lossy(&loads).contains(&format!("Shared library: [{name}]")));
+
+    // By pkg-config, without CMake.
+    let mut asked = Command::new("pkg-config");
+    asked.args(["--cflags", "--libs", "rai"]).env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig"));
+    let flags = String::from_utf8(run(&mut asked).expect("rai.pc is found")).expect("text");
+    let folder_of_flag = |flag: &str| Path::new(&flag[2..]).canonicalize().expect("a folder");
+    let folders: Vec<PathBuf> = flags.split_whitespace().take(2).map(folder_of_flag).collect();
+    let prefix = prefix.canonicalize().expect("the prefix");
+    assert_eq!(folders, [prefix.join("include"), prefix.join("lib")], "{flags}");
+    let program = out.path().join("by_pkg_config");
+    let mut gcc = Command::new("gcc");
+    gcc.args(STRICT).arg(folder().join("examples/c/monitor.c")).args(flags.split_whitespace());
+    run(gcc.arg("-o").arg(&program)).expect("it links");
+    assert_is_the_example(Command::new(program).env("LD_LIBRARY_PATH", prefix.join("lib")));
+}
+
+#[test]
+fn a_cross_build_takes_its_target_from_the_processor() {
+    if !has(&["cmake", ARM]) {
+        return;
     }
+    let out = tempfile::tempdir().expect("a folder");
+    let toolchain = folder().join("tests/consumer/cortex-m4.cmake");
+    let toolchain = format!("CMAKE_TOOLCHAIN_FILE={}", toolchain.display());
+    let prefix = install(out.path(), &[toolchain.clone(), "RAI_SATELLITES=16".into()]);
+    let consumer = out.path().join("consumer");
+    let found = [toolchain, format!("rai_DIR={}", prefix.join("lib/cmake/rai").display())];
+    run(&mut configure(&folder().join("tests/consumer"), &consumer, &found)).expect("the package is found");
+    build(&consumer);
+    let program = std::fs::read(consumer.join("monitor")).expect("a program");
+    // ELF: 32 bits, little-endian, Arm.
+    assert_eq!((program.get(4..6), program.get(18..20)), (Some(&[1, 1][..]), Some(&[40, 0][..])));
+    assert!(!prefix.join("lib/librai.so").exists(), "a microcontroller has no shared library");
 }
