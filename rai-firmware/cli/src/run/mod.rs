@@ -57,6 +57,7 @@ mod signals;
 mod time_server;
 mod words;
 
+use std::cell::Cell;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -133,9 +134,9 @@ pub fn serve_by(plan: &Plan, stop: &Arc<AtomicBool>, clock: &Arc<Clock>) -> Resu
 
 fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<Clock>) -> Result<()> {
     // Whatever ends this function, the pin is low and nobody waits for the service.
-    let _lowered = Lowered { wire, clock };
+    let end = End { wire, clock, has_failed: Cell::new(false) };
     // The pin first: it is low before anything else can fail.
-    wire.lower().context("the pin cannot be set")?;
+    end.lower()?;
     let nature = Nature::of(&plan.input);
     ensure!(
         nature != Nature::File || plan.page.is_none(),
@@ -167,7 +168,7 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
         None => Some(played::play(plan, wire, &mut outbox, recorder.as_mut(), stop)?),
         Some(guard) => live(plan, (wire, guard), &inbox, &mut outbox, recorder.as_mut(), stop)?,
     };
-    wire.lower().context("the pin cannot be set")?;
+    end.lower()?;
     let is_finite = is_file || inbox.has_ended();
     let lost = (inbox.dropped(), Arc::clone(&outbox.for_clients().0));
     let errors = outbox.close();
@@ -300,15 +301,24 @@ fn say_losses([bytes, sentences]: [u32; 2], errors: Vec<std::io::Error>, is_fini
 }
 
 /// Lowers the pin when the service ends, also by an error or a panic.
-struct Lowered<'w> {
+struct End<'w> {
     wire: &'w Wire,
     clock: &'w Clock,
+    /// True once the service ends with the pin's own error, which is then said once.
+    has_failed: Cell<bool>,
 }
 
-impl Drop for Lowered<'_> {
+impl End<'_> {
+    /// Lowers the pin before the end.
+    fn lower(&self) -> Result<()> {
+        self.wire.lower().inspect_err(|_| self.has_failed.set(true)).context("the pin cannot be set")
+    }
+}
+
+impl Drop for End<'_> {
     fn drop(&mut self) {
         self.clock.end();
-        if let Err(error) = self.wire.close() {
+        if let (Err(error), false) = (self.wire.close(), self.has_failed.get()) {
             say!("error: the pin cannot be set: {error}");
         }
         words::flush();

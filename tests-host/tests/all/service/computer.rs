@@ -102,6 +102,16 @@ impl Drop for Process {
     }
 }
 
+/// Returns the command of a service of its own.
+fn command(arguments: &[String]) -> Command {
+    let mut service = Command::new(std::env::current_exe().unwrap());
+    service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
+    service.env(super::endurance::ARGUMENTS, arguments.join("\n"));
+    service.env("RUST_TEST_THREADS", "1");
+    service.stdin(Stdio::null()).stdout(Stdio::null());
+    service
+}
+
 impl Process {
     /// Starts a service with its pin in this folder.
     fn start(folder: &Path, more: &[String], change: impl FnOnce(&mut Command)) -> Self {
@@ -111,11 +121,7 @@ impl Process {
             format!("--set=TTA={TIME_TO_ALERT_S}"),
             format!("--pin=file:{}", folder.join("pin").display()),
         ];
-        let mut service = Command::new(std::env::current_exe().unwrap());
-        service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
-        service.env(super::endurance::ARGUMENTS, [&own[..], more].concat().join("\n"));
-        service.env("RUST_TEST_THREADS", "1");
-        service.stdin(Stdio::null()).stdout(Stdio::null());
+        let mut service = command(&[&own[..], more].concat());
         change(&mut service);
         let child = service.spawn().unwrap();
         let line = accept(&receiver);
@@ -337,6 +343,17 @@ fn pin_on_a_full_disk_falls_and_the_service_goes_on() {
     service.end_silence(silent);
     service.rise(30);
     assert!(service.child.try_wait().unwrap().is_none(), "the service goes on");
+}
+
+#[test]
+fn pin_that_cannot_be_set_is_said_once_and_ends_the_service() {
+    let folder = tempfile::tempdir().unwrap();
+    let pin = format!("--pin=file:{}", folder.path().join("missing/pin").display());
+    let mut service = command(&["--input=tcp://127.0.0.1:1".to_owned(), pin]);
+    let output = service.stderr(Stdio::piped()).output().unwrap();
+    let reported = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && reported.contains("missing/pin"), "{reported}");
+    assert_eq!(reported.matches("the pin cannot be set").count(), 1, "{reported}");
 }
 
 #[test]
