@@ -54,7 +54,7 @@ pub fn run(arguments: &Arguments, board: Option<OnBoard>) -> Result<()> {
 
     let lumps = iter::once(Ok(first)).chain(source.by_ref().map(|lump| lump.map_err(in_source)));
     let mut playback = Playback::start(lumps, &commands, Pace::Recorded)?;
-    if wanted.needs_view() {
+    if wanted.needs_view() || !question.faults.is_empty() {
         playback.watch();
     }
     let mut played = iter::from_fn(|| sink.take(playback.advance()).transpose());

@@ -80,6 +80,9 @@ impl<'a> Sink<'a> {
         let Some((lump, reported)) = played? else { return Ok(None) };
         let moment = Moment::of(&lump, &reported, self.truth);
         self.summary.count(&moment);
+        if let Some(view) = reported.view() {
+            self.summary.look(view, moment.elapsed_s);
+        }
         let position = moment.output.as_ref().and_then(|output| output.position);
         if let (Some(position), Some(error)) = (position, moment.error) {
             let distance_m = libm::hypot(error.horizontal(), error.up);

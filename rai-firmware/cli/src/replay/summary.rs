@@ -6,10 +6,12 @@ use std::fmt;
 use raim_core::frame::Enu;
 use raim_firmware::output::geoid::Altitude;
 
+use super::injected::Injected;
 use super::quantiles::Quantiles;
 use super::track::{Moment, Track};
 use crate::outcomes::{Outcome, Outcomes};
-use crate::signal::fault::{Fault, Kind};
+use crate::satellites::View;
+use crate::signal::fault::Fault;
 use crate::signal::skipped::Skipped;
 use crate::verdict::Authentication;
 
@@ -83,30 +85,6 @@ pub struct Summary {
     pub refused_orbits: BTreeMap<String, u32>,
     /// Counters of the module at the end, without those that are zero.
     pub counters: BTreeMap<String, u32>,
-}
-
-/// Outcome of one injected fault.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "commands", derive(serde::Serialize))]
-pub struct Injected {
-    /// Target of the fault, as on the command line.
-    pub sat: String,
-    /// Start of the fault, seconds after the first epoch.
-    pub start: f64,
-    /// End of the fault, seconds after the first epoch; `null` if it lasts.
-    pub end: Option<f64>,
-    /// Size of the fault, m; of a ramp the largest that was reached, `null` for an outage.
-    pub bias_m: Option<f64>,
-    /// Seconds from the start to the first alert or correct exclusion.
-    pub first_alert_or_exclusion_s: Option<f64>,
-    /// Epochs in which the faulty satellite was excluded.
-    pub excluded_epochs: usize,
-    /// Protected epochs in which a satellite without a fault was excluded.
-    pub wrong_exclusions: usize,
-    /// Epochs during the fault.
-    pub epochs: usize,
-    /// Protected epochs among these.
-    pub protected_epochs: usize,
 }
 
 impl Summary {
@@ -183,6 +161,15 @@ impl RunningSummary {
         state.vpl_m.into_iter().for_each(|vpl_m| self.vpl.count(vpl_m));
         if let Some(ratio) = moment.variance_ratio.filter(|_| state.is_protected()) {
             self.ratios = (self.ratios.0 + ratio, self.ratios.1 + 1);
+        }
+    }
+
+    /// Takes the view of an epoch, so many seconds after the first: what became of faulty satellites.
+    pub(super) fn look(&mut self, view: &View, elapsed_s: f64) {
+        for (injected, fault) in self.summary.injected.iter_mut().zip(&self.faults) {
+            if fault.is_active(elapsed_s) {
+                injected.look(fault, view);
+            }
         }
     }
 
@@ -271,54 +258,6 @@ fn protected_error(moment: &Moment) -> Option<Enu> {
     moment.error.filter(|_| moment.output.as_ref().is_some_and(|output| output.state.is_protected()))
 }
 
-impl Injected {
-    /// Returns the outcome of a fault before the first epoch.
-    fn of(fault: &Fault) -> Self {
-        Self {
-            sat: fault.target.to_string(),
-            start: fault.start_s,
-            end: Some(fault.end_s).filter(|end_s| end_s.is_finite()),
-            bias_m: (!matches!(fault.kind, Kind::Outage)).then_some(0.0),
-            first_alert_or_exclusion_s: None,
-            excluded_epochs: 0,
-            wrong_exclusions: 0,
-            epochs: 0,
-            protected_epochs: 0,
-        }
-    }
-
-    /// Counts an epoch while the fault lasts.
-    fn count(&mut self, fault: &Fault, faults: &[Fault], moment: &Moment) {
-        let output = moment.output.as_ref();
-        let is_excluded = output.is_some_and(|output| {
-            output.excluded.iter().any(|excluded| fault.target.covers(excluded.satellite))
-        });
-        if is_excluded || output.is_some_and(|output| output.state.state == 'A') {
-            self.first_alert_or_exclusion_s.get_or_insert(moment.elapsed_s - fault.start_s);
-        }
-        let bias_m = fault.bias_m(moment.elapsed_s);
-        self.bias_m = self.bias_m.map(|largest_m| largest_magnitude(largest_m, bias_m));
-        self.excluded_epochs += usize::from(is_excluded);
-        self.wrong_exclusions += usize::from(excludes_healthy(moment, faults));
-        self.epochs += 1;
-        self.protected_epochs += usize::from(output.is_some_and(|output| output.state.is_protected()));
-    }
-}
-
-/// Returns true if a protected epoch excludes a satellite without a fault.
-fn excludes_healthy(moment: &Moment, faults: &[Fault]) -> bool {
-    let faulty = |satellite| {
-        faults.iter().any(|fault| fault.is_active(moment.elapsed_s) && fault.target.covers(satellite))
-    };
-    moment.output.as_ref().is_some_and(|output| {
-        output.state.is_protected() && output.excluded.iter().any(|excluded| !faulty(excluded.satellite))
-    })
-}
-
-fn largest_magnitude(largest: f64, value: f64) -> f64 {
-    if value.abs() > largest.abs() { value } else { largest }
-}
-
 impl fmt::Display for Summary {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let metres = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.2} m"));
@@ -395,26 +334,5 @@ impl fmt::Display for Summary {
             writeln!(formatter, "records skipped    {}", self.skipped)?;
         }
         self.injected.iter().try_for_each(|fault| writeln!(formatter, "{fault}"))
-    }
-}
-
-impl fmt::Display for Injected {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (satellite, start_s) = (&self.sat, self.start);
-        let Some(bias_m) = self.bias_m else {
-            return write!(
-                formatter,
-                "injected outage of {satellite} from {start_s} s: {} epochs without it, {} of them protected",
-                self.epochs, self.protected_epochs
-            );
-        };
-        let noticed =
-            self.first_alert_or_exclusion_s.map_or("never".to_owned(), |s| format!("after {s:.1} s"));
-        write!(
-            formatter,
-            "injected {satellite} {bias_m:+.1} m from {start_s} s: noticed {noticed}, excluded in {} epochs, wrong \
-             exclusions {}",
-            self.excluded_epochs, self.wrong_exclusions
-        )
     }
 }
