@@ -32,7 +32,7 @@ pub struct Injected {
     pub unused: Option<String>,
     /// True once the module has tested it.
     #[cfg_attr(feature = "commands", serde(skip))]
-    is_used: bool,
+    is_tested: bool,
 }
 
 impl Injected {
@@ -49,17 +49,17 @@ impl Injected {
             epochs: 0,
             protected_epochs: 0,
             unused: None,
-            is_used: false,
+            is_tested: false,
         }
     }
 
     /// Takes the fates of an epoch's satellites while the fault lasts.
     pub(super) fn look(&mut self, fault: &Fault, view: &View) {
         for account in view.satellites.iter().filter(|account| fault.target.covers(account.satellite)) {
-            self.is_used |= account.fate == Fate::Used || account.fate.is_excluded();
+            self.is_tested |= account.fate == Fate::Used || account.fate.is_excluded();
             self.unused.get_or_insert_with(|| account.fate.to_string());
         }
-        self.unused.take_if(|_| self.is_used);
+        self.unused.take_if(|_| self.is_tested);
     }
 
     /// Counts an epoch while the fault lasts.
@@ -131,7 +131,7 @@ mod tests {
     fn a_satellite_below_the_mask_has_no_part_in_the_position() {
         let recording = Simulation::above_xian(0.0, 20, 1).record();
         let selection = Selection::new("GC", Frequency::Dual).unwrap();
-        let words = |satellite: SatelliteId| {
+        let outcome = |satellite: SatelliteId| {
             let fault = Fault::parse_inject(&format!("{satellite}:+80@5..15")).unwrap();
             let lumps = encode(&recording, &selection, &[fault], &Window::ALL).unwrap();
             let lumps = lumps.into_iter().map(Ok);
@@ -142,15 +142,20 @@ mod tests {
                 summary.count(&Moment::of(&lump, &reported, None));
                 reported.view().into_iter().for_each(|view| summary.look(view, lump.elapsed_s));
             }
-            summary.summary().injected[0].to_string()
+            summary.summary().injected[0].clone()
         };
         // The simulated signal of a satellite is the stronger, the higher it stands.
         let mut satellites = recording.epochs[0].satellites.clone();
         satellites.sort_by(|a, b| a.signals[0].cn0_dbhz.partial_cmp(&b.signals[0].cn0_dbhz).unwrap());
         let [lowest, .., highest] = &satellites[..] else { panic!("{satellites:?}") };
-        let reported = words(lowest.satellite);
+        let reported = outcome(lowest.satellite).to_string();
         assert!(reported.contains("never, because it was not used (below the elevation mask)"), "{reported}");
-        let reported = words(highest.satellite);
-        assert!(reported.contains("noticed after 0.0 s, excluded in 10 epochs"), "{reported}");
+        let noticed = outcome(highest.satellite);
+        assert_eq!(
+            (noticed.first_alert_or_exclusion_s, noticed.excluded_epochs),
+            (Some(0.0), 10),
+            "{noticed}"
+        );
+        assert_eq!(noticed.unused, None);
     }
 }
