@@ -144,7 +144,8 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
     );
     ensure!(
         nature == Nature::Live || (plan.share.is_none() && plan.record.is_none()),
-        "--share and --record take the bytes of a receiver on a serial port or TCP"
+        "--share and --record take the bytes of a receiver on a serial port or TCP; a file is a recording, and `tee` \
+         keeps the bytes of a pipe"
     );
     ensure!(
         nature == Nature::Live || !plan.outputs.iter().any(|output| matches!(output, Sink::Chrony(_))),

@@ -29,12 +29,14 @@ use crate::source::{self, Source};
 /// Largest number of TCP clients that a user may allow. A process has 1024 files by default.
 const LARGEST_CLIENTS: usize = 512;
 
-/// Arguments of `rai run`.
-#[derive(Clone, Debug, Default, clap::Args)]
+/// Arguments of `rai run`, and the entries of its configuration file.
+#[derive(Clone, Debug, Default, clap::Args, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 #[allow(clippy::doc_markdown, reason = "these comments are the help, which is not Markdown")]
 pub struct Arguments {
     /// Configuration file; the options below outrank it.
     #[arg(long, short, value_name = "FILE")]
+    #[serde(skip)]
     pub config: Option<PathBuf>,
     /// Receiver: serial:PORT@BAUD, tcp://HOST:PORT, - for standard input, or a file that a receiver's
     /// bytes were written to.
@@ -48,13 +50,18 @@ pub struct Arguments {
     /// mavlink-udp://ADDRESS:PORT, mavlink-serial:PORT@BAUD, px4-udp://ADDRESS:PORT,
     /// px4-serial:PORT@BAUD, chrony:PATH; repeatable. Standard output unless one is given.
     #[arg(long, short, value_name = "SINK")]
+    #[serde(rename = "outputs")]
     pub output: Vec<String>,
     /// Integrity pin: gpio:CHIP:LINE, file:PATH, or exec:PROGRAM (called with high or low).
     #[arg(long, value_name = "PIN")]
     pub pin: Option<String>,
     /// Setting of the module, such as PHASE=LPV200, or CONFIRM; repeatable, in this order.
     #[arg(long, value_name = "KEY=VALUE")]
+    #[serde(skip)]
     pub set: Vec<String>,
+    /// Settings of the file.
+    #[arg(skip)]
+    pub settings: BTreeMap<String, Value>,
     /// Serve at most this many TCP clients at once; 16 unless given.
     #[arg(long, value_name = "N")]
     pub clients: Option<usize>,
@@ -77,41 +84,27 @@ pub struct Arguments {
     pub page: Option<String>,
     /// Only drive the pin low, and end: what a service manager calls after the service has died.
     #[arg(long)]
+    #[serde(skip)]
     pub lower_pin: bool,
     /// Report neither the start nor changes of the state on standard error; errors remain.
     #[arg(long, short)]
+    #[serde(skip)]
     pub quiet: bool,
     /// Form of the start and of the changes of the state on standard error.
     #[arg(long, value_enum, value_name = "FORM", default_value = "text")]
+    #[serde(skip)]
     pub log: Form,
 }
 
-/// The configuration file.
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    input: Option<String>,
-    caster: Option<String>,
-    #[serde(default)]
-    outputs: Vec<String>,
-    pin: Option<String>,
-    clients: Option<usize>,
-    report: Option<PathBuf>,
-    page: Option<String>,
-    share: Option<String>,
-    #[serde(default)]
-    share_write: bool,
-    record: Option<PathBuf>,
-    #[serde(default)]
-    settings: BTreeMap<String, Value>,
-}
-
 /// The value of a setting in the file: a text, or a number as it stands.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(untagged, expecting = "a setting is a text in quotes or a number")]
-enum Value {
+pub enum Value {
+    /// A text in quotes.
     Text(String),
+    /// An integer.
     Whole(i64),
+    /// A number with decimals.
     Decimal(f64),
 }
 
@@ -161,27 +154,10 @@ impl Plan {
     ///
     /// # Errors
     /// If the file cannot be read or has an unknown entry, or if a value has the wrong form.
-    pub fn read(arguments: Arguments) -> Result<Self> {
-        let Arguments {
-            config,
-            input,
-            caster,
-            output,
-            pin,
-            set,
-            clients,
-            report,
-            page,
-            share,
-            share_write,
-            record,
-            quiet,
-            log,
-            lower_pin: _,
-        } = arguments;
-        let file = config.map_or_else(|| Ok(File::default()), |path| read_file(&path))?;
-        let input: Source = input.or(file.input).unwrap_or_else(|| "-".into()).parse()?;
-        let mut outputs = if output.is_empty() { file.outputs } else { output };
+    pub fn read(line: Arguments) -> Result<Self> {
+        let file = line.config.map_or_else(|| Ok(Arguments::default()), |path| read_file(&path))?;
+        let input: Source = line.input.or(file.input).unwrap_or_else(|| "-".into()).parse()?;
+        let mut outputs = if line.output.is_empty() { file.output } else { line.output };
         if outputs.is_empty() {
             outputs.push("-".into());
         }
@@ -193,7 +169,7 @@ impl Plan {
         let stated = file.settings.into_iter().map(|entry| setting(&text(entry)));
         let stated = stated.collect::<Result<Vec<_>>>()?;
         let (phase, rest): (Vec<_>, Vec<_>) = stated.into_iter().partition(|(key, _)| key == "PHASE");
-        let given = set.iter().map(|text| setting(text)).collect::<Result<Vec<_>>>()?;
+        let given = line.set.iter().map(|text| setting(text)).collect::<Result<Vec<_>>>()?;
         let outputs: Vec<Sink> = outputs.iter().map(|text| text.parse()).collect::<Result<_>>()?;
         // PX4 gets what is made of these; a setting of the user outranks them.
         let for_px4 = ["GPS_INPUT,1", "HEARTBEAT,1"].map(|value| ("OUTPUT".to_owned(), value.to_owned()));
@@ -203,7 +179,7 @@ impl Plan {
             settings.iter().all(|(key, _)| !key.eq_ignore_ascii_case("RESET")),
             "RESET is a command and no setting: it would start the module again without an end"
         );
-        let clients = clients.or(file.clients).unwrap_or(MOST_CLIENTS);
+        let clients = line.clients.or(file.clients).unwrap_or(MOST_CLIENTS);
         ensure!(
             (1..=LARGEST_CLIENTS).contains(&clients),
             "clients must be within 1 to {LARGEST_CLIENTS}, not {clients}"
@@ -211,16 +187,16 @@ impl Plan {
         Ok(Self {
             named: input.to_string(),
             input: source::in_place_of(input)?,
-            caster: caster.or(file.caster).map(|text| text.parse()).transpose()?,
+            caster: line.caster.or(file.caster).map(|text| text.parse()).transpose()?,
             outputs,
-            pin: pin.or(file.pin).map_or(Ok(Place::Nowhere), |text| text.parse())?,
-            report: report.or(file.report),
-            page: page.or(file.page),
-            share: share.or(file.share),
-            share_write: share_write || file.share_write,
-            record: record.or(file.record),
+            pin: line.pin.or(file.pin).map_or(Ok(Place::Nowhere), |text| text.parse())?,
+            report: line.report.or(file.report),
+            page: line.page.or(file.page),
+            share: line.share.or(file.share),
+            share_write: line.share_write || file.share_write,
+            record: line.record.or(file.record),
             clients,
-            log: (!quiet).then_some(log),
+            log: (!line.quiet).then_some(line.log),
             settings,
         })
     }
@@ -259,7 +235,7 @@ fn pin_line(text: &str) -> Result<Option<String>> {
     Ok(Some(pin))
 }
 
-fn read_file(path: &std::path::Path) -> Result<File> {
+fn read_file(path: &std::path::Path) -> Result<Arguments> {
     let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
     toml::from_str(&text).with_context(|| path.display().to_string())
 }
