@@ -173,26 +173,35 @@ fn features_of_the_core() -> Result<Done> {
     done(core("test", &["--no-default-features"], &["method_that_this_build_lacks"]))
 }
 
-/// Module of the tests that take many seconds each, which `test` leaves to `check`.
-const AT_LENGTH: &str = "at_length::";
-
 /// Share of the tests.
 #[derive(Clone, Copy)]
 enum Share {
+    /// Tests of the module and of its programs.
     Short,
+    /// Tests that take many seconds each, and all of the packages whose manifests say `test = false`:
+    /// attacks, experiments, evidence and releases. A test of the product needs none of these.
     AtLength,
 }
+
+/// Tests that take many seconds each stand in modules of this name.
+const AT_LENGTH: &str = "at_length::";
+
+/// The second share, for nextest.
+const SECOND_SHARE: &str =
+    "test(at_length::) | package(adversary) | package(evidence) | package(experiments) | package(release)";
 
 /// Runs a share of the tests, by nextest if it is installed because it is faster, and counts those
 /// that cannot run here.
 fn tests(share: Share, Options { bless, all }: Options) -> Result<Done> {
-    let mut arguments = if has_command("nextest") { nextest_command() } else { command(&["test"]) };
-    arguments.arg("--no-fail-fast");
-    // Both shares are built alike, so that the second one compiles nothing.
-    arguments.args(["--workspace", "--lib", "--bins", "--tests", "--"]);
+    let is_nextest = has_command("nextest");
+    let mut arguments = if is_nextest { nextest_command() } else { command(&["test"]) };
+    // The whole workspace, whose features are then the same for both shares: nothing is compiled twice.
+    arguments.args(["--no-fail-fast", "--workspace"]);
     arguments.args(match share {
-        Share::Short => &["--skip", AT_LENGTH][..],
-        Share::AtLength => &[AT_LENGTH],
+        Share::Short => &["--tests", "--", "--skip", AT_LENGTH][..],
+        Share::AtLength if is_nextest => &["--lib", "--bins", "--test=*", "--filterset", SECOND_SHARE],
+        // By cargo alone, the first share runs again.
+        Share::AtLength => &["--lib", "--bins", "--test=*"],
     });
     let skips = root().join("target/skipped-tests");
     forget(&skips)?;

@@ -93,7 +93,7 @@ pub struct Attack {
 }
 
 attacks! {
-    at_length signed_sky_is_jammed_and_attacked: sky::ATTACK,
+    signed_sky_is_jammed_and_attacked: sky::ATTACK,
 }
 
 /// Attacks of all folders, in the order of the documents.

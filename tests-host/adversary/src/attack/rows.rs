@@ -1,36 +1,20 @@
 //! Rows of attacks, from which the list of a folder and the tests come.
 //!
 //! A row is `test: file::CONSTANT`. The test is called by what the module does about the attack, and
-//! runs the quick form. `at_length` before its name says that it takes seconds: it then stands in a
-//! module of that name, which `cargo xtask check` runs. The compiler names an attack that has no row.
+//! runs the quick form. The compiler names an attack that has no row.
 
 /// Defines `ATTACKS` and a test for each row.
 macro_rules! attacks {
-    (@short at_length $test:ident $file:ident $attack:ident) => {};
-    (@short $test:ident $file:ident $attack:ident) => {
-        #[test]
-        fn $test() {
-            crate::attack::rows::hold(&super::$file::$attack);
-        }
-    };
-    (@long at_length $test:ident $file:ident $attack:ident) => {
-        #[test]
-        fn $test() {
-            crate::attack::rows::hold(&super::super::$file::$attack);
-        }
-    };
-    (@long $test:ident $file:ident $attack:ident) => {};
-    ($($($test:ident)+: $file:ident::$attack:ident,)*) => {
+    ($($test:ident: $file:ident::$attack:ident,)*) => {
         /// Attacks of the rows, in their order.
         pub(super) const ATTACKS: &[&crate::attack::Attack] = &[$(&$file::$attack),*];
 
         #[cfg(test)]
         mod tests {
-            $(attacks!(@short $($test)+ $file $attack);)*
-
-            mod at_length {
-                $(attacks!(@long $($test)+ $file $attack);)*
-            }
+            $(#[test]
+            fn $test() {
+                crate::attack::rows::hold(&super::$file::$attack);
+            })*
         }
     };
 }

@@ -104,10 +104,7 @@ impl Drop for Process {
 
 /// Returns the command of a service of its own.
 fn command(arguments: &[String]) -> Command {
-    let mut service = Command::new(std::env::current_exe().unwrap());
-    service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
-    service.env(super::endurance::ARGUMENTS, arguments.join("\n"));
-    service.env("RUST_TEST_THREADS", "1");
+    let mut service = service(&arguments.join("\n"));
     service.stdin(Stdio::null()).stdout(Stdio::null());
     service
 }

@@ -105,11 +105,8 @@ fn gpsd_has_a_position_again_within_ten_seconds_of_a_restart() {
     let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let (receiver, input) = receiver();
     let start = || {
-        let mut service = Command::new(std::env::current_exe().unwrap());
-        service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
         let arguments = format!("--input={}\n--output=udp://{address}", input.as_deref().unwrap());
-        service.env(super::endurance::ARGUMENTS, arguments).env("RUST_TEST_THREADS", "1");
-        service.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+        service(&arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
     };
     let Some(mut gpsd) = Gpsd::on_datagrams_or_skip(address).unwrap() else { return };
     let pieces = pieces(120);

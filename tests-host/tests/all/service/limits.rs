@@ -58,8 +58,7 @@ fn pin_falls_in_time_with_64_open_files_and_more_clients() {
     ];
     let mut service = Command::new("sh");
     service.args(["-c", "ulimit -n 64; exec \"$0\" \"$@\""]).arg(std::env::current_exe().unwrap());
-    service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
-    service.env(super::endurance::ARGUMENTS, arguments.join("\n")).env("RUST_TEST_THREADS", "1");
+    let mut service = started_by(service, &arguments.join("\n"));
     service.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     let _service = Running(service.spawn().unwrap());
     let (mut line, _) = receiver.accept().unwrap();

@@ -12,14 +12,12 @@
 //! | [`limits`] | the pin while clients take all places and files |
 //! | [`computer`] | the pin while the date steps, the machine sleeps, readers stop, the disk is full |
 //! | [`page`] | the page in a browser |
-//! | [`endurance`] | the service as a program, between cuts, kills and dead clients |
+//! | [`program`] | the service in a process of its own |
 
 mod casters;
 #[cfg(target_os = "linux")]
 mod computer;
 mod consumers;
-#[cfg(target_os = "linux")]
-mod endurance;
 #[cfg(target_os = "linux")]
 mod limits;
 #[cfg(target_os = "linux")]
@@ -28,6 +26,7 @@ mod page;
 #[cfg(target_os = "linux")]
 mod played;
 mod ports;
+mod program;
 mod share;
 mod time;
 
@@ -45,6 +44,8 @@ use raim::run::clock::Clock;
 use raim::run::{Arguments, Plan, serve_by};
 use raim::signal::encode::{Frequency, Selection, ubx};
 use raim::signal::sky::raw::Simulation;
+
+use program::{service, started_by};
 
 /// Epochs per second that the receiver sends.
 const RATE_HZ: u32 = 5;

@@ -1,18 +1,13 @@
 //! A file that `--input` names, and settings in every form.
 
-use std::ffi::OsStr;
 use std::fs::File;
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 
-use super::endurance::ARGUMENTS;
 use super::*;
 
 /// Runs the service as a program of its own with these arguments.
 fn run(arguments: &str, input: impl Into<Stdio>) -> Output {
-    let mut service = Command::new(std::env::current_exe().unwrap());
-    service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
-    service.env(ARGUMENTS, OsStr::new(arguments)).env("RUST_TEST_THREADS", "1");
-    service.stdin(input).output().unwrap()
+    service(arguments).stdin(input).output().unwrap()
 }
 
 /// Returns the sentences in the output of a test program, which prints lines of its own around

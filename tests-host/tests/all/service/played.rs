@@ -6,7 +6,6 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use raim::replay::command;
 
-use super::endurance::ARGUMENTS;
 use super::*;
 
 /// The command line of `replay`.
@@ -27,10 +26,7 @@ fn file_on_standard_input_gives_the_sentences_of_its_replay() {
     let Line { arguments } = clap::Parser::parse_from(words);
     command::run(&arguments, None).unwrap();
     let run = || {
-        let mut service = Command::new(std::env::current_exe().unwrap());
-        service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
-        service.env(ARGUMENTS, "--input=-").env("RUST_TEST_THREADS", "1");
-        let output = service.stdin(File::open(&capture).unwrap()).output().unwrap();
+        let output = service("--input=-").stdin(File::open(&capture).unwrap()).output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         // The test program prints lines of its own around the sentences.
         let text = String::from_utf8(output.stdout).unwrap();
@@ -46,11 +42,12 @@ fn file_on_standard_input_gives_the_sentences_of_its_replay() {
 
 /// Starts the service as a process whose standard input and output are pipes.
 fn piped(arguments: &str) -> (Child, ChildStdin, ChildStdout) {
-    let mut service = Command::new(std::env::current_exe().unwrap());
-    service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
-    service.env(ARGUMENTS, arguments).env("RUST_TEST_THREADS", "1");
-    let mut service =
-        service.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    let mut service = service(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
     let (input, output) = (service.stdin.take().unwrap(), service.stdout.take().unwrap());
     (service, input, output)
 }
@@ -97,9 +94,7 @@ fn termination_cuts_no_sentence_and_waits_for_no_reader() {
     fs::write(&capture, &bytes).unwrap();
     for (is_file, lag_ms) in [(true, 0), (true, 5), (false, 0), (false, 5), (false, 50)] {
         let (mut service, mut input, mut output) = if is_file {
-            let mut service = Command::new(std::env::current_exe().unwrap());
-            service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
-            service.env(ARGUMENTS, "--input=-").env("RUST_TEST_THREADS", "1");
+            let mut service = service("--input=-");
             service.stdin(File::open(&capture).unwrap()).stdout(Stdio::piped()).stderr(Stdio::null());
             let mut service = service.spawn().unwrap();
             let output = service.stdout.take().unwrap();
@@ -147,9 +142,7 @@ fn termination_cuts_no_sentence_and_waits_for_no_reader() {
 #[test]
 fn time_of_a_recording_is_refused() {
     for kind in ["file", "pipe"] {
-        let mut service = Command::new(std::env::current_exe().unwrap());
-        service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
-        service.env(ARGUMENTS, "--output=chrony:/nowhere/x.sock").env("RUST_TEST_THREADS", "1");
+        let mut service = service("--output=chrony:/nowhere/x.sock");
         let input = if kind == "file" { File::open("Cargo.toml").unwrap().into() } else { Stdio::piped() };
         let output = service.stdin(input).output().unwrap();
         let reported = String::from_utf8_lossy(&output.stderr);

@@ -122,11 +122,8 @@ fn receiver_of_sentences_is_told_once_what_is_missing() {
     let folder = tempfile::tempdir().unwrap();
     let ends = ["receiver", "port"].map(|name| folder.path().join(name));
     let Some(_cable) = Cable::plug(&ends) else { return };
-    let mut service = Command::new(std::env::current_exe().unwrap());
-    service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
     let arguments = format!("--input=serial:{}\n--output=udp://127.0.0.1:9", ends[1].display());
-    service.env(super::endurance::ARGUMENTS, arguments).env("RUST_TEST_THREADS", "1");
-    let mut service = service.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut service = service(&arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let mut line = fs::OpenOptions::new().write(true).open(&ends[0]).unwrap();
     let start = Instant::now();
     while start.elapsed() < Duration::from_secs(12) {

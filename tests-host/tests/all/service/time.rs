@@ -181,8 +181,7 @@ mod at_length {
 fn start_as_nobody(program: &Path, arguments: &[String]) -> std::process::Child {
     let mut service = std::process::Command::new("runuser");
     service.args(["-u", "nobody", "--"]).arg(program);
-    service.args(["service::endurance::service_of_its_own", "--exact", "--nocapture"]);
-    service.env(super::endurance::ARGUMENTS, arguments.join("\n")).env("RUST_TEST_THREADS", "1");
+    let mut service = started_by(service, &arguments.join("\n"));
     let nowhere = std::process::Stdio::null;
     service.stdin(nowhere()).stdout(nowhere()).stderr(nowhere()).spawn().unwrap()
 }

@@ -40,5 +40,5 @@ attacks! {
     settings_that_nobody_confirmed_promise_nothing: settings::RESTARTS,
     fault_that_is_promised_never_to_happen_is_seen: settings::NEVER,
     receiver_that_is_sure_is_not_talked_out_of_it: suspicions::ATTACK,
-    at_length no_muddle_makes_a_promise_wrong_or_ends_all_promises: upheaval::ATTACK,
+    no_muddle_makes_a_promise_wrong_or_ends_all_promises: upheaval::ATTACK,
 }

@@ -8,7 +8,7 @@ pub(super) mod streets;
 attacks! {
     nominal_recordings_are_protected_and_within_their_levels: recordings::NOMINAL,
     reflections_between_buildings_seldom_pass: recordings::URBAN,
-    at_length healthy_receivers_give_no_own_signs: false_signs::ATTACK,
-    at_length silences_of_fast_receivers_are_no_contradictions: gaps::ATTACK,
-    at_length streets_seldom_pass: streets::ATTACK,
+    healthy_receivers_give_no_own_signs: false_signs::ATTACK,
+    silences_of_fast_receivers_are_no_contradictions: gaps::ATTACK,
+    streets_seldom_pass: streets::ATTACK,
 }

@@ -11,7 +11,7 @@ attacks! {
     crowd_of_satellites_displaces_none_in_view: early_ephemeris::CROWD,
     orbits_that_turn_together_carry_nothing_away: false_orbits::TURNED,
     clocks_that_step_together_carry_nothing_away: false_orbits::CLOCKS,
-    at_length sets_that_leap_together_are_not_believed_beside_true_ones: false_orbits::LEAP,
+    sets_that_leap_together_are_not_believed_beside_true_ones: false_orbits::LEAP,
     false_sets_that_came_first_end_with_a_true_one: false_orbits::FIRST,
     one_false_set_costs_no_position: false_orbits::ONE,
 }

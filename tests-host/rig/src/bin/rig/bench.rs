@@ -46,7 +46,7 @@ fn profile(stage: &str) -> anyhow::Result<()> {
 }
 
 fn host() -> anyhow::Result<()> {
-    cargo(&["bench", "--package", "tests-host", "--bench", "throughput"])?;
+    cargo(&["bench", "--package", "experiments", "--bench", "throughput"])?;
     cargo(&["run", "--release", "--package", "rig", "--example", "judged"])
 }
 

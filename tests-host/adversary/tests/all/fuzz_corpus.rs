@@ -74,12 +74,7 @@ fn mutations_of_linearised_epochs_pass() {
     mutate("separation");
 }
 
-/// Many seconds each.
-mod at_length {
-    use super::*;
-
-    #[test]
-    fn mutations_of_the_host_port_pass() {
-        mutate("command");
-    }
+#[test]
+fn mutations_of_the_host_port_pass() {
+    mutate("command");
 }
