@@ -26,7 +26,6 @@ use steps::{CHECK, Done, Lane, Options, QUICK, Step, TEST};
 pub(crate) const OPTIONS: &str = "
   --quick      Run only format, lints, unit tests and the size of the image (`test`)
   --step NAME  Run one step with its output on the terminal; a wrong name lists the names
-  --bless      Accept the present output of the snapshot tests as the wanted one
   --all        Fail if a test is skipped because a recording or a program is missing
 ";
 
@@ -64,7 +63,7 @@ pub(crate) fn ensure_none_is_left(arguments: &mut Arguments) -> Result<()> {
 
 fn run(verb: &'static str, steps: &'static [Step], arguments: &mut Arguments) -> Result<()> {
     let step: Option<String> = arguments.opt_value_from_str("--step")?;
-    let options = Options { bless: arguments.contains("--bless"), all: arguments.contains("--all") };
+    let options = Options { all: arguments.contains("--all") };
     ensure_none_is_left(arguments)?;
     if let Some(name) = step {
         return alone(&name, options);
@@ -127,7 +126,7 @@ fn child(step: &Step, options: Options, log: &Path) -> Result<Done> {
     let program = std::env::args_os().next().context("this program has no name")?;
     let mut child = Command::new(program);
     child.args(["test", "--step", step.name]);
-    child.args(options.bless.then_some("--bless")).args(options.all.then_some("--all"));
+    child.args(options.all.then_some("--all"));
     let status = child.stdout(file.try_clone()?).stderr(file).status().context("a step cannot be started")?;
     ensure!(status.success(), "see {}", log.display());
     let text = fs::read_to_string(log).unwrap_or_default();

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::Path;
+use std::process::Stdio;
 
 use anyhow::{Context as _, Result, ensure};
 use xtask::cargo::{command, for_a_person, root, spawn};
@@ -22,8 +23,6 @@ pub(super) struct Step {
 /// Wishes of the person who runs the steps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Options {
-    /// The present output of the snapshot tests is the wanted one.
-    pub(super) bless: bool,
     /// A skipped test is a failure.
     pub(super) all: bool,
 }
@@ -186,27 +185,37 @@ enum Share {
 /// Tests that take many seconds each stand in modules of this name.
 const AT_LENGTH: &str = "at_length::";
 
-/// The second share, for nextest.
-const SECOND_SHARE: &str =
-    "test(at_length::) | package(adversary) | package(evidence) | package(experiments) | package(release)";
+/// Options of the first share: the whole workspace, so that its features are those of the second one
+/// and nothing is compiled twice.
+const FIRST: [&str; 2] = ["--workspace", "--tests"];
+
+/// Returns the filter of nextest for all that the first share leaves out.
+fn left_out() -> Result<String> {
+    let mut list = command(&["nextest", "list", "--list-type=binaries-only", "--message-format=oneline"]);
+    let output = list.args(FIRST).stderr(Stdio::inherit()).output()?;
+    ensure!(output.status.success(), "the programs of the tests cannot be built");
+    let programs = String::from_utf8(output.stdout)?;
+    let programs: Vec<_> = programs.lines().map(|program| format!("binary_id(={program})")).collect();
+    Ok(format!("test({AT_LENGTH}) | not ({})", programs.join(" | ")))
+}
 
 /// Runs a share of the tests, by nextest if it is installed because it is faster, and counts those
 /// that cannot run here.
-fn tests(share: Share, Options { bless, all }: Options) -> Result<Done> {
+fn tests(share: Share, Options { all }: Options) -> Result<Done> {
     let is_nextest = has_command("nextest");
     let mut arguments = if is_nextest { nextest_command() } else { command(&["test"]) };
-    // The whole workspace, whose features are then the same for both shares: nothing is compiled twice.
-    arguments.args(["--no-fail-fast", "--workspace"]);
-    arguments.args(match share {
-        Share::Short => &["--tests", "--", "--skip", AT_LENGTH][..],
-        Share::AtLength if is_nextest => &["--lib", "--bins", "--test=*", "--filterset", SECOND_SHARE],
-        // By cargo alone, the first share runs again.
-        Share::AtLength => &["--lib", "--bins", "--test=*"],
-    });
+    arguments.arg("--no-fail-fast");
+    match share {
+        Share::Short => arguments.args(FIRST).args(["--", "--skip", AT_LENGTH]),
+        Share::AtLength => arguments.args(["--workspace", "--lib", "--bins", "--test=*"]),
+    };
+    // By cargo alone, the first share runs again in the second one.
+    if is_nextest && matches!(share, Share::AtLength) {
+        arguments.arg("--filterset").arg(left_out()?);
+    }
     let skips = root().join("target/skipped-tests");
     forget(&skips)?;
-    let update = if bless { "always" } else { "no" };
-    let outcome = spawn(arguments.env("INSTA_UPDATE", update).env("RAI_SKIPS", &skips));
+    let outcome = spawn(arguments.env("INSTA_UPDATE", "no").env("RAI_SKIPS", &skips));
     let lines = std::fs::read_to_string(&skips).unwrap_or_default();
     let skipped = skipped(&lines);
     for (test, needs) in &skipped {
@@ -222,8 +231,8 @@ fn tests(share: Share, Options { bless, all }: Options) -> Result<Done> {
 fn nextest_command() -> std::process::Command {
     let mut nextest = command(&["nextest", "run", "--config-file"]);
     nextest.arg(root().join("xtask/nextest.toml"));
-    // Two more than there are processors, because the tests of services mostly wait.
-    let threads = std::thread::available_parallelism().map_or(2, |count| count.get() + 2);
+    // Three more than there are processors, because the tests of services mostly wait.
+    let threads = std::thread::available_parallelism().map_or(2, |count| count.get() + 3);
     nextest.args(["--test-threads", &threads.to_string()]);
     nextest
 }
