@@ -21,7 +21,8 @@ pub(crate) fn run(arguments: &mut Arguments) -> Result<()> {
         probe.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success()),
         "cargo-llvm-cov is missing: rustup component add llvm-tools && cargo install cargo-llvm-cov"
     );
-    let tests: &[&str] = if is_all { &["--workspace"] } else { &["--package", "raim-core"] };
+    let tests: &[&str] =
+        if is_all { &["--workspace", "--lib", "--bins", "--test=*"] } else { &["--package", "raim-core"] };
     let mut command = command(&[&["llvm-cov", "test"], tests].concat());
     // Only the core is counted, without the tests inside it.
     command.args(["--ignore-filename-regex", "(rai-firmware|tests-host|xtask)/|/tests"]);

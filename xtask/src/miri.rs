@@ -17,7 +17,7 @@ const TARGET: &str = "armv7-unknown-linux-gnueabihf";
 /// stacked borrows do not allow that.
 const TESTS: [&[&str]; 4] = [
     &["--package", "raim-core", "--lib"],
-    &["--package", "raim-core", "--test", "epoch", "--test", "frame", "--test", "monitor"],
+    &["--package", "raim-core", "--test", "all", "--", "epoch::", "frame::", "monitor::"],
     &["--package", "raim-firmware", "--lib"],
     &["--package", "rai-capi"],
 ];
