@@ -4,7 +4,7 @@
 //!
 //! | epoch | until |
 //! |---|---|
-//! | its rates contradict each other, or it has none | rates have agreed for [`SETTLED_S`] |
+//! | its rates contradict each other, and this is unusual; or it has none | rates have agreed for [`SETTLED_S`] |
 //! | its place is not where it was before, if that is known | it returns to that place |
 //!
 //! A walk-off with true rates needs the first row: once it is some kilometres long, the rates fit
@@ -14,8 +14,9 @@
 //!
 //! **Refused rates.** If rates contradict each other for [`REFUSED_S`], the position is not
 //! promised, unless this is usual: in streets, a cheap receiver has such rates for minutes. They
-//! are unusual if at most [`UNUSUAL`] of the last minutes had them. They then also renew a
-//! contradiction. This too ends after [`HELD_S`].
+//! are unusual if at most [`UNUSUAL`] of the last minutes had them. They then also keep and renew a
+//! contradiction. This too ends after [`HELD_S`]. In streets they say nothing: kept by them, a single
+//! false contradiction would cost an hour.
 //!
 //! **Limits.** A receiver whose rates contradict each other often, or that has none, is believed
 //! without them. An attack can teach this within a minute, before it moves the position.
@@ -152,12 +153,16 @@ impl Doubt {
         if is_refused {
             self.refused_s.get_or_insert(time_s);
         }
-        let is_renewed = is_refused && self.is_unusual();
+        let is_unusual = self.is_unusual();
         let Some(contradiction) = &mut self.contradiction else { return false };
-        contradiction.kept_s = time_s;
-        if is_renewed {
-            contradiction.last_s = time_s;
+        if is_refused {
+            if is_unusual {
+                contradiction.last_s = time_s;
+            } else if !contradiction.is_held {
+                return false;
+            }
         }
+        contradiction.kept_s = time_s;
         if time_s - contradiction.last_s > HELD_S {
             self.contradiction = None;
         }

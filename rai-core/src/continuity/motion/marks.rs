@@ -13,7 +13,7 @@
 //! close to a line by chance, the more often the more epochs a second there are. `n` knows it at
 //! once. A walk hardly raises it, because it moves little from one epoch to the next.
 
-use super::{FLOORS_M, Motion};
+use super::{CLOCK_SHARE, FLOOR_M, LEVEL_SHARE, Motion};
 use crate::continuity::discrepancy::Discrepancy;
 use crate::continuity::steering::STAYS;
 use crate::numeric::sqrt;
@@ -78,8 +78,9 @@ impl Motion {
 
     /// Returns whether position and clock contradict their past by a straight line through the
     /// marks of one of the windows.
-    pub(super) fn line(&self, now_s: f32, now: &Discrepancy, floor_m: f32) -> [bool; 2] {
-        let [_, clock_floor_m] = FLOORS_M;
+    pub(super) fn line(&self, now_s: f32, now: &Discrepancy) -> [bool; 2] {
+        let floor_m = FLOOR_M.max(LEVEL_SHARE * now.level_m);
+        let clock_floor_m = CLOCK_SHARE * floor_m;
         let [noise_m, clock_noise_m] = self.noise.rms_m();
         let lines = WINDOWS_S.into_iter().filter_map(|window_s| self.line_of(window_s, now_s, now));
         lines.fold([false; 2], |[track, clock], [(away_m, scatter_m), (apart_m, clock_scatter_m)]| {

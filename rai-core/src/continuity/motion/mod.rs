@@ -9,8 +9,8 @@
 //! leap    |δ_k − δ_m| > L_k + L_m                               for a mark m of the last minute
 //! leaps   |δ_k − δ_h| > 2 L_k                                   for the mean δ_h of the last ten minutes, of the position only
 //! step    |δ_k − δ_l| > max(20·t, √(L_k² + L_l²)/4)             for the last mark l, of the position only
-//! drift   |δ_k − δ_1| > max(floor, 6·s, 6·e, 6·n)              for mark 1, the first of a window of 20, 30 or 60 s;
-//!         of the position also  |δ_k − δ_1| > L_k/4
+//! drift   |δ_k − δ_1| > max(f, 6·s, 6·e, 6·n)                  for mark 1, the first of a window of 20, 30 or 60 s;
+//!         f = max(4 m, L_k/4) for the position, half of it for the clock
 //! e²      = mean of |δ_m − δ_1 − (δ_k − δ_1) (t_m − t_1)/(t_k − t_1)|²  over the marks after the first
 //! n²      ← n² + (|δ_k − δ_{k−1}|² − n²)/8                         n counts as at most 4·s
 //! ```
@@ -33,9 +33,11 @@
 //!
 //! Reflections also change `δ`, in streets by 200 m within levels of 300 m, but rarely along a
 //! straight line. A step and a drift are therefore compared with their usual size, `t` and `s`. In
-//! streets, the largest step of 746 was 15 times the mean. A drift of the position counts only above a quarter of `L`, about three
-//! quarters of the HPL. Below that, the level bounds it; a continuing drift is an alert before it
-//! exceeds the level.
+//! streets, the largest step of 746 was 15 times the mean. A drift of the position counts only
+//! above a quarter of `L`, about three quarters of the HPL. Below that, the level bounds it; a
+//! continuing drift is an alert before it exceeds the level. A clock is as uncertain as a height,
+//! whose sigma is a fifth of the VPL. A drift of the clock below an eighth of `L` is therefore no
+//! more than its noise: a reflection that grows for a minute, or four satellites of one system.
 //!
 //! **Figures.** Twelve replays of eight recordings with Doppler frequencies have no contradiction.
 //! Their `|δ_k − δ_1|`, m:
@@ -100,8 +102,11 @@ const FASTER_M_S: f32 = 40.0;
 /// Smallest drift of the position, relative to `HPL + VPL`.
 const LEVEL_SHARE: f32 = 0.25;
 
-/// Smallest drift of the position and of the clock, m. The position has three components.
-const FLOORS_M: [f32; 2] = [4.0, 2.0];
+/// Smallest drift of the position, m.
+const FLOOR_M: f32 = 4.0;
+
+/// Smallest drift of the clock relative to that of the position, which has three components.
+const CLOCK_SHARE: f32 = 0.5;
 
 /// Largest step of the position from mark to mark, relative to the mean one.
 const STEPS: f32 = 20.0;
@@ -264,8 +269,6 @@ impl Motion {
         while self.marks.front().is_some_and(|mark| now_s - mark.time_s > WINDOW_S as f32) {
             self.marks.pop_front();
         }
-        let [floor_m, _] = FLOORS_M;
-        let floor_m = floor_m.max(LEVEL_SHARE * now.level_m);
         // The noise of a difference is that of both epochs.
         let last_m = self.marks.back().map_or(now.level_m, |mark| mark.discrepancy.level_m);
         let both_m = LEVEL_SHARE * sqrt(now.level_m * now.level_m + last_m * last_m);
@@ -290,7 +293,7 @@ impl Motion {
         // A place at the edge of the bound has not returned, whatever the noise of the epoch.
         let is_home =
             if is_home == Some(true) { self.doubt.is_home(&discrepancy, 0.5 * step_m) } else { is_home };
-        let drift = self.line(now_s, &discrepancy, floor_m);
+        let drift = self.line(now_s, &discrepancy);
         let drift = self.unsteered(now_s, &discrepancy, drift);
         self.mark(now_s, &discrepancy, drift == [false; 2]);
         (drift, is_home)

@@ -165,21 +165,34 @@ fn a_leap_within_the_levels_after_a_gap_is_no_drift() {
     }
 }
 
+/// Returns the first contradiction of a series with levels of 400 m together, and the time since its
+/// attack began, s.
+fn first_within_400_m(epochs: impl IntoIterator<Item = Epoch>) -> Option<(f64, Alert)> {
+    let mut motion = Motion::new();
+    epochs.into_iter().find_map(|epoch| {
+        let mut report = report(epoch);
+        report.protection = Some(ProtectionLevels::new(150.0, 250.0));
+        motion.judge(epoch.time_s, &report, Ok(&velocity(epoch))).map(|alert| (since(epoch), alert))
+    })
+}
+
+#[test]
+fn a_clock_that_drifts_deep_within_the_levels_is_no_alert() {
+    let seen = |speed_m_s: f64| {
+        let dragged = |epoch: Epoch| Epoch { clock_m: epoch.clock_m + speed_m_s * since(epoch), ..epoch };
+        first_within_400_m(drive(700).map(dragged))
+    };
+    // An eighth of 400 m in a minute is 0.83 m/s.
+    assert_eq!(seen(0.7), None);
+    let seen = seen(1.0);
+    assert!(matches!(seen, Some((..60.0, Alert::Clock))), "{seen:?}");
+}
+
 #[test]
 fn a_slow_walk_deep_within_its_level_is_no_alert_and_a_faster_one_is_before_it_ends() {
     let seen = |speed_m_s: f64| {
-        let mut motion = Motion::new();
-        drive(700).map(|epoch| Epoch { east_m: epoch.east_m + speed_m_s * since(epoch), ..epoch }).find_map(
-            |epoch| {
-                let levels = ProtectionLevels::new(150.0, 250.0);
-                let report = {
-                    let mut report = report(epoch);
-                    report.protection = Some(levels);
-                    report
-                };
-                motion.judge(epoch.time_s, &report, Ok(&velocity(epoch))).map(|alert| (since(epoch), alert))
-            },
-        )
+        let walked = |epoch: Epoch| Epoch { east_m: epoch.east_m + speed_m_s * since(epoch), ..epoch };
+        first_within_400_m(drive(700).map(walked))
     };
     // A quarter of 400 m in a minute is 1.7 m/s.
     assert_eq!(seen(1.0), None);
@@ -308,6 +321,17 @@ fn a_walk_that_is_seen_stays_seen_when_its_rates_fit_no_velocity() {
         let refused = begin_s as u32 + 101;
         assert!(is_alert_throughout(&seen, refused..1500), "from {begin_s} s: {} alerts", seen.len());
     }
+}
+
+#[test]
+fn one_contradiction_of_the_clock_is_not_kept_by_rates_that_are_refused_as_usual() {
+    // In a street half of the rates are refused, and a reflection moves the clock.
+    let reflected = drive(1500).map(|epoch| {
+        let leap_m = if epoch.time_s < 300.0 { 0.0 } else { 60.0 };
+        Epoch { clock_m: epoch.clock_m + leap_m, ..epoch }
+    });
+    let is_refused = |epoch: &Epoch| epoch.time_s > 120.0 && epoch.time_s as u32 % 10 > 5;
+    assert_eq!(contradictions_refused(reflected, is_refused), [(300.0, Alert::Clock)]);
 }
 
 #[test]

@@ -133,10 +133,31 @@ impl Table {
         };
         Self { rows: lines.map(cells).collect() }
     }
+
+    /// Returns the time of the epochs, without gaps of more than a minute, h.
+    fn hours(&self) -> f64 {
+        let times: Vec<f64> = self.rows.iter().filter_map(|row| number(row, "tow")).collect();
+        let steps = times.windows(2).map(|pair| pair[1] - pair[0]);
+        steps.filter(|step_s| (0.0..=60.0).contains(step_s)).sum::<f64>() / 3600.0
+    }
+
+    /// Returns the number of alerts, and of protected epochs without a satellite.
+    fn signs(&self) -> usize {
+        self.rows.iter().filter(|row| row["state"] == "A" || row["reason"] == "EXCLUDED").count()
+    }
 }
 
 fn number(row: &BTreeMap<String, String>, name: &str) -> Option<f64> {
     row.get(name)?.parse().ok()
+}
+
+/// Returns the words of `rai replay`; `None` if a file is missing.
+fn words(line: &str) -> Option<Vec<String>> {
+    let path = |word: &str| match word.strip_prefix('@') {
+        Some(path) => Some(shared::path_or_skip(&format!("data/{path}"))?.display().to_string()),
+        None => Some(word.into()),
+    };
+    ["replay", "--json"].into_iter().chain(line.split_whitespace()).map(path).collect()
 }
 
 /// What a replay has shown.
@@ -162,14 +183,7 @@ impl Shown {
     fn by(line: &str, frequency: &str) -> Option<Self> {
         let folder = tempfile::tempdir().unwrap();
         let [epochs, satellites] = ["epochs.csv", "satellites.csv"].map(|name| folder.path().join(name));
-        let mut words: Vec<String> =
-            ["replay", "--json", "--set", "NOISE=AUTO", "--frequency", frequency].map(Into::into).into();
-        for word in line.split_whitespace() {
-            words.push(match word.strip_prefix('@') {
-                Some(path) => shared::path_or_skip(&format!("data/{path}"))?.display().to_string(),
-                None => word.into(),
-            });
-        }
+        let mut words = words(&format!("{line} --set NOISE=AUTO --frequency {frequency}"))?;
         words.extend(["--csv".into(), epochs.display().to_string()]);
         words.extend(["--satellites".into(), satellites.display().to_string()]);
         command::run(&Line::parse_from(words).arguments, None).expect("a replay");
@@ -180,21 +194,14 @@ impl Shown {
         let mut shown = Self {
             epochs: epochs.rows.len(),
             protected: 0,
-            hours: 0.0,
-            signs: epochs
-                .rows
-                .iter()
-                .filter(|row| row["state"] == "A" || row["reason"] == "EXCLUDED")
-                .count(),
+            hours: epochs.hours(),
+            signs: epochs.signs(),
             errors_m: [vec![], vec![]],
             levels_m: [vec![], vec![]],
             beyond: 0,
             sigma_check_pct: 0.0,
             w_tests: [vec![], vec![]],
         };
-        let times: Vec<f64> = epochs.rows.iter().filter_map(|row| number(row, "tow")).collect();
-        let steps = times.windows(2).map(|pair| pair[1] - pair[0]);
-        shown.hours = steps.filter(|step_s| (0.0..=60.0).contains(step_s)).sum::<f64>() / 3600.0;
         let mut protected = BTreeMap::new();
         let mut squares = Vec::new();
         for row in epochs.rows.iter().filter(|row| row["state"] == "P") {
@@ -324,4 +331,43 @@ fn results_have_the_levels_and_the_tails_of_every_recording() {
     document::must_have("results/receivers.md", "levels", &levels);
     document::must_have("results/receivers.md", "tails", &tails);
     document::must_have("results/integrity.md", "signs", &signs);
+}
+
+/// Skies of fewer satellites: systems by their letters.
+const SYSTEMS: [&str; 11] = ["G", "C", "E", "R", "GC", "GE", "CE", "GR", "GCE", "GCER", "GCEJ"];
+
+/// Alerts by which position or clock contradicts its past, which no reflection may cause.
+const AGAINST_THE_PAST: [&str; 4] = ["TRACK", "CLOCK", "JUMP", "TIME"];
+
+#[test]
+fn no_choice_of_systems_shows_a_sign_of_an_attack() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("epochs.csv");
+    let (mut rows, mut skies, mut hours) = (String::new(), [0; 2], [0.0; 2]);
+    for Recorded { name, line, is_bounded, .. } in RECORDINGS {
+        for systems in SYSTEMS {
+            let Some(mut words) = words(&format!("{line} --systems {systems}")) else { return };
+            words.extend(["--csv".into(), file.display().to_string()]);
+            // Without a position there is nothing to judge: the receiver may not know the systems.
+            if command::run(&Line::parse_from(words).arguments, None).is_err() {
+                continue;
+            }
+            let table = Table::read(&file);
+            let place = usize::from(!is_bounded);
+            skies[place] += 1;
+            hours[place] += table.hours();
+            let against =
+                |row: &&BTreeMap<String, String>| AGAINST_THE_PAST.contains(&row["reason"].as_str());
+            let signs = if is_bounded { table.signs() } else { table.rows.iter().filter(against).count() };
+            if signs > 0 {
+                writeln!(rows, "{name}, {systems}: {signs}").unwrap();
+            }
+        }
+    }
+    assert_eq!(rows, "");
+    let mut text = String::from("| recordings | choices of systems | hours |\n|---|---|---|\n");
+    for (what, (skies, hours)) in ["free view", "streets"].iter().zip(skies.into_iter().zip(hours)) {
+        writeln!(text, "| {what} | {skies} | {hours:.0} |").unwrap();
+    }
+    document::must_have("results/integrity.md", "systems", &text);
 }
