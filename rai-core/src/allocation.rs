@@ -100,32 +100,32 @@ impl Allocation {
             return Ok(self);
         }
         let probabilities = [
-            (self.integrity_vertical, "vertical integrity risk must be above 0 and below 0.5"),
-            (self.integrity_horizontal, "horizontal integrity risk must be above 0 and below 0.5"),
-            (self.alarm_vertical, "vertical false-alarm probability must be above 0 and below 0.5"),
-            (self.alarm_horizontal, "horizontal false-alarm probability must be above 0 and below 0.5"),
-            (self.unmonitored_probability, "unmonitored probability must be above 0 and below 0.5"),
-            (self.emt_prior, "prior of the monitor threshold must be above 0 and below 0.5"),
+            (self.integrity_vertical, "vertical integrity risk"),
+            (self.integrity_horizontal, "horizontal integrity risk"),
+            (self.alarm_vertical, "vertical false-alarm probability"),
+            (self.alarm_horizontal, "horizontal false-alarm probability"),
+            (self.unmonitored_probability, "unmonitored probability"),
+            (self.emt_prior, "prior of the monitor threshold"),
         ];
         // NaN fails these comparisons.
         let refused = probabilities.iter().find(|(value, _)| !(*value > 0.0 && *value < 0.5));
         match refused {
             Some(&(value, rule)) => Err(AllocationError { rule, value }),
             None if (0.0..=1.0).contains(&self.consolidation) => Ok(self),
-            None => {
-                let rule = "consolidation share must be within 0 to 1";
-                Err(AllocationError { rule, value: self.consolidation })
-            }
+            None => Err(AllocationError { rule: CONSOLIDATION, value: self.consolidation }),
         }
     }
 }
+
+/// Name of the field that is a share and not a probability.
+const CONSOLIDATION: &str = "consolidation share";
 
 /// The field of an allocation that is out of its range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct AllocationError {
-    /// Message with the name of the field and its range.
+    /// Name of the field.
     pub rule: &'static str,
     /// The value that was given.
     pub value: f64,
@@ -133,7 +133,9 @@ pub struct AllocationError {
 
 impl fmt::Display for AllocationError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.rule)
+        let is_share = self.rule == CONSOLIDATION;
+        let range = if is_share { "within 0 to 1" } else { "above 0 and below 0.5" };
+        write!(formatter, "{} must be {range}", self.rule)
     }
 }
 

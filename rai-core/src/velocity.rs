@@ -21,7 +21,8 @@
 //! has rows: of many rates that all disagree, some five always agree by chance.
 //!
 //! A fault here is independent of the position, because a range can be wrong and its rate right.
-//! Every returned velocity passed its test.
+//! Every returned velocity passed its test. In a vehicle rates are noisier than at rest. If they fail
+//! the test by little, this is noise and no sign of anything else ([`VelocityError::Noise`]).
 //!
 //! Assumes independent Gaussian errors. References: [Lin2016] §2.2 for the test,
 //! [`crate::integrity::raim::levels`] for the levels.
@@ -45,6 +46,13 @@ use crate::numeric::space::upper_triangle;
 use crate::numeric::sqrt;
 use crate::report::{MAX_EXCLUDED, ProtectionLevels, TestStatistic};
 use crate::satellite::{Constellation, SatelliteId};
+
+/// Largest ratio of the statistic to its threshold that noise explains: in a car the statistic is 1.5
+/// to 3, its threshold 1.9, where the model's sigmas are right at rest.
+const NOISY: f64 = 2.0;
+
+/// Speed up to which the rates are as quiet as at rest, m/s. Contradictions are then no noise.
+const SLOW_M_S: f64 = 1.0;
 
 /// Constellation whose clock in the snapshot stands for the common drift of all systems.
 const DRIFT: Constellation = Constellation::Gps;
@@ -117,6 +125,9 @@ pub enum VelocityError {
     Geometry,
     /// The rates contradict each other, and the wrong one cannot be identified.
     Fault,
+    /// The same, but noise explains it: the receiver moves, and the statistic is at most twice its
+    /// threshold.
+    Noise,
 }
 
 impl fmt::Display for VelocityError {
@@ -125,6 +136,7 @@ impl fmt::Display for VelocityError {
             Self::Redundancy => "too few range rates to test a velocity",
             Self::Geometry => "geometry of the range rates singular",
             Self::Fault => "range rates contradict each other",
+            Self::Noise => "range rates noisier than their sigmas",
         })
     }
 }
@@ -153,12 +165,15 @@ pub fn estimate<T: Real, const N: usize>(
     }
     let mut snapshot = workspace.solve().map_err(|_| VelocityError::Geometry)?;
     let mut excluded = Vec::new();
-    if detect(&snapshot, thresholds).ok_or(VelocityError::Redundancy)?.fault() {
+    let all = detect(&snapshot, thresholds).ok_or(VelocityError::Redundancy)?;
+    if all.fault() {
+        let is_moving = snapshot.correction().norm_squared() > T::narrow(SLOW_M_S * SLOW_M_S);
+        let is_noise = is_moving && all.sse <= T::narrow(NOISY * NOISY) * all.threshold;
         let exclusion = exclude_sequentially(&mut snapshot, thresholds);
         let is_isolated = matches!(exclusion.outcome, ExclusionOutcome::Isolated | ExclusionOutcome::Passed);
         let is_told = snapshot.dof() > 1 && leaves_enough(exclusion.rows.len(), snapshot.dof());
         if !is_isolated || !is_told || !separable(&mut snapshot, &exclusion, thresholds) {
-            return Err(VelocityError::Fault);
+            return Err(if is_noise { VelocityError::Noise } else { VelocityError::Fault });
         }
         let named = exclusion.rows.iter().filter_map(|row| satellites.get(row.index));
         // Never full, because its capacity is that of an exclusion.

@@ -290,7 +290,10 @@ impl Rates {
                 }
                 Err(VelocityError::Fault)
             }
-            Err(error @ (VelocityError::Redundancy | VelocityError::Geometry)) => {
+            Err(error) => {
+                if error == VelocityError::Noise {
+                    count(&mut tally.velocities_refused);
+                }
                 trust.interrupt();
                 Err(error)
             }

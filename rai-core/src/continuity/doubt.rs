@@ -4,7 +4,7 @@
 //!
 //! | epoch | until |
 //! |---|---|
-//! | its rates contradict each other, and this is unusual; or it has none | rates have agreed for [`SETTLED_S`] |
+//! | its rates contradict each other, or it has none | rates have agreed for [`SETTLED_S`] |
 //! | its place is not where it was before, if that is known | it returns to that place |
 //!
 //! A walk-off with true rates needs the first row: once it is some kilometres long, the rates fit
@@ -14,9 +14,9 @@
 //!
 //! **Refused rates.** If rates contradict each other for [`REFUSED_S`], the position is not
 //! promised, unless this is usual: in streets, a cheap receiver has such rates for minutes. They
-//! are unusual if at most [`UNUSUAL`] of the last minutes had them. They then also keep and renew a
-//! contradiction. This too ends after [`HELD_S`]. In streets they say nothing: kept by them, a single
-//! false contradiction would cost an hour.
+//! are unusual if at most [`UNUSUAL`] of the last minutes had them. They then also renew a
+//! contradiction. This too ends after [`HELD_S`]. Rates that are only noisier than their sigmas
+//! ([`VelocityError::Noise`]), as of a car that drives off, are no reason against a promise.
 //!
 //! **Limits.** A receiver whose rates contradict each other often, or that has none, is believed
 //! without them. An attack can teach this within a minute, before it moves the position.
@@ -24,6 +24,7 @@
 use nalgebra::Vector3;
 
 use super::discrepancy::{Discrepancy, LEARNED, MEMORY};
+use crate::velocity::VelocityError;
 
 /// Time with velocities and without a contradiction after which an earlier one is forgotten, s. A
 /// drift is detected again within it, and so is a walk at 1 m/s that taught its own bound, as a leap
@@ -63,7 +64,7 @@ pub(super) struct Doubt {
     contradiction: Option<Contradiction>,
     /// First of the consecutive epochs whose rates contradict each other, s.
     refused_s: Option<f64>,
-    /// Last epoch with rates, s.
+    /// Last epoch whose rates agreed or were noisy, s.
     rated_s: f64,
     /// Time with rates that agreed, and with rates that were refused, s.
     shares_s: [f32; 2],
@@ -127,11 +128,7 @@ impl Doubt {
     /// contradiction keeps the alert.
     pub(super) fn keeps_at(&mut self, time_s: f64, is_home: bool) -> bool {
         // A longer gap counts as a second.
-        let elapsed_s = (time_s - self.rated_s).clamp(0.0, 1.0);
-        // A run of refused rates counts when it is over, so that it is not usual by itself.
-        let refused_s = self.refused_s.take().map_or(0.0, |since_s| (time_s - since_s).clamp(0.0, REFUSED_S));
-        self.rated_s = time_s;
-        self.share([elapsed_s as f32, refused_s as f32]);
+        self.end_run(time_s, 1.0);
         let Some(contradiction) = &mut self.contradiction else { return false };
         let is_old = time_s - contradiction.last_s > HELD_S;
         if contradiction.is_held && is_old {
@@ -149,24 +146,35 @@ impl Doubt {
     }
 
     /// Notes an epoch without a velocity. Returns true if an earlier contradiction keeps the alert.
-    pub(super) fn keeps_without_velocity(&mut self, time_s: f64, is_refused: bool) -> bool {
+    pub(super) fn keeps_without_velocity(&mut self, time_s: f64, error: VelocityError) -> bool {
+        let is_refused = error == VelocityError::Fault;
         if is_refused {
             self.refused_s.get_or_insert(time_s);
+        } else if error == VelocityError::Noise {
+            self.end_run(time_s, 0.0);
         }
-        let is_unusual = self.is_unusual();
+        let is_renewed = is_refused && self.is_unusual();
         let Some(contradiction) = &mut self.contradiction else { return false };
-        if is_refused {
-            if is_unusual {
-                contradiction.last_s = time_s;
-            } else if !contradiction.is_held {
-                return false;
-            }
-        }
         contradiction.kept_s = time_s;
+        if is_renewed {
+            contradiction.last_s = time_s;
+        }
         if time_s - contradiction.last_s > HELD_S {
             self.contradiction = None;
         }
         self.contradiction.is_some()
+    }
+
+    /// Ends a run of refused rates, if there is one. The time since the last epoch whose rates agreed
+    /// or were noisy counts as agreement, `most_s` of it at most.
+    fn end_run(&mut self, time_s: f64, most_s: f32) {
+        let since_s = |before_s: f64| ((time_s - before_s) as f32).max(0.0);
+        let agreed_s = since_s(self.rated_s).min(most_s);
+        // A run counts when it is over, so that it is not usual by itself.
+        let refused_s =
+            self.refused_s.take().map_or(0.0, |refused_s| since_s(refused_s).min(REFUSED_S as f32));
+        self.rated_s = time_s;
+        self.share([agreed_s, refused_s]);
     }
 
     /// Adds times with rates that agreed and that were refused, s.

@@ -142,6 +142,32 @@ fn exclusion_that_leaves_one_degree_of_freedom_gives_no_velocity() {
     }
 }
 
+/// Returns the rates of a receiver, each wrong by this many sigmas, with the signs of a pattern.
+fn noisy_rates(velocity_m_s: [f64; 3], sigmas: f64, signs: u32) -> Vec<RangeRate> {
+    let slower = Vector3::from(VELOCITY) - Vector3::from(velocity_m_s);
+    let mut rates = rates(10);
+    for (index, rate) in rates.iter_mut().enumerate() {
+        let error = if signs >> index & 1 == 1 { SIGMA } else { -SIGMA };
+        rate.residual_m_s += rate.line_of_sight.dot(&slower) + sigmas * error;
+    }
+    rates
+}
+
+#[test]
+fn noise_of_a_receiver_that_moves_is_no_fault_and_at_rest_it_is() {
+    let count = |velocity_m_s, sigmas, error| {
+        let refused = |signs: &u32| solve(noisy_rates(velocity_m_s, sigmas, *signs)).err() == Some(error);
+        (0..1024).filter(refused).count()
+    };
+    let moving = |error| count(VELOCITY, 3.5, error);
+    let at_rest = |error| count([0.0; 3], 3.5, error);
+    assert_eq!(moving(VelocityError::Fault), 0);
+    assert_eq!(at_rest(VelocityError::Noise), 0);
+    assert!(moving(VelocityError::Noise) > 300);
+    assert!(at_rest(VelocityError::Fault) > 300);
+    assert!(count(VELOCITY, 40.0, VelocityError::Fault) > count(VELOCITY, 40.0, VelocityError::Noise));
+}
+
 #[test]
 fn velocity_beyond_the_highest_speed_and_its_level_is_no_receiver_s() {
     let have = solve(rates(10)).expect("a velocity");

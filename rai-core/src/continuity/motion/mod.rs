@@ -216,14 +216,14 @@ impl Motion {
         let velocity = match velocity {
             Ok(velocity) => velocity,
             Err(error) => {
-                let is_refused = error == VelocityError::Fault;
+                let is_refused = matches!(error, VelocityError::Fault | VelocityError::Noise);
                 let is_astray = is_refused && self.is_astray(time_s, position, level_m);
                 let contradiction = alert(is_astray, leaps);
                 // Where rates are refused as usual, a clock counts as one without rates.
                 if is_astray || leaps && is_refused && self.doubt.is_unusual() {
                     self.doubt.contradict(time_s, false);
                 }
-                let is_kept = self.doubt.keeps_without_velocity(time_s, is_refused);
+                let is_kept = self.doubt.keeps_without_velocity(time_s, error);
                 return contradiction.or(is_kept.then_some(Alert::Track));
             }
         };

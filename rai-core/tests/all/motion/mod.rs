@@ -324,17 +324,6 @@ fn a_walk_that_is_seen_stays_seen_when_its_rates_fit_no_velocity() {
 }
 
 #[test]
-fn one_contradiction_of_the_clock_is_not_kept_by_rates_that_are_refused_as_usual() {
-    // In a street half of the rates are refused, and a reflection moves the clock.
-    let reflected = drive(1500).map(|epoch| {
-        let leap_m = if epoch.time_s < 300.0 { 0.0 } else { 60.0 };
-        Epoch { clock_m: epoch.clock_m + leap_m, ..epoch }
-    });
-    let is_refused = |epoch: &Epoch| epoch.time_s > 120.0 && epoch.time_s as u32 % 10 > 5;
-    assert_eq!(contradictions_refused(reflected, is_refused), [(300.0, Alert::Clock)]);
-}
-
-#[test]
 fn a_walk_in_the_first_minutes_does_not_teach_its_own_bound() {
     for speed_m_s in [0.3, 0.5, 0.8] {
         let walked = drive(1200).map(|epoch| {

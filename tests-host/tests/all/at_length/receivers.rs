@@ -371,3 +371,37 @@ fn no_choice_of_systems_shows_a_sign_of_an_attack() {
     }
     document::must_have("results/integrity.md", "systems", &text);
 }
+
+/// Least share of the epochs that a receiver must keep if it starts later.
+const KEPT: f64 = 0.8;
+
+#[test]
+fn a_start_on_the_way_costs_no_minutes() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("epochs.csv");
+    let mut lost = String::new();
+    for Recorded { name, line, .. } in RECORDINGS.into_iter().filter(|recorded| !recorded.is_bounded) {
+        for systems in ["GCE", "CE", "GE"] {
+            let protected = |from_s: f64| {
+                let mut words = words(&format!("{line} --systems {systems} --from {from_s}"))?;
+                words.extend(["--csv".into(), file.display().to_string()]);
+                // Without a position there is nothing to lose.
+                let is_judged = command::run(&Line::parse_from(words).arguments, None).is_ok();
+                let rows = if is_judged { Table::read(&file).rows } else { vec![] };
+                let first_s = rows.first().and_then(|row| number(row, "tow"));
+                let kept = rows.iter().filter(|row| row["state"] == "P");
+                Some((first_s, kept.filter_map(|row| number(row, "tow")).collect::<Vec<f64>>()))
+            };
+            let Some((_, all)) = protected(0.0) else { return };
+            for start_s in (100..1000).step_by(100).map(f64::from) {
+                let Some((Some(first_s), kept)) = protected(start_s) else { continue };
+                let before = all.iter().filter(|&&time_s| time_s >= first_s).count();
+                if (kept.len() as f64) < KEPT * before as f64 {
+                    writeln!(lost, "{name}, {systems}, from {start_s} s: {} of {before}", kept.len())
+                        .unwrap();
+                }
+            }
+        }
+    }
+    assert_eq!(lost, "");
+}

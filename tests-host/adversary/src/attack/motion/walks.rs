@@ -27,7 +27,7 @@ pub(super) const LONG: Attack = Attack {
     about: "a place that walks off at 1 to 100 m/s for 20 minutes, from second 30 and 200, with true, missing and contradicting rates; real recordings too",
     branch: Branch::Counterfeit,
     before: "with true rates promised again after 2 to 8 minutes, up to 21 km off; with contradicting ones no alert",
-    note: "with contradicting rates not promised after 5 s, without rates not seen: [the table](#walks-of-twenty-minutes)",
+    note: "with contradicting rates not promised after 5 s, with noisy ones or none not seen: [the table](#walks-of-twenty-minutes)",
     run: long,
 };
 
@@ -229,7 +229,7 @@ fn long(effort: Effort) -> Result<Vec<Figure>> {
     let speeds: &[f64] = effort.pick(&[2.0, 20.0], &SPEEDS_M_S);
     let beginnings: &[u32] = effort.pick(&[200], &BEGINNINGS);
     let scenes = scenes(effort.pick(1, 4))?;
-    for rates in [Rates::True, Rates::Apart(1.5), Rates::Apart(38.0), Rates::Missing] {
+    for rates in [Rates::True, Rates::Apart(0.2), Rates::Apart(1.5), Rates::Apart(38.0), Rates::Missing] {
         for &from in beginnings {
             let name = format!("{}, from {from} s", rates.name());
             let mut all = Vec::new();
