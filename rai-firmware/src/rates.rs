@@ -139,11 +139,14 @@ struct Trust {
     epochs: u16,
     /// True if one of them had one degree of freedom or exclusions.
     is_weak: bool,
+    /// Why the trust was lost.
+    refusal: VelocityError,
 }
 
 impl Trust {
     const fn new() -> Self {
-        Self { standing: Standing::New, since: GpsTime::from_ms(0), epochs: 0, is_weak: false }
+        let refusal = VelocityError::Fault;
+        Self { standing: Standing::New, since: GpsTime::from_ms(0), epochs: 0, is_weak: false, refusal }
     }
 
     /// Notes rates that agree; returns true if their velocity may be reported.
@@ -171,8 +174,8 @@ impl Trust {
     }
 
     /// Notes rates that contradict each other.
-    fn lose(&mut self) {
-        (self.standing, self.epochs) = (Standing::Lost, 0);
+    fn lose(&mut self, refusal: VelocityError) {
+        (self.standing, self.epochs, self.refusal) = (Standing::Lost, 0, refusal);
     }
 }
 
@@ -210,7 +213,7 @@ impl Rates {
     ///
     /// # Errors
     /// [`VelocityError`] if the rates of this epoch give no velocity. Rates that agree again, but
-    /// not yet for long enough, are also a [`VelocityError::Fault`].
+    /// not yet for long enough, are refused for the same reason as those before them.
     #[inline(never)]
     pub fn velocity(
         &mut self,
@@ -276,24 +279,26 @@ impl Rates {
         match agree_on(1.0) {
             Ok(velocity) => {
                 if settings.is_some_and(|settings| !trust.agree(settings, raw.time, &velocity)) {
-                    return Err(VelocityError::Fault);
+                    return Err(trust.refusal);
                 }
                 count(&mut tally.velocities);
                 count_many(&mut tally.rates_excluded, velocity.excluded.len());
                 Ok(velocity)
             }
             Err(VelocityError::Fault) => {
-                trust.lose();
+                trust.lose(VelocityError::Fault);
                 count(&mut tally.velocities_refused);
                 if agree_on(-1.0).is_ok() {
                     count(&mut tally.rates_of_wrong_sign);
                 }
                 Err(VelocityError::Fault)
             }
-            Err(error) => {
-                if error == VelocityError::Noise {
-                    count(&mut tally.velocities_refused);
-                }
+            Err(VelocityError::Noise) => {
+                trust.lose(VelocityError::Noise);
+                count(&mut tally.velocities_refused);
+                Err(VelocityError::Noise)
+            }
+            Err(error @ (VelocityError::Redundancy | VelocityError::Geometry)) => {
                 trust.interrupt();
                 Err(error)
             }
