@@ -4,13 +4,14 @@
 //! two epochs:
 //!
 //! ```text
-//! of the position  a Δt²/8                  a  an unknown acceleration, m/s²
-//! of the clock     0.6 m (Δt/1 s)^1.5       six times the bridge of a quartz with h₋₂ = 2e-20/s
+//! of the position  a Δt²/8 + (V_j + V_{j−1}) Δt/2      a  an unknown acceleration, m/s²; V  HPL + VPL of a velocity, m/s
+//! of the clock     0.6 m (Δt/1 s)^1.5                  six times the bridge of a quartz with h₋₂ = 2e-20/s
 //! ```
 //!
 //! The drift of a quartz walks at random. Between two known drifts its clock departs from the
 //! trapezoid by half as much as without the second one. The departures of two steps are
-//! independent, so that their squares add up.
+//! independent, so that their squares add up. Between buildings a velocity of few satellites may be
+//! wrong by 40 m/s, and its level is large. A short step makes little of it, a gap a leap.
 
 use nalgebra::Vector3;
 
@@ -44,6 +45,8 @@ pub(super) struct Moment {
     pub(super) level_m: f32,
     pub(super) clock_m: f64,
     pub(super) velocity_m_s: Vector3<f32>,
+    /// `HPL + VPL` of the velocity, m/s.
+    pub(super) velocity_level_m_s: f32,
     pub(super) drift_m_s: f64,
     /// True if the clock is of another system than that of the epoch before.
     pub(super) is_of_another_clock: bool,
@@ -92,7 +95,8 @@ impl Path {
         };
         if elapsed_s > SMOOTH_STEP_S {
             let elapsed_s = elapsed_s as f32;
-            self.unknown_m += ACCELERATION_M_S2 as f32 / 8.0 * elapsed_s * elapsed_s;
+            let wrong_m_s = 0.5 * (last.velocity_level_m_s + now.velocity_level_m_s);
+            self.unknown_m += (ACCELERATION_M_S2 as f32 / 8.0 * elapsed_s + wrong_m_s) * elapsed_s;
             self.unknown_clock_m2 += BRIDGE_M * BRIDGE_M * elapsed_s * elapsed_s * elapsed_s;
         }
         let away = now.position - self.position;

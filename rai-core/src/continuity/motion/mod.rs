@@ -228,8 +228,20 @@ impl Motion {
             }
         };
         let velocity_m_s = earth_fixed(position, velocity.east_north_up_m_s);
+        // Infinite if one rate cannot be tested; a difference must stay a number.
+        let velocity_level_m_s =
+            ((velocity.levels_m_s.hpl_m + velocity.levels_m_s.vpl_m) as f32).min(FASTER_M_S);
         let drift_m_s = velocity.drift_m_s;
-        let now = Moment { time_s, position, level_m, clock_m, velocity_m_s, drift_m_s, is_of_another_clock };
+        let now = Moment {
+            time_s,
+            position,
+            level_m,
+            clock_m,
+            velocity_m_s,
+            velocity_level_m_s,
+            drift_m_s,
+            is_of_another_clock,
+        };
         self.with_velocity(&now, leaps)
     }
 

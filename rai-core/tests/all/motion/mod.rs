@@ -417,3 +417,24 @@ fn rates_that_are_wrong_by_five_centimetres_add_up_to_nothing() {
     let slow = drive(3600).map(|epoch| Epoch { speed_m_s: 20.05, ..epoch });
     assert_eq!(contradictions(slow), []);
 }
+
+#[test]
+fn a_velocity_that_may_be_wrong_is_no_leap_after_a_gap() {
+    // Before a gap of 7 s the velocity is wrong by 20 m/s, which makes 70 m of the trapezoid.
+    let seen = |level_m_s: f64| {
+        let mut motion = Motion::new();
+        let is_there = |epoch: &Epoch| !(301.0..307.0).contains(&epoch.time_s);
+        let alerts = drive(400).filter(is_there).filter_map(|epoch| {
+            let is_wrong = epoch.time_s > 299.0 && epoch.time_s < 301.0;
+            let wrong_m_s = if is_wrong { 20.0 } else { 0.0 };
+            let mut velocity = velocity(Epoch { speed_m_s: epoch.speed_m_s + wrong_m_s, ..epoch });
+            if is_wrong {
+                velocity.levels_m_s = ProtectionLevels::new(level_m_s, level_m_s);
+            }
+            motion.judge(epoch.time_s, &report(epoch), Ok(&velocity))
+        });
+        alerts.count()
+    };
+    assert_eq!([20.0, 100.0, f64::INFINITY].map(seen), [0; 3]);
+    assert!(seen(0.5) > 0);
+}
