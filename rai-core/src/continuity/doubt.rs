@@ -204,3 +204,48 @@ impl Doubt {
         self.is_unusual() && !(elapsed_s <= REFUSED_S || elapsed_s > HELD_S)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{AGREED_S, Doubt, REFUSED_S};
+    use crate::velocity::VelocityError::{Fault, Noise};
+
+    /// Returns the state after a minute of rates that agree, and its end, s.
+    fn quiet() -> (Doubt, f64) {
+        let mut doubt = Doubt::new();
+        let end_s = 6.0 * f64::from(AGREED_S);
+        for second in 0..end_s as u32 {
+            assert!(!doubt.keeps_at(second.into(), true));
+        }
+        (doubt, end_s)
+    }
+
+    #[test]
+    fn noise_is_never_refused_and_does_not_make_contradictions_usual() {
+        let (mut doubt, mut now_s) = quiet();
+        for _ in 0..600 {
+            now_s += 1.0;
+            assert!(!doubt.keeps_without_velocity(now_s, Noise));
+            assert!(!doubt.is_refused_for_long(now_s));
+        }
+        assert!(doubt.is_unusual());
+        let noise_ends_s = now_s;
+        while now_s < noise_ends_s + REFUSED_S + 2.0 {
+            now_s += 1.0;
+            assert!(!doubt.keeps_without_velocity(now_s, Fault));
+        }
+        assert!(doubt.is_refused_for_long(now_s));
+        assert!(!doubt.keeps_without_velocity(now_s + 1.0, Noise));
+        assert!(!doubt.is_refused_for_long(now_s + 1.0));
+    }
+
+    #[test]
+    fn a_contradiction_stays_among_noise() {
+        let (mut doubt, mut now_s) = quiet();
+        doubt.contradict(now_s, false);
+        for _ in 0..600 {
+            now_s += 1.0;
+            assert!(doubt.keeps_without_velocity(now_s, Noise));
+        }
+    }
+}

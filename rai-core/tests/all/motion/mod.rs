@@ -165,11 +165,11 @@ fn a_leap_within_the_levels_after_a_gap_is_no_drift() {
     }
 }
 
-/// Returns the first contradiction of a series with levels of 400 m together, and the time since its
-/// attack began, s.
-fn first_within_400_m(epochs: impl IntoIterator<Item = Epoch>) -> Option<(f64, Alert)> {
+/// Returns the first contradiction of an attacked drive with levels of 400 m together, and the time
+/// since the attack began, s.
+fn first_within_400_m(attacked: impl Fn(Epoch) -> Epoch) -> Option<(f64, Alert)> {
     let mut motion = Motion::new();
-    epochs.into_iter().find_map(|epoch| {
+    drive(700).map(attacked).find_map(|epoch| {
         let mut report = report(epoch);
         report.protection = Some(ProtectionLevels::new(150.0, 250.0));
         motion.judge(epoch.time_s, &report, Ok(&velocity(epoch))).map(|alert| (since(epoch), alert))
@@ -179,8 +179,7 @@ fn first_within_400_m(epochs: impl IntoIterator<Item = Epoch>) -> Option<(f64, A
 #[test]
 fn a_clock_that_drifts_deep_within_the_levels_is_no_alert() {
     let seen = |speed_m_s: f64| {
-        let dragged = |epoch: Epoch| Epoch { clock_m: epoch.clock_m + speed_m_s * since(epoch), ..epoch };
-        first_within_400_m(drive(700).map(dragged))
+        first_within_400_m(|epoch| Epoch { clock_m: epoch.clock_m + speed_m_s * since(epoch), ..epoch })
     };
     // An eighth of 400 m in a minute is 0.83 m/s.
     assert_eq!(seen(0.7), None);
@@ -191,8 +190,7 @@ fn a_clock_that_drifts_deep_within_the_levels_is_no_alert() {
 #[test]
 fn a_slow_walk_deep_within_its_level_is_no_alert_and_a_faster_one_is_before_it_ends() {
     let seen = |speed_m_s: f64| {
-        let walked = |epoch: Epoch| Epoch { east_m: epoch.east_m + speed_m_s * since(epoch), ..epoch };
-        first_within_400_m(drive(700).map(walked))
+        first_within_400_m(|epoch| Epoch { east_m: epoch.east_m + speed_m_s * since(epoch), ..epoch })
     };
     // A quarter of 400 m in a minute is 1.7 m/s.
     assert_eq!(seen(1.0), None);

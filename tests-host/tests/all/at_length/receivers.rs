@@ -393,6 +393,7 @@ fn a_start_on_the_way_costs_no_minutes() {
                 Some((first_s, kept.filter_map(|row| number(row, "tow")).collect::<Vec<f64>>()))
             };
             let Some((_, all)) = protected(0.0) else { return };
+            assert!(systems != "GCE" || !all.is_empty(), "{name} is not protected at all");
             for start_s in (100..1000).step_by(100).map(f64::from) {
                 let Some((Some(first_s), kept)) = protected(start_s) else { continue };
                 let before = all.iter().filter(|&&time_s| time_s >= first_s).count();
