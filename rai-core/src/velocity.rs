@@ -22,7 +22,8 @@
 //!
 //! A fault here is independent of the position, because a range can be wrong and its rate right.
 //! Every returned velocity passed its test. In a vehicle rates are noisier than at rest. If they fail
-//! the test by little, this is noise and no sign of anything else ([`VelocityError::Noise`]).
+//! the test by little, this is noise and no sign of anything else ([`VelocityError::Noise`]). Rates
+//! that fail the test show the caller their speed, for sigmas that grow with it.
 //!
 //! Assumes independent Gaussian errors. References: [Lin2016] §2.2 for the test,
 //! [`crate::integrity::raim::levels`] for the levels.
@@ -42,7 +43,7 @@ use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, leaves_enou
 use crate::integrity::raim::levels::{KFactors, LevelInputs, Levels};
 use crate::least_squares::Workspace;
 use crate::numeric::real::Real;
-use crate::numeric::space::upper_triangle;
+use crate::numeric::space::{trace, upper_triangle};
 use crate::numeric::sqrt;
 use crate::report::{MAX_EXCLUDED, ProtectionLevels, TestStatistic};
 use crate::satellite::{Constellation, SatelliteId};
@@ -130,6 +131,13 @@ pub enum VelocityError {
     Noise,
 }
 
+impl VelocityError {
+    /// Returns true if the rates contradict each other.
+    pub fn is_contradiction(&self) -> bool {
+        matches!(self, Self::Fault | Self::Noise)
+    }
+}
+
 impl fmt::Display for VelocityError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
@@ -146,6 +154,9 @@ impl core::error::Error for VelocityError {}
 /// Returns the velocity on which the range rates agree. A NaN rate, or one without a direction, is
 /// discarded.
 ///
+/// If all rates together fail the test, and their speed exceeds the standard deviation that their
+/// residuals show, `√(SSE/dof · tr C)`, then `shown_m_s` becomes this speed, m/s.
+///
 /// # Errors
 /// [`VelocityError`] if there is no velocity, or none that passes the test.
 pub fn estimate<T: Real, const N: usize>(
@@ -153,6 +164,7 @@ pub fn estimate<T: Real, const N: usize>(
     rates: impl IntoIterator<Item = RangeRate<T>>,
     thresholds: &Thresholds<'_>,
     factors: &KFactors<T>,
+    shown_m_s: &mut T,
 ) -> Result<Velocity, VelocityError> {
     workspace.equations_mut().clear();
     let mut satellites = Vec::<SatelliteId, N>::new();
@@ -167,7 +179,12 @@ pub fn estimate<T: Real, const N: usize>(
     let mut excluded = Vec::new();
     let all = detect(&snapshot, thresholds).ok_or(VelocityError::Redundancy)?;
     if all.fault() {
-        let is_moving = snapshot.correction().norm_squared() > T::narrow(SLOW_M_S * SLOW_M_S);
+        let squared = snapshot.correction().norm_squared();
+        let dof = T::narrow(snapshot.dof() as f64);
+        if squared * dof > all.sse * trace(snapshot.covariance()) {
+            *shown_m_s = squared.sqrt_approx();
+        }
+        let is_moving = squared > T::narrow(SLOW_M_S * SLOW_M_S);
         let is_noise = is_moving && all.sse <= T::narrow(NOISY * NOISY) * all.threshold;
         let exclusion = exclude_sequentially(&mut snapshot, thresholds);
         let is_isolated = matches!(exclusion.outcome, ExclusionOutcome::Isolated | ExclusionOutcome::Passed);

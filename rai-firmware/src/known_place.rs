@@ -28,6 +28,7 @@ use core::f64::consts::PI;
 
 use raim_core::epoch::Aiding;
 use raim_core::frame::{Ecef, Geodetic, LocalAxes};
+use raim_core::internals::numeric::sqrt;
 use raim_core::report::Report;
 
 use crate::settings::Place;
@@ -68,7 +69,7 @@ impl HostHeight {
         let age_ms = now_ms.abs_diff(self.came_ms);
         let grown_m = (CLIMB_M_S + climb_m_s.abs()) * (age_ms.min(HOLDS_MS) as f32 * 1e-3);
         let sigma_m = self.sigma_m.max(LEAST_SIGMA_M) as f32;
-        let sigma_m = f64::from(libm::sqrtf(sigma_m * sigma_m + grown_m * grown_m));
+        let sigma_m = f64::from(sqrt(sigma_m * sigma_m + grown_m * grown_m));
         (age_ms <= HOLDS_MS).then_some(Aiding::Height { value_m: self.height_m, sigma_m })
     }
 }
@@ -100,10 +101,10 @@ fn distance_m(place: &Place, position: Ecef, here: &Geodetic) -> f32 {
     let east_rad = if east_rad < -PI { east_rad + 2.0 * PI } else { east_rad };
     let sine = LocalAxes::at(position).sin_latitude();
     // The cosine of the place's latitude differs by no more than the latitudes.
-    let cosine = libm::sqrtf((1.0 - sine * sine).max(0.0)) + north_rad.abs();
+    let cosine = sqrt((1.0 - sine * sine).max(0.0)) + north_rad.abs();
     let east_rad = east_rad as f32 * cosine.min(1.0);
     let radius_m = LARGEST_RADIUS_M + here.height_m.max(0.0) as f32;
-    radius_m * libm::sqrtf(north_rad * north_rad + east_rad * east_rad)
+    radius_m * sqrt(north_rad * north_rad + east_rad * east_rad)
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ impl Rest {
     ) -> bool {
         let is_slow = match velocity {
             Ok(velocity) => (velocity.speed_m_s() as f32) < SLOW_M_S,
-            Err(error) => !matches!(error, VelocityError::Fault | VelocityError::Noise),
+            Err(error) => !error.is_contradiction(),
         };
         let is_same = is_slow && self.is_recent(time_s) && self.is_near(place);
         if !is_same {

@@ -60,14 +60,21 @@ fn rates(count: usize) -> Vec<RangeRate> {
 }
 
 fn solve(rates: Vec<RangeRate>) -> Result<Velocity, VelocityError> {
+    solve_and_show(rates).0
+}
+
+/// Returns the velocity, and the speed that the rates show although they fail the test, m/s.
+fn solve_and_show(rates: Vec<RangeRate>) -> (Result<Velocity, VelocityError>, f32) {
     let single = |rate: RangeRate| RangeRate {
         satellite: rate.satellite,
         line_of_sight: rate.line_of_sight.map(|component| component as f32),
         residual_m_s: rate.residual_m_s as f32,
         sigma_m_s: rate.sigma_m_s as f32,
     };
-    let rates = rates.into_iter().map(single);
-    estimate(&mut Workspace::<f32, CAPACITY>::new(), rates, &thresholds(), &factors())
+    let (rates, mut shown_m_s) = (rates.into_iter().map(single), 0.0);
+    let workspace = &mut Workspace::<f32, CAPACITY>::new();
+    let velocity = estimate(workspace, rates, &thresholds(), &factors(), &mut shown_m_s);
+    (velocity, shown_m_s)
 }
 
 #[track_caller]
@@ -99,8 +106,8 @@ fn it_is_the_least_squares_of_the_textbook() {
     }
     let covariance = normal.try_inverse().expect("regular");
     let want = covariance * right;
-    let have = estimate(&mut Workspace::<f64, CAPACITY>::new(), rates, &thresholds(), &factors())
-        .expect("a velocity");
+    let workspace = &mut Workspace::<f64, CAPACITY>::new();
+    let have = estimate(workspace, rates, &thresholds(), &factors(), &mut 0.0).expect("a velocity");
     for (index, have) in have.east_north_up_m_s.iter().enumerate() {
         assert!((have - want[index]).abs() < 1e-9, "have {have}, want {}", want[index]);
     }
@@ -166,6 +173,23 @@ fn noise_of_a_receiver_that_moves_is_no_fault_and_at_rest_it_is() {
     assert!(moving(VelocityError::Noise) > 300);
     assert!(at_rest(VelocityError::Fault) > 300);
     assert!(count(VELOCITY, 40.0, VelocityError::Fault) > count(VELOCITY, 40.0, VelocityError::Noise));
+}
+
+#[test]
+fn rates_that_fail_show_the_speed_that_their_errors_do_not_explain() {
+    assert_eq!(solve_and_show(rates(10)).1, 0.0, "they pass");
+    let shown_m_s = |velocity_m_s, signs| solve_and_show(noisy_rates(velocity_m_s, 20.0, signs)).1;
+    let speed_m_s = Vector3::from(VELOCITY).norm() as f32;
+    let mut explained = 0;
+    for signs in 0..1024 {
+        let (moving_m_s, at_rest_m_s) = (shown_m_s(VELOCITY, signs), shown_m_s([0.0; 3], signs));
+        // Those with equal signs have another drift, and pass.
+        let passes = solve(noisy_rates(VELOCITY, 20.0, signs)).is_ok_and(|have| have.excluded.is_empty());
+        assert!(passes || (moving_m_s - speed_m_s).abs() < 5.0, "{moving_m_s} of {signs:b}");
+        assert!(at_rest_m_s < 5.0, "{at_rest_m_s} of {signs:b}");
+        explained += usize::from(at_rest_m_s == 0.0);
+    }
+    assert!(explained > 512, "{explained}");
 }
 
 #[test]

@@ -122,8 +122,9 @@ pub fn velocity(
     rates: &mut dyn Iterator<Item = RangeRate<f32>>,
     thresholds: &Thresholds<'_>,
     factors: &KFactors<f32>,
+    shown_m_s: &mut f32,
 ) -> Result<velocity::Velocity, VelocityError> {
-    velocity::estimate(workspace, rates, thresholds, factors)
+    velocity::estimate(workspace, rates, thresholds, factors, shown_m_s)
 }
 
 /// The example of the readme.

@@ -351,7 +351,11 @@ impl Navigator {
             Err(VelocityError::Redundancy)
         };
         let came_s = came_ms as f64 * 1e-3;
-        self.monitor.learn(memory.outcome_mut(), Some(came_s), velocity.as_ref().map_err(|error| *error));
+        let compared = match self.rates.refusal() {
+            Some(refusal) => Err(refusal),
+            None => velocity.as_ref().map_err(|error| *error),
+        };
+        self.monitor.learn(memory.outcome_mut(), Some(came_s), compared);
         let is_alert = matches!(memory.outcome().report.verdict, Verdict::Alert(_));
         self.velocity = velocity.ok().filter(|_| !is_alert);
         let report = &mut memory.outcome_mut().report;

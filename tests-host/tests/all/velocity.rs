@@ -26,7 +26,7 @@ use rig::shared;
 use rig::stations::{ESBC, STATIC_BASE, TLSE};
 
 /// Number of epochs of a sky, each a second after the other.
-const EPOCHS: u32 = 8;
+const EPOCHS: u32 = 14;
 
 /// Half of the time over which a range's change is its rate, s: the jerk leaves a micrometre a
 /// second.
@@ -240,6 +240,27 @@ fn two_metres_a_second_in_one_rate_are_found() {
     assert_eq!(rates.tally().rates_excluded as usize, have.len());
 }
 
+/// Reflections come from other directions than their satellites, so that a car sees other rates.
+#[test]
+fn velocity_among_reflections_is_reported_after_ten_epochs_and_not_compared() {
+    const WRONG_M_S: f64 = 0.6;
+    let heard = receive();
+    let reflected = |satellite: SatelliteId, rate: f64| {
+        rate + if satellite.number() % 2 == 0 { WRONG_M_S } else { -WRONG_M_S }
+    };
+    let car = Enu { east: 9.0, north: -6.0, up: 0.0 };
+    let (have, rates) = heard.velocities(car, reflected);
+    assert_eq!(have.len(), heard.epochs.len() - 10, "{:?}", rates.tally());
+    assert!(rates.refusal().is_some());
+    for have in &have {
+        let [east, north, up] = have.east_north_up_m_s;
+        let (away_m_s, levels_m_s) = ((east - car.east).hypot(north - car.north), have.levels_m_s);
+        assert!(away_m_s < 1.0 && levels_m_s.hpl_m > 2.0 && up.abs() < levels_m_s.vpl_m, "{have:?}");
+    }
+    let (have, _) = heard.velocities(REST, reflected);
+    assert_eq!(have, [], "at rest they are faults");
+}
+
 /// Early firmware of a common receiver sends rates with the wrong sign.
 #[test]
 fn rates_of_the_wrong_sign_are_named_and_give_no_velocity() {
@@ -292,14 +313,16 @@ fn real_receivers_at_rest_are_at_rest() {
 }
 
 /// Between buildings several rates are wrong at once, and some of the rest agree by chance. The true ways are
-/// known to 0.1 m, that of `car_shanghai` from the receiver's own carriers.
+/// known to 0.1 m, that of `car_shanghai` from the receiver's own carriers. Each is known beside at least so many
+/// reported velocities; without sigmas that grow with the speed they are 256, 325 and 83.
 #[test]
 fn velocities_of_a_car_are_within_their_levels() {
     /// Largest difference of the mean velocity over two seconds to the present one, m/s.
     const UNKNOWN_M_S: f64 = 0.5;
-    for (capture, truth) in [
-        ("ubx/urban_m8t.ubx.gz", "urban/truth.csv"),
-        ("consumer/car_shanghai.rtcm3.gz", "consumer/car_shanghai_truth.csv"),
+    for (capture, truth, least) in [
+        ("ubx/urban_m8t.ubx.gz", "urban/truth.csv", 285),
+        ("consumer/car_shanghai.rtcm3.gz", "consumer/car_shanghai_truth.csv", 1080),
+        ("real/x20p_walk.ubx.gz", "real/x20p_walk_truth.csv", 255),
     ] {
         let Some(folder) = shared::path_or_skip("data") else { return };
         let bytes = Bytes::open(folder.join(capture).to_str().expect("text"), f64::INFINITY).expect("bytes");
@@ -320,7 +343,7 @@ fn velocities_of_a_car_are_within_their_levels() {
                 beyond.push((lump.time, away_m_s, levels_m_s));
             }
         }
-        assert!(told > 200 && beyond.is_empty(), "{capture}: {beyond:?} of {told}");
+        assert!(told >= least && beyond.is_empty(), "{capture}: {beyond:?} of {told}");
     }
 }
 

@@ -216,7 +216,7 @@ impl Motion {
         let velocity = match velocity {
             Ok(velocity) => velocity,
             Err(error) => {
-                let is_refused = matches!(error, VelocityError::Fault | VelocityError::Noise);
+                let is_refused = error.is_contradiction();
                 let is_astray = is_refused && self.is_astray(time_s, position, level_m);
                 let contradiction = alert(is_astray, leaps);
                 // Where rates are refused as usual, a clock counts as one without rates.

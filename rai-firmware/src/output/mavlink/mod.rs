@@ -26,6 +26,7 @@
 //! [MAVLINK]: crate#references
 
 use embedded_io::Write;
+use raim_core::internals::numeric::sqrt;
 use raim_core::report::{Solution, Unavailable, Verdict};
 
 use super::geoid::Altitude;
@@ -41,7 +42,7 @@ use dialect::{GNSS_INTEGRITY, GPS_INPUT, HEARTBEAT};
 use frame::Frame;
 
 /// Number of sigmas in a protection level: the two-sided quantile of 1e-7.
-const SIGMAS_OF_A_LEVEL: f64 = 5.33;
+const SIGMAS_OF_A_LEVEL: f32 = 5.33;
 
 /// 1980-01-06 in UNIX time, ms.
 const GPS_EPOCH_UNIX_MS: u64 = 315_964_800_000;
@@ -236,8 +237,9 @@ fn position<const N: usize>(statement: &Statement<'_, N>, solution: &Solution, u
     let [east, _, _, north, _, up] = solution.covariance_m2;
     let (hpl_m, vpl_m) = statement.levels_m();
     let accuracy = |variance: f64, level_m: Option<f64>| {
-        let sigma_m = libm::sqrt(variance.max(0.0));
-        float(sigma_m.max(level_m.unwrap_or(f64::MAX) / SIGMAS_OF_A_LEVEL))
+        let of_level_m = level_m.map_or(f32::INFINITY, |level_m| level_m as f32 / SIGMAS_OF_A_LEVEL);
+        // The root of a negative variance is NaN, which `max` passes over.
+        u64::from(of_level_m.max(sqrt(variance as f32)).to_bits())
     };
     let motion = statement.usable_motion();
     let along = |component: f32| u64::from(component.to_bits());
