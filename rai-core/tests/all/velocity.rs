@@ -177,7 +177,7 @@ fn noise_of_a_receiver_that_moves_is_no_fault_and_at_rest_it_is() {
 
 #[test]
 fn rates_that_fail_show_the_speed_that_their_errors_do_not_explain() {
-    assert_eq!(solve_and_show(rates(10)).1, 0.0, "they pass");
+    assert!(solve_and_show(rates(10)).1 <= 0.0, "they pass");
     let shown_m_s = |velocity_m_s, signs| solve_and_show(noisy_rates(velocity_m_s, 20.0, signs)).1;
     let speed_m_s = Vector3::from(VELOCITY).norm() as f32;
     let mut explained = 0;
@@ -187,7 +187,7 @@ fn rates_that_fail_show_the_speed_that_their_errors_do_not_explain() {
         let passes = solve(noisy_rates(VELOCITY, 20.0, signs)).is_ok_and(|have| have.excluded.is_empty());
         assert!(passes || (moving_m_s - speed_m_s).abs() < 5.0, "{moving_m_s} of {signs:b}");
         assert!(at_rest_m_s < 5.0, "{at_rest_m_s} of {signs:b}");
-        explained += usize::from(at_rest_m_s == 0.0);
+        explained += usize::from(at_rest_m_s <= 0.0);
     }
     assert!(explained > 512, "{explained}");
 }

@@ -246,7 +246,7 @@ fn velocity_among_reflections_is_reported_after_ten_epochs_and_not_compared() {
     const WRONG_M_S: f64 = 0.6;
     let heard = receive();
     let reflected = |satellite: SatelliteId, rate: f64| {
-        rate + if satellite.number() % 2 == 0 { WRONG_M_S } else { -WRONG_M_S }
+        rate + if satellite.number().is_multiple_of(2) { WRONG_M_S } else { -WRONG_M_S }
     };
     let car = Enu { east: 9.0, north: -6.0, up: 0.0 };
     let (have, rates) = heard.velocities(car, reflected);
