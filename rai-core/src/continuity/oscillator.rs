@@ -175,5 +175,5 @@ fn within_a_millisecond(step_m: f64) -> f32 {
 /// Returns the whole milliseconds of a step of the clock, m.
 pub(super) fn whole_milliseconds_m(step_m: f64) -> f64 {
     // Their number is exact in single precision up to hours.
-    MILLISECOND_M * f64::from(libm::rintf((step_m / MILLISECOND_M) as f32))
+    MILLISECOND_M * f64::from(libm::roundf((step_m / MILLISECOND_M) as f32))
 }

@@ -118,9 +118,12 @@ impl RecentResiduals {
     #[inline(never)]
     fn number(&self, time_s: f64) -> Option<i32> {
         // A product, because a division in double precision takes ten times as long.
-        let number = libm::floor(time_s * f64::from(1.0 / self.span_s));
+        let spans = time_s * f64::from(1.0 / self.span_s);
+        // The conversion rounds towards zero.
+        let number = spans as i32;
+        let number = number.saturating_sub(i32::from(f64::from(number) > spans));
         // NaN fails this comparison.
-        (number.abs() < f64::from(i32::MAX)).then_some(number as i32)
+        (spans.abs() < f64::from(i32::MAX)).then_some(number)
     }
 
     fn put(&mut self, number: i32, change: impl Fn(Residuals) -> Residuals) {

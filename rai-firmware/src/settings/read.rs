@@ -28,9 +28,6 @@ pub(super) fn next_number(values: Values<'_, '_>, range: (f64, f64)) -> Result<f
 /// Reads the next value as a whole number within a range that a byte holds.
 pub(super) fn next_whole(values: Values<'_, '_>, range: (f64, f64)) -> Result<u8, Refusal> {
     let number = next_number(values, range)?;
-    if libm::floor(number).to_bits() == number.to_bits() {
-        Ok(number as u8)
-    } else {
-        Err(Refusal::OutOfRange)
-    }
+    let whole = number as u8;
+    if f64::from(whole) < number { Err(Refusal::OutOfRange) } else { Ok(whole) }
 }

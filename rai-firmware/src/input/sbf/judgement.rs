@@ -114,6 +114,6 @@ fn levels(frame: u8, levels_m: [f32; 2]) -> Option<ReceiverLevels> {
     if !levels_m.iter().all(|level_m| (0.0..MOST_M).contains(level_m)) {
         return None;
     }
-    let [horizontal_mm, vertical_mm] = levels_m.map(|level_m| libm::rintf(level_m * 1e3) as u32);
+    let [horizontal_mm, vertical_mm] = levels_m.map(|level_m| (level_m * 1e3 + 0.5) as u32);
     Some(ReceiverLevels { frame, axes_mm: [horizontal_mm, horizontal_mm, vertical_mm], risk: (0, 0) })
 }
