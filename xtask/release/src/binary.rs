@@ -22,13 +22,17 @@ pub(super) fn build(out: &Path) -> Result<(PathBuf, PathBuf)> {
     Ok((program, archive))
 }
 
-/// Builds the program for a target of musl, or for this system.
+/// Builds the program for a target of musl, or for this system with TLS.
 ///
 /// # Errors
 /// If it does not build.
 pub(super) fn compile(target: Option<&str>) -> Result<PathBuf> {
     let mut cargo = command(&["build", "--release", "--locked", "--package", "raim", "--bin", "rai"]);
     let mut folder = root().join("target");
+    if target.is_none() {
+        // The cryptography of TLS needs a C compiler, which a system rarely has for another one.
+        cargo.args(["--features", "tls"]);
+    }
     if let Some(target) = target {
         cargo.args(["--target", target]);
         let variable = target.to_uppercase().replace('-', "_");

@@ -15,6 +15,7 @@ pub(super) struct Control<'c> {
     /// Name and address, `NAME <ADDRESS>`.
     pub(super) maintainer: &'c str,
     pub(super) depends: &'c str,
+    pub(super) recommends: &'c str,
     pub(super) summary: &'c str,
     /// Lines of at most 80 characters.
     pub(super) description: &'c [&'c str],
@@ -26,13 +27,14 @@ impl Control<'_> {
         let lines: Vec<_> = self.description.iter().map(|line| format!(" {line}\n")).collect();
         format!(
             "Package: {}\nVersion: {}\nArchitecture: {}\nMaintainer: {}\n\
-             Installed-Size: {installed_kib}\nDepends: {}\nSection: science\nPriority: optional\n\
+             Installed-Size: {installed_kib}\nDepends: {}\nRecommends: {}\nSection: science\nPriority: optional\n\
              Description: {}\n{}",
             self.package,
             self.version,
             self.architecture,
             self.maintainer,
             self.depends,
+            self.recommends,
             self.summary,
             lines.concat()
         )
@@ -119,6 +121,7 @@ mod tests {
             architecture: "amd64",
             maintainer: "A. Builder <builder@example.org>",
             depends: "libc6 (>= 2.34)",
+            recommends: "ca-certificates",
             summary: "integrity",
             description: &["One line."],
         };

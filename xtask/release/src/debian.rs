@@ -31,6 +31,8 @@ pub(super) fn build(program: &Path, out: &Path) -> Result<Built> {
         architecture,
         maintainer: &maintainer,
         depends: &format!("libc6 (>= 2.{glibc}), libgcc-s1"),
+        // The authorities that a caster's certificate is compared with.
+        recommends: "ca-certificates",
         summary: "integrity of a GNSS receiver on a computer",
         description: &[
             "The command rai reads a GNSS receiver's raw ranges, computes a position of its",

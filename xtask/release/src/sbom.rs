@@ -31,7 +31,8 @@ pub(super) fn write(out: &Path) -> Result<PathBuf> {
 /// # Errors
 /// If cargo does not describe the packages.
 pub(super) fn text() -> Result<String> {
-    let output = command(&["metadata", "--format-version", "1", "--locked"]).output()?;
+    let output =
+        command(&["metadata", "--format-version", "1", "--locked", "--features", "raim/tls"]).output()?;
     ensure!(output.status.success(), "`cargo metadata` failed:\n{}", String::from_utf8_lossy(&output.stderr));
     let bill = bill(&serde_json::from_slice(&output.stdout)?)?;
     Ok(serde_json::to_string_pretty(&bill)? + "\n")
