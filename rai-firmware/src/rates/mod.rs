@@ -19,7 +19,7 @@
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | `σ`, `σ_0` | those of the rate and of a strong signal's, at rest | m/s |
-//! | `v` | speed that all rates together show | m/s |
+//! | `v` | 1 m/s; if not all rates agree so, the speed that they show together | m/s |
 //!
 //! This velocity is for the report alone: it is too uncertain to forgive or to contradict a position.
 //! Which one is used where, [`trust`] decides.
@@ -41,6 +41,9 @@ use crate::raw::RawEpoch;
 use crate::time::GpsTime;
 use measured::{LONGEST_MS, Seen, Since};
 use trust::Trust;
+
+/// Speed whose sigmas suffice for a vehicle under an open sky, m/s.
+const SLOW_M_S: f32 = 1.0;
 
 /// Most satellites of the last epoch: none in a build that compares no rates.
 const SEEN: usize = if cfg!(any(feature = "past", feature = "hypotheses")) { CAPACITY } else { 0 };
@@ -166,7 +169,12 @@ impl Rates {
         if matches!(velocity, Err(VelocityError::Fault)) && agree_on(-1.0, 0.0, &mut 0.0).is_ok() {
             count(&mut tally.rates_of_wrong_sign);
         } else if trust.refusal.is_some() && shown_m_s > 0.0 {
-            velocity = agree_on(1.0, shown_m_s, &mut 0.0);
+            for speed_m_s in [shown_m_s.min(SLOW_M_S), shown_m_s] {
+                velocity = agree_on(1.0, speed_m_s, &mut 0.0);
+                if velocity.as_ref().is_ok_and(|velocity| velocity.excluded.is_empty()) {
+                    break;
+                }
+            }
         }
         if velocity.as_ref().is_err_and(VelocityError::is_contradiction) {
             count(&mut tally.velocities_refused);
