@@ -67,7 +67,9 @@ impl HostHeight {
     /// Returns the row of an epoch that came at `now_ms`, or `None` if the height has expired.
     pub(crate) fn aiding(&self, now_ms: u64, climb_m_s: f32) -> Option<Aiding> {
         let age_ms = now_ms.abs_diff(self.came_ms);
-        let grown_m = (CLIMB_M_S + climb_m_s.abs()) * (age_ms.min(HOLDS_MS) as u32 as f32 * 1e-3);
+        // Through 32 bits, whose conversion is an instruction.
+        let age_s = age_ms.min(HOLDS_MS) as u32 as f32 * 1e-3;
+        let grown_m = (CLIMB_M_S + climb_m_s.abs()) * age_s;
         let sigma_m = self.sigma_m.max(LEAST_SIGMA_M) as f32;
         let sigma_m = f64::from(sqrt(sigma_m * sigma_m + grown_m * grown_m));
         (age_ms <= HOLDS_MS).then_some(Aiding::Height { value_m: self.height_m, sigma_m })
