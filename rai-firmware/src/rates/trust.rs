@@ -115,12 +115,14 @@ mod tests {
     use super::{ENOUGH, Trust};
     use crate::time::GpsTime;
 
-    fn velocity(dof: u8, hpl_m: f64) -> Result<Velocity, VelocityError> {
-        Ok(Velocity::zero(TestStatistic::new(0.5, 2.0, dof), ProtectionLevels::new(hpl_m, 20.0)))
+    type Rates = Result<Velocity, VelocityError>;
+
+    fn velocity(dof: u8, hpl_m: f64) -> Velocity {
+        Velocity::zero(TestStatistic::new(0.5, 2.0, dof), ProtectionLevels::new(hpl_m, 20.0))
     }
 
     /// Returns whether each of these velocities of a receiver in motion may be reported.
-    fn reported(velocities: &[Result<Velocity, VelocityError>]) -> Vec<bool> {
+    fn reported(velocities: &[Rates]) -> Vec<bool> {
         let mut trust = Trust::new();
         trust.note(None, GpsTime::from_ms(0), &Err(VelocityError::Fault));
         velocities.iter().map(|velocity| trust.note_in_motion(velocity)).collect()
@@ -128,17 +130,17 @@ mod tests {
 
     #[test]
     fn velocity_in_motion_waits_for_its_epochs() {
-        let mut velocities = vec![velocity(3, 5.0); 12];
+        let mut velocities = vec![Ok(velocity(3, 5.0)); 12];
         assert_eq!(reported(&velocities), [[false; 9].as_slice(), &[true; 3]].concat());
-        velocities.extend([Err(VelocityError::Noise), velocity(3, 5.0)]);
+        velocities.extend([Err(VelocityError::Noise), Ok(velocity(3, 5.0))]);
         assert_eq!(reported(&velocities)[11..], [true, false, false], "a contradiction begins it anew");
     }
 
     #[test]
     fn velocity_in_motion_needs_freedom_and_a_level() {
         for refused in [velocity(2, 5.0), velocity(3, 10.5), velocity(3, f64::NAN)] {
-            let mut velocities = vec![velocity(3, 5.0); usize::from(ENOUGH)];
-            velocities.extend([refused, velocity(3, 5.0)]);
+            let mut velocities = vec![Ok(velocity(3, 5.0)); usize::from(ENOUGH)];
+            velocities.extend([Ok(refused), Ok(velocity(3, 5.0))]);
             assert_eq!(reported(&velocities)[9..], [true, false, true]);
         }
     }
