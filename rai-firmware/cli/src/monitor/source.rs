@@ -17,10 +17,10 @@ use anyhow::{Context, Result, ensure};
 
 use super::batch::Batches;
 use super::speed::Control;
-use crate::replay::{Pace, Playback, Window};
+use crate::replay::{Pace, Playback};
 use crate::satellites::Account;
 use crate::sentence::{self, Sentence};
-use crate::signal::capture::{Bytes, Capture, Lumps, has_frames};
+use crate::signal::capture::{Bytes, Capture, for_the_module, has_frames};
 use crate::source::{Source as Line, listen};
 
 /// Longest pause in a file of sentences that is waited for, s. In a longer one the module was off.
@@ -109,7 +109,7 @@ pub fn open(choice: &Choice) -> Result<Source> {
                 let shown = if is_said {
                     recorded(BufReader::new(bytes), sender, &control)
                 } else {
-                    capture(bytes, sender, &control, &commands)
+                    capture(&file, bytes, sender, &control, &commands)
                 };
                 shown.context(file)
             });
@@ -235,14 +235,15 @@ fn pace(lines: &[String], last_s: &mut Option<f64>, control: &Control) {
 /// Sends the sentences of the module in process for a capture, and obeys commands between its
 /// epochs.
 fn capture(
+    name: &str,
     bytes: Bytes,
     sender: &SyncSender<News>,
     control: &Control,
     commands: &mpsc::Receiver<Vec<u8>>,
 ) -> Result<&'static str> {
     let cut = bytes.cut();
-    let mut lumps = Lumps::of(bytes, None, &[], &Window::ALL)?;
-    let mut playback = Playback::start(lumps.by_ref(), &[], Pace::Recorded)?;
+    let (lumps, setup) = for_the_module(name, bytes)?;
+    let mut playback = Playback::start(lumps, &setup, Pace::Recorded)?;
     playback.watch();
     let mut now_s = 0.0;
     let reported = |text: &str, pin, satellites| News::Reported(Message::of(text, Some(pin), satellites));

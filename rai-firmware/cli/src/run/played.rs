@@ -19,8 +19,7 @@ use super::pin::Wire;
 use super::report::Recorder;
 use crate::replay::{Pace, Playback};
 use crate::run::words::say;
-use crate::signal::capture::{self, Bytes, Lumps};
-use crate::signal::lumps::Window;
+use crate::signal::capture::{self, Bytes};
 
 /// Name of standard input as a file.
 pub(super) const NAME: &str = "/dev/stdin";
@@ -42,18 +41,11 @@ pub(super) fn play(
     let settings: Vec<String> = plan.settings.iter().map(body).collect();
     // A setting is refused before the first byte is read.
     Playback::start(std::iter::empty(), &settings, Pace::Recorded)?;
-    let week = capture::week_of(NAME, None)?;
     let bytes = Bytes::open(NAME, f64::INFINITY)?;
     let cut = bytes.cut();
-    let mut lumps = Lumps::of(bytes, None, &[], &Window::ALL)?.in_week(week);
-    let first = lumps.next().context("standard input has no epoch")??;
-    let mut setup: Vec<String> = lumps.week().map(|week| format!("WEEK,{week}")).into_iter().collect();
-    if let Some(coefficients) = lumps.klobuchar() {
-        let numbers: Vec<String> = coefficients.iter().map(|value| format!("{value:e}")).collect();
-        setup.push(format!("IONO,{}", numbers.join(",")));
-    }
+    let (lumps, mut setup) = capture::for_the_module(NAME, bytes).context("standard input")?;
     setup.extend(settings);
-    let mut playback = Playback::start(std::iter::once(Ok(first)).chain(lumps), &setup, Pace::Recorded)?;
+    let mut playback = Playback::start(lumps, &setup, Pace::Recorded)?;
     outbox.report_start(plan, playback.configuration());
     if recorder.is_some() {
         playback.watch();

@@ -1,5 +1,7 @@
 //! Captures from before the week cycle of 2019, with their own date.
 
+use raim::monitor::source::{self, Choice, News};
+use raim::monitor::speed::{Control, Speed};
 use raim::replay::host::Playback;
 use raim::replay::{self, Pace, Window};
 use raim::signal::capture::{self, Capture};
@@ -28,7 +30,10 @@ fn dates(capture: &Capture) -> Vec<String> {
     let prepared = capture.lumps(&[], &Window::ALL).unwrap();
     let setup: Vec<String> = prepared.week.map(|week| format!("WEEK,{week}")).into_iter().collect();
     let run = replay::on_host(&prepared.lumps, &setup, Pace::Recorded, |_| ()).unwrap();
-    let sentences = run.sentences();
+    dates_in(&run.sentences())
+}
+
+fn dates_in(sentences: &str) -> Vec<String> {
     let rmc = sentences.lines().filter(|line| line.starts_with("$GNRMC"));
     let mut dates: Vec<String> = rmc.filter_map(|line| line.split(',').nth(9).map(str::to_owned)).collect();
     dates.dedup();
@@ -42,6 +47,23 @@ fn capture_of_2012_has_its_own_date() {
         let capture = Capture::of(bytes(systems, 1709, 3600.0, StatedWeek::Transmission), None).unwrap();
         assert_eq!(dates(&capture), ["131012"], "{systems}");
     }
+}
+
+#[test]
+fn monitor_shows_the_date_of_the_capture() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("capture.rtcm3");
+    std::fs::write(&path, bytes("G", 1709, 3600.0, StatedWeek::Transmission)).unwrap();
+    let source = source::open(&Choice::File(path, Control::new(Speed::Max))).unwrap();
+    let mut sentences = String::new();
+    loop {
+        match source.news.recv().unwrap() {
+            News::Reported(message) => sentences.extend(message.lines),
+            News::End(_) => break,
+            News::Failed(why) => panic!("{why}"),
+        }
+    }
+    assert_eq!(dates_in(&sentences), ["131012"]);
 }
 
 #[test]

@@ -126,6 +126,17 @@ fn first_epoch(name: &str, orbits: Option<&Orbits>) -> Result<GpsTime> {
     Ok(lumps.next().context("has no epoch")??.time)
 }
 
+/// Returns all lumps of a source, and the commands that the module needs before the first one.
+///
+/// # Errors
+/// There is no epoch. As for [`Bytes::open`].
+pub fn for_the_module(name: &str, bytes: Bytes) -> Result<(impl Iterator<Item = Result<Lump>>, Vec<String>)> {
+    let mut lumps = Lumps::of(bytes, None, &[], &Window::ALL)?.in_week(week_of(name, None)?);
+    let first = lumps.next().context("there is no epoch")??;
+    let setup = lumps.week().map(|week| format!("WEEK,{week}")).into_iter().collect();
+    Ok((std::iter::once(Ok(first)).chain(lumps), setup))
+}
+
 /// Reads the beginning of a source for its week. Its errors recur when all of it is read.
 fn agreed_week(source: impl std::io::Read, orbits: Option<&Orbits>) -> Option<u16> {
     let mut lumps = Lumps::of(source.take(WEEK_BYTES), orbits.cloned(), &[], &Window::ALL).ok()?;
