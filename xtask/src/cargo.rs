@@ -34,6 +34,21 @@ pub fn program(package: &str, name: &str, features: &str) -> Command {
     command
 }
 
+/// Builds a program of the workspace, and returns where it is.
+///
+/// A package with other features is another package, and so is all that needs it. A test beside the program makes cargo
+/// choose the features with which `cargo xtask test` builds everything: nothing is compiled twice.
+///
+/// # Errors
+/// If it does not compile.
+pub fn build(name: &str) -> anyhow::Result<PathBuf> {
+    spawn(&mut command(&["build", "--workspace", "--bin", name, "--test", "top_level"]))?;
+    let here = std::env::current_exe().context("this program has no name")?;
+    // Tests stand in a folder of their own beside the programs.
+    let folder = here.ancestors().skip(1).find(|folder| !folder.ends_with("deps"));
+    Ok(folder.context("this program has no folder")?.join(name))
+}
+
 /// Lets a program answer as this one was asked.
 pub fn for_a_person(command: &mut Command) -> &mut Command {
     if is_yes_assumed() {

@@ -72,7 +72,7 @@ fn run(verb: &'static str, steps: &'static [Step], arguments: &mut Arguments) ->
     fs::create_dir_all(&logs).with_context(|| logs.display().to_string())?;
     // The steps on the chip need it, and the tests all that it is made of: otherwise they would wait for one another's
     // build. What goes wrong here, the steps report.
-    let _ = steps::build("rig");
+    let _ = xtask::cargo::build("rig");
     println!("{} steps; their output is in {}", steps.len(), logs.display());
     let outcomes = Mutex::new(Vec::new());
     let walk = |lane: Lane| {

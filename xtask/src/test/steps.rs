@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Stdio;
 
 use anyhow::{Context as _, Result, ensure};
-use xtask::cargo::{command, for_a_person, root, spawn};
+use xtask::cargo::{build, command, for_a_person, root, spawn};
 use xtask::setup::TARGETS;
 
 use super::counts::SKIPPED_TESTS;
@@ -100,19 +100,9 @@ fn cargo(arguments: &[&str]) -> Result<Done> {
     done(spawn(&mut command(arguments)))
 }
 
-/// Builds a program of the workspace.
-///
-/// A package with other features is another package, and so is all that needs it. A test beside the program makes cargo
-/// choose the features with which [`tests`] builds everything: nothing is compiled twice.
-pub(super) fn build(program: &str) -> Result<()> {
-    spawn(&mut command(&["build", "--workspace", "--bin", program, "--test", "top_level"]))
-}
-
-/// Builds a program and runs it. It stands beside this one.
+/// Builds a program and runs it.
 fn run(program: &str, arguments: &[&str]) -> Result<Done> {
-    build(program)?;
-    let here = std::env::args_os().next().context("this program has no name")?;
-    let mut command = std::process::Command::new(Path::new(&here).with_file_name(program));
+    let mut command = std::process::Command::new(build(program)?);
     done(spawn(for_a_person(command.args(arguments))))
 }
 
@@ -157,19 +147,20 @@ fn other_systems() -> Result<Done> {
 }
 
 /// Checks the core without features, with each alone and with all, in a folder of its own: it
-/// waits for no other build, and flags of its own make nothing else stale.
+/// waits for no other build, and flags of its own make nothing else stale. The test has the packages
+/// that were compiled for the others.
 fn features_of_the_core() -> Result<Done> {
-    let core = |verb: &str, features: &[&str], more: &[&str]| {
-        let what = [verb, "--quiet", "--package=raim-core", "--lib", "--target-dir=target/features"];
-        let mut cargo = command(&what);
-        spawn(cargo.args(features).args(more).env("RUSTFLAGS", "-D warnings"))
+    let check = |features: &[&str]| {
+        let mut cargo = command(&["check", "--quiet", "--package=raim-core", "--lib"]);
+        spawn(cargo.arg("--target-dir=target/features").args(features).env("RUSTFLAGS", "-D warnings"))
     };
-    let features = "araim searches tables double-tables policies past hypotheses aiding";
+    let features = "araim searches tables double-tables policies past hypotheses aiding authentication";
     for feature in std::iter::once("").chain(features.split(' ')) {
-        core("check", &["--no-default-features", "--features", feature], &[])?;
+        check(&["--no-default-features", "--features", feature])?;
     }
-    core("check", &["--all-features"], &[])?;
-    done(core("test", &["--no-default-features"], &["method_that_this_build_lacks"]))
+    check(&["--all-features"])?;
+    let what = ["--package=raim-core", "--lib", "--no-default-features", "method_that_this_build_lacks"];
+    cargo(&[&["test", "--quiet"], &what[..]].concat())
 }
 
 /// Share of the tests.

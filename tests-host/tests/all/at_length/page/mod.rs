@@ -47,9 +47,8 @@ impl Built {
         };
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("out");
-        let mut cargo =
-            cargo(&["run", "--quiet", "-p", "release", "--", "release", "--only", "page", "--out"]);
-        let output = cargo.arg(&out).output().unwrap();
+        let mut release = Command::new(xtask::cargo::build("release").unwrap());
+        let output = release.args(["release", "--only", "page", "--out"]).arg(&out).output().unwrap();
         let reported = String::from_utf8_lossy(&output.stdout);
         assert!(output.status.success(), "{reported}{}", String::from_utf8_lossy(&output.stderr));
         let path = out.join("rai.html");
@@ -82,22 +81,6 @@ fn opened(mut browser: Browser) -> Browser {
     browser
 }
 
-/// Returns the folder of the workspace.
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
-}
-
-/// Returns a command of cargo for this workspace.
-fn cargo(arguments: &[&str]) -> Command {
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo
-        .args(arguments)
-        .current_dir(root())
-        .env_remove("CARGO_ENCODED_RUSTFLAGS")
-        .stdin(std::process::Stdio::null());
-    cargo
-}
-
 /// Gives files to the page and waits for its answer: `done` or `failed`.
 fn judged(browser: &mut impl Tab, files: &[PathBuf]) -> String {
     browser.value("document.body.dataset.state = ''").unwrap();
@@ -126,9 +109,7 @@ fn name(path: &Path) -> String {
 
 /// Builds the program `rai`; returns its path.
 fn program() -> PathBuf {
-    let status = cargo(&["build", "--quiet", "-p", "raim", "--bin", "rai"]).status().unwrap();
-    assert!(status.success());
-    root().join("target/debug/rai")
+    xtask::cargo::build("rai").unwrap()
 }
 
 /// Returns Base64 (RFC 4648, with padding).

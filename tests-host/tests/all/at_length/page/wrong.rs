@@ -241,7 +241,7 @@ const MUTATED: &str = "(async () => {
 
 /// Returns the corpus of a fuzzer in one file, as a receiver would send it: each piece alone holds no epoch.
 fn corpus(fuzzer: &str) -> Vec<u8> {
-    let folder = root().join("tests-host/fuzz/corpus").join(fuzzer);
+    let folder = xtask::cargo::root().join("tests-host/fuzz/corpus").join(fuzzer);
     let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
     files.sort();
     files.iter().flat_map(|file| std::fs::read(file).unwrap()).take(30_000).collect()
