@@ -96,6 +96,13 @@ mod tests {
         hazardous: 1,
     };
 
+    /// `cargo xtask attack --several 1000 --record` renews the record, `RAI_BLESS=1` the table.
+    #[test]
+    fn document_has_the_rates_of_the_record() {
+        let cells = committed().expect("a record");
+        rig::document::must_have("results/integrity.md", "several", &markdown(&cells));
+    }
+
     #[test]
     fn line_is_read_as_a_cell() {
         assert_eq!(cell("AUTO\t2\t8\t1000\t64\t2\t1").expect("a cell"), CELL);
