@@ -257,11 +257,16 @@ impl Module {
             self.receiver.tick(now_ms + QUIET_MS, &mut reported);
         }
         let seen = self.receiver.observer_mut().take();
-        if let Some(last) = seen.last() {
-            let agree = self.receiver.pin().high == last.output.state.is_protected();
-            ensure!(agree, "pin and verdict disagree at {now_ms} ms");
-        }
+        self.compare(&seen, now_ms)?;
         Ok((sentence::sentences(&reported)?, seen))
+    }
+
+    /// Compares the pin with the last verdict.
+    fn compare(&self, seen: &[Seen], now_ms: u64) -> Result<()> {
+        let agree =
+            seen.last().is_none_or(|last| self.receiver.pin().high == last.output.state.is_protected());
+        ensure!(agree, "pin and verdict disagree at {now_ms} ms");
+        Ok(())
     }
 
     /// Lets time pass without a byte.
@@ -271,10 +276,9 @@ impl Module {
             self.receiver.tick(now_ms, &mut alarm);
             reported.of_silence.push_str(&sentence::sentences(&alarm)?);
             // Settings and losses are repeated at intervals, whatever the input.
-            for seen in self.receiver.observer_mut().take() {
-                reported.silence.push((now_ms as f64 * 1e-3, seen));
-                ensure!(!self.receiver.pin().high, "the pin is high on a silent line at {now_ms} ms");
-            }
+            let seen = self.receiver.observer_mut().take();
+            self.compare(&seen, now_ms)?;
+            reported.silence.extend(seen.into_iter().map(|seen| (now_ms as f64 * 1e-3, seen)));
         }
         Ok(())
     }

@@ -4,6 +4,7 @@
 mod damage;
 mod date;
 mod injection;
+mod orders;
 mod refused;
 mod ways_in;
 
