@@ -1,13 +1,13 @@
 //! The program that drives the pin: one at a time, and the last level wins.
 //!
 //! ```text
-//! level ─► order ─► thread: PROGRAM high │ PROGRAM low, until low exits with 0
+//! level ─► order ─► thread: PROGRAM high │ PROGRAM low, until it exits with 0
 //! ```
 //!
 //! Two programs at once would race, and a slow `high` could end after a quick `low`. A `high` that
 //! still runs when the pin must fall gets [`GRACE`], and is then killed with the processes that it
-//! started. A `low` is repeated until it exits with 0; one that hangs is killed after
-//! [`LONGEST_LOW`]. Each failure is reported once.
+//! started. Each is repeated until it exits with 0 or another level is ordered; a `low` that hangs
+//! is killed after [`LONGEST_LOW`]. Each failure is reported once.
 
 use std::io;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -22,8 +22,10 @@ use crate::run::words::say;
 const GRACE: Duration = Duration::from_millis(200);
 /// Longest time of a program that drives the pin low.
 const LONGEST_LOW: Duration = Duration::from_secs(2);
-/// Pause before a failed `low` is repeated.
-const PAUSE: Duration = Duration::from_millis(100);
+/// Pause before a failed `low` is repeated, and before a failed `high`, which nobody's safety waits
+/// for.
+const PAUSE_LOW: Duration = Duration::from_millis(100);
+const PAUSE_HIGH: Duration = Duration::from_secs(1);
 /// Shortest and longest time between two looks at a running program.
 const LOOK: [Duration; 2] = [Duration::from_millis(2), Duration::from_millis(200)];
 
@@ -117,9 +119,7 @@ impl Shared {
                     if !std::mem::replace(&mut is_reported, true) {
                         say!("error: the pin: `{} {level}`: {reason}", self.words.join(" "));
                     }
-                    if !high {
-                        self.repeat();
-                    }
+                    self.repeat(high);
                 }
             }
         }
@@ -133,13 +133,14 @@ impl Shared {
         orders.wanted.take()
     }
 
-    /// Orders low again after a pause, unless another order has come.
-    fn repeat(&self) {
+    /// Orders a level again after a pause, unless another order has come.
+    fn repeat(&self, high: bool) {
         let waiting = |orders: &mut Orders| orders.wanted.is_none() && !orders.has_ended;
-        let waited = self.change.wait_timeout_while(self.orders(), PAUSE, waiting);
+        let pause = if high { PAUSE_HIGH } else { PAUSE_LOW };
+        let waited = self.change.wait_timeout_while(self.orders(), pause, waiting);
         let (mut orders, _) = waited.unwrap_or_else(PoisonError::into_inner);
         if !orders.has_ended {
-            orders.wanted.get_or_insert(false);
+            orders.wanted.get_or_insert(high);
         }
     }
 
@@ -247,6 +248,23 @@ mod tests {
         actuator.lower(Duration::from_secs(5)).unwrap();
         assert_eq!(level(&wire), "low");
         assert_eq!(fs::read_to_string(wire.with_extension("n")).unwrap(), "4\n");
+    }
+
+    #[test]
+    fn high_is_repeated_until_it_exits_with_zero_or_low_is_ordered() {
+        let folder = tempfile::tempdir().unwrap();
+        let (words, wire) = program(
+            folder.path(),
+            "[ $1 = high ] && [ ! -e WIRE.once ] && touch WIRE.once && exit 1; echo $1 > WIRE\n",
+        );
+        let actuator = Actuator::start(&words);
+        actuator.order(true);
+        wait_for(&wire, "high", Duration::from_secs(5));
+        fs::remove_file(wire.with_extension("once")).unwrap();
+        actuator.order(true);
+        actuator.lower(Duration::from_secs(5)).unwrap();
+        thread::sleep(2 * PAUSE_HIGH);
+        assert_eq!(level(&wire), "low", "a high that failed before is not repeated after it");
     }
 
     #[test]
