@@ -177,6 +177,11 @@ impl Outbox {
         self.log.note(&seen.output.state);
     }
 
+    /// Returns true if a full queue is waited for.
+    pub(super) const fn waits(&self) -> bool {
+        self.wait.is_some()
+    }
+
     /// Messages that a consumer's full queue has lost.
     pub(super) fn lost(&self) -> u32 {
         self.lost.load(Ordering::Relaxed)

@@ -1,7 +1,8 @@
 //! Consumers of the sentences: standard output, a pseudo-terminal, TCP clients, UDP.
 //!
 //! Each has a thread and a bounded queue; all TCP clients share one thread (`clients`). A
-//! pseudo-terminal that nobody reads loses sentences and nothing else.
+//! pseudo-terminal that nobody reads loses sentences and nothing else. A serial port that is gone, and
+//! an address that cannot be reached any more, are tried again.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -11,7 +12,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, bail};
 
@@ -19,10 +20,13 @@ use super::clients::Clients;
 use super::inbox::Inbox;
 use super::outbox::{Kind, Outbox};
 use super::px4::Px4;
-use crate::source::open_serial;
+use crate::run::words::say;
+use crate::source::{Pause, open_serial};
 
 /// Longest time that a serial port may take to send a message.
 const PATIENCE: Duration = Duration::from_secs(5);
+/// Shortest time between two connections of a socket for datagrams.
+const AGAIN: Duration = Duration::from_secs(1);
 
 /// A place that sentences or messages go to, as the user names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -128,22 +132,19 @@ pub(super) fn open(
     inbox: &Arc<Inbox>,
     clients: &mut Clients,
 ) -> Result<()> {
+    // The sentences of a recording all reach their consumer, or the service fails.
+    let is_live = !outbox.waits();
     match sink {
         Sink::Standard => spawn(outbox, Kind::Nmea, io::stdout()),
-        Sink::Serial(port, baud) => {
-            let port = open_serial(port, *baud, PATIENCE)?;
-            spawn(outbox, Kind::Nmea, port);
-        }
+        Sink::Serial(port, baud) => spawn(outbox, Kind::Nmea, SerialPort::open(port, *baud, is_live)?),
         Sink::Udp(address) => spawn(outbox, Kind::Nmea, Datagrams::to(address)?),
         Sink::MavlinkUdp(address) => spawn(outbox, Kind::Mavlink, Datagrams::to(address)?),
         Sink::MavlinkSerial(port, baud) => {
-            let port = open_serial(port, *baud, PATIENCE)?;
-            spawn(outbox, Kind::Mavlink, port);
+            spawn(outbox, Kind::Mavlink, SerialPort::open(port, *baud, is_live)?);
         }
         Sink::Px4Udp(address) => spawn(outbox, Kind::Mavlink, Px4::new(Datagrams::to(address)?)),
         Sink::Px4Serial(port, baud) => {
-            let port = open_serial(port, *baud, PATIENCE)?;
-            spawn(outbox, Kind::Mavlink, Px4::new(port));
+            spawn(outbox, Kind::Mavlink, Px4::new(SerialPort::open(port, *baud, is_live)?));
         }
         Sink::Tcp(address) => clients.listen(address)?,
         Sink::Pty(path) => terminal(path, outbox, inbox)?,
@@ -168,22 +169,107 @@ fn write_all(mut writer: impl Write, messages: &Receiver<Arc<[u8]>>) -> io::Resu
     Ok(())
 }
 
+/// A serial port, which is opened again if it fails. Until then its messages are lost.
+struct SerialPort {
+    name: String,
+    baud: u32,
+    port: Option<Box<dyn Write + Send>>,
+    pause: Pause,
+    /// When it is opened again.
+    due: Instant,
+    /// True if it is opened again.
+    is_live: bool,
+}
+
+impl SerialPort {
+    fn open(name: &str, baud: u32, is_live: bool) -> Result<Self> {
+        let port = open_serial(name, baud, PATIENCE)?;
+        let (name, pause) = (name.to_owned(), Pause::RECEIVER);
+        Ok(Self { name, baud, port: Some(Box::new(port)), pause, due: Instant::now(), is_live })
+    }
+
+    fn open_again(&mut self) {
+        if let Ok(port) = open_serial(&self.name, self.baud, PATIENCE) {
+            say!("{}: open again", self.name);
+            self.port = Some(Box::new(port));
+        } else {
+            self.wait();
+        }
+    }
+
+    fn wait(&mut self) {
+        self.due = Instant::now() + self.pause.next();
+        self.pause.double();
+    }
+}
+
+impl Write for SerialPort {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.port.is_none() && Instant::now() >= self.due {
+            self.open_again();
+        }
+        let Some(port) = &mut self.port else { return Ok(bytes.len()) };
+        match port.write_all(bytes).and_then(|()| port.flush()) {
+            Ok(()) => self.pause.reset(),
+            Err(error) if !self.is_live => return Err(error),
+            Err(error) => {
+                say!("{}: {error}; it is opened again", self.name);
+                self.port = None;
+                self.wait();
+            }
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
 /// One datagram for each message. Nobody has to listen.
-struct Datagrams(UdpSocket);
+struct Datagrams {
+    address: String,
+    socket: UdpSocket,
+    /// When the socket was connected last.
+    connected: Instant,
+    is_reported: bool,
+}
 
 impl Datagrams {
     fn to(address: &str) -> Result<Self> {
+        let socket = Self::connect(address).with_context(|| format!("`{address}` must be ADDRESS:PORT"))?;
+        Ok(Self { address: address.to_owned(), socket, connected: Instant::now(), is_reported: false })
+    }
+
+    fn connect(address: &str) -> io::Result<UdpSocket> {
         let any = if address.starts_with('[') { "[::]:0" } else { "0.0.0.0:0" };
         let socket = UdpSocket::bind(any)?;
-        socket.connect(address).with_context(|| format!("`{address}` must be ADDRESS:PORT"))?;
-        Ok(Self(socket))
+        socket.connect(address)?;
+        Ok(socket)
+    }
+
+    /// Connects again: the address of this computer, or that of the name, may be another one now.
+    fn connect_again(&mut self, error: &io::Error) {
+        if !std::mem::replace(&mut self.is_reported, true) {
+            say!("{}: {error}", self.address);
+        }
+        if self.connected.elapsed() >= AGAIN {
+            self.connected = Instant::now();
+            if let Ok(socket) = Self::connect(&self.address) {
+                self.socket = socket;
+            }
+        }
     }
 }
 
 impl Write for Datagrams {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // An unreachable listener may come back.
-        let _ = self.0.send(bytes);
+        match self.socket.send(bytes) {
+            Ok(_) => self.is_reported = false,
+            // Nobody listens there yet.
+            Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
+            Err(error) => self.connect_again(&error),
+        }
         Ok(bytes.len())
     }
 
@@ -346,6 +432,39 @@ mod tests {
         let inbox = Arc::new(Inbox::new(super::super::clock::Clock::of_the_computer(), false));
         terminal(&path, &mut Outbox::new(None), &inbox).unwrap();
         assert_eq!(std::fs::metadata(&path).unwrap().mode() & 0o777, 0o660);
+    }
+
+    /// Plugs a port in behind a link: a pseudo-terminal, whose other end is returned.
+    fn plug(link: &std::path::Path) -> nix::pty::OpenptyResult {
+        let ends = nix::pty::openpty(None, None).unwrap();
+        let _ = std::fs::remove_file(link);
+        std::os::unix::fs::symlink(nix::unistd::ttyname(&ends.slave).unwrap(), link).unwrap();
+        ends
+    }
+
+    #[test]
+    fn port_that_was_gone_is_written_again() {
+        use std::io::Read as _;
+
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("tty");
+        let ends = plug(&link);
+        let mut port = SerialPort::open(link.to_str().unwrap(), 57_600, true).unwrap();
+        drop(ends);
+        while port.port.is_some() {
+            port.write_all(b"lost").unwrap();
+        }
+        let ends = plug(&link);
+        let start = Instant::now();
+        while port.port.is_none() {
+            assert!(start.elapsed() < PATIENCE, "it is not opened again");
+            port.write_all(b"heard").unwrap();
+            thread::sleep(Duration::from_millis(10));
+        }
+        let mut heard = [0; 5];
+        std::fs::File::from(ends.master).read_exact(&mut heard).unwrap();
+        assert_eq!(&heard, b"heard");
+        drop(ends.slave);
     }
 
     #[test]
