@@ -22,8 +22,13 @@ use crate::source::{self, Pause, Source, is_timeout};
 
 /// A read comes back after this time even if nothing arrives, so that a dead line is noticed.
 const READ_TIMEOUT: Duration = Duration::from_secs(2);
-/// A TCP server that sends nothing for this time is taken for gone.
+/// A TCP server that sends nothing for this time, or for so many of the silences that are usual with
+/// it, is taken for gone; and at the latest after this time.
 const DEAD: Duration = Duration::from_secs(15);
+const SILENCES: u32 = 3;
+const LATEST: Duration = Duration::from_mins(2);
+/// Shortest time between two reads that is a silence, and none within an epoch.
+const SILENCE: Duration = Duration::from_millis(20);
 
 /// The kinds of input, by what a stop of it means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,8 +126,31 @@ fn open(source: &Source, line: &Line) -> Result<source::Line> {
     Ok(open)
 }
 
+/// The silences of a line, which a new connection goes on with.
+#[derive(Debug, Default)]
+struct Silences {
+    heard: Option<Duration>,
+    last: Duration,
+}
+
+impl Silences {
+    /// Notes that bytes have come.
+    fn end(&mut self, now: Duration) {
+        let silence = now.saturating_sub(self.heard.unwrap_or(now));
+        if silence >= SILENCE {
+            self.last = silence;
+        }
+        self.heard = Some(now);
+    }
+
+    /// Returns the time without a byte after which the other side is gone.
+    fn longest(&self) -> Duration {
+        DEAD.max(SILENCES * self.last).min(LATEST)
+    }
+}
+
 fn keep_reading(source: &Source, line: &Line, first: Option<source::Line>, inbox: &Inbox, stop: &AtomicBool) {
-    let (mut pause, mut port) = (Pause::RECEIVER, first);
+    let (mut pause, mut port, mut silences) = (Pause::RECEIVER, first, Silences::default());
     // Clients may take all other descriptors while the line is away.
     let reserve = Reserve::new();
     while !stop.load(Ordering::Relaxed) {
@@ -133,7 +161,7 @@ fn keep_reading(source: &Source, line: &Line, first: Option<source::Line>, inbox
                 if !is_standard {
                     inbox.interrupt();
                 }
-                let (count, reason) = read(open, line, inbox, stop);
+                let (count, reason) = read(open, line, inbox, &mut silences, stop);
                 line.connect(None);
                 if is_standard {
                     return inbox.end();
@@ -154,7 +182,13 @@ fn keep_reading(source: &Source, line: &Line, first: Option<source::Line>, inbox
 }
 
 /// Reads until the port ends; returns how many bytes came, and why it ended.
-fn read(mut port: source::Line, line: &Line, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
+fn read(
+    mut port: source::Line,
+    line: &Line,
+    inbox: &Inbox,
+    silences: &mut Silences,
+    stop: &AtomicBool,
+) -> (u64, String) {
     let (mut bytes, mut total, mut last) = ([0; 4096], 0, inbox.clock().now());
     while !stop.load(Ordering::Relaxed) {
         match port.follow(line.rate.load(Ordering::Relaxed)) {
@@ -175,12 +209,31 @@ fn read(mut port: source::Line, line: &Line, inbox: &Inbox, stop: &AtomicBool) -
                 }
                 total += count as u64;
                 last = inbox.clock().now();
+                silences.end(last);
             }
-            Err(error) if is_timeout(&error) && inbox.clock().now().saturating_sub(last) < DEAD => {}
-            Err(error) if is_timeout(&error) => return (total, format!("silent for {} s", DEAD.as_secs())),
+            Err(error) if is_timeout(&error) => {
+                let longest = silences.longest();
+                if inbox.clock().now().saturating_sub(last) >= longest {
+                    return (total, format!("silent for {} s", longest.as_secs()));
+                }
+            }
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
             Err(error) => return (total, error.to_string()),
         }
     }
     (total, "stopped".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn line_is_gone_after_three_of_its_silences_and_at_the_latest_after_two_minutes() {
+        let mut silences = Silences::default();
+        for (now_s, want_s) in [(10.0, 15), (11.0, 15), (31.0, 60), (31.01, 60), (231.0, 120), (232.0, 15)] {
+            silences.end(Duration::from_secs_f64(now_s));
+            assert_eq!(silences.longest(), Duration::from_secs(want_s), "{now_s}");
+        }
+    }
 }
