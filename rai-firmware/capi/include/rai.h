@@ -49,7 +49,7 @@
  * against an older header. Such changes are a field that moved, a size that grew, and a constant
  * with a new meaning.
  */
-#define RAI_ABI_VERSION 3
+#define RAI_ABI_VERSION 4
 
 /**
  * There is no key, the setting `AUTH` is `OFF`, or the library was built without OSNMA.
@@ -264,7 +264,7 @@
 /**
  * Words of eight bytes of a receiver, enough on every processor.
  */
-#define RAI_RECEIVER_WORDS 8448
+#define RAI_RECEIVER_WORDS 8896
 #endif
 
 /**

@@ -112,7 +112,7 @@ use core::ffi::{CStr, c_char};
 /// Version of this interface. It grows by one with every change that would break a program compiled
 /// against an older header. Such changes are a field that moved, a size that grew, and a constant
 /// with a new meaning.
-pub const RAI_ABI_VERSION: u32 = 3;
+pub const RAI_ABI_VERSION: u32 = 4;
 
 /// Returns the version of the interface that the library was compiled with, equal to
 /// `RAI_ABI_VERSION` of a matching header.

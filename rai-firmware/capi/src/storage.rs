@@ -41,7 +41,7 @@ pub const RAI_RECEIVER_WORDS: usize = 5376;
 pub const RAI_RECEIVER_WORDS: usize = 6016;
 /// Words of eight bytes of a receiver, enough on every processor.
 #[cfg(feature = "satellites-48")]
-pub const RAI_RECEIVER_WORDS: usize = 8448;
+pub const RAI_RECEIVER_WORDS: usize = 8896;
 
 /// Bytes of a receiver.
 pub const RAI_RECEIVER_SIZE: usize = RAI_RECEIVER_WORDS * 8;

@@ -8,7 +8,7 @@ import pathlib
 import sys
 from ctypes import POINTER, c_char, c_char_p, c_double, c_size_t, c_uint8, c_uint16, c_uint32, c_uint64, c_void_p
 
-ABI_VERSION = 3
+ABI_VERSION = 4
 MAX_SATELLITES = 48
 MAX_SEEN = 64
 

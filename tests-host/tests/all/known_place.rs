@@ -179,10 +179,10 @@ fn wrong_height_is_left_out_and_reported() {
 #[test]
 fn receivers_own_levels_and_signals_are_reported_until_it_is_silent() {
     let (epochs, _) = sky(10, None);
-    // NAV-SIG: three signals, bit 9 of their flags in two. NAV-PL: 12e-8 an hour, valid, along the
+    // NAV-SIG: 90 signals, bit 9 of their flags in two. NAV-PL: 12e-8 an hour, valid, along the
     // axes north, east, down 1.5, 2.25 and 4 m.
-    let mut signals = [0_u8; 8 + 3 * 16];
-    signals[5] = 3;
+    let mut signals = [0_u8; 8 + 90 * 16];
+    signals[5] = 90;
     (signals[8 + 11], signals[40 + 11]) = (2, 2);
     let mut levels = [0_u8; 52];
     (levels[0], levels[1], levels[2], levels[3]) = (1, 12, 0_u8.wrapping_sub(8), 1);

@@ -15,6 +15,7 @@
 
 use super::State;
 use super::meas_epoch::{self, MeasEpoch};
+use crate::correction::CAPACITY;
 use crate::input::calendar::Calendar;
 use crate::input::protocol::{Extent, Frame, Protocol, Shared};
 use crate::input::{Counters, Message, Unread};
@@ -25,8 +26,9 @@ const UNCHECKED: usize = 4;
 /// Bytes up to the length.
 const HEADER: usize = 8;
 
-/// Longest block that is read, bytes: a `MeasEpoch` of 64 satellites with five signals each.
-const LONGEST: usize = meas_epoch::block_of(64, 5);
+/// Longest block that is read, bytes: a `MeasEpoch` of 72 satellites with eight signals each, of both
+/// antennas; in a build with less memory, of 64 with five.
+const LONGEST: usize = if CAPACITY < 48 { meas_epoch::block_of(64, 5) } else { meas_epoch::block_of(72, 8) };
 
 /// Format of SBF.
 #[derive(Debug)]

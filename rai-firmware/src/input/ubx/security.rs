@@ -96,6 +96,15 @@ pub(super) fn sec_siglog(payload: &[u8]) -> Result<SelfReport, Unread> {
     Ok(SelfReport::Log(logged))
 }
 
+/// Class and id of NAV-SIG.
+pub(super) const NAV_SIG: [u8; 2] = [0x01, 0x43];
+
+/// Returns true if a payload that begins with these bytes may be a NAV-SIG of this length: the number
+/// of signals explains it, or has not come yet.
+pub(super) fn may_be_signals(begun: &[u8], length: usize) -> bool {
+    length <= 8 + 255 * 16 && begun.get(5).is_none_or(|&count| length == 8 + 16 * usize::from(count))
+}
+
 /// Reads the number of authenticated signals of NAV-SIG.
 pub(super) fn nav_sig(payload: &[u8]) -> Result<SelfReport, Unread> {
     let [_, _, _, _, 0, count, _, _, rest @ ..] = payload else { return Err(Unread::Malformed) };

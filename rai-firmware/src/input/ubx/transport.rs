@@ -5,14 +5,16 @@
 //! ```
 //!
 //! A false header that announces a long frame could delay seconds of good frames. A payload may
-//! therefore have at most [`ORDINARY_PAYLOAD`] bytes. Only RXM-RAWX may be longer, if its number of
-//! measurements explains its length.
+//! therefore have at most [`ORDINARY_PAYLOAD`] bytes. Only RXM-RAWX and NAV-SIG may be longer, if
+//! their numbers of measurements and of signals explain their lengths.
 //!
 //! References: [UBX-F9] 3.2 and 3.4.
 //!
 //! [UBX-F9]: crate#references
 
 use super::rawx::{self, Rawx};
+use super::security;
+use crate::correction::CAPACITY;
 use crate::input::calendar::Calendar;
 use crate::input::protocol::{Extent, Frame, Protocol, Shared};
 use crate::input::{Counters, Message, Unread};
@@ -23,12 +25,12 @@ const HEADER: usize = 6;
 /// Bytes of the checksum after the payload.
 const CHECKSUM: usize = 2;
 
-/// Longest payload of any message except RXM-RAWX, bytes.
+/// Longest payload of other messages than RXM-RAWX and NAV-SIG, bytes.
 const ORDINARY_PAYLOAD: usize = 1023;
 
-/// Longest payload of RXM-RAWX that is read, bytes: 160 measurements. Even 64 satellites hardly
-/// have more.
-const RAWX_PAYLOAD: usize = rawx::payload_of(160);
+/// Longest payload of RXM-RAWX that is read, bytes: all that a message can have, or 160 measurements
+/// in a build with less memory, which 45 satellites with four bands exceed.
+const RAWX_PAYLOAD: usize = rawx::payload_of(if CAPACITY < 48 { 160 } else { 255 });
 
 /// Format of UBX.
 #[derive(Debug)]
@@ -50,6 +52,8 @@ impl Protocol for Ubx {
         let is_possible = match [class, id] {
             _ if length <= ORDINARY_PAYLOAD => true,
             rawx::MESSAGE => length <= RAWX_PAYLOAD && rawx::may_have(payload, length),
+            // At most 255 signals, which are shorter than as many measurements.
+            security::NAV_SIG => security::may_be_signals(payload, length),
             _ => false,
         };
         if is_possible { Extent::Bytes(HEADER + length + CHECKSUM) } else { Extent::NoFrame }

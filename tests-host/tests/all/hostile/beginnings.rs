@@ -32,15 +32,23 @@ fn rawx_of(many: u8) -> Vec<u8> {
     bytes
 }
 
+/// Returns the same of a NAV-SIG and its number of signals.
+fn nav_sig_of(many: u8) -> Vec<u8> {
+    let mut bytes = ubx_of([0x01, 0x43], 8 + 16 * u16::from(many));
+    bytes.extend([0, 0, 0, 0, 0, many]);
+    bytes
+}
+
 /// Returns false beginnings of every protocol, with lengths over the whole range of each.
 fn beginnings() -> Vec<Vec<u8>> {
     let mut all: Vec<Vec<u8>> = (0..=1023).step_by(93).map(rtcm).collect();
     all.extend((0..=1023).step_by(93).map(|length| ubx_of([0x01, 0x07], length)));
-    all.extend((0..=160).step_by(20).map(|many| ubx_of([0x02, 0x15], 16 + 32 * many)));
-    all.extend((0..=160).step_by(20).map(rawx_of));
+    all.extend((0..=255).step_by(15).map(|many| ubx_of([0x02, 0x15], 16 + 32 * many)));
+    all.extend((0..=255).step_by(15).map(rawx_of));
+    all.extend((0..=255).step_by(51).map(nav_sig_of));
     // Many in a row, and one inside another.
-    all.extend([rtcm(1023).repeat(20), ubx_of([0x02, 0x15], 0x1410).repeat(20)]);
-    all.push([rawx_of(160), rtcm(1023), ubx_of([0x01, 0x07], 1000)].concat().repeat(4));
+    all.extend([rtcm(1023).repeat(20), ubx_of([0x02, 0x15], 16 + 32 * 255).repeat(20)]);
+    all.push([rawx_of(255), rtcm(1023), ubx_of([0x01, 0x07], 1000)].concat().repeat(4));
     all
 }
 
