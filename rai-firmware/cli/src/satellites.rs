@@ -46,6 +46,8 @@ pub struct Seen {
     pub variance_ratio: Option<f64>,
     /// View of the epoch; `None` of a silence, and if nobody wants it.
     pub view: Option<View>,
+    /// When the first byte of its ranges came, ms of the module's clock; `None` without an epoch.
+    pub came_ms: Option<u64>,
 }
 
 /// Verdicts of a module, until they are taken.
@@ -79,11 +81,12 @@ impl Observer for Views {
             output: judged.into(),
             variance_ratio: judged.variance_ratio(),
             view: self.is_watched.then(|| View::of(judged)),
+            came_ms: Some(judged.came_ms()),
         });
     }
 
     fn without_epoch(&mut self, judged: &WithoutEpoch<'_>) {
-        self.seen.push(Seen { output: judged.into(), variance_ratio: None, view: None });
+        self.seen.push(Seen { output: judged.into(), variance_ratio: None, view: None, came_ms: None });
     }
 }
 

@@ -183,6 +183,11 @@ impl Input {
         self.assembly.is_open()
     }
 
+    /// Returns true if no byte may belong to a frame that is not complete.
+    pub(crate) fn is_between_frames(&self) -> bool {
+        self.framer.is_between_frames()
+    }
+
     /// Discards incomplete frames and the open epoch, because bytes were lost. The next message and
     /// all others of its instant are also dropped.
     pub fn interrupt(&mut self) {

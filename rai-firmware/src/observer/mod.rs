@@ -71,6 +71,8 @@ pub struct Judged<'e> {
     pub(crate) navigator: &'e Navigator,
     #[cfg_attr(not(feature = "observer"), expect(dead_code, reason = "only an observer reads it"))]
     pub(crate) statement: &'e Statement<'e, CAPACITY>,
+    #[cfg(feature = "observer")]
+    pub(crate) came_ms: u64,
     /// What is known of Galileo's ephemerides; `None` without a key.
     #[cfg(all(feature = "observer", feature = "osnma"))]
     pub(crate) authentication: Option<AuthenticationReport>,
@@ -93,6 +95,13 @@ impl<'e> Judged<'e> {
     /// Returns the time tag of the epoch.
     pub const fn time(&self) -> GpsTime {
         self.raw.time
+    }
+
+    /// Returns when the first byte of its ranges came, ms of the clock of
+    /// [`Receiver::gnss`](crate::receiver::Receiver::gnss).
+    #[cfg(feature = "observer")]
+    pub const fn came_ms(&self) -> u64 {
+        self.came_ms
     }
 
     /// Returns the report.

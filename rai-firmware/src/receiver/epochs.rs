@@ -101,6 +101,9 @@ pub(super) struct EpochLoop<P, O> {
     /// lateness, or the time of the last such alert.
     last_epoch_ms: u64,
     lateness: Lateness,
+    /// Arrival of the epoch that is being judged, ms.
+    #[cfg(feature = "observer")]
+    came_ms: u64,
     /// Last epoch whose ranges agreed with orbits that determine the week, and its arrival, ms.
     pub(super) agreed: Option<(GpsTime, u64)>,
     pub(super) sigma_check: Option<f64>,
@@ -154,6 +157,8 @@ impl<P: OutputPin, O: Observer> EpochLoop<P, O> {
             last_time: None,
             last_epoch_ms: 0,
             lateness: Lateness::by_clock_within(clock_error_ppm),
+            #[cfg(feature = "observer")]
+            came_ms: 0,
             agreed: None,
             sigma_check: None,
             is_sound: true,
@@ -278,6 +283,10 @@ impl<P: OutputPin, O: Observer> EpochLoop<P, O> {
                     self.lateness.learn(raw.time, *came_ms);
                     self.agreed = Some((raw.time, *came_ms));
                 }
+                #[cfg(feature = "observer")]
+                {
+                    self.came_ms = *came_ms;
+                }
                 self.conclude(raw, due_ms, host);
                 return true;
             }
@@ -369,6 +378,8 @@ impl<P: OutputPin, O: Observer> EpochLoop<P, O> {
             raw,
             navigator: &self.navigator,
             statement: &statement,
+            #[cfg(feature = "observer")]
+            came_ms: self.came_ms,
             #[cfg(all(feature = "observer", feature = "osnma"))]
             authentication: self.authentication_report(due_ms),
         });

@@ -249,6 +249,12 @@ impl<P: OutputPin, O: Observer> Receiver<P, O> {
         self.input.interrupt();
     }
 
+    /// Returns true if the bytes of the GNSS port so far end with a whole frame, or with bytes that are
+    /// none: a frame from elsewhere may follow.
+    pub fn is_between_frames(&self) -> bool {
+        self.input.is_between_frames()
+    }
+
     /// Returns the number of valid frames of the GNSS port since start.
     pub fn frames(&self) -> u32 {
         self.input.counters().frames

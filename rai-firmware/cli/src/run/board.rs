@@ -76,9 +76,20 @@ impl<'s> Computer<'s> {
         }
     }
 
+    /// Gives the module the orbits of the caster while it has no frame of the receiver in hand, which
+    /// they would cut.
+    pub(super) fn insert_orbits(&mut self, receiver: &mut Module) {
+        while receiver.is_between_frames() {
+            let Some(orbit) = self.inbox.take_orbit() else { break };
+            let now_ms = self.inbox.now_ms();
+            self.contact.receive(&orbit, now_ms);
+            receiver.gnss(&orbit, now_ms, self.outbox);
+        }
+    }
+
     /// Passes the verdicts since the last call to the log, and to the recorder and the page, if there
-    /// are such. Returns true if one is protected.
-    pub(super) fn record(&mut self, receiver: &mut Module) -> bool {
+    /// are such. Returns when the last one that is protected came, ms.
+    pub(super) fn record(&mut self, receiver: &mut Module) -> Option<u64> {
         self.outbox.wake();
         let seen = receiver.observer_mut().take();
         for seen in &seen {
@@ -91,7 +102,7 @@ impl<'s> Computer<'s> {
             let (pin_is_high, now_ms) = (receiver.pin().is_high(), self.inbox.now_ms());
             recorder.note(&seen, receiver.configuration(), pin_is_high, now_ms);
         }
-        seen.iter().any(|seen| seen.output.state.is_protected())
+        seen.iter().rev().find(|seen| seen.output.state.is_protected())?.came_ms
     }
 
     pub(super) fn sealed_memory(&self) -> &[u8; SEALED_BYTES] {
@@ -107,9 +118,9 @@ impl<'s> Computer<'s> {
         self.inbox.has_ended()
     }
 
-    /// Tells the time of an epoch that is protected.
+    /// Tells the time of an epoch that is protected, which came at `came_ms`.
     #[cfg(unix)]
-    pub(super) fn tell_time(&mut self, receiver: &Module, servers: &mut [TimeServer]) {
+    pub(super) fn tell_time(&mut self, receiver: &Module, came_ms: u64, servers: &mut [TimeServer]) {
         /// Speed of light, m/s.
         const C_M_S: f64 = 299_792_458.0;
         let clock_m =
@@ -118,7 +129,7 @@ impl<'s> Computer<'s> {
                 solution.clocks_m.iter().copied().flatten().next()
             });
         let (Some(epoch), Some(clock_m)) = (receiver.last_epoch(), clock_m) else { return };
-        let age = self.inbox.burst_age();
+        let age = Duration::from_millis(self.inbox.now_ms().saturating_sub(came_ms));
         let leap_s = receiver.leap_second().map_or(GPS_MINUS_UTC_S, |leap| leap.seconds);
         let came = SystemTime::now() - age;
         let sample = Sample { gps_s: epoch.time_s() - clock_m / C_M_S, leap_s, came, age };
@@ -187,6 +198,10 @@ impl Board for Computer<'_> {
 
     fn sleep(&mut self) -> Option<u64> {
         self.outbox.wake();
+        if self.inbox.is_empty() {
+            self.inbox.clock().settle();
+            self.wire.release();
+        }
         let is_idle = !self.wire.is_high() && self.inbox.silent_ms() > SILENT_MS;
         self.inbox.wait(if is_idle { IDLE_SLEEP } else { LONGEST_SLEEP });
         Some(self.inbox.now_ns())

@@ -9,12 +9,16 @@
 //! twice and found nothing to do, so that one of the two rounds began after the step. A test
 //! therefore sees the same states as in real time, and needs no sleep.
 //!
-//! The time of the computer is that of `CLOCK_BOOTTIME`: a step of the date does not move it, and it
-//! goes on while the machine sleeps, so that a verdict of before is old when it wakes. `Instant`
-//! would stand still meanwhile.
+//! The time of the computer is that of its oscillator, `CLOCK_MONOTONIC_RAW`, and of its sleep,
+//! `CLOCK_BOOTTIME − CLOCK_MONOTONIC`. A step of the date does not move it. Nor does a program that
+//! sets the date by and by (chrony lets the other clocks run 8 % faster): every epoch would seem
+//! late. It goes on while the machine sleeps, so that a verdict of before is old when it wakes;
+//! `Instant` would stand still meanwhile.
 //!
 //! The time of the computer stands still while it is held, because a consumer of a pipe's sentences
-//! does not read: the bytes of the pipe wait meanwhile, and grow no older.
+//! does not read: the bytes of the pipe wait meanwhile, and grow no older. How long it was held is
+//! known until the pipe is empty ([`Clock::owed`]), because until then every epoch is so much older
+//! than it seems.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -29,16 +33,29 @@ const PATIENCE: Duration = Duration::from_secs(20);
 const ROUND: Duration = Duration::from_millis(100);
 
 /// Returns the time since some instant, which no step of the date moves.
-#[cfg(unix)]
+#[cfg(any(target_os = "linux", target_os = "android"))]
 fn steady() -> Duration {
-    use nix::time::{ClockId, clock_gettime};
-    // macOS counts the time of sleep in its monotonic clock.
-    #[cfg(any(target_os = "linux", target_os = "android"))]
-    let clock = ClockId::CLOCK_BOOTTIME;
-    #[cfg(not(any(target_os = "linux", target_os = "android")))]
-    let clock = ClockId::CLOCK_MONOTONIC;
-    // It is an error to ask for a clock that the system does not have, and every one has these.
-    clock_gettime(clock).map(Duration::from).unwrap_or_default()
+    use std::sync::atomic::AtomicU64;
+    /// Time in which the machine has slept since it was started, ns.
+    static SLEPT_NS: AtomicU64 = AtomicU64::new(0);
+    // What goes by between the two calls makes the sleep too short, so that the longest one counts.
+    let with_sleep = read(nix::time::ClockId::CLOCK_BOOTTIME);
+    let slept = with_sleep.saturating_sub(read(nix::time::ClockId::CLOCK_MONOTONIC));
+    let slept_ns = u64::try_from(slept.as_nanos()).unwrap_or(u64::MAX);
+    let slept_ns = SLEPT_NS.fetch_max(slept_ns, Ordering::Relaxed).max(slept_ns);
+    read(nix::time::ClockId::CLOCK_MONOTONIC_RAW) + Duration::from_nanos(slept_ns)
+}
+
+/// macOS counts the time of sleep in its monotonic clock.
+#[cfg(all(unix, not(any(target_os = "linux", target_os = "android"))))]
+fn steady() -> Duration {
+    read(nix::time::ClockId::CLOCK_MONOTONIC)
+}
+
+/// It is an error to ask for a clock that the system does not have, and every one has these.
+#[cfg(unix)]
+fn read(clock: nix::time::ClockId) -> Duration {
+    nix::time::clock_gettime(clock).map(Duration::from).unwrap_or_default()
 }
 
 #[cfg(not(unix))]
@@ -60,6 +77,8 @@ pub struct Clock {
 struct Held {
     past: Duration,
     since: Option<Duration>,
+    /// The part of `past` when the pipe was empty last.
+    settled: Duration,
 }
 
 /// A clock that a test moves.
@@ -118,6 +137,19 @@ impl Clock {
         if let Some(since) = held.since.take() {
             held.past += steady().saturating_sub(since);
         }
+    }
+
+    /// Returns how long the time was held since the pipe was empty last.
+    pub(super) fn owed(&self) -> Duration {
+        let held = self.held();
+        let now = held.since.map_or(Duration::ZERO, |since| steady().saturating_sub(since));
+        held.past.saturating_sub(held.settled) + now
+    }
+
+    /// Notes that the pipe is empty: what comes from now on is new.
+    pub(super) fn settle(&self) {
+        let mut held = self.held();
+        held.settled = held.past;
     }
 
     /// Sleeps, in pieces, so that a stop is noticed.
@@ -232,6 +264,20 @@ impl Led {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_was_held_is_owed_until_the_pipe_is_empty() {
+        let clock = Clock::of_the_computer();
+        for round in 1..=3 {
+            clock.hold();
+            thread::sleep(Duration::from_millis(20));
+            assert!(clock.owed() >= round * Duration::from_millis(20), "while it is held");
+            clock.go_on();
+            assert!(clock.owed() >= round * Duration::from_millis(20));
+        }
+        clock.settle();
+        assert_eq!(clock.owed(), Duration::ZERO);
+    }
 
     #[test]
     fn held_time_does_not_count_and_goes_on_from_where_it_stood() {

@@ -1,7 +1,7 @@
 //! The queue between the threads that read and the epoch loop: bytes with their time of arrival.
 //!
 //! Two kinds of bytes come: those of the receiver, in order, and whole frames with orbits from a
-//! caster. The receiver's line is never interrupted: an orbit waits until the line has paused.
+//! caster, which wait until the module has no frame of the receiver in hand.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -18,8 +18,9 @@ const MOST_ORBITS: usize = 256;
 /// Bytes of commands that may wait. Only pseudo-terminals bring commands.
 #[cfg(unix)]
 const MOST_COMMANDS: usize = 4096;
-/// Pause of the receiver's line after which an orbit goes in, ms. No frame has such a pause inside.
-const PAUSE_MS: u64 = 30;
+/// Time without a byte after which a pipe counts as empty, ms: a reader that runs takes what is there
+/// at once.
+const EMPTY_MS: u64 = 10;
 
 /// The queue.
 #[derive(Debug)]
@@ -39,9 +40,6 @@ struct State {
     /// The number of bytes that came at each instant, in ms, oldest first.
     arrivals: VecDeque<(usize, u64)>,
     last_ms: u64,
-    /// Arrival of the last bytes that were taken, and of the first of them after a pause, ms.
-    taken_ms: u64,
-    burst_ms: u64,
     orbits: VecDeque<Vec<u8>>,
     commands: VecDeque<u8>,
     is_broken: bool,
@@ -100,14 +98,20 @@ impl Inbox {
         self.state().is_broken = true;
     }
 
-    /// Takes a whole frame with an orbit.
+    /// Takes a whole frame with an orbit. If there are too many, the oldest goes.
     pub(super) fn push_orbit(&self, frame: Vec<u8>) {
         let mut state = self.state();
-        if state.orbits.len() < MOST_ORBITS {
-            state.orbits.push_back(frame);
+        if state.orbits.len() == MOST_ORBITS {
+            state.orbits.pop_front();
         }
+        state.orbits.push_back(frame);
         drop(state);
         self.clock.receive(0, 1);
+    }
+
+    /// Hands out a frame with an orbit.
+    pub(super) fn take_orbit(&self) -> Option<Vec<u8>> {
+        self.state().orbits.pop_front()
     }
 
     /// Takes bytes of a host's commands.
@@ -146,11 +150,7 @@ impl Inbox {
         if std::mem::take(&mut state.is_broken) {
             return Taken::Lost;
         }
-        let Some(&(many, came_ms)) = state.arrivals.front() else {
-            let has_paused = now_ms.saturating_sub(state.last_ms) >= PAUSE_MS;
-            let orbit = if has_paused { state.orbits.pop_front() } else { None };
-            return orbit.map_or(Taken::Nothing, |orbit| copy(&orbit, chunk, now_ms));
-        };
+        let Some(&(many, came_ms)) = state.arrivals.front() else { return Taken::Nothing };
         let count = many.min(chunk.len());
         for (place, byte) in chunk.iter_mut().zip(state.bytes.drain(..count)) {
             *place = byte;
@@ -159,18 +159,16 @@ impl Inbox {
             Some(front) if many > count => front.0 = many - count,
             _ => drop(state.arrivals.pop_front()),
         }
-        if came_ms.saturating_sub(state.taken_ms) >= PAUSE_MS {
-            state.burst_ms = came_ms;
-        }
-        state.taken_ms = came_ms;
         drop(state);
         self.room.notify_one();
         Taken::Bytes { count, came_ms: if self.waits { now_ms } else { came_ms } }
     }
 
-    /// Returns the time since the first byte after a pause came of those that were taken last.
-    pub(super) fn burst_age(&self) -> Duration {
-        Duration::from_millis(self.now_ms().saturating_sub(self.state().burst_ms))
+    /// Returns true if all that the source has sent was taken.
+    pub(super) fn is_empty(&self) -> bool {
+        let now_ms = self.now_ms();
+        let state = self.state();
+        state.arrivals.is_empty() && now_ms.saturating_sub(state.last_ms) >= EMPTY_MS
     }
 
     /// Hands out one byte of a command.
@@ -203,13 +201,6 @@ impl Inbox {
     }
 }
 
-/// Copies a frame into the chunk. A frame is never divided; one that does not fit is discarded.
-fn copy(frame: &[u8], chunk: &mut [u8], came_ms: u64) -> Taken {
-    let Some(place) = chunk.get_mut(..frame.len()) else { return Taken::Nothing };
-    place.copy_from_slice(frame);
-    Taken::Bytes { count: frame.len(), came_ms }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -228,27 +219,27 @@ mod tests {
     }
 
     #[test]
-    fn age_is_that_of_the_first_byte_after_a_pause() {
-        let clock = Clock::led();
-        let inbox = Inbox::new(Arc::clone(&clock), false);
-        for (now_ms, want_ms) in [(1000, 0), (1029, 29), (1058, 58), (2000, 0)] {
-            clock.set(Duration::from_millis(now_ms));
-            inbox.push(b"a");
-            inbox.take(&mut [0; 4]);
-            assert_eq!(inbox.burst_age(), Duration::from_millis(want_ms));
-        }
+    fn newest_orbits_stay() {
+        let inbox = Inbox::new(Clock::of_the_computer(), false);
+        (0..=MOST_ORBITS).for_each(|number| inbox.push_orbit(number.to_le_bytes().to_vec()));
+        assert_eq!(inbox.take_orbit(), Some(1_usize.to_le_bytes().to_vec()));
+        assert_eq!(std::iter::from_fn(|| inbox.take_orbit()).count(), MOST_ORBITS - 1);
     }
 
     #[test]
-    fn orbit_waits_for_a_pause_of_the_line() {
-        let inbox = Inbox::new(Clock::of_the_computer(), false);
+    fn source_is_empty_once_all_is_taken_and_nothing_comes() {
+        let clock = Clock::led();
+        let inbox = Inbox::new(Arc::clone(&clock), true);
+        clock.set(Duration::from_secs(1));
+        inbox.push(b"ab");
+        clock.set(Duration::from_secs(2));
+        inbox.take(&mut [0; 1]);
+        assert!(!inbox.is_empty());
+        inbox.take(&mut [0; 1]);
+        assert!(inbox.is_empty());
         inbox.push(b"a");
-        inbox.push_orbit(b"orbit".to_vec());
-        let mut chunk = [0; 16];
-        assert!(matches!(inbox.take(&mut chunk), Taken::Bytes { count: 1, .. }));
-        assert_eq!(inbox.take(&mut chunk), Taken::Nothing);
-        std::thread::sleep(Duration::from_millis(PAUSE_MS + 5));
-        assert!(matches!(inbox.take(&mut chunk), Taken::Bytes { count: 5, .. }));
+        inbox.take(&mut [0; 1]);
+        assert!(!inbox.is_empty(), "more may be on its way");
     }
 
     #[test]

@@ -96,7 +96,8 @@ type Module = Receiver<Pin, Views>;
 
 /// Messages of `MAVLink`.
 const MESSAGES: [&str; 3] = ["HEARTBEAT", "GPS_INPUT", "GNSS_INTEGRITY"];
-/// Wait for a consumer after which the pin falls, because nothing is judged meanwhile.
+/// Waits for consumers, in sum, after which the pin falls: meanwhile nothing is judged, and what is
+/// judged then is so much older.
 const LONGEST_HIGH: Duration = Duration::from_millis(500);
 
 /// Runs the service as the command line asks, until the input ends or a signal stops it.
@@ -229,11 +230,12 @@ fn live(
         let mut epochs = EpochLoop::new();
         while !receiver.reset_requested() && !stop.load(Ordering::Relaxed) && !board.has_ended() {
             epochs.pass(&mut board, &mut receiver);
+            board.insert_orbits(&mut receiver);
             board.look(&receiver);
-            let is_protected = board.record(&mut receiver);
+            let promised_ms = board.record(&mut receiver);
             #[cfg(unix)]
-            if is_protected && !servers.is_empty() {
-                board.tell_time(&receiver, &mut servers);
+            if let Some(came_ms) = promised_ms {
+                board.tell_time(&receiver, came_ms, &mut servers);
             }
         }
         board.drain(&mut receiver);
@@ -266,15 +268,19 @@ fn time_servers(plan: &Plan) -> Result<Vec<time_server::TimeServer>> {
 }
 
 /// Returns how a file or a pipe waits for a consumer: time stands still, the guard is content, and
-/// the pin falls.
+/// the pin falls. Without a guard it is a file, whose epochs have no age: each wait counts by itself.
 fn wait(wire: &Arc<Wire>, clock: &Arc<Clock>, stop: &Arc<AtomicBool>, guard: Option<Arc<Guard>>) -> Wait {
     let (wire, held, after) = (Arc::clone(wire), Arc::clone(clock), Arc::clone(clock));
     let meanwhile = move |waited: Duration| {
         held.hold();
         if let Some(guard) = &guard {
             guard.feed();
-        }
-        if waited > LONGEST_HIGH && wire.is_high() {
+            if held.owed() > LONGEST_HIGH && wire.withhold() {
+                say!(
+                    "a consumer reads more slowly than sentences come: the pin is low until the input is caught up"
+                );
+            }
+        } else if waited > LONGEST_HIGH && wire.is_high() {
             // If it fails, the next look tries again.
             let _ = wire.drive(false);
         }

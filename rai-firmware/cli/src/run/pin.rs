@@ -75,6 +75,8 @@ pub struct Wire {
     /// Held while the wire is driven; true once it must stay low.
     is_closed: Mutex<bool>,
     is_high: AtomicBool,
+    /// True while it must stay low, whatever the module drives.
+    is_withheld: AtomicBool,
     reserve: Reserve,
 }
 
@@ -103,8 +105,8 @@ impl Wire {
             Place::Program(program) => Kind::Program(Actuator::start(program)),
             Place::Gpio(chip, line) => gpio(chip, *line)?,
         };
-        let (is_closed, is_high) = (Mutex::new(false), AtomicBool::new(false));
-        Ok(Self { kind, is_closed, is_high, reserve: Reserve::new() })
+        let [is_high, is_withheld] = [const { AtomicBool::new(false) }; 2];
+        Ok(Self { kind, is_closed: Mutex::new(false), is_high, is_withheld, reserve: Reserve::new() })
     }
 
     /// Drives the wire. A program is started and not waited for.
@@ -116,7 +118,26 @@ impl Wire {
         if high && *is_closed {
             return Err(io::Error::other("the service is about to end"));
         }
+        if high && self.is_withheld.load(Ordering::Relaxed) {
+            return if self.is_high() { self.set(false) } else { Ok(()) };
+        }
         self.set(high)
+    }
+
+    /// Lets the wire be low until [`Self::release`], whatever the module drives; returns true if it
+    /// was not withheld before.
+    pub(super) fn withhold(&self) -> bool {
+        let is_new = !self.is_withheld.swap(true, Ordering::Relaxed);
+        if self.is_high() {
+            // If it fails, the next look tries again.
+            let _ = self.drive(false);
+        }
+        is_new
+    }
+
+    /// Lets the next promise raise the wire.
+    pub(super) fn release(&self) {
+        self.is_withheld.store(false, Ordering::Relaxed);
     }
 
     fn set(&self, high: bool) -> io::Result<()> {
@@ -208,9 +229,17 @@ impl Wire {
 
 /// Replaces a file as a whole, so that no reader sees half of it.
 fn replace(path: &Path, high: bool) -> io::Result<()> {
-    let next = path.with_extension("next");
+    let next = next_of(path);
     fs::write(&next, if high { "1\n" } else { "0\n" })?;
     fs::rename(&next, path)
+}
+
+/// Returns the name under which a file is written. Another service may keep its pin in the same folder,
+/// under a name that begins alike.
+fn next_of(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.next", std::process::id()));
+    path.with_file_name(name)
 }
 
 /// Overwrites the level in a file with low, which needs no room on the disk.
@@ -354,6 +383,33 @@ mod tests {
         assert_eq!(pin.set_low(), Err(PinError));
     }
 
+    /// Whatever another service does beside its own pin, whose name begins alike.
+    #[test]
+    fn next_file_is_that_of_no_other_pin() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pin.front");
+        fs::create_dir(folder.path().join("pin.next")).unwrap();
+        let wire = Wire::open(&Place::File(path.clone())).unwrap();
+        wire.drive(true).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "1\n");
+    }
+
+    #[test]
+    fn withheld_wire_falls_and_rises_once_it_is_released() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pin");
+        let wire = Arc::new(Wire::open(&Place::File(path.clone())).unwrap());
+        let mut pin = Pin::new(Arc::clone(&wire));
+        pin.set_high().unwrap();
+        assert!(wire.withhold() && !wire.withhold());
+        assert_eq!(fs::read_to_string(&path).unwrap(), "0\n");
+        pin.set_high().unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "0\n");
+        wire.release();
+        pin.set_high().unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "1\n");
+    }
+
     /// A folder in the place of the next file stands for a disk that takes no new file.
     #[test]
     fn file_falls_on_a_disk_that_takes_no_new_file_and_does_not_rise() {
@@ -361,7 +417,7 @@ mod tests {
         let path = folder.path().join("pin");
         let mut pin = Pin::new(Arc::new(Wire::open(&Place::File(path.clone())).unwrap()));
         pin.set_high().unwrap();
-        fs::create_dir(path.with_extension("next")).unwrap();
+        fs::create_dir(next_of(&path)).unwrap();
         pin.set_low().unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "0\n");
         assert_eq!(pin.set_high(), Err(PinError));

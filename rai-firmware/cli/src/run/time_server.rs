@@ -4,7 +4,7 @@
 //! ```text
 //! offset = t_UTC − t_computer                       s
 //! t_UTC = tag − clock / c − leap seconds            of the epoch, as the module judged it
-//! t_computer = when the first byte of the epoch came
+//! t_computer = when the first byte of its ranges came
 //! ```
 //!
 //! | bytes | type | content |

@@ -215,6 +215,11 @@ impl Framer {
         self.buffer.get(self.front..).unwrap_or_default()
     }
 
+    /// Returns true if no byte may belong to a frame that is not complete.
+    pub(super) fn is_between_frames(&self) -> bool {
+        self.front + self.handed >= self.buffer.len()
+    }
+
     fn is_empty(&self) -> bool {
         self.front >= self.buffer.len()
     }
