@@ -74,6 +74,17 @@ fn given_week_is_the_date() {
     assert_eq!(dates(&capture), ["270293"]);
 }
 
+/// A service whose `--record` goes on behind what its file has, after three days without its receiver.
+/// RTCM has the time within the week, so that more than half a week would count as a time that goes back.
+#[test]
+fn capture_goes_on_after_days() {
+    let days_s = 3.0 * 86_400.0;
+    let parts =
+        [3600.0 + days_s, 3600.0].map(|before_s| bytes("GE", 2295, before_s, StatedWeek::Transmission));
+    let capture = Capture::of(parts.concat(), None).unwrap();
+    assert_eq!(dates(&capture), ["030124", "060124"]);
+}
+
 #[test]
 fn date_of_today_stays_and_the_module_is_told_nothing() {
     let capture = Capture::of(bytes("GE", 2295, 3600.0, StatedWeek::Transmission), None).unwrap();
