@@ -80,6 +80,7 @@
 //! | `hypotheses` | yes | tests explanations beyond single satellites: a wrong time tag, or a system that is shifted or broken as a whole |
 //! | `aiding` | yes | rows that are no satellites (forecast of the receiver clock, known height), and sigmas scaled by residuals; without it an epoch has no room for such rows |
 //! | `double-tables` | yes | thresholds in double precision; without it in single precision |
+//! | `authentication` | no | reasons of firmware that authenticates navigation data |
 //! | `defmt` | no | `defmt::Format` on public types |
 //!
 //! # Stability

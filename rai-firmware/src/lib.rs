@@ -33,7 +33,7 @@
 //!
 //! The library knows no hardware: [`receiver::Receiver`] takes an `embedded_hal` output pin, an
 //! `embedded_io` writer and slices of bytes. A host runs the same code as the chip and writes the
-//! same bytes. The binary of this package is the board around it, an STM32F405:
+//! same bytes. A board is a package around it. That of the STM32F405 has these ports:
 //!
 //! | port | pins | direction | bytes |
 //! |---|---|---|---|
@@ -47,7 +47,7 @@
 //!
 //! # Features
 //!
-//! The default features `whole` and `gsv` build everything except a board. A small build reads RTCM
+//! The default features build everything except a board. A small build reads RTCM
 //! 3, and writes `RMC`, `GGA` and the module's sentences. It judges by classic RAIM with the
 //! thresholds of the phases of flight. Features add the rest:
 //!
@@ -64,8 +64,10 @@
 //! | `sentences` | `GNS`, `VTG`, `ZDA`, `GSA`, `GST`, `GBS` |
 //! | `osnma` | `KEY`, `ROOT`, `AUTH`, `TRUST`: authenticated ephemerides of Galileo |
 //! | `tie` | proved Galileo decides where systems contradict each other (`SYSTEM`); distance between the places of single systems |
+//! | `both-kinds` | what residuals of one frequency and of two say of their noise, also for the kind that is not in use |
 //! | `gsv` | `GSV` |
-//! | `log` | the log of a board |
+//! | `satellites-32`, `satellites-48` | room for as many satellites in an epoch, instead of 16 |
+//! | `log`, `defmt` | the log of a board, and its formats; `defmt` is off at start |
 //! | `observer` | an account of each judged epoch, satellite by satellite, for a program on a computer ([`observer`]); off at start |
 //!
 //! Commands that need a missing feature are refused with `not in this build`. Boards are

@@ -6,7 +6,7 @@
 //!
 //! | feature | default | effect |
 //! |---|---|---|
-//! | `satellites-32`, `satellites-48` | `satellites-48` | at most 32 or 48 satellites in an epoch; without both 16, in less memory |
+//! | `satellites-32`, `satellites-48` | no | at most 32 or 48 satellites in an epoch; without both 16, in less memory |
 //! | `stages` | no | the stages one by one, for measurements |
 #![no_std]
 #![forbid(unsafe_code)]

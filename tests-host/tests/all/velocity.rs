@@ -330,7 +330,7 @@ fn velocities_of_a_car_are_within_their_levels() {
     ] {
         let Some(folder) = shared::path_or_skip("data") else { return };
         let bytes = Bytes::open(folder.join(capture).to_str().expect("text"), f64::INFINITY).expect("bytes");
-        let truth = Truth::from_csv(&folder.join(truth)).expect("positions");
+        let truth = Truth::from_file(&folder.join(truth)).expect("positions");
         let mut receiver = Receiver::new(MemoryPin::default(), Boot::on_host("test")).expect("a module");
         let (mut errors_m_s, mut beyond, mut told) = ([Vec::new(), Vec::new()], Vec::new(), 0);
         for lump in Lumps::of(bytes, None, &[], &Window::ALL).expect("epochs") {

@@ -115,7 +115,7 @@ fn html(program: &[u8]) -> Result<String> {
          <script type=\"text/plain\" id=\"program\">{}</script>\n\
          <script type=\"text/plain\" id=\"thread\">{thread}</script>\n\
          <script>{script}</script>\n</body>\n</html>\n",
-        base64(&packed(program)?)
+        report::base64_text(&packed(program)?)
     ))
 }
 
@@ -149,14 +149,7 @@ fn packed(bytes: &[u8]) -> Result<Vec<u8>> {
 
 /// Returns the source of a policy that allows a text.
 fn hash(text: &str) -> String {
-    format!("sha256-{}", base64(&Sha256::digest(text.as_bytes())))
-}
-
-/// Returns bytes in Base64 (RFC 4648, with padding).
-fn base64(bytes: &[u8]) -> String {
-    let mut text = Vec::new();
-    report::base64(bytes.iter().copied(), &mut text).expect("memory has room");
-    String::from_utf8(text).expect("letters")
+    format!("sha256-{}", report::base64_text(&Sha256::digest(text.as_bytes())))
 }
 
 #[cfg(test)]

@@ -183,7 +183,7 @@ impl Source {
 pub(super) fn question(arguments: &Arguments) -> Result<Question> {
     let truth = match (&arguments.truth, &arguments.truth_csv) {
         (Some(text), _) => Some(Truth::of(text).context("--truth")?),
-        (None, Some(path)) => Some(Truth::from_csv(path).context("--truth-csv")?),
+        (None, Some(path)) => Some(Truth::from_file(path).context("--truth-csv")?),
         (None, None) => None,
     };
     let steps = arguments.inject.iter().map(|text| Fault::parse_inject(text));

@@ -59,7 +59,9 @@ impl Truth {
         if Path::new(text).is_file() { Self::from_file(Path::new(text)) } else { Self::parse(text) }
     }
 
-    /// Reads positions over time: a table ([`Self::from_csv`]), NMEA, or a solution of RTKLIB.
+    /// Reads positions over time: a table, NMEA, or a solution of RTKLIB. A table has a heading that
+    /// names `week` and `tow`, and `x_m`, `y_m`, `z_m` or `lat_deg`, `lon_deg`, `height_m` (above the
+    /// ellipsoid). Other columns are skipped.
     ///
     /// # Errors
     /// The file or a line is unreadable.
@@ -70,15 +72,6 @@ impl Truth {
         ensure!(!points.is_empty(), "{} holds no position", path.display());
         points.sort_by_key(|(time, _)| *time);
         Ok(Self::Moving(points))
-    }
-
-    /// Reads a table with a heading that names `week` and `tow`, and `x_m`, `y_m`, `z_m` or
-    /// `lat_deg`, `lon_deg`, `height_m` (above the ellipsoid). Other columns are skipped.
-    ///
-    /// # Errors
-    /// The file or a line is unreadable.
-    pub fn from_csv(path: &Path) -> Result<Self> {
-        Self::from_file(path)
     }
 
     /// Returns `X,Y,Z`, or latitude, longitude and height, in the order and with the signs in which it
@@ -180,7 +173,7 @@ mod tests {
     fn csv(text: &str) -> Result<Truth> {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), text).unwrap();
-        Truth::from_csv(file.path())
+        Truth::from_file(file.path())
     }
 
     fn time(tow_ms: u32) -> GpsTime {

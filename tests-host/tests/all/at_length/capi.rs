@@ -67,22 +67,6 @@ fn monitor_from_c_names_the_satellite_that_is_wrong() {
 }
 
 #[test]
-fn monitor_from_python_says_what_it_says_from_c() {
-    if !has(&["gcc", "python3"]) {
-        return;
-    }
-    let shared = library(Kind::Shared, WHOLE).expect("the library builds");
-    let fixed = library(Kind::Static, WHOLE).expect("the library builds");
-    let out = tempfile::tempdir().expect("a folder");
-    let program = compile("gcc", &example("monitor.c"), &fixed, &["-std=c99"], out.path());
-    let want = run(&mut Command::new(program)).expect("protected");
-    let mut python = Command::new("python3");
-    python.arg(folder().join("examples/python/monitor.py")).arg(shared);
-    let have = run(&mut python).expect("protected");
-    assert_eq!(String::from_utf8_lossy(&have), String::from_utf8_lossy(&want));
-}
-
-#[test]
 fn receiver_from_c_says_every_byte_that_it_says_from_rust() {
     if !has(&["gcc"]) {
         return;

@@ -107,7 +107,7 @@ impl Stream {
 
     fn truth(&self) -> Truth {
         if self.truth.contains("truth.csv") {
-            Truth::from_csv(&path(self.truth)).unwrap()
+            Truth::from_file(&path(self.truth)).unwrap()
         } else {
             Truth::parse(self.truth).unwrap()
         }

@@ -45,7 +45,7 @@ pub(super) fn value(code: i16) -> Option<f64> {
 ///
 /// # Errors
 /// The writer's own.
-pub fn base64(bytes: impl IntoIterator<Item = u8>, out: &mut impl Write) -> io::Result<()> {
+pub(super) fn base64(bytes: impl IntoIterator<Item = u8>, out: &mut impl Write) -> io::Result<()> {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut bytes = bytes.into_iter();
     while let Some(first) = bytes.next() {
@@ -61,6 +61,14 @@ pub fn base64(bytes: impl IntoIterator<Item = u8>, out: &mut impl Write) -> io::
     Ok(())
 }
 
+/// Returns bytes in base64.
+pub fn base64_text(bytes: &[u8]) -> String {
+    let mut text = Vec::new();
+    // Memory has room, and the letters are ASCII.
+    let _ = base64(bytes.iter().copied(), &mut text);
+    String::from_utf8(text).unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -71,9 +79,7 @@ mod tests {
         for (bytes, want) in
             [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")]
         {
-            let mut have = Vec::new();
-            base64(bytes.bytes(), &mut have).unwrap();
-            assert_eq!(have, want.as_bytes());
+            assert_eq!(base64_text(bytes.as_bytes()), want);
         }
     }
 

@@ -35,7 +35,7 @@ use super::canvas::Ground;
 use super::html::Page;
 use super::{stanford, timeline};
 
-pub use code::base64;
+pub use code::base64_text;
 pub use facts::{Facts, command_line, settings_of};
 pub use journal::{Happened, Journal};
 pub use reasons::explanation;

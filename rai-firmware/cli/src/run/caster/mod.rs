@@ -16,6 +16,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 mod tls;
 
 use super::inbox::Inbox;
+use crate::page::report::base64_text;
 use crate::run::words::say;
 use crate::signal::checksum::crc24q;
 use crate::source::{Pause, connect, is_timeout};
@@ -118,7 +119,7 @@ fn request(caster: &Caster) -> Result<Box<dyn Read>> {
     let mut stream: Box<dyn Line> =
         if caster.is_secure { tls::secure(stream, host(&caster.address))? } else { Box::new(stream) };
     let authorization = caster.credentials.as_ref().map_or_else(String::new, |credentials| {
-        format!("Authorization: Basic {}\r\n", base64(credentials.as_bytes()))
+        format!("Authorization: Basic {}\r\n", base64_text(credentials.as_bytes()))
     });
     let (mountpoint, version) = (&caster.mountpoint, env!("CARGO_PKG_VERSION"));
     let request =
@@ -279,40 +280,10 @@ fn take_frames(waiting: &mut Vec<u8>, mut hand_on: impl FnMut(&[u8])) {
     waiting.drain(..front);
 }
 
-/// Returns the Base64 text of RFC 4648.
-fn base64(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let letters = bytes.chunks(3).flat_map(|chunk| {
-        let byte = |index: usize| u32::from(chunk.get(index).copied().unwrap_or(0));
-        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        (0..4).map(move |place| {
-            let letter = LETTERS.get((bits >> (18 - 6 * place) & 63) as usize).copied().unwrap_or(b'=');
-            if place <= chunk.len() { char::from(letter) } else { '=' }
-        })
-    });
-    letters.collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::signal::checksum::rtcm_frame;
-
-    #[test]
-    fn base64_of_the_standard() {
-        // RFC 4648, section 10.
-        let cases = [
-            ("", ""),
-            ("f", "Zg=="),
-            ("fo", "Zm8="),
-            ("foo", "Zm9v"),
-            ("foob", "Zm9vYg=="),
-            ("foobar", "Zm9vYmFy"),
-        ];
-        for (text, want) in cases {
-            assert_eq!(base64(text.as_bytes()), want);
-        }
-    }
 
     #[test]
     fn casters_are_read_or_refused_with_their_form() {

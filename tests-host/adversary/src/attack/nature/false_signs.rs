@@ -190,7 +190,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         Some(folder) => {
             let file = |name: &str| folder.join(name);
             let car = Recording::load(&[file("car.obs.gz")], &[file("gps.nav.gz"), file("beidou.nav.gz")])?;
-            let truth = Truth::from_csv(&file("truth.csv"))?;
+            let truth = Truth::from_file(&file("truth.csv"))?;
             let signs = recorded(&car, "GC", Frequency::Single, Some(&truth))?;
             figures.extend(signs.figures("a car between buildings"));
             figures.extend(signs.justified());

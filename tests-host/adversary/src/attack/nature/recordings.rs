@@ -104,7 +104,7 @@ fn urban(effort: Effort) -> Result<Vec<Figure>> {
     let Some(folder) = shared::path("data/urban") else { return Ok(skipped()) };
     let file = |name: &str| -> PathBuf { folder.join(name) };
     let recording = Recording::load(&[file("car.obs.gz")], &[file("gps.nav.gz"), file("beidou.nav.gz")])?;
-    let truth = Truth::from_csv(&file("truth.csv"))?;
+    let truth = Truth::from_file(&file("truth.csv"))?;
     let methods = effort.pick(&METHODS[..1], &METHODS[..]);
     let limits: [&[&str]; 2] = [&["PHASE,NPA"], &["HAL,50", "VAL,100"]];
     let runs: Vec<(&str, &[&str])> =

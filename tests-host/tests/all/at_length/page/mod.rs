@@ -22,6 +22,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use oracle::browser::{self, Browser, Tab};
+use raim::page::report::base64_text;
 use rig::skip;
 use tempfile::TempDir;
 
@@ -110,11 +111,4 @@ fn name(path: &Path) -> String {
 /// Builds the program `rai`; returns its path.
 fn program() -> PathBuf {
     xtask::cargo::build("rai").unwrap()
-}
-
-/// Returns Base64 (RFC 4648, with padding).
-fn base64(bytes: &[u8]) -> String {
-    let mut text = Vec::new();
-    raim::page::report::base64(bytes.iter().copied(), &mut text).unwrap();
-    String::from_utf8(text).unwrap()
 }

@@ -152,7 +152,7 @@ fn memory_does_not_grow_in_half_an_hour() {
     );
     browser.value(&thread).unwrap();
     plug(&mut browser, 0);
-    let all: Vec<String> = epochs(1801).iter().map(|bytes| base64(bytes)).collect();
+    let all: Vec<String> = epochs(1801).iter().map(|bytes| base64_text(bytes)).collect();
     browser.value(&FEEDER.replace("ALL", &json!(all).to_string())).unwrap();
     let mut at = |epoch: u32| {
         let wanted =

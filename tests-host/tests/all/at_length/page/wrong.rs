@@ -281,7 +281,7 @@ fn mutated_files_never_stop_the_program() {
     }));
     let count = std::env::var("RAI_MUTATED").unwrap_or_else(|_| "500".to_owned());
     let mut browser = built.open(DESK, "light");
-    let seeds: Vec<_> = seeds.iter().map(|(name, bytes)| (name, base64(bytes))).collect();
+    let seeds: Vec<_> = seeds.iter().map(|(name, bytes)| (name, base64_text(bytes))).collect();
     let script = MUTATED.replace("SEEDS", &serde_json::json!(seeds).to_string()).replace("COUNT", &count);
     // Longer than the browser's answer may take.
     browser
