@@ -52,7 +52,7 @@ pub struct Arguments {
     #[arg(long, short, value_name = "SINK")]
     #[serde(rename = "outputs")]
     pub output: Vec<String>,
-    /// Integrity pin: gpio:CHIP:LINE, file:PATH, or exec:PROGRAM (called with high or low).
+    /// Integrity pin: gpio:CHIP:LINE, file:PATH, or exec:PROGRAM (called with high or low, until it exits with 0).
     #[arg(long, value_name = "PIN")]
     pub pin: Option<String>,
     /// Setting of the module, such as PHASE=LPV200, or CONFIRM; repeatable, in this order.

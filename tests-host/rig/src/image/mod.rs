@@ -29,10 +29,10 @@ pub use emulated::image::{CompiledFor, build, build_for, build_laboratory, build
 pub(crate) use emulated::image::{SECOND_BOARD_FLAGS, apart, cargo, executable};
 pub use named::{NAMED, Named};
 
-/// Largest size of the statics: the receiver (60 KiB), the ports' rings (8 KiB), and little more.
+/// Largest size of the statics: the receiver (63 KiB), the ports' rings (8 KiB), and little more.
 ///
 /// The receiver has 15 KiB for an epoch's satellites, equations and solution, and for ARAIM's
-/// memory of each row and term, which are here and not on the stack. It has 9 KiB for the longest
+/// memory of each row and term, which are here and not on the stack. It has 12 KiB for the longest
 /// frame and an epoch's raw ranges, 10 KiB for ephemerides, 6 KiB for navigation bits, 1 KiB for
 /// what CNAV says, and 12 KiB for what OSNMA waits for.
 pub const STATIC_RAM_BUDGET_BYTES: u64 = 76 * 1024;

@@ -57,7 +57,9 @@ fn epochs_of_messages_in_any_order_are_judged_though_each_says_it_is_the_last() 
                 frames.into_iter().partition(|frame| (1071..=1137).contains(&number(frame)));
             ranges.shuffle(&mut random);
             ranges.truncate(if random.random_bool(0.2) { 2 } else { 3 });
-            ranges.iter_mut().for_each(|frame| end_here(frame));
+            for frame in &mut ranges {
+                end_here(frame);
+            }
             bytes.extend(others.into_iter().chain(ranges).flatten());
         }
         let prepared = Capture::of(bytes, None).unwrap().lumps(&[], &Window::ALL).unwrap();
