@@ -43,10 +43,8 @@ pub fn program(package: &str, name: &str, features: &str) -> Command {
 /// If it does not compile.
 pub fn build(name: &str) -> anyhow::Result<PathBuf> {
     spawn(&mut command(&["build", "--workspace", "--bin", name, "--test", "top_level"]))?;
-    let here = std::env::current_exe().context("this program has no name")?;
-    // Tests stand in a folder of their own beside the programs.
-    let folder = here.ancestors().skip(1).find(|folder| !folder.ends_with("deps"));
-    Ok(folder.context("this program has no folder")?.join(name))
+    let folder = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
+    Ok(folder.join("debug").join(name))
 }
 
 /// Lets a program answer as this one was asked.

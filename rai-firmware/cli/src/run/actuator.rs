@@ -262,6 +262,11 @@ mod tests {
         wait_for(&wire, "high", Duration::from_secs(5));
         fs::remove_file(wire.with_extension("once")).unwrap();
         actuator.order(true);
+        let start = Instant::now();
+        while !wire.with_extension("once").exists() {
+            assert!(start.elapsed() < Duration::from_secs(5), "it is not called");
+            thread::sleep(Duration::from_millis(5));
+        }
         actuator.lower(Duration::from_secs(5)).unwrap();
         thread::sleep(2 * PAUSE_HIGH);
         assert_eq!(level(&wire), "low", "a high that failed before is not repeated after it");

@@ -13,7 +13,7 @@ use raim_firmware::output::nmea::GPS_MINUS_UTC_S;
 use raim_firmware::receiver::Boot;
 use raim_firmware::timed_ring::Taken;
 
-use super::Module;
+use super::backlog::Backlog;
 use super::contact::{Contact, Progress};
 use super::guard::Guard;
 use super::inbox::Inbox;
@@ -23,7 +23,9 @@ use super::pin::{Pin, Wire};
 use super::report::Recorder;
 #[cfg(unix)]
 use super::time_server::{Sample, TimeServer};
+use super::{LONGEST_HIGH, Module};
 use crate::run::words::say;
+use crate::satellites::Seen;
 
 /// Longest sleep of the loop while the pin is high or bytes have come lately.
 const LONGEST_SLEEP: Duration = Duration::from_millis(50);
@@ -45,6 +47,10 @@ pub(super) struct Computer<'s> {
     wire: &'s Wire,
     recorder: Option<&'s mut Recorder>,
     page: Option<&'s mut Page>,
+    /// Frames with orbits that the caster has sent.
+    orbits: u32,
+    /// The age of the epochs; `None` on a live line, whose lateness the module knows.
+    backlog: Option<Backlog>,
 }
 
 impl<'s> Computer<'s> {
@@ -55,14 +61,15 @@ impl<'s> Computer<'s> {
         (guard, wire): (&'s Guard, &'s Wire),
         (recorder, page): (Option<&'s mut Recorder>, Option<&'s mut Page>),
     ) -> Self {
-        Self { inbox, outbox, contact, sealed, guard, wire, recorder, page }
+        let backlog = outbox.waits().then(Backlog::default);
+        Self { inbox, outbox, contact, sealed, guard, wire, recorder, page, orbits: 0, backlog }
     }
 
     /// Looks at what the module has made of the receiver's bytes.
     pub(super) fn look(&mut self, receiver: &Module) {
         let report = receiver.last_report();
         let progress = Progress {
-            frames: receiver.frames(),
+            frames: receiver.frames().wrapping_sub(self.orbits),
             has_epoch: report.is_some(),
             has_position: report.is_some_and(|report| report.solution.is_some()),
             fixed: receiver.configuration().bit_rate.rate(),
@@ -81,20 +88,21 @@ impl<'s> Computer<'s> {
     pub(super) fn insert_orbits(&mut self, receiver: &mut Module) {
         while receiver.is_between_frames() {
             let Some(orbit) = self.inbox.take_orbit() else { break };
-            let now_ms = self.inbox.now_ms();
-            self.contact.receive(&orbit, now_ms);
-            receiver.gnss(&orbit, now_ms, self.outbox);
+            let before = receiver.frames();
+            receiver.gnss(&orbit, self.inbox.now_ms(), self.outbox);
+            self.orbits = self.orbits.wrapping_add(receiver.frames().wrapping_sub(before));
         }
     }
 
     /// Passes the verdicts since the last call to the log, and to the recorder and the page, if there
-    /// are such. Returns when the last one that is protected came, ms.
+    /// are such. Returns when the last one came, ms, if it is protected.
     pub(super) fn record(&mut self, receiver: &mut Module) -> Option<u64> {
         self.outbox.wake();
         let seen = receiver.observer_mut().take();
         for seen in &seen {
             self.outbox.note(seen);
         }
+        self.withhold_if_old(receiver, &seen);
         if let Some(page) = &mut self.page {
             page.note(&seen, receiver);
         }
@@ -102,7 +110,19 @@ impl<'s> Computer<'s> {
             let (pin_is_high, now_ms) = (receiver.pin().is_high(), self.inbox.now_ms());
             recorder.note(&seen, receiver.configuration(), pin_is_high, now_ms);
         }
-        seen.iter().rev().find(|seen| seen.output.state.is_protected())?.came_ms
+        seen.last().filter(|seen| seen.output.state.is_protected())?.came_ms
+    }
+
+    /// Lets the pin be low while the epochs of a pipe are old.
+    fn withhold_if_old(&mut self, receiver: &Module, seen: &[Seen]) {
+        let Some(backlog) = &mut self.backlog else { return };
+        let is_epoch = seen.last().is_some_and(|seen| seen.came_ms.is_some());
+        let Some(epoch) = receiver.last_epoch().filter(|_| is_epoch) else { return };
+        if backlog.age(epoch.time_s(), self.inbox.clock().unheld()) > LONGEST_HIGH {
+            self.wire.withhold();
+        } else {
+            self.wire.release();
+        }
     }
 
     pub(super) fn sealed_memory(&self) -> &[u8; SEALED_BYTES] {
@@ -198,10 +218,6 @@ impl Board for Computer<'_> {
 
     fn sleep(&mut self) -> Option<u64> {
         self.outbox.wake();
-        if self.inbox.is_empty() {
-            self.inbox.clock().settle();
-            self.wire.release();
-        }
         let is_idle = !self.wire.is_high() && self.inbox.silent_ms() > SILENT_MS;
         self.inbox.wait(if is_idle { IDLE_SLEEP } else { LONGEST_SLEEP });
         Some(self.inbox.now_ns())

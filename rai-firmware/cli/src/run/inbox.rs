@@ -18,9 +18,6 @@ const MOST_ORBITS: usize = 256;
 /// Bytes of commands that may wait. Only pseudo-terminals bring commands.
 #[cfg(unix)]
 const MOST_COMMANDS: usize = 4096;
-/// Time without a byte after which a pipe counts as empty, ms: a reader that runs takes what is there
-/// at once.
-const EMPTY_MS: u64 = 10;
 
 /// The queue.
 #[derive(Debug)]
@@ -164,13 +161,6 @@ impl Inbox {
         Taken::Bytes { count, came_ms: if self.waits { now_ms } else { came_ms } }
     }
 
-    /// Returns true if all that the source has sent was taken.
-    pub(super) fn is_empty(&self) -> bool {
-        let now_ms = self.now_ms();
-        let state = self.state();
-        state.arrivals.is_empty() && now_ms.saturating_sub(state.last_ms) >= EMPTY_MS
-    }
-
     /// Hands out one byte of a command.
     pub(super) fn take_command(&self) -> Option<u8> {
         self.state().commands.pop_front()
@@ -224,22 +214,6 @@ mod tests {
         (0..=MOST_ORBITS).for_each(|number| inbox.push_orbit(number.to_le_bytes().to_vec()));
         assert_eq!(inbox.take_orbit(), Some(1_usize.to_le_bytes().to_vec()));
         assert_eq!(std::iter::from_fn(|| inbox.take_orbit()).count(), MOST_ORBITS - 1);
-    }
-
-    #[test]
-    fn source_is_empty_once_all_is_taken_and_nothing_comes() {
-        let clock = Clock::led();
-        let inbox = Inbox::new(Arc::clone(&clock), true);
-        clock.set(Duration::from_secs(1));
-        inbox.push(b"ab");
-        clock.set(Duration::from_secs(2));
-        inbox.take(&mut [0; 1]);
-        assert!(!inbox.is_empty());
-        inbox.take(&mut [0; 1]);
-        assert!(inbox.is_empty());
-        inbox.push(b"a");
-        inbox.take(&mut [0; 1]);
-        assert!(!inbox.is_empty(), "more may be on its way");
     }
 
     #[test]

@@ -22,13 +22,15 @@ use crate::source::{self, Pause, Source, is_timeout};
 
 /// A read comes back after this time even if nothing arrives, so that a dead line is noticed.
 const READ_TIMEOUT: Duration = Duration::from_secs(2);
-/// A TCP server that sends nothing for this time, or for so many of the silences that are usual with
-/// it, is taken for gone; and at the latest after this time.
+/// A TCP server that sends nothing for this time, or for so many of the longest of its last silences,
+/// is taken for gone; and at the latest after this time.
 const DEAD: Duration = Duration::from_secs(15);
 const SILENCES: u32 = 3;
 const LATEST: Duration = Duration::from_mins(2);
-/// Shortest time between two reads that is a silence, and none within an epoch.
-const SILENCE: Duration = Duration::from_millis(20);
+/// Shortest time between two reads that is a silence. The module completes an epoch after it.
+const SILENCE: Duration = Duration::from_millis(100);
+/// Number of silences that are remembered.
+const REMEMBERED: usize = 8;
 
 /// The kinds of input, by what a stop of it means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,7 +132,7 @@ fn open(source: &Source, line: &Line) -> Result<source::Line> {
 #[derive(Debug, Default)]
 struct Silences {
     heard: Option<Duration>,
-    last: Duration,
+    last: [Duration; REMEMBERED],
 }
 
 impl Silences {
@@ -138,14 +140,16 @@ impl Silences {
     fn end(&mut self, now: Duration) {
         let silence = now.saturating_sub(self.heard.unwrap_or(now));
         if silence >= SILENCE {
-            self.last = silence;
+            self.last.rotate_right(1);
+            self.last[0] = silence;
         }
         self.heard = Some(now);
     }
 
     /// Returns the time without a byte after which the other side is gone.
     fn longest(&self) -> Duration {
-        DEAD.max(SILENCES * self.last).min(LATEST)
+        let usual = self.last.into_iter().max().unwrap_or_default();
+        DEAD.max(SILENCES * usual).min(LATEST)
     }
 }
 
@@ -230,10 +234,21 @@ mod tests {
 
     #[test]
     fn line_is_gone_after_three_of_its_silences_and_at_the_latest_after_two_minutes() {
-        let mut silences = Silences::default();
-        for (now_s, want_s) in [(10.0, 15), (11.0, 15), (31.0, 60), (31.01, 60), (231.0, 120), (232.0, 15)] {
+        let (mut silences, mut now_s) = (Silences::default(), 10.0);
+        let mut after = |gap_s: f64| {
+            now_s += gap_s;
             silences.end(Duration::from_secs_f64(now_s));
-            assert_eq!(silences.longest(), Duration::from_secs(want_s), "{now_s}");
+            silences.longest()
+        };
+        for gap_s in [0.0, 1.0] {
+            assert_eq!(after(gap_s), DEAD);
         }
+        // An epoch every 20 s, in two parts 40 ms apart, or 300 ms.
+        for gap_s in [20.0, 0.04, 20.0, 0.3, 20.0, 0.3] {
+            assert!((59.0..61.0).contains(&after(gap_s).as_secs_f64()), "{gap_s}");
+        }
+        assert_eq!(after(600.0), LATEST);
+        assert!((1..REMEMBERED).all(|_| after(1.0) > DEAD));
+        assert_eq!(after(1.0), DEAD, "an outage is forgotten");
     }
 }

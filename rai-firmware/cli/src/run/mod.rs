@@ -19,7 +19,7 @@
 //! | `time_server` | tells chrony the time of protected epochs |
 //! | [`pin`], `actuator`, `reserve` | drive the integrity pin, whatever the computer has run out of |
 //! | `signals` | lowers the pin before a signal or a panic ends the program |
-//! | [`clock`] | has the time, which a test may move |
+//! | [`clock`], `backlog` | have the time, which a test may move, and the age of a pipe's epochs |
 //! | [`log`] | reports the start and each change of the state |
 //! | `report` | takes notes of every epoch, for a page as `replay` writes it |
 //! | `share`, `record` | pass the receiver's raw bytes to other programs, or into a file |
@@ -31,6 +31,7 @@
 //! queue between the two: a slow or dead consumer loses its own sentences only.
 
 mod actuator;
+mod backlog;
 mod board;
 mod caster;
 mod clients;
@@ -96,8 +97,8 @@ type Module = Receiver<Pin, Views>;
 
 /// Messages of `MAVLink`.
 const MESSAGES: [&str; 3] = ["HEARTBEAT", "GPS_INPUT", "GNSS_INTEGRITY"];
-/// Waits for consumers, in sum, after which the pin falls: meanwhile nothing is judged, and what is
-/// judged then is so much older.
+/// Wait for a consumer after which the pin falls, because nothing is judged meanwhile, and age of an
+/// epoch of a pipe from which on it is low.
 const LONGEST_HIGH: Duration = Duration::from_millis(500);
 
 /// Runs the service as the command line asks, until the input ends or a signal stops it.
@@ -159,7 +160,8 @@ fn serve_on(plan: &Plan, wire: &Arc<Wire>, stop: &Arc<AtomicBool>, clock: &Arc<C
     outbox.keep_log(Log::new(plan.log));
     let mut clients = Clients::new(plan.clients, waits)?;
     for output in &plan.outputs {
-        output::open(output, &mut outbox, &inbox, &mut clients).with_context(|| output.to_string())?;
+        output::open(output, &mut outbox, &inbox, &mut clients, is_file)
+            .with_context(|| output.to_string())?;
     }
     if clients.has_listeners() {
         let (lost, done) = outbox.for_clients();
@@ -268,21 +270,21 @@ fn time_servers(plan: &Plan) -> Result<Vec<time_server::TimeServer>> {
 }
 
 /// Returns how a file or a pipe waits for a consumer: time stands still, the guard is content, and
-/// the pin falls. Without a guard it is a file, whose epochs have no age: each wait counts by itself.
+/// the pin falls. That of a pipe is low until an epoch is new again; without a guard it is a file, whose
+/// epochs have no age.
 fn wait(wire: &Arc<Wire>, clock: &Arc<Clock>, stop: &Arc<AtomicBool>, guard: Option<Arc<Guard>>) -> Wait {
     let (wire, held, after) = (Arc::clone(wire), Arc::clone(clock), Arc::clone(clock));
     let meanwhile = move |waited: Duration| {
         held.hold();
         if let Some(guard) = &guard {
             guard.feed();
-            if held.owed() > LONGEST_HIGH && wire.withhold() {
-                say!(
-                    "a consumer reads more slowly than sentences come: the pin is low until the input is caught up"
-                );
+        }
+        if waited > LONGEST_HIGH {
+            match guard {
+                Some(_) => wire.withhold(),
+                // If it fails, the next look tries again.
+                None => drop(wire.is_high().then(|| wire.drive(false))),
             }
-        } else if waited > LONGEST_HIGH && wire.is_high() {
-            // If it fails, the next look tries again.
-            let _ = wire.drive(false);
         }
     };
     Wait { stop: Arc::clone(stop), meanwhile: Arc::new(meanwhile), after: Arc::new(move || after.go_on()) }

@@ -25,8 +25,6 @@ use crate::source::{Pause, open_serial};
 
 /// Longest time that a serial port may take to send a message.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Shortest time between two connections of a socket for datagrams.
-const AGAIN: Duration = Duration::from_secs(1);
 
 /// A place that sentences or messages go to, as the user names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -131,9 +129,10 @@ pub(super) fn open(
     outbox: &mut Outbox,
     inbox: &Arc<Inbox>,
     clients: &mut Clients,
+    is_file: bool,
 ) -> Result<()> {
-    // The sentences of a recording all reach their consumer, or the service fails.
-    let is_live = !outbox.waits();
+    // The sentences of a file all reach their consumer, or the service fails.
+    let is_live = !is_file;
     match sink {
         Sink::Standard => spawn(outbox, Kind::Nmea, io::stdout()),
         Sink::Serial(port, baud) => spawn(outbox, Kind::Nmea, SerialPort::open(port, *baud, is_live)?),
@@ -230,15 +229,18 @@ impl Write for SerialPort {
 struct Datagrams {
     address: String,
     socket: UdpSocket,
-    /// When the socket was connected last.
-    connected: Instant,
+    /// When the socket may be connected again, and the pause before the time after that. A name is
+    /// looked up each time, which may take long.
+    due: Instant,
+    pause: Pause,
     is_reported: bool,
 }
 
 impl Datagrams {
     fn to(address: &str) -> Result<Self> {
         let socket = Self::connect(address).with_context(|| format!("`{address}` must be ADDRESS:PORT"))?;
-        Ok(Self { address: address.to_owned(), socket, connected: Instant::now(), is_reported: false })
+        let (address, due) = (address.to_owned(), Instant::now());
+        Ok(Self { address, socket, due, pause: Pause::ADDRESS, is_reported: false })
     }
 
     fn connect(address: &str) -> io::Result<UdpSocket> {
@@ -253,11 +255,12 @@ impl Datagrams {
         if !std::mem::replace(&mut self.is_reported, true) {
             say!("{}: {error}", self.address);
         }
-        if self.connected.elapsed() >= AGAIN {
-            self.connected = Instant::now();
+        if Instant::now() >= self.due {
             if let Ok(socket) = Self::connect(&self.address) {
                 self.socket = socket;
             }
+            self.due = Instant::now() + self.pause.next();
+            self.pause.double();
         }
     }
 }
@@ -265,7 +268,10 @@ impl Datagrams {
 impl Write for Datagrams {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self.socket.send(bytes) {
-            Ok(_) => self.is_reported = false,
+            Ok(_) => {
+                self.is_reported = false;
+                self.pause.reset();
+            }
             // Nobody listens there yet.
             Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
             Err(error) => self.connect_again(&error),

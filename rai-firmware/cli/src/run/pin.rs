@@ -17,6 +17,7 @@ use embedded_hal::digital::{Error, ErrorKind, ErrorType, OutputPin};
 
 use super::actuator::Actuator;
 use super::reserve::Reserve;
+use crate::run::words::say;
 
 /// Longest time in which a program must drive the pin low at the start and at the end.
 const LONGEST_LOW: Duration = Duration::from_secs(5);
@@ -118,21 +119,25 @@ impl Wire {
         if high && *is_closed {
             return Err(io::Error::other("the service is about to end"));
         }
-        if high && self.is_withheld.load(Ordering::Relaxed) {
-            return if self.is_high() { self.set(false) } else { Ok(()) };
-        }
-        self.set(high)
+        self.set(self.level(high))
     }
 
-    /// Lets the wire be low until [`Self::release`], whatever the module drives; returns true if it
-    /// was not withheld before.
-    pub(super) fn withhold(&self) -> bool {
-        let is_new = !self.is_withheld.swap(true, Ordering::Relaxed);
+    /// Returns the level that is driven in the place of this one.
+    fn level(&self, high: bool) -> bool {
+        high && !self.is_withheld.load(Ordering::Relaxed)
+    }
+
+    /// Lets the wire be low until [`Self::release`], whatever the module drives.
+    pub(super) fn withhold(&self) {
+        if !self.is_withheld.swap(true, Ordering::Relaxed) {
+            say!(
+                "a consumer reads more slowly than sentences come: the pin is low until epochs are new again"
+            );
+        }
         if self.is_high() {
-            // If it fails, the next look tries again.
+            // If it fails, the next epoch tries again.
             let _ = self.drive(false);
         }
-        is_new
     }
 
     /// Lets the next promise raise the wire.
@@ -238,7 +243,7 @@ fn replace(path: &Path, high: bool) -> io::Result<()> {
 /// under a name that begins alike.
 fn next_of(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.next", std::process::id()));
+    name.push(".next");
     path.with_file_name(name)
 }
 
@@ -315,14 +320,14 @@ impl Pin {
         Self { wire, is_high: None }
     }
 
-    /// Returns true if the pin was driven high.
+    /// Returns true if the pin was driven high, and is.
     pub(super) fn is_high(&self) -> bool {
-        self.is_high == Some(true)
+        self.is_high == Some(true) && self.wire.is_high()
     }
 
     fn drive(&mut self, high: bool) -> Result<(), PinError> {
         // Another thread, or a wait for a consumer, may have lowered the wire.
-        if self.is_high == Some(high) && self.wire.is_high() == high {
+        if self.is_high == Some(high) && self.wire.is_high() == self.wire.level(high) {
             return Ok(());
         }
         self.is_high = None;
@@ -401,7 +406,8 @@ mod tests {
         let wire = Arc::new(Wire::open(&Place::File(path.clone())).unwrap());
         let mut pin = Pin::new(Arc::clone(&wire));
         pin.set_high().unwrap();
-        assert!(wire.withhold() && !wire.withhold());
+        wire.withhold();
+        assert!(!pin.is_high());
         assert_eq!(fs::read_to_string(&path).unwrap(), "0\n");
         pin.set_high().unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "0\n");

@@ -21,6 +21,9 @@ impl Pause {
     /// A caster: it bans those that come back fast.
     pub(crate) const CASTER: Self = Self::new(Duration::from_secs(10), Duration::from_mins(5));
 
+    /// An address of datagrams: that of this computer changes seldom.
+    pub(crate) const ADDRESS: Self = Self::new(Duration::from_secs(1), Duration::from_mins(1));
+
     const fn new(first: Duration, longest: Duration) -> Self {
         Self { first, longest, next: first }
     }

@@ -8,7 +8,8 @@
 //!
 //! In a stream that consists only of headers, every byte would be checked a thousand times. Each
 //! received byte therefore adds credit for [`CREDIT_PER_BYTE`] bytes of checking. The credit is at
-//! most [`CREDIT_MOST`], enough for a dozen of the longest RTCM frames that fail in a row. A
+//! most [`CREDIT_MOST`], enough for a dozen of the longest RTCM frames that fail in a row, or for three
+//! of the longest frames of any format. A
 //! candidate that exceeds the credit is skipped and counted. Frames inside a candidate are checked
 //! as long as [`CREDIT_RESERVE`] remains for the candidates themselves.
 
@@ -29,10 +30,13 @@ const CAPACITY: usize = Format::LONGEST + SPARE;
 
 /// Credit that each received byte adds, bytes of checking.
 const CREDIT_PER_BYTE: usize = 4;
-/// Largest credit, bytes of checking.
-const CREDIT_MOST: usize = 12 * 1029;
+/// Largest credit, bytes of checking: for a false beginning of the longest frame, for the true one
+/// behind it, and for whatever fills the buffer.
+const CREDIT_MOST: usize =
+    if Format::LONGEST > 6 * 1029 { 2 * Format::LONGEST + CAPACITY } else { 12 * 1029 };
 /// Credit that frames inside a candidate leave for the candidates, bytes of checking.
 const CREDIT_RESERVE: usize = CREDIT_MOST / 2;
+const _: () = assert!(CREDIT_RESERVE >= Format::LONGEST);
 
 /// Bytes that may be part of a frame.
 #[derive(Debug)]

@@ -125,7 +125,7 @@ fn false_beginnings() -> Vec<Vec<u8>> {
     let ubx = |message: [u8; 2], length: u16| [&[0xB5, 0x62][..], &message, &length.to_le_bytes()].concat();
     let mut beginnings: Vec<Vec<u8>> = [0, 19, 46, 300, 1023].map(rtcm).to_vec();
     beginnings.extend([0, 8, 48, 300, 1023].map(|length| ubx([0x01, 0x07], length)));
-    beginnings.extend([0, 1, 17, 160].map(|many| ubx([0x02, 0x15], 16 + 32 * many)));
+    beginnings.extend([0, 1, 17, 160, 255].map(|many| ubx([0x02, 0x15], 16 + 32 * many)));
     let all = beginnings.concat();
     let repeated = beginnings.iter().map(|beginning| beginning.repeat(12)).collect::<Vec<_>>();
     beginnings.extend(repeated);

@@ -105,7 +105,7 @@ fn a_false_beginning_before_a_fault_delays_no_alarm() {
             .iter()
             .enumerate()
             .map(|(index, lump)| {
-                let false_bytes = if index == 5 { ubx_of([0x02, 0x15], 0x1410) } else { Vec::new() };
+                let false_bytes = if index == 5 { ubx_of([0x02, 0x15], 16 + 32 * 255) } else { Vec::new() };
                 [false_bytes, lump.clone()].concat()
             })
             .collect();

@@ -85,52 +85,53 @@ fn pipe_waits_for_its_reader_and_loses_nothing_and_its_pin_is_low_meanwhile() {
     assert_eq!(text.matches(",P,OK,").count(), 300);
 }
 
-/// A reader that takes a little less than there is: no single wait is long, and every epoch is older than
-/// the one before. Once it has caught up, the next epoch is new.
+/// A reader that takes less than there is: no wait for it is long, and every epoch is older than the one
+/// before. Once it has caught up, the next epoch is new.
 #[test]
 fn pin_is_low_while_a_slow_reader_makes_epochs_old() {
     let folder = tempfile::tempdir().unwrap();
     let pin = folder.path().join("pin");
     let (mut service, mut input, mut output) =
         piped(&format!("--input=-\n--set=TTA=10\n--pin=file:{}", pin.display()));
-    let pieces = pieces(410);
-    let (caught_up, rest) = std::sync::mpsc::channel();
+    // More sentences at once than the pipe holds, and then as a receiver sends.
     let feed = thread::spawn(move || {
-        input.write_all(&pieces[..400].concat()).unwrap();
-        rest.recv().unwrap();
-        for piece in &pieces[400..] {
-            input.write_all(piece).unwrap();
-            thread::sleep(Duration::from_millis(100));
+        let pieces = pieces(400);
+        input.write_all(&pieces[..200].concat()).unwrap();
+        // The service ends once its pin is high.
+        for piece in &pieces[200..] {
+            if input.write_all(piece).is_err() {
+                break;
+            }
+            thread::sleep(Duration::from_secs(1) / RATE_HZ);
         }
-        thread::sleep(Duration::from_secs(2));
+        input
     });
-    let start = Instant::now();
-    let mut read_slowly = || {
-        assert!(start.elapsed() < Duration::from_secs(20));
-        output.read_exact(&mut [0; 1024]).unwrap();
-        thread::sleep(Duration::from_millis(20));
-    };
-    while !is_high(folder.path()) {
-        read_slowly();
+    wait_for_pin(folder.path(), true);
+    wait_for_pin(folder.path(), false);
+    for _ in 0..50 {
+        output.read_exact(&mut [0; 200]).unwrap();
+        thread::sleep(Duration::from_millis(100));
+        assert!(!is_high(folder.path()), "an epoch of before is promised");
     }
-    while is_high(folder.path()) {
-        read_slowly();
-    }
-    for _ in 0..75 {
-        read_slowly();
-        assert!(!is_high(folder.path()), "epochs of before are judged");
-    }
-    let reader = thread::spawn(move || std::io::copy(&mut output, &mut std::io::sink()).unwrap());
-    thread::sleep(Duration::from_secs(2));
-    caught_up.send(()).unwrap();
-    let start = Instant::now();
-    while !is_high(folder.path()) {
-        assert!(start.elapsed() < Duration::from_secs(2), "new epochs are promised");
-        thread::sleep(Duration::from_millis(5));
-    }
-    feed.join().unwrap();
+    let reader = thread::spawn(move || std::io::copy(&mut output, &mut std::io::sink()));
+    wait_for_pin(folder.path(), true);
+    service.kill().unwrap();
     service.wait().unwrap();
-    reader.join().unwrap();
+    reader.join().unwrap().unwrap();
+    drop(feed.join().unwrap());
+}
+
+#[track_caller]
+fn wait_for_pin(folder: &Path, high: bool) {
+    let start = Instant::now();
+    while is_high(folder) != high {
+        assert!(
+            start.elapsed() < Duration::from_secs(20),
+            "the pin is not {}",
+            if high { "high" } else { "low" }
+        );
+        thread::sleep(Duration::from_millis(1));
+    }
 }
 
 /// Stops of the service while its reader lags, stops, and while its input is a file.

@@ -189,7 +189,7 @@ fn caster_brings_orbits_and_its_ranges_are_never_used() {
     assert!(request[0].starts_with("GET /MOUNT HTTP/1."), "{request:?}");
     // RFC 7617: `me:secret` in Base64.
     assert!(request.contains(&"Authorization: Basic bWU6c2VjcmV0".to_owned()), "{request:?}");
-    // A frame of the caster goes in at each pause of the line.
+    // A frame of the caster goes in between two of the receiver.
     service.clock.await_orbits(10);
     service.send(&mut line, &pieces[10..80]);
     assert!(is_high(folder.path()), "the orbits of the caster");

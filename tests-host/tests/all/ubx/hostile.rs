@@ -309,6 +309,22 @@ fn an_epoch_holds_what_it_can_and_counts_the_rest() {
     assert!((signals[0].range_m - 2.2e7).abs() < 1e-6);
 }
 
+/// A false beginning of the longest message, and a true one behind it, which it covers.
+#[test]
+fn false_beginning_costs_no_epoch_of_any_length() {
+    let all = (1..=32).flat_map(|n| [[0, n, 0], [2, n, 0], [3, n, 0], [0, n, 3], [2, n, 5], [3, n, 2]]);
+    let all: Vec<Vec<u8>> =
+        all.chain((33..=63).map(|n| [3, n, 0])).map(|kind| measurement(2.2e7, kind)).collect();
+    let mut lie = [&[0xB5, 0x62][..], &RAWX, &(16 + 32 * 255_u16).to_le_bytes(), &[0; 11]].concat();
+    lie.push(255);
+    let others = ubx::frame([0x01, 0x07], &[0; 92]).repeat(90);
+    for many in [150, 200, all.len()] {
+        let stream = [&lie[..], &epoch_of(&all[..many]), &others].concat().repeat(10);
+        let (_, counters) = satellites(&stream);
+        assert_eq!(counters.frames, 910, "{many} measurements: {counters:?}");
+    }
+}
+
 #[test]
 fn of_five_signals_of_beidou_those_with_known_delays_are_kept() {
     // B1I, B2I, B3I, B1C, B2a as RAWX numbers them, in every order.

@@ -16,9 +16,9 @@ use crate::signal::lump::Lump;
 use crate::signal::lumps::Window;
 use crate::signal::pieces::{Kind, Piece, Stream, pieces};
 
-/// Longest gap between two epochs of one recording, ms: a month. A service that records goes on behind
-/// what its file has.
-const LONGEST_GAP_MS: i64 = 31 * 86_400_000;
+/// Longest gap between two epochs of one recording, ms: half a week, by which an epoch is dated. A
+/// service that records goes on behind what its file has.
+const LONGEST_GAP_MS: i64 = 302_400_000;
 
 /// Most bytes of one lump: a thousand times those that a receiver sends in an epoch, or those that
 /// satellites broadcast in an hour. If more come, the oldest are dropped.
@@ -270,7 +270,7 @@ impl Span {
     /// Takes the next epoch.
     ///
     /// # Errors
-    /// Time does not advance, or advances by more than a month.
+    /// Time does not advance, or advances by more than half a week.
     fn extend(&mut self, time: GpsTime, end: u64) -> Result<()> {
         let gap_ms = time.since_ms(self.last);
         ensure!(
