@@ -6,7 +6,7 @@
 //! | 10, 12 | i8, bits | leap seconds; bit 0: they are known |
 //! | 11 | u8 | number of measurements, 32 bytes each |
 //! | 16 + 0 | f64 | pseudorange, m |
-//! | 16 + 16 | f32 | Doppler, Hz, positive when approaching |
+//! | 16 + 16 | f32 | Doppler, Hz, positive when approaching; 0 counts as not measured |
 //! | 16 + 20 to 23 | u8 | system, satellite, signal, GLONASS channel + 7 |
 //! | 16 + 26 | u8 | C/N0, dB-Hz |
 //! | 16 + 30 | bits | 0: range valid |
@@ -183,10 +183,13 @@ fn read(measurement: &[u8], offset_m: f64, counters: &mut Counters) -> Option<(S
         count(&mut counters.ranges_out_of_bounds);
         return None;
     }
+    let doppler_hz = f32::from_le_bytes([d0, d1, d2, d3]);
+    // The message has no flag for a Doppler frequency that was not measured, and converters write zero.
+    let doppler_hz = if doppler_hz == 0.0 { f32::NAN } else { doppler_hz };
     let signal = RawSignal::new(carrier, range_m - offset_m)
         .with_code(code(system, signal))
         .with_cn0_dbhz(f32::from(cn0_dbhz))
-        .with_doppler_hz(f32::from_le_bytes([d0, d1, d2, d3]));
+        .with_doppler_hz(doppler_hz);
     Some((satellite, signal))
 }
 

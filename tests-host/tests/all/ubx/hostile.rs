@@ -309,6 +309,17 @@ fn an_epoch_holds_what_it_can_and_counts_the_rest() {
     assert!((signals[0].range_m - 2.2e7).abs() < 1e-6);
 }
 
+/// The message cannot say that a Doppler frequency was not measured; converters write zero.
+#[test]
+fn doppler_of_zero_is_none() {
+    for (doppler_hz, want) in [(0.0_f32, None), (-0.0, None), (1.0, Some(1.0)), (-3000.5, Some(-3000.5))] {
+        let mut measured = measurement(2.2e7, [0, 5, 0]);
+        measured[16..20].copy_from_slice(&doppler_hz.to_le_bytes());
+        let (reported, _) = reported(&epoch_of(&[measured]));
+        assert_eq!(reported.epochs[0].satellites[0].signals[0].doppler_hz(), want, "{doppler_hz}");
+    }
+}
+
 /// A false beginning of the longest message, and a true one behind it, which it covers.
 #[test]
 fn false_beginning_costs_no_epoch_of_any_length() {

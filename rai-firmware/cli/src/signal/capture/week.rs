@@ -38,7 +38,8 @@ pub(super) fn stated(piece: &Piece<'_>) -> Option<u16> {
         Kind::MEAS_EPOCH => 12..14,
         _ => return None,
     };
-    let week: [u8; 2] = piece.bytes.get(place)?.try_into().ok()?;
+    // Behind them come the rest of the header and, of UBX, a checksum.
+    let week: [u8; 2] = piece.bytes.get(..place.end + 8)?.get(place)?.try_into().ok()?;
     Some(u16::from_le_bytes(week)).filter(|&week| week > 0 && week < u16::MAX)
 }
 
@@ -76,6 +77,13 @@ mod tests {
         let bytes: Vec<u8> = [0, 1709, 1710].into_iter().flat_map(rawx).collect();
         assert_eq!(pieces(&bytes).find_map(|piece| stated(&piece)), Some(1709));
         assert_eq!(pieces(&rawx(0)).find_map(|piece| stated(&piece)), None);
+    }
+
+    #[test]
+    fn checksum_of_a_short_message_is_no_week() {
+        let checked = [&[0x02, 0x15, 9, 0][..], &[0; 9]].concat();
+        let bytes = [&[0xB5, 0x62], &checked[..], &fletcher(&checked)].concat();
+        assert_eq!(pieces(&bytes).find_map(|piece| stated(&piece)), None);
     }
 
     #[test]
