@@ -115,3 +115,35 @@ pub fn row(account: &Account, time: GpsTime) -> String {
         account.fate
     )
 }
+
+#[cfg(all(test, feature = "commands"))]
+mod tests {
+    use std::sync::Arc;
+
+    use raim_firmware::receiver::{Boot, Receiver};
+
+    use super::*;
+    use crate::replay::{Window, encode};
+    use crate::run::pin::{Pin, Place, Wire};
+    use crate::signal::encode::{Frequency, Selection};
+    use crate::signal::sky::raw::Simulation;
+
+    /// The end of each epoch comes late, and the next one at once behind it, as on a busy line.
+    #[test]
+    fn epoch_came_with_the_first_byte_of_its_ranges() {
+        let recording = Simulation::above_xian(3600.0, 5, 5).record();
+        let selection = Selection::new("GC", Frequency::Dual).unwrap();
+        let lumps = encode(&recording, &selection, &[], &Window::ALL).unwrap();
+        let pin = Pin::new(Arc::new(Wire::open(&Place::Nowhere).unwrap()));
+        let mut receiver = Receiver::observed(pin, Views::new(false), Boot::on_host("a test")).unwrap();
+        let mut came = Vec::new();
+        for (lump, now_ms) in lumps.iter().zip((1000..).step_by(1000)) {
+            let (begin, end) = lump.bytes.split_at(lump.bytes.len() - 10);
+            for (bytes, now_ms) in [(begin, now_ms), (end, now_ms + 990)] {
+                receiver.gnss(bytes, now_ms, &mut Vec::new());
+                came.extend(receiver.observer_mut().take().iter().filter_map(|seen| seen.came_ms));
+            }
+        }
+        assert_eq!(came, [1000, 2000, 3000, 4000, 5000]);
+    }
+}

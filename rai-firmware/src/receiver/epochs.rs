@@ -14,9 +14,10 @@ use super::rivals::Rivals;
 use super::strengths::Strengths;
 #[cfg(feature = "osnma")]
 use super::trusted::Trusted;
+use super::verdicts::Verdicts;
 #[cfg(feature = "osnma")]
 use super::work::enough_are_proved;
-use crate::counters::{count, counters};
+use crate::counters::count;
 use crate::ephemeris::{Ephemeris, Insertion};
 use crate::input::{Event, Suspicions};
 use crate::known_place::{HostHeight, aiding_of};
@@ -33,42 +34,6 @@ use crate::raw::RawEpoch;
 use crate::selftest::{self, Failure};
 use crate::settings::{Configuration, SpoofFlag};
 use crate::time::GpsTime;
-
-counters! {
-    /// Verdicts of the epochs, and events that prevented one.
-    Verdicts {
-        /// Epochs whose position is usable.
-        epochs_protected,
-        /// Epochs whose position must not be used.
-        epochs_alert,
-        /// Epochs without protection.
-        epochs_unavailable,
-        /// Epochs that were older than the time to alert when complete. The age
-        /// includes their lateness.
-        epochs_late,
-        /// Epochs that were not judged, because their last byte had waited too long behind others.
-        epochs_skipped,
-        /// Alerts because no epoch was judged for the time to alert.
-        line_stale,
-        /// Ephemerides that were not stored, because the store kept the one in use. The new one is
-        /// out of date, of F/NAV while I/NAV is in use, or of RTCM beside the receiver's own.
-        ephemerides_kept,
-        /// Ephemerides that contradict the one in use.
-        ephemerides_disputed,
-        /// Epochs whose known height contradicted the satellites and was left out.
-        heights_excluded,
-        /// Heights of the host that expired before the host sent a new one.
-        heights_expired,
-        /// Epochs with signal strengths that indicate a counterfeit.
-        strengths_alike,
-        /// Sentences that the host port did not take.
-        host_lost,
-        /// Times that the pin could not be set.
-        pin_failures,
-        /// Epochs in which a whole system was left out.
-        system_excluded,
-    }
-}
 
 /// Settings at start, read where the program stores them, because a copy would be on the stack.
 static AT_START: Configuration = Configuration::at_start();

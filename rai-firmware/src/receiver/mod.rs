@@ -47,6 +47,7 @@ mod strengths;
 #[cfg(feature = "osnma")]
 mod trusted;
 #[cfg(feature = "osnma")]
+mod verdicts;
 mod work;
 
 use core::mem::MaybeUninit;
@@ -60,10 +61,10 @@ use raim_core::report::{Report, Verdict};
 use raim_single::ValidatedRequirements;
 
 pub use self::boot::Boot;
-pub use self::epochs::Verdicts;
 use self::epochs::{EpochLoop, requirements_at_start};
 #[cfg(feature = "osnma")]
 use self::trusted::Trusted;
+pub use self::verdicts::Verdicts;
 use crate::board::{PortLosses, SEALED_BYTES};
 use crate::correction::CAPACITY;
 use crate::counters::count_many;

@@ -50,7 +50,7 @@ pub(super) struct Computer<'s> {
     /// Frames with orbits that the caster has sent.
     orbits: u32,
     /// The age of the epochs; `None` on a live line, whose lateness the module knows.
-    backlog: Option<Backlog>,
+    backlog: Option<&'s mut Backlog>,
 }
 
 impl<'s> Computer<'s> {
@@ -58,10 +58,9 @@ impl<'s> Computer<'s> {
         inbox: &'s Inbox,
         (outbox, contact): (&'s mut Outbox, &'s mut Contact),
         sealed: &'s mut [u8; SEALED_BYTES],
-        (guard, wire): (&'s Guard, &'s Wire),
+        (guard, wire, backlog): (&'s Guard, &'s Wire, Option<&'s mut Backlog>),
         (recorder, page): (Option<&'s mut Recorder>, Option<&'s mut Page>),
     ) -> Self {
-        let backlog = outbox.waits().then(Backlog::default);
         Self { inbox, outbox, contact, sealed, guard, wire, recorder, page, orbits: 0, backlog }
     }
 

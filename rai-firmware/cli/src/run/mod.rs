@@ -70,6 +70,7 @@ use raim_firmware::epoch_loop::EpochLoop;
 use raim_firmware::receiver::{Boot, Receiver};
 use raim_firmware::settings::Configuration;
 
+use backlog::Backlog;
 use board::Computer;
 use clients::Clients;
 use clock::Clock;
@@ -207,6 +208,7 @@ fn live(
     #[cfg(unix)]
     let mut servers = time_servers(plan)?;
     let is_watched = recorder.is_some() || page.is_some();
+    let mut backlog = outbox.waits().then(Backlog::default);
     let mut contact = Contact::new(&plan.input, &line.rate, plan.caster.is_some());
     while !stop.load(Ordering::Relaxed) && !inbox.has_ended() {
         let mut receiver = receiver(wire, Views::new(is_watched))?;
@@ -214,7 +216,7 @@ fn live(
             inbox,
             (&mut *outbox, &mut contact),
             &mut sealed,
-            (guard, wire),
+            (guard, wire, backlog.as_mut()),
             (recorder.as_deref_mut(), page.as_mut()),
         );
         receiver.restore(board.sealed_memory(), after_power_on);

@@ -4,13 +4,17 @@
 //! file falls even on a full disk: if it cannot be replaced, it is overwritten where it is, or
 //! removed.
 
-use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
+mod file;
+#[cfg(target_os = "linux")]
+mod gpio;
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
-use std::{fmt, fs};
 
 use anyhow::{Context as _, Result, bail};
 use embedded_hal::digital::{Error, ErrorKind, ErrorType, OutputPin};
@@ -87,7 +91,7 @@ enum Kind {
     Nowhere,
     /// A requested GPIO line.
     #[cfg(target_os = "linux")]
-    Gpio(Line<gpiocdev::Request>),
+    Gpio(gpio::Line<gpiocdev::Request>),
     /// A file, replaced as a whole so that no reader sees half of it.
     File(PathBuf),
     /// A program.
@@ -104,7 +108,10 @@ impl Wire {
             Place::Nowhere => Kind::Nowhere,
             Place::File(path) => Kind::File(path.clone()),
             Place::Program(program) => Kind::Program(Actuator::start(program)),
-            Place::Gpio(chip, line) => gpio(chip, *line)?,
+            #[cfg(target_os = "linux")]
+            Place::Gpio(chip, line) => Kind::Gpio(gpio::open(chip, *line)?),
+            #[cfg(not(target_os = "linux"))]
+            Place::Gpio(..) => bail!("GPIO lines are known on Linux only: use file:PATH or exec:PROGRAM"),
         };
         let [is_high, is_withheld] = [const { AtomicBool::new(false) }; 2];
         Ok(Self { kind, is_closed: Mutex::new(false), is_high, is_withheld, reserve: Reserve::new() })
@@ -150,12 +157,7 @@ impl Wire {
             Kind::Nowhere => Ok(()),
             #[cfg(target_os = "linux")]
             Kind::Gpio(line) => line.drive(high),
-            Kind::File(path) => match replace(path, high) {
-                // A level that stays low is safe, one that stays high is not.
-                Err(error) if !high => overwrite(path).or_else(|_| fs::remove_file(path)).map_err(|_| error),
-                replaced => replaced,
-            }
-            .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display()))),
+            Kind::File(path) => file::drive(path, high),
             Kind::Program(actuator) => {
                 actuator.order(high);
                 Ok(())
@@ -232,81 +234,6 @@ impl Wire {
     }
 }
 
-/// Replaces a file as a whole, so that no reader sees half of it.
-fn replace(path: &Path, high: bool) -> io::Result<()> {
-    let next = next_of(path);
-    fs::write(&next, if high { "1\n" } else { "0\n" })?;
-    fs::rename(&next, path)
-}
-
-/// Returns the name under which a file is written. Another service may keep its pin in the same folder,
-/// under a name that begins alike.
-fn next_of(path: &Path) -> PathBuf {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".next");
-    path.with_file_name(name)
-}
-
-/// Overwrites the level in a file with low, which needs no room on the disk.
-fn overwrite(path: &Path) -> io::Result<()> {
-    fs::OpenOptions::new().write(true).open(path)?.write_all(b"0\n")
-}
-
-/// Lines of a GPIO chip that a process has requested.
-#[cfg(target_os = "linux")]
-pub trait Lines {
-    /// Sets one line.
-    ///
-    /// # Errors
-    /// As the system reports them.
-    fn set(&self, line: u32, high: bool) -> io::Result<()>;
-}
-
-#[cfg(target_os = "linux")]
-impl Lines for gpiocdev::Request {
-    fn set(&self, line: u32, high: bool) -> io::Result<()> {
-        use gpiocdev::line::Value;
-        let value = if high { Value::Active } else { Value::Inactive };
-        self.set_value(line, value).map(drop).map_err(io::Error::other)
-    }
-}
-
-/// One requested line.
-#[cfg(target_os = "linux")]
-#[derive(Debug)]
-pub struct Line<L> {
-    lines: L,
-    number: u32,
-}
-
-#[cfg(target_os = "linux")]
-impl<L: Lines> Line<L> {
-    fn drive(&self, high: bool) -> io::Result<()> {
-        self.lines.set(self.number, high)
-    }
-}
-
-#[cfg(target_os = "linux")]
-fn gpio(chip: &Path, line: u32) -> Result<Kind> {
-    let lines =
-        request(chip, line).request().with_context(|| format!("line {line} of {}", chip.display()))?;
-    Ok(Kind::Gpio(Line { lines, number: line }))
-}
-
-/// Returns the request for a line: an output, low from the beginning.
-#[cfg(target_os = "linux")]
-fn request(chip: &Path, line: u32) -> gpiocdev::request::Builder {
-    use gpiocdev::line::Value;
-    let mut request = gpiocdev::Request::builder();
-    request.on_chip(chip).with_consumer("rai").with_line(line).as_output(Value::Inactive);
-    request
-}
-
-#[cfg(not(target_os = "linux"))]
-fn gpio(_: &Path, _: u32) -> Result<Kind> {
-    bail!("GPIO lines are known on Linux only: use file:PATH or exec:PROGRAM")
-}
-
 /// The pin as the firmware drives it. A level that is there already is not set again.
 #[derive(Debug)]
 pub struct Pin {
@@ -363,6 +290,9 @@ impl OutputPin for Pin {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
+    use super::file::next_of;
     use super::*;
 
     #[test]
@@ -442,50 +372,5 @@ mod tests {
         pin.set_low().unwrap();
         assert_eq!(pin.set_high(), Err(PinError));
         assert_eq!(fs::read_to_string(&path).unwrap(), "0\n");
-    }
-
-    #[cfg(target_os = "linux")]
-    mod gpio_line {
-        use std::cell::RefCell;
-
-        use gpiocdev::line::{Direction, Value};
-
-        use super::super::*;
-
-        /// A chip that remembers what was set.
-        #[derive(Default)]
-        struct Chip(RefCell<Vec<(u32, bool)>>);
-
-        impl Lines for Chip {
-            fn set(&self, line: u32, high: bool) -> io::Result<()> {
-                self.0.borrow_mut().push((line, high));
-                Ok(())
-            }
-        }
-
-        #[test]
-        fn request_asks_for_one_output_that_is_low_and_not_inverted() {
-            let request = request(Path::new("/dev/gpiochip7"), 17);
-            let config = request.config();
-            let line = config.line_config(17).unwrap();
-            assert_eq!((line.direction, line.value), (Some(Direction::Output), Some(Value::Inactive)));
-            assert!(!line.active_low && config.num_lines() == 1);
-            assert_eq!(config.chip(), Path::new("/dev/gpiochip7"));
-        }
-
-        #[test]
-        fn level_goes_to_the_line_that_was_named() {
-            let line = Line { lines: Chip::default(), number: 17 };
-            line.drive(true).unwrap();
-            line.drive(false).unwrap();
-            assert_eq!(*line.lines.0.borrow(), [(17, true), (17, false)]);
-        }
-
-        #[test]
-        fn chip_that_is_not_there_is_named() {
-            let place = "gpio:/dev/gpiochip-of-nobody:3".parse().unwrap();
-            let error = format!("{:#}", Wire::open(&place).unwrap_err());
-            assert!(error.contains("line 3 of /dev/gpiochip-of-nobody"), "{error}");
-        }
     }
 }
