@@ -185,7 +185,7 @@ impl Input {
 
     /// Returns true if no byte may belong to a frame that is not complete.
     pub(crate) fn is_between_frames(&self) -> bool {
-        self.framer.is_between_frames()
+        self.framer.is_empty()
     }
 
     /// Discards incomplete frames and the open epoch, because bytes were lost. The next message and

@@ -220,11 +220,7 @@ impl Framer {
     }
 
     /// Returns true if no byte may belong to a frame that is not complete.
-    pub(super) fn is_between_frames(&self) -> bool {
-        self.front + self.handed >= self.buffer.len()
-    }
-
-    fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.front >= self.buffer.len()
     }
 

@@ -198,15 +198,15 @@ fn a_stream_of_nested_beginnings_leaves_credit_for_what_follows() {
 
 /// A frame from elsewhere may go in behind a whole frame and behind text, and nowhere else.
 #[test]
-fn between_frames_is_where_no_frame_is_incomplete() {
+fn it_is_empty_where_no_frame_is_incomplete() {
     let (mut framer, mut counters) = (Framer::new(), Counters::NONE);
-    assert!(framer.is_between_frames());
+    assert!(framer.is_empty());
     let stream = [&b"$GNRMC\r\n"[..], &RTCM_FRAME, &UBX_FRAME].concat();
     let ends = [8, 8 + RTCM_FRAME.len(), stream.len()];
     for (index, byte) in stream.iter().enumerate() {
         frames(&mut framer, &[*byte], &mut counters);
         // A dollar alone may begin a block of SBF.
         let is_between = (1..8).contains(&index) || ends.contains(&(index + 1));
-        assert_eq!(framer.is_between_frames(), is_between, "after {} bytes", index + 1);
+        assert_eq!(framer.is_empty(), is_between, "after {} bytes", index + 1);
     }
 }

@@ -111,5 +111,7 @@ mod tests {
             assert_eq!(Sbf::length(&header(4092, length)), Extent::NoFrame, "{length}");
         }
         assert_eq!(Sbf::length(&header(4027, LONGEST as u16)), Extent::Bytes(LONGEST));
+        // 45 satellites with eight signals of two antennas: 20 bytes, and 20 and 7 times 12 for each.
+        assert_eq!(Sbf::length(&header(4027, 4700)), Extent::Bytes(4700));
     }
 }
