@@ -46,8 +46,8 @@ mod statistics;
 mod strengths;
 #[cfg(feature = "osnma")]
 mod trusted;
-#[cfg(feature = "osnma")]
 mod verdicts;
+#[cfg(feature = "osnma")]
 mod work;
 
 use core::mem::MaybeUninit;
