@@ -12,6 +12,10 @@
 //! believed after a short while. Where the receiver was is the mean discrepancy over the last
 //! [`MEMORY`] marks without a contradiction. It is known after as many marks as a spread.
 //!
+//! **Starts.** The clock of a receiver that starts anew leaps once. Such a leap keeps no alert. Another
+//! one within [`SETTLED_S`] counts as every contradiction, as clocks that are drawn off leap again
+//! and again.
+//!
 //! **Refused rates.** If rates contradict each other for [`REFUSED_S`], the position is not
 //! promised, unless this is usual: in streets, a cheap receiver has such rates for minutes. They
 //! are unusual if at most [`UNUSUAL`] of the last minutes had them. They then also renew a
@@ -56,6 +60,8 @@ struct Contradiction {
     kept_s: f64,
     /// True if the place of the receiver was known before.
     is_held: bool,
+    /// True if it is a leap of the clock that happened once, which keeps nothing.
+    is_single_leap: bool,
 }
 
 /// Memory of contradictions.
@@ -114,14 +120,27 @@ impl Doubt {
         (self.count >= LEARNED).then_some(is_near)
     }
 
-    /// Notes a contradiction of an epoch.
-    pub(super) fn contradict(&mut self, time_s: f64, is_away: bool) {
+    /// Notes a contradiction of an epoch. `is_leap` is true if it is no more than a leap of the clock.
+    pub(super) fn contradict(&mut self, time_s: f64, is_away: bool, is_leap: bool) {
         if self.count < LEARNED {
             // A mean of places before and after is none of them.
             self.count = 0;
         }
-        let is_held = is_away || self.contradiction.is_some_and(|before| before.is_held);
-        self.contradiction = Some(Contradiction { last_s: time_s, kept_s: time_s, is_held });
+        let before = self.contradiction;
+        // NaN fails this comparison, so that it counts as another leap.
+        let is_first =
+            before.is_none_or(|before| before.is_single_leap && time_s - before.last_s > SETTLED_S);
+        self.contradiction = Some(Contradiction {
+            last_s: time_s,
+            kept_s: time_s,
+            is_held: is_away || before.is_some_and(|before| before.is_held),
+            is_single_leap: is_leap && is_first,
+        });
+    }
+
+    /// Returns true if a contradiction counts that is more than a single leap of the clock.
+    pub(super) const fn is_contradicted(&self) -> bool {
+        matches!(self.contradiction, Some(Contradiction { is_single_leap: false, .. }))
     }
 
     /// Notes an epoch with a velocity and without a contradiction. Returns true if an earlier
@@ -154,7 +173,8 @@ impl Doubt {
             self.end_run(time_s, 0.0);
         }
         let is_renewed = is_refused && self.is_unusual();
-        let Some(contradiction) = &mut self.contradiction else { return false };
+        let kept = self.contradiction.as_mut().filter(|contradiction| !contradiction.is_single_leap);
+        let Some(contradiction) = kept else { return false };
         contradiction.kept_s = time_s;
         if is_renewed {
             contradiction.last_s = time_s;
@@ -242,7 +262,7 @@ mod tests {
     #[test]
     fn a_contradiction_stays_among_noise() {
         let (mut doubt, mut now_s) = quiet();
-        doubt.contradict(now_s, false);
+        doubt.contradict(now_s, false, false);
         for _ in 0..600 {
             now_s += 1.0;
             assert!(doubt.keeps_without_velocity(now_s, Noise));

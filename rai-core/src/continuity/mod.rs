@@ -17,7 +17,7 @@
 //! | after | the position is protected again |
 //! |---|---|
 //! | an alert, a jump, an impossible place | when the satellites have agreed for [`Recovery`], at positions within reach of each other; for [`WEAK`] if one of these epochs had one degree of freedom |
-//! | a contradiction between ranges and their rates (`CLOCK`, `TRACK`) | when ranges and rates have agreed for [`DOUBTED`] |
+//! | a contradiction between ranges and their rates (`CLOCK`, `TRACK`) | when ranges and rates have agreed for [`DOUBTED`]; for [`WEAK`] after a clock that leapt once |
 //! | a jump | also when enough time has passed to reach the position, or after [`Continuity::forget`]; or when the epochs after the jump have agreed for [`WEAK`], and those that led to the anchor had not |
 //!
 //! **After a silence** longer than the time to alert, the first position must be where the receiver
@@ -121,6 +121,8 @@ pub struct Continuity {
     wait_s: f32,
     /// True after rates contradicted position or clock, until the next protected epoch.
     is_doubted: bool,
+    /// True after the clock leapt away from its rates, until the next protected epoch.
+    has_leapt: bool,
     rhythm: Rhythm,
 }
 
@@ -144,6 +146,7 @@ impl Continuity {
             is_after_silence: false,
             wait_s: 0.0,
             is_doubted: false,
+            has_leapt: false,
             rhythm: Rhythm::new(),
         }
     }
@@ -152,7 +155,8 @@ impl Continuity {
     /// still required.
     pub fn forget(&mut self) {
         (self.anchor, self.agreement) = (None, None);
-        (self.speed_m_s, self.wait_s, self.is_doubted) = (None, 0.0, false);
+        (self.speed_m_s, self.wait_s) = (None, 0.0);
+        (self.is_doubted, self.has_leapt) = (false, false);
         self.rhythm = Rhythm::new();
         self.interrupt();
     }
@@ -172,7 +176,8 @@ impl Continuity {
     ///
     /// `time_s` is the epoch's time. `own_clock_s` is its arrival time by the caller's clock, which
     /// no signal can set. A time that is not finite counts as the last one. `speed_m_s` is the
-    /// speed in the epoch, if its range rates determine one.
+    /// speed in the epoch, if its range rates determine one. `is_doubted` is true if ranges and rates
+    /// contradicted each other in a way that [`DOUBTED`] has to outlast.
     pub fn conclude<const N: usize>(
         &mut self,
         settings: &ContinuitySettings,
@@ -180,6 +185,7 @@ impl Continuity {
         own_clock_s: Option<f64>,
         report: &Report<N>,
         speed_m_s: Option<f64>,
+        is_doubted: bool,
     ) -> Verdict {
         let own_s = own_clock_s.filter(|clock_s| clock_s.is_finite());
         let instant = self.pass_time(Instant { epoch_s: time_s, own_s });
@@ -201,9 +207,8 @@ impl Continuity {
             // An epoch without a position is never protected.
             (Verdict::Protected(_), None) => Verdict::Unavailable(Unavailable::NoFix),
             (Verdict::Alert(reason), _) => {
-                // Without rates the clock contradicts its past by a single leap, so that no drift
-                // needs time to be detected again.
-                self.is_doubted |= reason == Alert::Track || reason == Alert::Clock && speed_m_s.is_some();
+                self.is_doubted |= is_doubted || reason == Alert::Track;
+                self.has_leapt |= reason == Alert::Clock && speed_m_s.is_some();
                 self.lose(Verdict::Alert(reason))
             }
             (Verdict::Unavailable(reason), _) => {
@@ -260,12 +265,14 @@ impl Continuity {
             self.agree(max_m_s, how, place, is_weak);
             let waited = Recovery { epochs: 1, seconds: f64::from(self.wait_s) };
             let wanted = settings.recovery.at_least(waited);
+            let wanted = if self.has_leapt { wanted.at_least(WEAK) } else { wanted };
             let wanted = if self.is_doubted { wanted.at_least(DOUBTED) } else { wanted };
             if !self.agreement.is_some_and(|agreement| agreement.suffices(wanted)) {
                 return Verdict::Unavailable(Unavailable::Recovering);
             }
         }
-        (self.is_after_silence, self.wait_s, self.is_doubted) = (false, 0.0, false);
+        (self.is_after_silence, self.wait_s) = (false, 0.0);
+        (self.is_doubted, self.has_leapt) = (false, false);
         self.speed_m_s = speed_m_s
             .or_else(|| self.anchor.map(|anchor| place.speed_m_s(&anchor.last, self.speed_m_s)))
             .or(self.speed_m_s);

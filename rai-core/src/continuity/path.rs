@@ -6,11 +6,13 @@
 //! ```text
 //! of the position  a Δt²/8 + (V_j + V_{j−1}) Δt/2      a  an unknown acceleration, m/s²; V  HPL + VPL of a velocity, m/s
 //! of the clock     0.6 m (Δt/1 s)^1.5                  six times the bridge of a quartz with h₋₂ = 2e-20/s
+//!                  15 m/s (Δt − 5 s)                   beyond 5 s: a quartz in the wind
 //! ```
 //!
 //! The drift of a quartz walks at random. Between two known drifts its clock departs from the
-//! trapezoid by half as much as without the second one. The departures of two steps are
-//! independent, so that their squares add up. Between buildings a velocity of few satellites may be
+//! trapezoid by half as much as without the second one. The frequency of a poor one also sways with
+//! its temperature, by 50 ppb within a minute, of which epochs every 30 s see little. The departures
+//! of two steps are independent, so that their squares add up. Between buildings a velocity of few satellites may be
 //! wrong by 40 m/s, and its level is large. A short step makes little of it, a gap a leap.
 
 use nalgebra::Vector3;
@@ -36,6 +38,12 @@ pub(super) const ACCELERATION_M_S2: f64 = 5.0;
 
 /// Six times the departure of a quartz from the trapezoid over one second, m.
 const BRIDGE_M: f32 = 0.6;
+
+/// Longest step within which the drift sways along a line, s.
+const SWAY_S: f32 = 5.0;
+
+/// Largest sway of a quartz whose temperature changes, m/s: 50 ppb.
+const SWAY_M_S: f32 = 15.0;
 
 /// An epoch with its rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,7 +105,9 @@ impl Path {
             let elapsed_s = elapsed_s as f32;
             let wrong_m_s = 0.5 * (last.velocity_level_m_s + now.velocity_level_m_s);
             self.unknown_m += (ACCELERATION_M_S2 as f32 / 8.0 * elapsed_s + wrong_m_s) * elapsed_s;
-            self.unknown_clock_m2 += BRIDGE_M * BRIDGE_M * elapsed_s * elapsed_s * elapsed_s;
+            let sway_m = SWAY_M_S * (elapsed_s - SWAY_S).max(0.0);
+            self.unknown_clock_m2 +=
+                BRIDGE_M * BRIDGE_M * elapsed_s * elapsed_s * elapsed_s + sway_m * sway_m;
         }
         let away = now.position - self.position;
         Discrepancy {

@@ -435,7 +435,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             }
         }
         let speed_m_s = velocity.ok().map(Velocity::speed_m_s);
-        report.verdict = self.continuity.conclude(settings, update.time_s, own_clock_s, report, speed_m_s);
+        let is_doubted = self.motion.is_doubted();
+        report.verdict =
+            self.continuity.conclude(settings, update.time_s, own_clock_s, report, speed_m_s, is_doubted);
         match report.verdict {
             Verdict::Alert(Alert::Jump | Alert::Clock | Alert::Track) => {
                 report.protection = None;

@@ -65,7 +65,9 @@ fn series(epochs: &[(f64, Reported)]) -> Vec<Verdict> {
     let settings = ContinuitySettings::anywhere();
     epochs
         .iter()
-        .map(|(time_s, reported)| continuity.conclude(&settings, *time_s, None, &report(*reported), None))
+        .map(|(time_s, reported)| {
+            continuity.conclude(&settings, *time_s, None, &report(*reported), None, false)
+        })
         .collect()
 }
 
@@ -178,7 +180,7 @@ fn leap_in_height_is_a_jump_too() {
 fn host_that_says_forget_allows_any_place() {
     let (mut continuity, settings) = (Continuity::new(), ContinuitySettings::anywhere());
     let conclude = |continuity: &mut Continuity, time_s, reported| {
-        continuity.conclude(&settings, time_s, None, &report(reported), None)
+        continuity.conclude(&settings, time_s, None, &report(reported), None, false)
     };
     assert_eq!(conclude(&mut continuity, 0.0, HERE), OK);
     continuity.forget();
@@ -222,11 +224,12 @@ fn longer_recovery_takes_nothing_from_what_was_firm() {
     let mut continuity = Continuity::new();
     let start = ContinuitySettings::anywhere();
     for second in 0..=11 {
-        assert_eq!(continuity.conclude(&start, f64::from(second), None, &report(HERE), None), OK);
+        assert_eq!(continuity.conclude(&start, f64::from(second), None, &report(HERE), None, false), OK);
     }
     let longer = start.with_recovery(Recovery { epochs: 20, seconds: 30.0 });
     for second in 12..120 {
-        let reported = continuity.conclude(&longer, f64::from(second), None, &report(north(400e3)), None);
+        let reported =
+            continuity.conclude(&longer, f64::from(second), None, &report(north(400e3)), None, false);
         assert_eq!(reported, JUMP, "{second} s");
     }
 }
@@ -260,7 +263,7 @@ fn time_that_is_no_number_stands_still() {
 fn clock_of_the_callers_own_bounds_what_a_leap_of_the_time_tag_makes_reachable() {
     let (mut continuity, settings) = (Continuity::new(), ContinuitySettings::anywhere());
     let mut conclude = |time_s, own_s, reported| {
-        continuity.conclude(&settings, time_s, Some(own_s), &report(reported), None)
+        continuity.conclude(&settings, time_s, Some(own_s), &report(reported), None, false)
     };
     assert_eq!(conclude(0.0, 100.0, HERE), OK);
     assert_eq!(conclude(3600.0, 101.0, north(400e3)), JUMP);
@@ -273,10 +276,10 @@ fn epochs_that_come_at_once_are_no_seconds_of_agreement() {
     let settings = ContinuitySettings::anywhere();
     let judge = |own_step_s: f64| {
         let mut continuity = Continuity::new();
-        let _ = continuity.conclude(&settings, 0.0, Some(0.0), &report(verdict(FAULT)), None);
+        let _ = continuity.conclude(&settings, 0.0, Some(0.0), &report(verdict(FAULT)), None, false);
         let conclude = |second: u32| {
             let second = f64::from(second);
-            continuity.conclude(&settings, second, Some(second * own_step_s), &report(HERE), None)
+            continuity.conclude(&settings, second, Some(second * own_step_s), &report(HERE), None, false)
         };
         (1..=5).map(conclude).collect::<Vec<_>>()
     };
@@ -289,8 +292,8 @@ fn place_is_forgotten_after_a_day_and_agreement_after_a_gap() {
     let settings = ContinuitySettings::anywhere().with_max_speed_m_s(0.0);
     let judge = |time_s: f64| {
         let mut continuity = Continuity::new();
-        let _ = continuity.conclude(&settings, 0.0, None, &report(HERE), None);
-        continuity.conclude(&settings, time_s, None, &report(north(1000.0)), None)
+        let _ = continuity.conclude(&settings, 0.0, None, &report(HERE), None, false);
+        continuity.conclude(&settings, time_s, None, &report(north(1000.0)), None, false)
     };
     assert_eq!(judge(86_399.0), JUMP);
     assert_eq!(judge(86_401.0), OK);
@@ -305,11 +308,11 @@ fn receiver_that_is_slower_than_the_time_to_alert_recovers() {
     let settings = ContinuitySettings::anywhere();
     for step_s in [30.0, 300.0] {
         let mut continuity = Continuity::new();
-        let _ = continuity.conclude(&settings, 0.0, Some(0.0), &report(verdict(FAULT)), None);
+        let _ = continuity.conclude(&settings, 0.0, Some(0.0), &report(verdict(FAULT)), None, false);
         let conclude = |epoch: u32| {
             continuity.interrupt();
             let time_s = f64::from(epoch) * step_s;
-            continuity.conclude(&settings, time_s, Some(time_s), &report(HERE), None)
+            continuity.conclude(&settings, time_s, Some(time_s), &report(HERE), None, false)
         };
         let reported: Vec<Verdict> = (1..=4).map(conclude).collect();
         assert_eq!(reported, [RECOVERING, RECOVERING, OK, OK], "{step_s} s");
@@ -320,7 +323,8 @@ fn receiver_that_is_slower_than_the_time_to_alert_recovers() {
 fn protected_without_a_position_is_not_said() {
     let mut nowhere = report(HERE);
     nowhere.solution = None;
-    let reported = Continuity::new().conclude(&ContinuitySettings::anywhere(), 0.0, None, &nowhere, None);
+    let reported =
+        Continuity::new().conclude(&ContinuitySettings::anywhere(), 0.0, None, &nowhere, None, false);
     assert_eq!(reported, Verdict::Unavailable(Unavailable::NoFix));
 }
 
@@ -347,12 +351,12 @@ fn settings_are_checked_by_name() {
 fn after_silence(silence_s: f64, north_m: f64, speed_m_s: Option<f64>, seconds: u32) -> Vec<Verdict> {
     let mut continuity = Continuity::new();
     let settings = ContinuitySettings::anywhere();
-    let _ = continuity.conclude(&settings, 0.0, None, &report(HERE), speed_m_s);
+    let _ = continuity.conclude(&settings, 0.0, None, &report(HERE), speed_m_s, false);
     continuity.interrupt();
     (0..seconds)
         .map(|second| {
             let time_s = silence_s + f64::from(second);
-            continuity.conclude(&settings, time_s, None, &report(north(north_m)), Some(0.0))
+            continuity.conclude(&settings, time_s, None, &report(north(north_m)), Some(0.0), false)
         })
         .collect()
 }
@@ -378,17 +382,17 @@ fn a_silence_makes_no_place_good_that_the_receiver_is_not_expected_at() {
 fn an_alert_after_a_silence_makes_no_place_good_either() {
     let mut continuity = Continuity::new();
     let settings = ContinuitySettings::anywhere();
-    assert_eq!(continuity.conclude(&settings, 0.0, None, &report(HERE), Some(0.0)), OK);
+    assert_eq!(continuity.conclude(&settings, 0.0, None, &report(HERE), Some(0.0), false), OK);
     continuity.interrupt();
     let leaping = {
         let mut report = report(north(300e3));
         report.verdict = Verdict::Alert(Alert::Clock);
         report
     };
-    let _ = continuity.conclude(&settings, 600.0, None, &leaping, Some(0.0));
+    let _ = continuity.conclude(&settings, 600.0, None, &leaping, Some(0.0), false);
     for second in 1..=580 {
         let time_s = 600.0 + f64::from(second);
-        let have = continuity.conclude(&settings, time_s, None, &report(north(300e3)), Some(0.0));
+        let have = continuity.conclude(&settings, time_s, None, &report(north(300e3)), Some(0.0), false);
         assert_eq!(have, RECOVERING, "{second} s");
     }
 }
@@ -397,14 +401,35 @@ fn an_alert_after_a_silence_makes_no_place_good_either() {
 fn true_place_after_a_counterfeit_one_waits_for_nothing() {
     let mut continuity = Continuity::new();
     let settings = ContinuitySettings::anywhere();
-    assert_eq!(continuity.conclude(&settings, 0.0, None, &report(HERE), Some(0.0)), OK);
+    assert_eq!(continuity.conclude(&settings, 0.0, None, &report(HERE), Some(0.0), false), OK);
     continuity.interrupt();
     let mut conclude = |time_s: f64, reported: Reported| {
-        continuity.conclude(&settings, time_s, None, &report(reported), Some(0.0))
+        continuity.conclude(&settings, time_s, None, &report(reported), Some(0.0), false)
     };
     assert_eq!(conclude(600.0, north(300e3)), RECOVERING);
     let back: Vec<Verdict> = (1..6).map(|second| conclude(600.0 + f64::from(second), HERE)).collect();
     assert_eq!(back, [RECOVERING, RECOVERING, RECOVERING, OK, OK]);
+}
+
+/// Returns the seconds after an alert in which ten minutes of agreement are not yet a promise.
+fn recovered_after_s(alert: Alert, speed_m_s: Option<f64>, is_doubted: bool) -> Option<u32> {
+    let mut continuity = Continuity::new();
+    let settings = ContinuitySettings::anywhere();
+    let mut conclude = |second: u32, reported: Reported, is_doubted: bool| {
+        continuity.conclude(&settings, f64::from(second), None, &report(reported), speed_m_s, is_doubted)
+    };
+    assert_eq!(conclude(0, HERE, false), OK);
+    let _ = conclude(1, verdict(Verdict::Alert(alert)), is_doubted);
+    (0..600).find(|second| conclude(2 + second, HERE, false) == OK)
+}
+
+#[test]
+fn what_contradicts_the_rates_asks_for_more_than_a_leap_of_the_clock() {
+    let speed_m_s = Some(0.0);
+    assert_eq!(recovered_after_s(Alert::Clock, None, false), Some(3), "its own past, by one leap");
+    assert_eq!(recovered_after_s(Alert::Clock, speed_m_s, false), Some(10), "its rates, by one leap");
+    assert_eq!(recovered_after_s(Alert::Clock, speed_m_s, true), Some(130), "a drift, or leaps");
+    assert_eq!(recovered_after_s(Alert::Track, speed_m_s, true), Some(130));
 }
 
 /// Returns the verdicts of epochs at these times and places after a minute at 1 Hz.

@@ -60,7 +60,7 @@
 //! ends after [`LONGEST_GAP_S`].
 //!
 //! **Ends.** After a leap the marks begin anew at the new position and clock, so that one leap of a
-//! clock causes one alert. A position that leapt or drifted away stays an alert ([`super::doubt`]).
+//! clock causes one alert, as when a receiver starts anew. A position that leapt or drifted away stays an alert ([`super::doubt`]).
 //!
 //! **Gaps.** After a step longer than [`LONGEST_STEP_S`] the comparison begins anew. Across a gap
 //! the clock is still compared ([`super::path`]). Steps of the clock by whole milliseconds are
@@ -110,6 +110,22 @@ const CLOCK_SHARE: f32 = 0.5;
 
 /// Largest step of the position from mark to mark, relative to the mean one.
 const STEPS: f32 = 20.0;
+
+/// What contradicts its past in an epoch.
+#[derive(Clone, Copy)]
+struct Found {
+    is_off_track: bool,
+    is_off_time: bool,
+    /// True if it drifted, false if it leapt.
+    is_drift: bool,
+}
+
+impl Found {
+    /// Returns a leap of position or clock, or none.
+    const fn leap([is_off_track, is_off_time]: [bool; 2]) -> Self {
+        Self { is_off_track, is_off_time, is_drift: false }
+    }
+}
 
 /// Comparison of position and clock with the integral of velocity and drift.
 #[derive(Clone, Debug)]
@@ -190,6 +206,12 @@ impl Motion {
         cfg!(feature = "past") && self.doubt.is_refused_for_long(time_s)
     }
 
+    /// Returns true if a contradiction counts that epochs have to outlast: every one but a single
+    /// leap of the clock.
+    pub(crate) const fn is_doubted(&self) -> bool {
+        cfg!(feature = "past") && self.doubt.is_contradicted()
+    }
+
     /// Compares an epoch that passed its test with earlier ones. Returns the contradiction.
     ///
     /// An epoch without position or levels is not compared. If it has no range rates, only its
@@ -221,7 +243,7 @@ impl Motion {
                 let contradiction = alert(is_astray, leaps);
                 // Where rates are refused as usual, a clock counts as one without rates.
                 if is_astray || leaps && is_refused && self.doubt.is_unusual() {
-                    self.doubt.contradict(time_s, false);
+                    self.doubt.contradict(time_s, false, !is_astray);
                 }
                 let is_kept = self.doubt.keeps_without_velocity(time_s, error);
                 return contradiction.or(is_kept.then_some(Alert::Track));
@@ -253,8 +275,7 @@ impl Motion {
             let elapsed_s = now.time_s - last.time_s;
             elapsed_s > 0.0 && elapsed_s <= LONGEST_STEP_S
         });
-        let ([is_off_track, is_off_time], is_home) = if let (Some(last), Some(path)) = (near, &mut self.path)
-        {
+        let (found, is_home) = if let (Some(last), Some(path)) = (near, &mut self.path) {
             let discrepancy = path.advance(&last, now);
             let now_s = (now.time_s - path.origin_s) as f32;
             self.compare(now_s, now, discrepancy)
@@ -264,20 +285,21 @@ impl Motion {
                 self.doubt.release();
             }
             self.begin(now);
-            ([false, !self.steering.is_steered() && across_gap(&last, now)], None)
+            (Found::leap([false, !self.steering.is_steered() && across_gap(&last, now)]), None)
         };
-        let is_off_time = is_off_time || leaps && self.steering.is_steered();
-        let contradiction = alert(is_off_track, is_off_time);
+        let Found { is_off_track, is_off_time, is_drift } = found;
+        let contradiction = alert(is_off_track, is_off_time || leaps && self.steering.is_steered());
         if contradiction.is_some() {
-            self.doubt.contradict(now.time_s, is_off_track && is_home == Some(false));
+            let is_leap = !is_off_track && !is_drift;
+            self.doubt.contradict(now.time_s, is_off_track && is_home == Some(false), is_leap);
         }
         let is_kept = self.doubt.keeps_at(now.time_s, is_home == Some(true));
         contradiction.or(is_kept.then_some(Alert::Track))
     }
 
-    /// Returns whether position and clock contradict their past, and whether the position is the
-    /// usual one, if that is known.
-    fn compare(&mut self, now_s: f32, now: &Moment, discrepancy: Discrepancy) -> ([bool; 2], Option<bool>) {
+    /// Returns what contradicts its past, and whether the position is the usual one, if that is
+    /// known.
+    fn compare(&mut self, now_s: f32, now: &Moment, discrepancy: Discrepancy) -> (Found, Option<bool>) {
         while self.marks.front().is_some_and(|mark| now_s - mark.time_s > WINDOW_S as f32) {
             self.marks.pop_front();
         }
@@ -299,7 +321,7 @@ impl Motion {
             }
             self.steering.begin();
             self.mark_anew(Mark { time_s: now_s, discrepancy: Discrepancy { clock_m: 0.0, ..discrepancy } });
-            return (leap, is_home);
+            return (Found::leap(leap), is_home);
         }
         self.noise.learn(&discrepancy);
         // A place at the edge of the bound has not returned, whatever the noise of the epoch.
@@ -308,7 +330,7 @@ impl Motion {
         let drift = self.line(now_s, &discrepancy);
         let drift = self.unsteered(now_s, &discrepancy, drift);
         self.mark(now_s, &discrepancy, drift == [false; 2]);
-        (drift, is_home)
+        (Found { is_drift: drift != [false; 2], ..Found::leap(drift) }, is_home)
     }
 
     /// Returns contradictions of position and clock without one of the clock that steering explains.

@@ -364,6 +364,52 @@ fn a_clock_that_leaps_while_rates_are_refused_is_an_alert() {
     assert_eq!(seen.first(), Some(&(300.0, Alert::Clock)));
 }
 
+/// Returns true in every tenth second.
+fn is_refused_s(time_s: f64) -> bool {
+    time_s as u32 % 10 == 5
+}
+
+/// Returns the alerts of a drive in which every tenth epoch has refused rates, and the clock leaps at
+/// these times, s.
+fn contradictions_of_starts(starts_s: &[f64]) -> std::vec::Vec<(f64, Alert)> {
+    let started = drive(900).map(|epoch| {
+        let count = starts_s.iter().filter(|start_s| epoch.time_s >= **start_s).count();
+        Epoch { clock_m: epoch.clock_m + 36_900.0 * count as f64, ..epoch }
+    });
+    contradictions_refused(started, |epoch| is_refused_s(epoch.time_s))
+}
+
+#[test]
+fn the_clock_of_a_start_is_one_alert() {
+    assert_eq!(contradictions_of_starts(&[300.0]), [(300.0, Alert::Clock)]);
+    assert_eq!(contradictions_of_starts(&[300.0, 600.0]), [(300.0, Alert::Clock), (600.0, Alert::Clock)]);
+}
+
+#[test]
+fn a_clock_that_leaps_again_soon_is_kept_in_mind() {
+    let seen = contradictions_of_starts(&[300.0, 400.0]);
+    assert_eq!(&seen[..2], [(300.0, Alert::Clock), (400.0, Alert::Clock)]);
+    assert!(seen[2..].iter().all(|(time_s, alert)| is_refused_s(*time_s) && *alert == Alert::Track));
+    assert!(seen.len() > 10, "{seen:?}");
+}
+
+#[test]
+fn a_clock_that_sways_with_its_temperature_is_no_drift_between_distant_epochs() {
+    // 25 ppb within 20 s to 5 minutes.
+    for step_s in [10_u32, 20, 30] {
+        for period_s in [20.0, 33.0, 60.0, 120.0, 300.0_f64] {
+            let turn = core::f64::consts::TAU / period_s;
+            let epochs = (0..600).map(|number| {
+                let time_s = f64::from(number * step_s);
+                let clock_m = 7.5 / turn * (1.0 - (turn * time_s + 0.7).cos());
+                let drift_m_s = 7.5 * (turn * time_s + 0.7).sin();
+                Epoch { time_s, clock_m: clock_m + noise_m(number), drift_m_s, ..Epoch::default() }
+            });
+            assert_eq!(contradictions(epochs), [], "every {step_s} s, {period_s} s");
+        }
+    }
+}
+
 #[test]
 fn a_clock_that_trembles_hides_no_walk() {
     // From one epoch to the next it leaps by 8 m and back, which no healthy satellite explains for long.

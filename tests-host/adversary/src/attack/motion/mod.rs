@@ -6,6 +6,7 @@ mod false_rates;
 mod leap;
 mod rates_apart;
 mod repeater;
+mod starts;
 mod steering;
 mod walks;
 mod wrong_height;
@@ -23,6 +24,7 @@ attacks! {
     leaps_stairs_and_waves_are_promised_no_more_once_seen: walks::LEAPS,
     repeater_is_seen_without_range_rates: repeater::ATTACK,
     clock_that_is_set_back_from_now_on_is_promised_again: steering::ATTACK,
+    receiver_that_starts_anew_is_promised_again_soon: starts::ATTACK,
     signals_of_one_strength_confirm_a_suspicion: alike_strengths::ATTACK,
     height_that_is_wrong_vouches_for_nothing: wrong_height::WRONG,
     sky_that_rises_away_from_a_height_is_noticed: wrong_height::RISING,
