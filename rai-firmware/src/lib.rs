@@ -62,8 +62,7 @@
 //! | `aiding` | `CLOCKAID`, `NOISE,AUTO` at rest, `PLACE`, `HEIGHTAID` |
 //! | `signs` | detection of two receivers that take turns, copied ranges, bands that disagree, strengths that are alike |
 //! | `sentences` | `GNS`, `VTG`, `ZDA`, `GSA`, `GST`, `GBS` |
-//! | `osnma` | `KEY`, `ROOT`, `AUTH`, `TRUST`: authenticated ephemerides of Galileo |
-//! | `tie` | proved Galileo decides where systems contradict each other (`SYSTEM`); distance between the places of single systems |
+//! | `osnma` | `KEY`, `ROOT`, `AUTH`, `TRUST`: authenticated ephemerides of Galileo; proved Galileo decides where systems contradict each other (`SYSTEM`); distance between the places of single systems |
 //! | `both-kinds` | what residuals of one frequency and of two say of their noise, also for the kind that is not in use |
 //! | `gsv` | `GSV` |
 //! | `satellites-32`, `satellites-48` | room for as many satellites in an epoch, instead of 16 |

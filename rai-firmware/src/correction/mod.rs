@@ -58,7 +58,7 @@ pub use frequency::{Cost, Preference, Ranges};
 use notes::{Mark, Notes};
 pub use raim_single::CAPACITY;
 pub use site::Site;
-#[cfg(feature = "tie")]
+#[cfg(feature = "osnma")]
 pub(crate) use twins::remove;
 
 counters! {

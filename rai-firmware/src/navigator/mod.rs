@@ -6,7 +6,7 @@
 //! none. If the position of an epoch is far from the guess, the epoch is corrected again at that
 //! position.
 
-#[cfg(feature = "tie")]
+#[cfg(feature = "osnma")]
 mod apart;
 mod choice;
 mod ionosphere;
@@ -14,7 +14,7 @@ mod known_rates;
 #[cfg(feature = "both-kinds")]
 mod others;
 mod passes;
-#[cfg(feature = "tie")]
+#[cfg(feature = "osnma")]
 mod tie;
 
 use nalgebra::Vector3;
@@ -47,12 +47,12 @@ use crate::raw::RawSatellite;
 use crate::settings::{Configuration, Place, Systems};
 use crate::time::GpsTime;
 
-#[cfg(feature = "tie")]
+#[cfg(feature = "osnma")]
 use apart::Apart;
 use ionosphere::Broadcast;
 #[cfg(feature = "both-kinds")]
 use others::Others;
-#[cfg(feature = "tie")]
+#[cfg(feature = "osnma")]
 use tie::Held;
 
 /// Least distance of a receiver from the centre of the earth, m; a position below it is unknown.
@@ -79,11 +79,11 @@ pub struct Navigator {
     known_height: Option<Aiding>,
     ionosphere: Broadcast,
     /// Satellites of Galileo that may decide a tie, a bit for each number.
-    #[cfg(feature = "tie")]
+    #[cfg(feature = "osnma")]
     witnesses: u64,
-    #[cfg(feature = "tie")]
+    #[cfg(feature = "osnma")]
     held: Held,
-    #[cfg(feature = "tie")]
+    #[cfg(feature = "osnma")]
     apart: Apart,
 }
 
@@ -122,11 +122,11 @@ impl Navigator {
             distrusted: None,
             known_height: None,
             ionosphere: Broadcast::new(),
-            #[cfg(feature = "tie")]
+            #[cfg(feature = "osnma")]
             witnesses: 0,
-            #[cfg(feature = "tie")]
+            #[cfg(feature = "osnma")]
             held: Held::NONE,
-            #[cfg(feature = "tie")]
+            #[cfg(feature = "osnma")]
             apart: Apart::NONE,
         }
     }
@@ -411,8 +411,8 @@ impl Navigator {
     }
 }
 
-/// Without the tie nothing decides where systems contradict each other.
-#[cfg(not(feature = "tie"))]
+/// Without OSNMA nothing decides where systems contradict each other.
+#[cfg(not(feature = "osnma"))]
 #[allow(clippy::inline_always, clippy::unused_self, reason = "nothing must remain of them")]
 impl Navigator {
     #[inline(always)]
@@ -423,20 +423,6 @@ impl Navigator {
     #[inline(always)]
     fn end_tie(&mut self, _: bool, _: GpsTime) -> &mut Report<CAPACITY> {
         &mut self.room.memory.outcome_mut().report
-    }
-}
-
-/// What images without the tie leave out.
-#[cfg(all(feature = "osnma", not(feature = "tie")))]
-impl Navigator {
-    pub(crate) const fn believe(&mut self, _: u64) {}
-
-    pub(crate) const fn compare_systems(&mut self) -> bool {
-        false
-    }
-
-    pub(crate) const fn systems_apart_m(&self) -> Option<f64> {
-        None
     }
 }
 

@@ -50,7 +50,7 @@ impl Navigator {
     ) -> &mut Report<CAPACITY> {
         #[cfg(feature = "cnav")]
         self.prepare(came_ms, configuration);
-        #[cfg(feature = "tie")]
+        #[cfg(feature = "osnma")]
         self.apart.begin();
         let without_orbit = self.look_up(raw, configuration);
         let mut guess = self.monitor.start();

@@ -8,7 +8,6 @@ use raim_core::satellite::{Constellation, SatelliteId};
 use super::Store;
 use crate::ephemeris::Ephemeris;
 use crate::osnma::{Proof, Seal, Verdict};
-#[cfg(feature = "tie")]
 use crate::time::GpsTime;
 
 /// What is demanded of a set.
@@ -41,7 +40,6 @@ impl Store {
     }
 
     /// Returns true if a tag has proved the set in use.
-    #[cfg(feature = "tie")]
     pub(crate) fn is_proved(&self, satellite: SatelliteId, time: GpsTime) -> bool {
         self.get(satellite, time).is_ok_and(|set| set.seal.is_proved(Proof::All))
     }

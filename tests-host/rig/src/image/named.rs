@@ -51,7 +51,7 @@ pub const NAMED: [Named; 4] = [
     Named {
         name: "fast",
         content: "everything",
-        features: "whole,gsv,sbf,cnav,osnma,tie,both-kinds,satellites-48",
+        features: "whole,gsv,sbf,cnav,osnma,both-kinds,satellites-48",
         compiled_for: CompiledFor::Speed,
         satellites: 48,
         stack_bytes: 10 * 1024,
@@ -71,7 +71,7 @@ pub const NAMED: [Named; 4] = [
     Named {
         name: "signed",
         content: "`whole` with SBF and OSNMA",
-        features: "whole,sbf,osnma,tie,satellites-32",
+        features: "whole,sbf,osnma,satellites-32",
         compiled_for: CompiledFor::Size,
         satellites: 32,
         stack_bytes: 37 * 256,
