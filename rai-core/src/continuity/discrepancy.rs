@@ -150,11 +150,18 @@ impl Discrepancy {
         Self { position, clock_m: 0.0, moved_m: 0.0, unknown_m: 0.0, unknown_clock_m2: 0.0, level_m }
     }
 
+    /// Returns the distance of the position from an earlier one, m.
+    // Not inlined, so that its three callers share one copy.
+    #[inline(never)]
+    pub(super) fn distance_m(&self, other: &Self) -> f32 {
+        sqrt((self.position - other.position).norm_squared())
+    }
+
     /// Returns the distances of position and clock from an earlier discrepancy, m, less what
     /// accelerations and walks between the epochs explain.
     pub(super) fn from(&self, other: &Self) -> [f32; 2] {
         let unknown_m = self.unknown_m - other.unknown_m;
-        let away_m = sqrt((self.position - other.position).norm_squared()) - unknown_m;
+        let away_m = self.distance_m(other) - unknown_m;
         let unknown_clock_m = sqrt(self.unknown_clock_m2 - other.unknown_clock_m2);
         [away_m, (self.clock_m - other.clock_m).abs() - unknown_clock_m]
     }

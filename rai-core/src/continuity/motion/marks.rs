@@ -6,7 +6,8 @@
 //! minutes does not teach its own bound. The line of the position goes through the last 20 s, because
 //! the beginning of a walk bends a longer one. That of the clock goes through the window: delays of
 //! signals drift with the elevation. The bound `L_k + L_m` of a leap is not learned. Epochs under an
-//! alert are not learned.
+//! alert are not learned. What accelerations between distant epochs explain is learned too: a receiver
+//! whose rates are refused now and then would else learn that its positions have no noise.
 //!
 //! The noise can grow within an epoch: a satellite that has just risen may be five times as noisy as
 //! all others together. `s` needs minutes to learn that, and in a window of 20 s a few marks are
@@ -121,18 +122,17 @@ impl Motion {
     fn learn(&mut self, now_s: f32, now: &Discrepancy) {
         self.doubt.learn(now);
         if let Some(last) = self.marks.back() {
-            let [away_m, _] = now.from(&last.discrepancy);
-            self.spreads.step.learn_change(away_m.max(0.0), None);
+            self.spreads.step.learn_change(now.distance_m(&last.discrepancy), None);
         }
         if let Some(oldest) = self.marks.front().filter(|mark| now_s - mark.time_s >= TEACHING_AGE_S as f32) {
-            let [away_m, _] = now.from(&oldest.discrepancy);
+            let away_m = now.distance_m(&oldest.discrepancy);
             let apart_m = (now.clock_m - oldest.discrepancy.clock_m).abs();
             let scatters_m = |window_s| {
                 self.line_of(window_s, now_s, now).map(|line| line.map(|(_, scatter_m)| scatter_m))
             };
             let scatter_m = scatters_m(WINDOWS_S[0]).map(|[scatter_m, _]| scatter_m);
             let clock_scatter_m = scatters_m(WINDOW_S as f32).map(|[_, scatter_m]| scatter_m);
-            self.spreads.position.learn_change(away_m.max(0.0), scatter_m);
+            self.spreads.position.learn_change(away_m, scatter_m);
             self.spreads.clock.learn_change(apart_m, clock_scatter_m);
         }
     }

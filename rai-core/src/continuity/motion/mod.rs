@@ -241,9 +241,8 @@ impl Motion {
                 let is_refused = error.is_contradiction();
                 let is_astray = is_refused && self.is_astray(time_s, position, level_m);
                 let contradiction = alert(is_astray, leaps);
-                // Where rates are refused as usual, a clock counts as one without rates.
-                if is_astray || leaps && is_refused && self.doubt.is_unusual() {
-                    self.doubt.contradict(time_s, false, !is_astray);
+                if is_astray {
+                    self.doubt.contradict(time_s, false, false);
                 }
                 let is_kept = self.doubt.keeps_without_velocity(time_s, error);
                 return contradiction.or(is_kept.then_some(Alert::Track));

@@ -386,6 +386,16 @@ fn the_clock_of_a_start_is_one_alert() {
 }
 
 #[test]
+fn rates_that_are_refused_for_moments_do_not_teach_that_a_position_has_no_noise() {
+    let noisy = (0..40_000).map(|second| {
+        let east_m = 8.0 * noise_m(second);
+        Epoch { time_s: f64::from(second), east_m, clock_m: noise_m(second + 7919), ..Epoch::default() }
+    });
+    let seen = contradictions_refused(noisy, |epoch| epoch.time_s as u32 % 40 < 4);
+    assert_eq!(seen.first(), None);
+}
+
+#[test]
 fn a_clock_that_leaps_again_soon_is_kept_in_mind() {
     let seen = contradictions_of_starts(&[300.0, 400.0]);
     assert_eq!(&seen[..2], [(300.0, Alert::Clock), (400.0, Alert::Clock)]);
