@@ -20,7 +20,8 @@
 //! promised, unless this is usual: in streets, a cheap receiver has such rates for minutes. They
 //! are unusual if at most [`UNUSUAL`] of the last minutes had them. They then also renew a
 //! contradiction. This too ends after [`HELD_S`]. Rates that are only noisier than their sigmas
-//! ([`VelocityError::Noise`]), as of a car that drives off, are no reason against a promise.
+//! ([`VelocityError::Noise`]), as of a car that drives off, are no reason against a promise, and so are
+//! all where the receiver rested.
 //!
 //! **Limits.** A receiver whose rates contradict each other often, or that has none, is believed
 //! without them. An attack can teach this within a minute, before it moves the position.

@@ -91,8 +91,8 @@ impl Path {
     pub(super) fn advance(&mut self, last: &Moment, now: &Moment) -> Discrepancy {
         let elapsed_s = now.time_s - last.time_s;
         let half_s = (0.5 * elapsed_s) as f32;
-        let way_m = (now.velocity_m_s + last.velocity_m_s) * half_s;
-        self.position = self.position + Ecef::new(way_m.x.into(), way_m.y.into(), way_m.z.into());
+        let moved_m = (now.velocity_m_s + last.velocity_m_s) * half_s;
+        self.position = self.position + Ecef::new(moved_m.x.into(), moved_m.y.into(), moved_m.z.into());
         let drift_m = 0.5 * elapsed_s * (now.drift_m_s + last.drift_m_s);
         let step_m = now.clock_m - last.clock_m;
         self.clock_m += if now.is_of_another_clock {
@@ -109,9 +109,8 @@ impl Path {
             self.unknown_clock_m2 +=
                 BRIDGE_M * BRIDGE_M * elapsed_s * elapsed_s * elapsed_s + sway_m * sway_m;
         }
-        let away = now.position - self.position;
         Discrepancy {
-            position: Vector3::new(away.x_m as f32, away.y_m as f32, away.z_m as f32),
+            position: way_m(self.position, now.position),
             clock_m: (now.clock_m - self.clock_m) as f32,
             moved_m: (now.clock_m - self.first_clock_m) as f32,
             unknown_m: self.unknown_m,
@@ -124,6 +123,14 @@ impl Path {
     pub(super) const fn set_clock(&mut self, clock_m: f64) {
         self.clock_m = clock_m;
     }
+}
+
+/// Returns the way from one position to another one, m.
+// Not inlined, so that its three callers share one copy.
+#[inline(never)]
+pub(super) fn way_m(from: Ecef, to: Ecef) -> Vector3<f32> {
+    let way = to - from;
+    Vector3::new(way.x_m as f32, way.y_m as f32, way.z_m as f32)
 }
 
 /// Returns true if a clock contradicts its past across a gap, except for whole milliseconds.

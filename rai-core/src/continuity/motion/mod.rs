@@ -57,7 +57,8 @@
 //! **Contradicting rates.** If a position is far from the true one, the true rates fit no velocity.
 //! If the rates of an epoch contradict each other, its position must therefore be where the last
 //! velocity leads. Both levels and a change of speed by 40 m/s are allowed for. This comparison
-//! ends after [`LONGEST_GAP_S`].
+//! ends after [`LONGEST_GAP_S`]. Rates that contradict each other where the receiver was at rest when
+//! they last agreed are only noisy: the position has not moved, so that they are to blame.
 //!
 //! **Ends.** After a leap the marks begin anew at the new position and clock, so that one leap of a
 //! clock causes one alert, as when a receiver starts anew. A position that leapt or drifted away stays an alert ([`super::doubt`]).
@@ -85,10 +86,9 @@ use marks::{MARKS, Mark, WINDOW_S};
 use super::discrepancy::{Discrepancy, Noise, Spreads};
 use super::doubt::Doubt;
 use super::oscillator::Oscillator;
-use super::path::{ACCELERATION_M_S2, LONGEST_GAP_S, LONGEST_STEP_S, Moment, Path, across_gap};
+use super::path::{ACCELERATION_M_S2, LONGEST_GAP_S, LONGEST_STEP_S, Moment, Path, across_gap, way_m};
 use super::steering::Steering;
 use heapless::Deque;
-use nalgebra::Vector3;
 
 use crate::frame::{Ecef, earth_fixed};
 use crate::numeric::sqrt;
@@ -98,6 +98,9 @@ use crate::velocity::{Velocity, VelocityError};
 
 /// Largest change of speed of a car while the rates contradict each other, m/s.
 const FASTER_M_S: f32 = 40.0;
+
+/// Largest speed of a receiver at rest, m/s.
+const AT_REST_M_S: f32 = 1.0;
 
 /// Smallest drift of the position, relative to `HPL + VPL`.
 const LEVEL_SHARE: f32 = 0.25;
@@ -202,7 +205,7 @@ impl Motion {
 
     /// Returns true if the rates have contradicted each other for so long that the position must
     /// not be promised.
-    pub(crate) fn is_refused_for_long(&self, time_s: f64) -> bool {
+    pub fn is_refused_for_long(&self, time_s: f64) -> bool {
         cfg!(feature = "past") && self.doubt.is_refused_for_long(time_s)
     }
 
@@ -244,6 +247,8 @@ impl Motion {
                 if is_astray {
                     self.doubt.contradict(time_s, false, false);
                 }
+                let is_noise = is_refused && self.is_where_it_rested(position, level_m);
+                let error = if is_noise { VelocityError::Noise } else { error };
                 let is_kept = self.doubt.keeps_without_velocity(time_s, error);
                 return contradiction.or(is_kept.then_some(Alert::Track));
             }
@@ -348,13 +353,20 @@ impl Motion {
             return false;
         }
         let elapsed_s = elapsed_s as f32;
-        let way_m = last.velocity_m_s * elapsed_s;
-        let away = position - last.position;
-        let away_m = Vector3::new(away.x_m as f32, away.y_m as f32, away.z_m as f32) - way_m;
+        let away_m = way_m(last.position, position) - last.velocity_m_s * elapsed_s;
         let faster_m_s = (0.5 * ACCELERATION_M_S2 as f32 * elapsed_s).min(FASTER_M_S);
         let bound_m = level_m + last.level_m + faster_m_s * elapsed_s;
         // NaN fails this comparison, so that it counts as a contradiction.
         !(away_m.norm_squared() <= bound_m * bound_m)
+    }
+
+    /// Returns true if a position is where the receiver was at rest when its rates last agreed.
+    fn is_where_it_rested(&self, position: Ecef, level_m: f32) -> bool {
+        self.last.is_some_and(|last| {
+            let bound_m = LEVEL_SHARE * level_m;
+            last.velocity_m_s.norm_squared() <= AT_REST_M_S * AT_REST_M_S
+                && way_m(last.position, position).norm_squared() <= bound_m * bound_m
+        })
     }
 
     /// Returns the clock of the constellation that is compared, m, and true if it is another one

@@ -395,6 +395,29 @@ fn rates_that_are_refused_for_moments_do_not_teach_that_a_position_has_no_noise(
     assert_eq!(seen.first(), None);
 }
 
+/// Returns the first second in which rates that are refused from 300 s on are no promise, of a receiver
+/// that moves to the east from then on.
+fn first_without_promise(way_m: impl Fn(f64) -> f64) -> Option<f64> {
+    let mut motion = Motion::new();
+    (0..1200).map(f64::from).find(|time_s| {
+        let east_m = noise_m(*time_s as u32) + way_m(time_s - 300.0);
+        let epoch = Epoch { time_s: *time_s, east_m, ..Epoch::default() };
+        let velocity = velocity(epoch);
+        let rates = if *time_s < 300.0 { Ok(&velocity) } else { Err(VelocityError::Fault) };
+        assert_eq!(motion.judge(*time_s, &report(epoch), rates), None, "{time_s} s");
+        motion.is_refused_for_long(*time_s)
+    })
+}
+
+#[test]
+fn rates_that_are_refused_where_the_receiver_rested_are_to_blame() {
+    assert_eq!(first_without_promise(|_| 0.0), None);
+    let walked = first_without_promise(|since_s| since_s.max(0.0));
+    assert!(walked.is_some_and(|time_s| (306.0..320.0).contains(&time_s)), "{walked:?}");
+    let leapt = first_without_promise(|since_s| if since_s < 0.0 { 0.0 } else { 20.0 });
+    assert_eq!(leapt, Some(306.0));
+}
+
 #[test]
 fn a_clock_that_leaps_again_soon_is_kept_in_mind() {
     let seen = contradictions_of_starts(&[300.0, 400.0]);
