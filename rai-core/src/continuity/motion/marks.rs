@@ -122,7 +122,8 @@ impl Motion {
     fn learn(&mut self, now_s: f32, now: &Discrepancy) {
         self.doubt.learn(now);
         if let Some(last) = self.marks.back() {
-            self.spreads.step.learn_change(now.distance_m(&last.discrepancy), None);
+            let [away_m, _] = now.from(&last.discrepancy);
+            self.spreads.step.learn_change(away_m.max(0.0), None);
         }
         if let Some(oldest) = self.marks.front().filter(|mark| now_s - mark.time_s >= TEACHING_AGE_S as f32) {
             let away_m = now.distance_m(&oldest.discrepancy);
@@ -130,9 +131,11 @@ impl Motion {
             let scatters_m = |window_s| {
                 self.line_of(window_s, now_s, now).map(|line| line.map(|(_, scatter_m)| scatter_m))
             };
-            let scatter_m = scatters_m(WINDOWS_S[0]).map(|[scatter_m, _]| scatter_m);
             let clock_scatter_m = scatters_m(WINDOW_S as f32).map(|[_, scatter_m]| scatter_m);
-            self.spreads.position.learn_change(away_m, scatter_m);
+            // A walk with gaps has no line that would bound what it teaches.
+            if let Some([scatter_m, _]) = scatters_m(WINDOWS_S[0]) {
+                self.spreads.position.learn_change(away_m, Some(scatter_m));
+            }
             self.spreads.clock.learn_change(apart_m, clock_scatter_m);
         }
     }
