@@ -100,7 +100,8 @@ reasons! {
         /// satellites agree by chance, or they are counterfeit.
         Jump = 35 "JUMP",
         /// The receiver clock contradicts its measured drift or, if there are no range rates, its own
-        /// past. The cause is a second receiver, a repeater or counterfeit signals.
+        /// past. The cause is a second receiver, a repeater or counterfeit signals; or, once, a receiver
+        /// that started anew.
         Clock = 39 "CLOCK",
         /// The motion of the position contradicts its measured velocity.
         Track = 40 "TRACK",

@@ -74,7 +74,9 @@ fn a_receiver_that_begins_to_steer_its_clock_is_promised_again() {
         let Some(promised) = promised(Frequency::Dual, more_m_s, applied_m) else { return };
         let lost: Vec<_> = (0_usize..).zip(&promised).filter(|(_, is_promised)| !**is_promised).collect();
         let [Some((first_s, _)), Some((last_s, _))] = [lost.first(), lost.last()] else { panic!("no alert") };
-        assert!((130..=135).contains(&lost.len()), "{more_m_s} m/s: {} epochs", lost.len());
+        // A clock that leaps away at once is a single leap.
+        let is_awaited = matches!(lost.len(), 11 | 130..=135);
+        assert!(is_awaited, "{more_m_s} m/s: {} epochs", lost.len());
         assert_eq!(last_s - first_s + 1, lost.len(), "{more_m_s} m/s: not at once");
         assert!(*last_s < 260, "{more_m_s} m/s: until {last_s} s");
     }
