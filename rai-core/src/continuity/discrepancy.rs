@@ -151,7 +151,7 @@ impl Discrepancy {
     }
 
     /// Returns the distance of the position from an earlier one, m.
-    // Not inlined, so that its three callers share one copy.
+    // Not inlined, so that its callers share one copy.
     #[inline(never)]
     pub(super) fn distance_m(&self, other: &Self) -> f32 {
         sqrt((self.position - other.position).norm_squared())

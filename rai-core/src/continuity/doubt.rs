@@ -20,8 +20,8 @@
 //! promised, unless this is usual: in streets, a cheap receiver has such rates for minutes. They
 //! are unusual if at most [`UNUSUAL`] of the last minutes had them. They then also renew a
 //! contradiction. This too ends after [`HELD_S`]. Rates that are only noisier than their sigmas
-//! ([`VelocityError::Noise`]), as of a car that drives off, are no reason against a promise, and so are
-//! all where the receiver rested.
+//! ([`VelocityError::Noise`]), as of a car that drives off, are no reason against a promise, nor is any
+//! rate while the position stays where the receiver rested.
 //!
 //! **Limits.** A receiver whose rates contradict each other often, or that has none, is believed
 //! without them. An attack can teach this within a minute, before it moves the position.
@@ -71,6 +71,8 @@ pub(super) struct Doubt {
     contradiction: Option<Contradiction>,
     /// First of the consecutive epochs whose rates contradict each other, s.
     refused_s: Option<f64>,
+    /// True if the position of the last epoch without a velocity is where the receiver rested.
+    pub(super) is_resting: bool,
     /// Last epoch whose rates agreed or were noisy, s.
     rated_s: f64,
     /// Time with rates that agreed, and with rates that were refused, s.
@@ -87,6 +89,7 @@ impl Doubt {
         Self {
             contradiction: None,
             refused_s: None,
+            is_resting: false,
             rated_s: 0.0,
             shares_s: [0.0; 2],
             home_m: Vector3::new(0.0, 0.0, 0.0),
@@ -217,12 +220,13 @@ impl Doubt {
         self.refused_s.is_some()
     }
 
-    /// Returns true if the rates have contradicted each other for too long, and this is unusual.
+    /// Returns true if the rates have contradicted each other for too long, which is unusual, and the
+    /// position is not where the receiver rested.
     pub(super) fn is_refused_for_long(&self, time_s: f64) -> bool {
         let Some(refused_s) = self.refused_s else { return false };
         let elapsed_s = time_s - refused_s;
         // NaN fails this comparison, so that it counts as long.
-        self.is_unusual() && !(elapsed_s <= REFUSED_S || elapsed_s > HELD_S)
+        !self.is_resting && self.is_unusual() && !(elapsed_s <= REFUSED_S || elapsed_s > HELD_S)
     }
 }
 

@@ -120,9 +120,9 @@ pub struct Continuity {
     /// Agreement required because of a silence, s.
     wait_s: f32,
     /// True after rates contradicted position or clock, until the next protected epoch.
+    has_contradicted: bool,
+    /// True if it was more than a single leap of the clock.
     is_doubted: bool,
-    /// True after the clock leapt away from its rates, until the next protected epoch.
-    has_leapt: bool,
     rhythm: Rhythm,
 }
 
@@ -145,8 +145,8 @@ impl Continuity {
             speed_m_s: None,
             is_after_silence: false,
             wait_s: 0.0,
+            has_contradicted: false,
             is_doubted: false,
-            has_leapt: false,
             rhythm: Rhythm::new(),
         }
     }
@@ -156,7 +156,7 @@ impl Continuity {
     pub fn forget(&mut self) {
         (self.anchor, self.agreement) = (None, None);
         (self.speed_m_s, self.wait_s) = (None, 0.0);
-        (self.is_doubted, self.has_leapt) = (false, false);
+        (self.has_contradicted, self.is_doubted) = (false, false);
         self.rhythm = Rhythm::new();
         self.interrupt();
     }
@@ -207,8 +207,8 @@ impl Continuity {
             // An epoch without a position is never protected.
             (Verdict::Protected(_), None) => Verdict::Unavailable(Unavailable::NoFix),
             (Verdict::Alert(reason), _) => {
-                self.is_doubted |= is_doubted || reason == Alert::Track;
-                self.has_leapt |= reason == Alert::Clock && speed_m_s.is_some();
+                self.is_doubted |= is_doubted;
+                self.has_contradicted |= is_doubted || reason == Alert::Clock && speed_m_s.is_some();
                 self.lose(Verdict::Alert(reason))
             }
             (Verdict::Unavailable(reason), _) => {
@@ -265,14 +265,17 @@ impl Continuity {
             self.agree(max_m_s, how, place, is_weak);
             let waited = Recovery { epochs: 1, seconds: f64::from(self.wait_s) };
             let wanted = settings.recovery.at_least(waited);
-            let wanted = if self.has_leapt { wanted.at_least(WEAK) } else { wanted };
-            let wanted = if self.is_doubted { wanted.at_least(DOUBTED) } else { wanted };
+            let wanted = if self.has_contradicted {
+                wanted.at_least(if self.is_doubted { DOUBTED } else { WEAK })
+            } else {
+                wanted
+            };
             if !self.agreement.is_some_and(|agreement| agreement.suffices(wanted)) {
                 return Verdict::Unavailable(Unavailable::Recovering);
             }
         }
         (self.is_after_silence, self.wait_s) = (false, 0.0);
-        (self.is_doubted, self.has_leapt) = (false, false);
+        (self.has_contradicted, self.is_doubted) = (false, false);
         self.speed_m_s = speed_m_s
             .or_else(|| self.anchor.map(|anchor| place.speed_m_s(&anchor.last, self.speed_m_s)))
             .or(self.speed_m_s);

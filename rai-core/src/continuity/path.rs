@@ -126,7 +126,7 @@ impl Path {
 }
 
 /// Returns the way from one position to another one, m.
-// Not inlined, so that its three callers share one copy.
+// Not inlined, so that its callers share one copy.
 #[inline(never)]
 pub(super) fn way_m(from: Ecef, to: Ecef) -> Vector3<f32> {
     let way = to - from;

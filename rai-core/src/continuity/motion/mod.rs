@@ -58,10 +58,11 @@
 //! If the rates of an epoch contradict each other, its position must therefore be where the last
 //! velocity leads. Both levels and a change of speed by 40 m/s are allowed for. This comparison
 //! ends after [`LONGEST_GAP_S`]. Rates that contradict each other where the receiver was at rest when
-//! they last agreed are only noisy: the position has not moved, so that they are to blame.
+//! they last agreed are to blame themselves, because the position has not moved.
 //!
 //! **Ends.** After a leap the marks begin anew at the new position and clock, so that one leap of a
-//! clock causes one alert, as when a receiver starts anew. A position that leapt or drifted away stays an alert ([`super::doubt`]).
+//! clock causes one alert, as when a receiver starts anew. A position that leapt or drifted away stays
+//! an alert ([`super::doubt`]).
 //!
 //! **Gaps.** After a step longer than [`LONGEST_STEP_S`] the comparison begins anew. Across a gap
 //! the clock is still compared ([`super::path`]). Steps of the clock by whole milliseconds are
@@ -247,8 +248,7 @@ impl Motion {
                 if is_astray {
                     self.doubt.contradict(time_s, false, false);
                 }
-                let is_noise = is_refused && self.is_where_it_rested(position, level_m);
-                let error = if is_noise { VelocityError::Noise } else { error };
+                self.doubt.is_resting = self.is_where_it_rested(position, level_m);
                 let is_kept = self.doubt.keeps_without_velocity(time_s, error);
                 return contradiction.or(is_kept.then_some(Alert::Track));
             }

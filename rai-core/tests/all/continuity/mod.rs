@@ -2,6 +2,9 @@
 //! from the rules.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod another;
+mod silence;
+
 use raim_core::frame::Geodetic;
 use raim_core::internals::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
 use raim_core::report::{
@@ -346,71 +349,6 @@ fn settings_are_checked_by_name() {
     }
 }
 
-/// Returns the verdicts of epochs each second after a silence from 0 s on, at a distance to the
-/// north of the last position; the receiver's speed before was `speed_m_s`.
-fn after_silence(silence_s: f64, north_m: f64, speed_m_s: Option<f64>, seconds: u32) -> Vec<Verdict> {
-    let mut continuity = Continuity::new();
-    let settings = ContinuitySettings::anywhere();
-    let _ = continuity.conclude(&settings, 0.0, None, &report(HERE), speed_m_s, false);
-    continuity.interrupt();
-    (0..seconds)
-        .map(|second| {
-            let time_s = silence_s + f64::from(second);
-            continuity.conclude(&settings, time_s, None, &report(north(north_m)), Some(0.0), false)
-        })
-        .collect()
-}
-
-#[test]
-fn a_silence_makes_no_place_good_that_the_receiver_is_not_expected_at() {
-    // 300 km in 600 s are within 515 m/s; a receiver at rest is not expected there. It must agree
-    // for the 300 km / 515 m/s = 583 s of the way.
-    let at_rest = after_silence(600.0, 300e3, Some(0.0), 600);
-    assert!(at_rest[..580].iter().all(|verdict| *verdict == RECOVERING));
-    assert_eq!(at_rest[590], OK);
-    // An aircraft at 250 m/s is expected there, and a car 1 km away after ten minutes.
-    assert_eq!(after_silence(900.0, 300e3, Some(250.0), 1), [OK]);
-    assert_eq!(after_silence(600.0, 1e3, Some(0.0), 1), [OK]);
-    // Of a receiver without Doppler frequencies 50 m/s are expected, and 10 more.
-    assert_eq!(after_silence(600.0, 40e3, None, 1), [OK]);
-    assert_eq!(after_silence(600.0, 80e3, None, 1), [RECOVERING]);
-}
-
-/// A clock that leaps across the silence is an alert, after which the way to the place must still
-/// be waited for.
-#[test]
-fn an_alert_after_a_silence_makes_no_place_good_either() {
-    let mut continuity = Continuity::new();
-    let settings = ContinuitySettings::anywhere();
-    assert_eq!(continuity.conclude(&settings, 0.0, None, &report(HERE), Some(0.0), false), OK);
-    continuity.interrupt();
-    let leaping = {
-        let mut report = report(north(300e3));
-        report.verdict = Verdict::Alert(Alert::Clock);
-        report
-    };
-    let _ = continuity.conclude(&settings, 600.0, None, &leaping, Some(0.0), false);
-    for second in 1..=580 {
-        let time_s = 600.0 + f64::from(second);
-        let have = continuity.conclude(&settings, time_s, None, &report(north(300e3)), Some(0.0), false);
-        assert_eq!(have, RECOVERING, "{second} s");
-    }
-}
-
-#[test]
-fn true_place_after_a_counterfeit_one_waits_for_nothing() {
-    let mut continuity = Continuity::new();
-    let settings = ContinuitySettings::anywhere();
-    assert_eq!(continuity.conclude(&settings, 0.0, None, &report(HERE), Some(0.0), false), OK);
-    continuity.interrupt();
-    let mut conclude = |time_s: f64, reported: Reported| {
-        continuity.conclude(&settings, time_s, None, &report(reported), Some(0.0), false)
-    };
-    assert_eq!(conclude(600.0, north(300e3)), RECOVERING);
-    let back: Vec<Verdict> = (1..6).map(|second| conclude(600.0 + f64::from(second), HERE)).collect();
-    assert_eq!(back, [RECOVERING, RECOVERING, RECOVERING, OK, OK]);
-}
-
 /// Returns the seconds after an alert in which ten minutes of agreement are not yet a promise.
 fn recovered_after_s(alert: Alert, speed_m_s: Option<f64>, is_doubted: bool) -> Option<u32> {
     let mut continuity = Continuity::new();
@@ -430,62 +368,4 @@ fn what_contradicts_the_rates_asks_for_more_than_a_leap_of_the_clock() {
     assert_eq!(recovered_after_s(Alert::Clock, speed_m_s, false), Some(10), "its rates, by one leap");
     assert_eq!(recovered_after_s(Alert::Clock, speed_m_s, true), Some(130), "a drift, or leaps");
     assert_eq!(recovered_after_s(Alert::Track, speed_m_s, true), Some(130));
-}
-
-/// Returns the verdicts of epochs at these times and places after a minute at 1 Hz.
-fn after_a_minute(rest: &[(f64, f64)]) -> std::vec::Vec<Verdict> {
-    let mut epochs: std::vec::Vec<(f64, Reported)> =
-        (0..60).map(|second| (f64::from(second), HERE)).collect();
-    epochs.extend(rest.iter().map(|(time_s, north_m)| (*time_s, north(*north_m))));
-    series(&epochs).split_off(60)
-}
-
-#[test]
-fn another_place_at_another_part_of_the_second_is_another_receiver() {
-    for gap_s in [5.5, 21.5, 600.5] {
-        let other: std::vec::Vec<(f64, f64)> =
-            (0..3000).map(|second| (59.0 + gap_s + f64::from(second), 12_000.0)).collect();
-        assert!(after_a_minute(&other).iter().all(|verdict| *verdict == JUMP), "{gap_s} s");
-        // The first receiver is known by its part of the second and its place.
-        let own: std::vec::Vec<(f64, f64)> =
-            other.into_iter().take(40).chain((700..710).map(|second| (f64::from(second), 5.0))).collect();
-        assert_eq!(*after_a_minute(&own).last().unwrap(), OK, "{gap_s} s");
-    }
-}
-
-#[test]
-fn receiver_that_restarts_where_it_can_be_expected_is_the_same() {
-    // 12.5 s after its last epoch, at most 125 m and both levels away, at another rate.
-    let restarted: std::vec::Vec<(f64, f64)> =
-        (0..100).map(|fifth| (71.5 + 0.2 * f64::from(fifth), 100.0)).collect();
-    assert!(after_a_minute(&restarted).iter().all(|verdict| *verdict == OK));
-}
-
-#[test]
-fn receiver_whose_step_does_not_fit_a_second_is_never_another() {
-    for step_s in [0.06, 0.08, 0.15, 0.3, 0.4, 0.7, 1.5, 2.5] {
-        for gap in [2, 7, 31, 333] {
-            let mut epochs: std::vec::Vec<(f64, Reported)> =
-                (0..60).map(|index| (step_s * f64::from(index), HERE)).collect();
-            let north_m = 40.0 + 500.0 * step_s * f64::from(gap);
-            epochs.extend((0..100).map(|index| (step_s * f64::from(60 + gap + index), north(north_m))));
-            assert!(!series(&epochs).contains(&JUMP), "{step_s} s, gap of {gap} epochs");
-        }
-    }
-}
-
-#[test]
-fn fast_receiver_in_a_gap_of_any_length_keeps_its_rhythm() {
-    for hertz in [1.0, 3.0, 4.0, 5.0, 7.0, 10.0, 12.0, 18.0, 20.0, 30.0] {
-        for gap in [2, 7, 31, 599] {
-            let time_s = |index: i32| (1e3 * f64::from(index) / hertz).round() * 1e-3;
-            let mut epochs: std::vec::Vec<(f64, Reported)> =
-                (0..60).map(|index| (time_s(index), HERE)).collect();
-            // Within reach at the highest speed, but not expected of a receiver at rest.
-            let north_m = 40.0 + 500.0 * time_s(gap);
-            epochs.extend((0..100).map(|index| (time_s(60 + gap + index), north(north_m))));
-            let have = series(&epochs);
-            assert!(!have.contains(&JUMP), "{hertz} Hz, gap of {gap} epochs");
-        }
-    }
 }
