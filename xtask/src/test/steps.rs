@@ -30,9 +30,10 @@ pub(super) struct Options {
 /// Steps of one lane run one after another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Lane {
-    /// Builds for this machine.
+    /// Tests on this machine.
     Host,
-    /// Builds for the chip, and the fuzzing targets.
+    /// Builds for the chip, and all that needs few seconds here: the last tests wait with nothing beside them in their
+    /// own lane.
     Target,
 }
 
@@ -75,11 +76,6 @@ pub(super) const CHECK: &[Step] = &[
     LINTS,
     host("features of the core", |_| features_of_the_core()),
     host("tests at length", |options| tests(Share::AtLength, options)),
-    host("examples in the documentation", |_| cargo(&["test", "--workspace", "--doc"])),
-    host("documentation", |_| documentation()),
-    host("packages", |_| run("release", &["packages"])),
-    host("licences and sources of dependencies", |_| dependencies()),
-    host("interface against the last release", |_| interface()),
     target("lints of the image", |_| lints_of_the_image()),
     target("libraries on other processors", |_| libraries()),
     target("other operating systems", |_| other_systems()),
@@ -87,6 +83,11 @@ pub(super) const CHECK: &[Step] = &[
     target("worst costs, memory of the images and library for C", |_| rig(&["bench", "--tested"])),
     target("threshold tables", |_| run("oracle", &["tables", "--check"])),
     target("hostile input", |_| run("adversary", &["fuzz", "--smoke"])),
+    target("examples in the documentation", |_| cargo(&["test", "--workspace", "--doc"])),
+    target("documentation", |_| documentation()),
+    target("packages", |_| run("release", &["packages"])),
+    target("licences and sources of dependencies", |_| dependencies()),
+    target("interface against the last release", |_| interface()),
 ];
 
 /// Targets of the operating systems on which `rai` must compile besides Linux.
@@ -146,19 +147,18 @@ fn other_systems() -> Result<Done> {
     Ok(Done::Skipped(format!("targets of other systems (rustup target add {})", missing.join(" "))))
 }
 
-/// Checks the core without features, with each alone and with all, in a folder of its own: it
-/// waits for no other build, and flags of its own make nothing else stale. The test has the packages
-/// that were compiled for the others.
+/// Lints the core without features, with each alone and with all. The test has the packages that were
+/// compiled for the others.
 fn features_of_the_core() -> Result<Done> {
-    let check = |features: &[&str]| {
-        let mut cargo = command(&["check", "--quiet", "--package=raim-core", "--lib"]);
-        spawn(cargo.arg("--target-dir=target/features").args(features).env("RUSTFLAGS", "-D warnings"))
+    let lint = |features: &[&str]| {
+        let what = ["clippy", "--quiet", "--package=raim-core", "--lib"];
+        cargo(&[&what[..], features, &["--", "-D", "warnings"]].concat())
     };
     let features = "araim searches tables double-tables policies past hypotheses aiding authentication";
     for feature in std::iter::once("").chain(features.split(' ')) {
-        check(&["--no-default-features", "--features", feature])?;
+        lint(&["--no-default-features", "--features", feature])?;
     }
-    check(&["--all-features"])?;
+    lint(&["--all-features"])?;
     let what = ["--package=raim-core", "--lib", "--no-default-features", "method_that_this_build_lacks"];
     cargo(&[&["test", "--quiet"], &what[..]].concat())
 }
