@@ -24,6 +24,7 @@ use raim_core::frame::{Ecef, LocalFrame};
 use raim_core::internals::integrity::raim::detection::threshold::Thresholds;
 use raim_core::internals::numeric::probability::Probability;
 use raim_core::internals::numeric::real::Real;
+use raim_core::internals::numeric::sqrt_f64;
 use raim_core::satellite::Constellation;
 use raim_single::{CAPACITY, Workspace};
 
@@ -79,7 +80,7 @@ fn table_is_right() -> bool {
     Thresholds::up_to::<CAPACITY>(false_alarm, missed_detection)
         .ok()
         .and_then(|thresholds| thresholds.tau1::<f32>(4))
-        .is_some_and(|tau1| is_close(6.0 * libm::sqrt(f64::from(tau1) / 4.0), 17.925_711, 1e-6))
+        .is_some_and(|tau1| is_close(6.0 * sqrt_f64(f64::from(tau1) / 4.0), 17.925_711, 1e-6))
 }
 
 #[inline(never)]

@@ -10,7 +10,7 @@
 //!
 //! | processor | root |
 //! |---|---|
-//! | Arm with floating-point registers in its calling convention (`eabihf`) | `VSQRT.F32` for a single; flush-to-zero and default NaN are off after a reset |
+//! | Arm with floating-point registers in its calling convention (`eabihf`) | `VSQRT.F32` for a single, and from it that of a double; flush-to-zero and default NaN are off after a reset |
 //! | WebAssembly with vectors (`simd128`), as in a browser | `f32.sqrt` and `f64.sqrt` |
 //! | any other | libm: an instruction on x86-64 and 64-bit Arm, else software |
 //!
@@ -63,9 +63,17 @@ pub fn sqrt(x: f32) -> f32 {
 pub fn sqrt_f64(x: f64) -> f64 {
     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
     return browser::sqrt_f64(x);
-    #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+    #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
+    return double::root(x);
+    #[cfg(not(any(
+        all(target_arch = "wasm32", target_feature = "simd128"),
+        all(target_arch = "arm", target_abi = "eabihf")
+    )))]
     libm::sqrt(x)
 }
+
+#[cfg(any(test, all(target_arch = "arm", target_abi = "eabihf")))]
+mod double;
 
 /// Roots of vectors of equal numbers: `core` has words for those, and the compiler makes them the
 /// instruction of one number.

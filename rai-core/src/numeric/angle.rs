@@ -13,6 +13,8 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
+use super::sqrt;
+
 /// `α_k`, its sine and its cosine.
 #[allow(clippy::approx_constant, reason = "a table is read as one")]
 const DIRECTIONS: [(f64, f64, f64); 17] = [
@@ -46,6 +48,15 @@ const DIRECTIONS: [(f64, f64, f64); 17] = [
 pub fn sine(angle_rad: f32) -> f32 {
     let x = angle_rad.clamp(-core::f32::consts::FRAC_PI_2, core::f32::consts::FRAC_PI_2);
     [110.0, 72.0, 42.0, 20.0, 6.0].iter().fold(1.0, |inner, product| 1.0 - x * x / product * inner) * x
+}
+
+/// Returns the angle with this sine, −π/2 … π/2 rad, accurate to 2e-7. A sine beyond ±1 counts as
+/// ±1.
+///
+/// A library's arc sine takes a root in doubles.
+pub fn arc_sine(sine: f32) -> f32 {
+    let cosine_squared = (1.0 - sine) * (1.0 + sine);
+    libm::atan2f(sine, sqrt(if cosine_squared > 0.0 { cosine_squared } else { 0.0 }))
 }
 
 /// Returns the angle with this sine and cosine, −π … π rad. Unspecified, possibly NaN, for anything

@@ -26,7 +26,7 @@
 //! [Cody1969]: crate#references
 
 use super::real::Real;
-use super::sqrt;
+use super::{sqrt, sqrt_f64};
 
 pub use super::real::Tail;
 
@@ -215,7 +215,7 @@ pub(super) fn double_quantile(p: f64) -> f64 {
     if distance <= CENTRE {
         return distance * quotient(&DOUBLE_CENTRE, CENTRE * CENTRE - distance * distance);
     }
-    let root = libm::sqrt(-libm::log(p));
+    let root = sqrt_f64(-libm::log(p));
     let (near, far) = (root - 1.6, root - FAR);
     if far <= 0.0 { quotient(&DOUBLE_TAIL, near) } else { quotient(&DOUBLE_FAR, far) }
 }

@@ -55,6 +55,7 @@ pub mod ionosphere;
 pub(crate) mod residuals;
 pub mod shared;
 
+use crate::numeric::angle::arc_sine;
 use crate::numeric::sqrt;
 use crate::satellite::{Constellation, SatelliteId};
 
@@ -308,7 +309,7 @@ fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
 fn airborne_m2(sin_elevation: f32, weakness: f32) -> f32 {
     const NOISE_M2: f32 = 0.4 * 0.4;
     const DEGREES: f32 = 180.0 / core::f32::consts::PI;
-    let elevation_deg = DEGREES * libm::asinf(sin_elevation.clamp(0.0, 1.0));
+    let elevation_deg = DEGREES * arc_sine(sin_elevation.max(0.0));
     let multipath_m = |elevation_deg: f32| 0.34 + 0.40 * libm::expf(elevation_deg / -14.0);
     let model_m2 = |elevation_deg: f32| NOISE_M2 + multipath_m(elevation_deg) * multipath_m(elevation_deg);
     let ionosphere_m = 0.018 + 40.0 / (261.0 + elevation_deg * elevation_deg);

@@ -3,7 +3,7 @@
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use proptest::prelude::*;
-use raim_core::internals::numeric::angle::{of_unit_vector, sine};
+use raim_core::internals::numeric::angle::{arc_sine, of_unit_vector, sine};
 use raim_core::internals::numeric::real::Real as _;
 
 /// Less than 10 µm on the ground.
@@ -36,6 +36,17 @@ fn a_sine_is_that_of_a_quarter_turn_at_most() {
     }
     assert_eq!((sine(7.0), sine(-1e30)), (sine(core::f32::consts::FRAC_PI_2), -sine(f32::INFINITY)));
     assert!(sine(f32::NAN).is_nan());
+}
+
+#[test]
+fn an_arc_sine_is_that_of_a_sine_between_both_ends() {
+    for step in -100_000..=100_000 {
+        let sine = step as f32 * 1e-5;
+        let want = f64::from(sine).asin();
+        assert!((f64::from(arc_sine(sine)) - want).abs() <= 2e-7, "{sine}");
+    }
+    assert_eq!((arc_sine(1.5), arc_sine(f32::NEG_INFINITY)), (arc_sine(1.0), -arc_sine(1.0)));
+    assert!(arc_sine(f32::NAN).is_nan());
 }
 
 #[test]

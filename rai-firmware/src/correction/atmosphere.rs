@@ -47,6 +47,7 @@
 use core::f32::consts::PI;
 
 use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::internals::numeric::angle::arc_sine;
 use raim_core::internals::numeric::sqrt;
 
 use crate::raw::Band;
@@ -278,15 +279,15 @@ impl PiercePoint {
 /// semicircles.
 fn on_the_sphere(place: Place, [east, north]: [f32; 2], horizontal: f32, cos_elevation: f32) -> (f32, f32) {
     // A right angle minus the elevation is the arc sine of the elevation's cosine.
-    let central_rad = libm::asinf(cos_elevation) - libm::asinf(SHELL_RATIO * cos_elevation);
+    let central_rad = arc_sine(cos_elevation) - arc_sine(SHELL_RATIO * cos_elevation);
     let [(sin_central, cos_central), (sin_latitude, cos_latitude)] =
         [central_rad / PI, place.latitude_sc].map(|angle_sc| (cosine(angle_sc - 0.5), cosine(angle_sc)));
     // The zenith has no azimuth, and the angle at the centre is 0 there.
     let scale = if horizontal > 1e-6 { 1.0 / horizontal } else { 0.0 };
     let sine = sin_latitude * cos_central + cos_latitude * sin_central * north * scale;
-    let latitude_sc = libm::asinf(sine.clamp(-1.0, 1.0)) / PI;
-    let turn = (sin_central * east * scale / cosine(latitude_sc)).clamp(-1.0, 1.0);
-    (latitude_sc, place.longitude_sc + libm::asinf(turn) / PI)
+    let latitude_sc = arc_sine(sine) / PI;
+    let turn = sin_central * east * scale / cosine(latitude_sc);
+    (latitude_sc, place.longitude_sc + arc_sine(turn) / PI)
 }
 
 /// Returns the local solar time at the pierce point, s in 0..86,400.

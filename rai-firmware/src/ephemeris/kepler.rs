@@ -35,6 +35,7 @@
 //! [OS-SIS-ICD]: crate#references
 //! [BDS-SIS-B1I]: crate#references
 
+use raim_core::internals::numeric::sqrt_f64;
 use raim_core::satellite::SatelliteId;
 
 use super::elapsed::Elapsed;
@@ -193,7 +194,7 @@ impl Kepler {
         check_orbit(broadcast, reading, node)?;
         Ok(Self {
             motion_2_76: nearest(undisturbed_turns_s, 76) + wide(rate(broadcast.delta_n_sc_s)),
-            flattening_q62: nearest(libm::sqrt((1.0 - e) * (1.0 + e)), 62),
+            flattening_q62: nearest(sqrt_f64((1.0 - e) * (1.0 + e)), 62),
             node,
             sqrt_a_2_19,
             eccentricity_2_33,

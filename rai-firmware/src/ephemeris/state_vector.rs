@@ -21,6 +21,7 @@
 //! [GLO-ICD]: crate#references
 
 use nalgebra::Vector3;
+use raim_core::internals::numeric::sqrt_f64;
 use raim_core::satellite::SatelliteId;
 
 use super::elapsed::Elapsed;
@@ -166,7 +167,7 @@ fn is_of_glonass(broadcast: &StateBroadcast) -> bool {
     let normal = [y * vz - z * vy, z * vx - x * vz, x * vy - y * vx];
     let [_, _, polar] = normal;
     let momentum = squared(normal);
-    let per_axis = 2.0 / libm::sqrt(squared([x, y, z])) - squared([vx, vy, vz]) / MU;
+    let per_axis = 2.0 / sqrt_f64(squared([x, y, z])) - squared([vx, vy, vz]) / MU;
     GLONASS_AXES_M.contains(&(1.0 / per_axis))
         && 1.0 - momentum * per_axis / MU <= GLONASS_ECCENTRICITY * GLONASS_ECCENTRICITY
         && polar > 0.0

@@ -39,6 +39,7 @@ use crate::integrity::raim::levels::LevelInputs;
 use crate::numeric::chi_square::{ChiSquare, LARGEST};
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
+use crate::numeric::sqrt_f64;
 use crate::requirements::Requirements;
 
 /// Position of the threshold.
@@ -162,7 +163,7 @@ pub struct Decision {
 ///
 /// [Yang2015]: crate#references
 pub fn range_threshold_m(tau: f64, dof: usize, sigma_m: f64) -> f64 {
-    sigma_m * libm::sqrt(tau / dof as f64)
+    sigma_m * sqrt_f64(tau / dof as f64)
 }
 
 impl<'t> ThresholdProblem<'t> {
