@@ -81,6 +81,9 @@ reasons! {
         /// levels are its own. The firmware sets this reason.
         ["authentication"]
         System = 3 "SYSTEM",
+        /// A fault was detected, and several exclusions explain the data equally well. The levels hold
+        /// for each of them, so that they are larger; those excluded may be healthy.
+        Covered = 4 "COVERED",
     }
 
     /// Reason why a position must not be used.

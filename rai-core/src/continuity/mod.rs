@@ -311,7 +311,7 @@ impl Continuity {
 
     /// Adds an epoch to the agreement after a contradiction.
     fn agree(&mut self, max_m_s: f32, how: Protected, place: BoundedPosition, is_weak: bool) {
-        if is_weak && how == Protected::Excluded {
+        if is_weak && matches!(how, Protected::Excluded | Protected::Covered) {
             self.agreement = None;
             return;
         }

@@ -15,17 +15,20 @@ use heapless::Vec;
 use super::judgement::{Judgement, Test, WithoutAiding};
 use super::raim::detection::threshold::policy::NoThreshold;
 use super::raim::hypotheses::constellation_shift;
-use super::raim::hypotheses::separability::separable;
+use super::raim::hypotheses::separability::rivals;
 use super::raim::hypotheses::time_tag::{EpochRates, RangeRates, TimeTagOutcome, is_suspicious};
 use super::raim::isolation::exclusion::{Exclusion, ExclusionOutcome, Unidentified, leaves_enough};
 use super::raim::isolation::ransac;
 use super::raim::levels::LevelInputs;
 use super::search::{Search, isolate, jump};
 use super::{Criteria, height_row, systems};
+use crate::bit_set::bit;
 use crate::bounded::gather;
 use crate::epoch::EpochView;
-use crate::least_squares::Excludable;
+use crate::least_squares::{Excludable, Snapshot};
 use crate::numeric::real::Real;
+use crate::report::ProtectionLevels;
+use crate::weighting::residuals::Residuals;
 
 /// What a judgement is about.
 struct Case<'j, T> {
@@ -45,6 +48,8 @@ struct Finding<T> {
     searched: bool,
     /// True if a wrong time tag could explain the residuals of all rows.
     may_be_time: bool,
+    /// True if the levels hold for every explanation of an ambiguous fault.
+    is_covered: bool,
 }
 
 impl<T> Finding<T> {
@@ -80,12 +85,13 @@ pub(super) fn judge_by_residuals<T: Real, const N: usize>(
     if let Some(rates) = rates {
         case.ask_rates(solution, rates, &mut finding);
     }
-    let Finding { test, exclusion, searched, .. } = finding;
+    let Finding { test, exclusion, searched, is_covered, .. } = finding;
     let mut judgement = Judgement {
         outcome: exclusion.outcome,
         excluded: exclusion.rows,
         test,
         without_aiding,
+        is_covered,
         lost_systems: 0,
         searched,
         araim: None,
@@ -119,7 +125,7 @@ impl<T: Real> Case<'_, T> {
             exclusion = jump.unwrap_or_else(|| isolate(solution, epoch, criteria, *search, subsets));
             test = criteria.test(solution.snapshot(), epoch.shared());
         }
-        Finding { test, exclusion, searched, may_be_time }
+        Finding { test, exclusion, searched, may_be_time, is_covered: false }
     }
 
     /// Doubts a result that satellites alone contradict, that leaves too few of them, or that is
@@ -140,8 +146,8 @@ impl<T: Real> Case<'_, T> {
             let satellites = rows.filter(|excluded| !aids.contains(&excluded.index)).count();
             if !leaves_enough(satellites, solution.snapshot().dof()) {
                 finding.doubt(Unidentified::NoRedundancy);
-            } else if !is_rough && !separable(solution, &finding.exclusion, &criteria.thresholds) {
-                finding.doubt(Unidentified::Ambiguous);
+            } else if !is_rough {
+                self.ask_for_rivals(solution, finding);
             }
         }
         // After a rough search, a result with exclusions is checked at the next, more accurate
@@ -152,6 +158,60 @@ impl<T: Real> Case<'_, T> {
         if is_asked && is_good && constellation_shift::shows(solution.snapshot(), &criteria.thresholds) {
             finding.doubt(Unidentified::Ambiguous);
         }
+    }
+
+    /// Doubts a result beside which other sets of satellites explain the residuals, and computes the
+    /// levels that hold whichever is faulty.
+    fn ask_for_rivals<const N: usize>(&self, solution: &mut impl Excludable<T, N>, finding: &mut Finding<T>) {
+        let Self { criteria, aids, .. } = self;
+        let rivals = rivals(solution, &finding.exclusion, &criteria.thresholds);
+        if rivals.is_none() {
+            return;
+        }
+        finding.doubt(Unidentified::Ambiguous);
+        // An aid whose error is another explanation has no bound but its sigma.
+        if aids.is_empty() && !constellation_shift::shows(solution.snapshot(), &criteria.thresholds) {
+            finding.is_covered = rivals.all().is_some_and(|rivals| self.cover(solution, finding, rivals));
+        }
+    }
+
+    /// Widens the levels about the position of a solution without the excluded set, so that they hold
+    /// whichever set is faulty ([`super::raim::hypotheses::separability`]). Returns false if there are
+    /// no such levels.
+    ///
+    /// A rival leaves larger residuals. If it is the faulty one, they are those of the noise, so that
+    /// its levels grow with them, as those of a whole epoch do (`monitor::evidence`).
+    ///
+    /// The rows are taken back for the comparison and left out again.
+    fn cover<const N: usize>(
+        &self,
+        solution: &mut impl Excludable<T, N>,
+        finding: &mut Finding<T>,
+        rivals: &[u64],
+    ) -> bool {
+        let Ok(Test { levels: most, .. }) = &mut finding.test else { return false };
+        let set = finding.exclusion.rows.iter().fold(0, |set, excluded| set | bit(excluded.index));
+        let position = solution.snapshot().correction();
+        let mut are_covered = leaves_company(solution.snapshot(), &finding.exclusion);
+        solution.take_back_all(set);
+        for &rival in rivals {
+            if solution.set_aside_all(rival).is_err() {
+                are_covered = false;
+                continue;
+            }
+            let snapshot = solution.snapshot();
+            let apart = snapshot.correction() - position;
+            if let Ok(Test { levels, .. }) = self.criteria.test(snapshot, self.epoch.shared()) {
+                let rest = Residuals { sse: snapshot.sse().widen() as f32, dof: snapshot.dof() as u32 };
+                let horizontal = (apart.x * apart.x + apart.y * apart.y).sqrt_approx();
+                let apart = ProtectionLevels::new(horizontal.widen(), apart.z.abs().widen());
+                *most = most.or_larger(&levels.times(f64::from(rest.growth())).plus(&apart));
+            } else {
+                are_covered = false;
+            }
+            solution.take_back_all(rival);
+        }
+        are_covered && solution.set_aside_all(set).is_ok()
     }
 
     /// Compares the finding with the range rates: a wrong time tag moves every range by its rate.
@@ -169,8 +229,14 @@ impl<T: Real> Case<'_, T> {
         }
         let Some(rates) = EpochRates::of(epoch, rates) else { return };
         match rates.compare(solution, &finding.exclusion, &criteria.thresholds, criteria.factors) {
-            TimeTagOutcome::Rows if is_isolated => finding.doubt(Unidentified::Ambiguous),
-            TimeTagOutcome::None | TimeTagOutcome::Rows => {}
+            TimeTagOutcome::Rows => {
+                // The levels do not cover this explanation.
+                finding.is_covered = false;
+                if is_isolated {
+                    finding.doubt(Unidentified::Ambiguous);
+                }
+            }
+            TimeTagOutcome::None => {}
             TimeTagOutcome::Shift(slopes, shown) => {
                 if let Ok(test) = &mut finding.test {
                     let snapshot = solution.snapshot();
@@ -186,6 +252,19 @@ impl<T: Real> Case<'_, T> {
             }
         }
     }
+}
+
+/// Returns true if the systems of the excluded rows keep two satellites or more each.
+///
+/// One that keeps a single satellite has a clock for that alone: the contradiction may be one of
+/// systems, and the others may be wrong.
+fn leaves_company<T: Real, const N: usize>(snapshot: &Snapshot<'_, T, N>, exclusion: &Exclusion<T>) -> bool {
+    let rows = snapshot.equations();
+    exclusion
+        .rows
+        .iter()
+        .filter_map(|excluded| rows.get(excluded.index))
+        .all(|gone| rows.iter().filter(|row| row.clock == gone.clock && row.weight > T::zero()).count() > 1)
 }
 
 /// Tests a solution without its aiding rows, and then restores them.

@@ -39,6 +39,8 @@ pub struct Judgement<T> {
     pub test: Result<Test<T>, NoThreshold>,
     /// Test without the clock forecast and the known height.
     pub without_aiding: WithoutAiding<T>,
+    /// True if the levels hold for every explanation of an ambiguous fault.
+    pub is_covered: bool,
     /// Constellations left out as a whole, a bit for each id.
     pub lost_systems: u8,
     /// True if faulty satellites were searched for.

@@ -59,6 +59,7 @@ pub(super) fn leave_out_broken<T: Real, const N: usize>(
     }
     judgement.excluded.clear();
     judgement.outcome = ExclusionOutcome::Isolated;
+    judgement.is_covered = false;
     (judgement.test, judgement.without_aiding) = (test, without_aiding);
     judgement.name_system(bit(found.constellation as usize) as u8, found.rows);
 }

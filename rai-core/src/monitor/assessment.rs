@@ -45,7 +45,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let test = judgement.test.as_ref().ok().map(|test| test.detection);
         let ratio = test.filter(|test| passed && !test.fault());
         let ratio = ratio.map(|test| (test.sse.widen() / test.dof as f64) as f32);
-        let teaches = self.strategy.aids_with_clock() && self.satellites_are_protected(judgement, verdict);
+        let teaches =
+            self.strategy.aids_with_clock() && passed && self.satellites_are_protected(judgement, verdict);
         let EpochOutcome { report, searched, update } = outcome;
         *update = Update {
             time_s: epoch.time_s(),

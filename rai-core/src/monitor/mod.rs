@@ -365,8 +365,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.remember(outcome);
         self.continue_from(outcome, own_clock_s, velocity.ok_or(refusal));
         // Only a protected epoch records its exclusions. Those during an alert, or during the
-        // recovery after it, may be wrong.
-        if matches!(outcome.report.verdict, Verdict::Protected(_)) {
+        // recovery after it, may be wrong, as may those that are ambiguous.
+        if matches!(outcome.report.verdict, Verdict::Protected(_)) && outcome.update.ratio.is_some() {
             // The satellites of a system that is left out as a whole are not recorded one by one.
             let lost = outcome.report.excluded_constellations;
             let is_lost = |suspect: &&Suspect| lost >> (suspect.satellite.constellation() as u8) & 1 != 0;

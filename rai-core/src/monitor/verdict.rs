@@ -11,22 +11,34 @@ use super::Monitor;
 
 impl<T: Real, const N: usize> Monitor<T, N> {
     pub(super) fn verdict(&self, judgement: &Judgement<T>, none_excluded: bool) -> Verdict {
+        let is_covered = judgement.is_covered;
         match (judgement.outcome, &judgement.test) {
-            (ExclusionOutcome::NotIsolated(Unidentified::Ambiguous), _) => Verdict::Alert(Alert::Ambiguous),
             (ExclusionOutcome::NotIsolated(Unidentified::Time), _) => Verdict::Alert(Alert::Time),
             (ExclusionOutcome::NotIsolated(Unidentified::Budget), _) => {
                 Verdict::Unavailable(Unavailable::Budget)
             }
-            (ExclusionOutcome::NotIsolated(_), _) => Verdict::Alert(Alert::Fault),
+            (ExclusionOutcome::NotIsolated(Unidentified::Ambiguous), _) if !is_covered => {
+                Verdict::Alert(Alert::Ambiguous)
+            }
+            (ExclusionOutcome::NotIsolated(_), _) if !is_covered => Verdict::Alert(Alert::Fault),
             (_, Err(NoThreshold::Redundancy)) => Verdict::Unavailable(Unavailable::Redundancy),
             (_, Err(NoThreshold::Risk)) => Verdict::Unavailable(Unavailable::Risk),
-            (ExclusionOutcome::Isolated | ExclusionOutcome::Passed, Ok(test)) => {
+            (_, Ok(test)) => {
                 // If only an aiding row was left out, no satellite is faulty: the clock has jumped,
                 // or the known height is wrong.
-                let reason = if none_excluded { Protected::Ok } else { Protected::Excluded };
-                match &judgement.araim {
+                let reason = match none_excluded {
+                    true => Protected::Ok,
+                    false if is_covered => Protected::Covered,
+                    false => Protected::Excluded,
+                };
+                let verdict = match &judgement.araim {
                     Some(araim) => self.bounded_by_araim(reason, &test.levels, araim),
                     None => self.bounded(reason, &judgement.levels().unwrap_or(test.levels)),
+                };
+                match verdict {
+                    // The limits have no room for every explanation, so that the position may be wrong.
+                    Verdict::Unavailable(_) if is_covered => Verdict::Alert(Alert::Ambiguous),
+                    verdict => verdict,
                 }
             }
         }

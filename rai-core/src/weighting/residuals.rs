@@ -41,6 +41,12 @@ impl Residuals {
         root * root * root
     }
 
+    /// Returns the factor on the sigmas for which these residuals would be at the median, at least 1.
+    pub(crate) fn growth(self) -> f32 {
+        // NaN without degrees of freedom, which `max` ignores.
+        sqrt((self.ratio() / self.ratio_at(0.0)).max(1.0))
+    }
+
     /// Returns the mean square if it is at least `χ²_p(ν)/ν`; otherwise, and without degrees of
     /// freedom, 0.
     // Compiled once for all callers.

@@ -14,6 +14,7 @@ mod clock_limits;
 mod clock_ramps;
 mod common_error;
 mod continuity;
+mod covered;
 mod detection;
 mod epoch;
 mod exclusion_levels;

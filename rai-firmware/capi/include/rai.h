@@ -313,12 +313,18 @@
 #define RAI_REASON_SYSTEM 3
 
 /**
+ * Protected: several satellites may be the faulty one, and the levels hold for each of them. The one
+ * that was left out may be healthy.
+ */
+#define RAI_REASON_COVERED 4
+
+/**
  * Alert: a fault was detected and could not be isolated.
  */
 #define RAI_REASON_FAULT 32
 
 /**
- * Alert: several exclusions explain the data.
+ * Alert: several exclusions explain the data, and no level within the limits holds for each of them.
  */
 #define RAI_REASON_AMBIGUOUS 33
 

@@ -24,9 +24,12 @@ pub const RAI_REASON_OK: u8 = 1;
 pub const RAI_REASON_EXCLUDED: u8 = 2;
 /// Protected: systems contradict each other, and the one whose navigation data are proved has decided.
 pub const RAI_REASON_SYSTEM: u8 = 3;
+/// Protected: several satellites may be the faulty one, and the levels hold for each of them. The one
+/// that was left out may be healthy.
+pub const RAI_REASON_COVERED: u8 = 4;
 /// Alert: a fault was detected and could not be isolated.
 pub const RAI_REASON_FAULT: u8 = 32;
-/// Alert: several exclusions explain the data.
+/// Alert: several exclusions explain the data, and no level within the limits holds for each of them.
 pub const RAI_REASON_AMBIGUOUS: u8 = 33;
 /// Alert: no epoch was judged within the time to alert.
 pub const RAI_REASON_STALE: u8 = 34;

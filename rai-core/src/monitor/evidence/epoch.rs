@@ -123,7 +123,7 @@ pub(in crate::monitor) fn residuals_of_all<T: Real, const N: usize>(
     let ratio = (without_fault(rest, snapshot) + sum - largest) / dof as f32;
     // An infinite or NaN ratio counts as the largest permitted one.
     let ratio = if ratio < MOST_RATIO { ratio } else { MOST_RATIO };
-    let agrees = judgement.outcome == ExclusionOutcome::Isolated;
+    let agrees = judgement.outcome == ExclusionOutcome::Isolated || judgement.is_covered;
     // Residuals far below their sigmas show less noise than is in use, whatever the share.
     let share = if dof > 1 && ratio < SMALL { 1.0 } else { receivers_share(snapshot, epoch, noise) };
     let worst = snapshot.statistics().worst.index.and_then(|row| epoch.observations().get(row));

@@ -77,7 +77,8 @@ fn promise_is_kept(
     let levels = report.protection.expect("protection levels");
     prop_assert!(levels.hpl_m <= requirements.hal_m, "{:?}", levels);
     prop_assert!(requirements.val_m.is_none_or(|val_m| levels.vpl_m <= val_m), "{:?}", levels);
-    prop_assert_eq!(reason == Protected::Excluded, !report.excluded.is_empty());
+    let has_excluded = matches!(reason, Protected::Excluded | Protected::Covered);
+    prop_assert_eq!(has_excluded, !report.excluded.is_empty());
     Ok(())
 }
 

@@ -44,7 +44,7 @@ fn check_epoch(output: &EpochOutput) {
     if !state.is_protected() {
         return;
     }
-    assert_eq!(state.reason == "EXCLUDED", listed > 0, "{output:?}");
+    assert_eq!(["EXCLUDED", "COVERED"].contains(&&*state.reason), listed > 0, "{output:?}");
     let position = output.position.unwrap_or_else(|| panic!("protected without a position: {output:?}"));
     let (latitude_deg, longitude_deg) =
         (position.latitude_rad.to_degrees(), position.longitude_rad.to_degrees());

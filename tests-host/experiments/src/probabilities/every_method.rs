@@ -293,7 +293,9 @@ fn judged_without_fault(watched: &[Watched], draws: usize) -> Result<FaultFree> 
             let mut weights = [0.0; METHODS.len()];
             for (method, (weighed, memory)) in weights.iter_mut().zip(&mut memory).enumerate() {
                 let fate = watched[sky].judge(method, 0, &epoch, memory);
-                if fate.promise == Some(Protected::Excluded) && fate.beyond != [false; 2] {
+                if matches!(fate.promise, Some(Protected::Excluded | Protected::Covered))
+                    && fate.beyond != [false; 2]
+                {
                     *weighed = weight;
                 }
             }

@@ -1,9 +1,10 @@
 //! Reasons of verdicts in words, as `INTERFACES.md` explains them.
 
 /// Reasons, each with its explanation.
-const REASONS: [(&str, &str); 32] = [
+const REASONS: [(&str, &str); 33] = [
     ("OK", "all satellites agree"),
     ("EXCLUDED", "the remaining satellites agree after an exclusion"),
+    ("COVERED", "several satellites may be the faulty one, and the levels hold for each of them"),
     ("SYSTEM", "systems contradict each other, and Galileo, whose ephemerides are proved, has decided"),
     ("FAULT", "a fault was detected and not isolated"),
     ("AMBIGUOUS", "several exclusions explain the data, or a range came twice with another value"),
