@@ -216,7 +216,7 @@ impl<T: Real> Case<'_, T> {
             }
             solution.take_back_all(rival);
         }
-        are_covered && solution.set_aside_all(set).is_ok()
+        solution.set_aside_all(set).is_ok() && are_covered
     }
 
     /// Compares the finding with the range rates: a wrong time tag moves every range by its rate.

@@ -1,7 +1,7 @@
 //! Reasons of verdicts in words, as `INTERFACES.md` explains them.
 
 /// Reasons, each with its explanation.
-const REASONS: [(&str, &str); 33] = [
+const REASONS: &[(&str, &str)] = &[
     ("OK", "all satellites agree"),
     ("EXCLUDED", "the remaining satellites agree after an exclusion"),
     ("COVERED", "several satellites may be the faulty one, and the levels hold for each of them"),
@@ -58,7 +58,7 @@ mod tests {
             assert!(REASONS.iter().any(|(explained, _)| explained == word), "{word} is not explained");
         }
         for (explained, _) in REASONS {
-            assert!(of_module.contains(&explained), "the module has no reason {explained}");
+            assert!(of_module.contains(explained), "the module has no reason {explained}");
         }
     }
 }
