@@ -28,7 +28,7 @@ pub(crate) use consent::VARIABLE;
 pub use consent::{ask as agree, assume_yes, is_yes_assumed};
 pub use packages::Packages;
 
-use packages::{C_COMPILER, CONSUMERS, EMULATOR, install};
+use packages::{C_COMPILER, CHRONY, CONSUMERS, EMULATOR, install};
 
 /// Processors that the libraries are compiled for, as the compiler names them; the chip's is first.
 pub const TARGETS: [&str; 4] = [
@@ -167,13 +167,14 @@ const PYTHON_PACKAGES: [&str; 9] = [
 ];
 
 /// Programs of the system's packages for these tests, as they are called.
-const CONSUMER_PROGRAMS: [&str; 9] =
-    ["gpsd", "chronyd", "socat", "convbin", "cmake", "pkg-config", "python3", "lintian", "man"];
+const CONSUMER_PROGRAMS: [&str; 8] =
+    ["gpsd", "socat", "convbin", "cmake", "pkg-config", "python3", "lintian", "man"];
 
 /// Installs the programs that tests compare the module with or build it by: gpsd, chrony, socat,
 /// RTKLIB's `convbin`, `CMake`, the C compiler for the chip with its C library, `lintian` and `man`
 /// for the Debian package, the emulator of a processor for the static program, and packages of
 /// Python in a folder of their own below `target`. Nothing but tests and `release` needs them.
+/// chrony is left out if it would take the place of another package.
 ///
 /// # Errors
 /// As [`ensure()`].
@@ -184,6 +185,12 @@ pub fn consumers() -> anyhow::Result<()> {
     let has_emulator = ["qemu-aarch64", "qemu-aarch64-static"].into_iter().any(on_path);
     if !has_emulator || !CONSUMER_PROGRAMS.into_iter().all(on_path) || !has_c_library_of_chip() {
         take_all(&install(&CONSUMERS, Packages::look()))?;
+    }
+    if !on_path("chronyd")
+        && let Err(error) = take_all(&install(&CHRONY, Packages::look()))
+    {
+        eprintln!("chrony is left out, and tests that need it are skipped: {error:#}");
+        eprintln!("If it may replace this machine's own clock daemon: apt-get install chrony");
     }
     run(&["python3", "-m", "venv", &folder])?;
     run(&[&[&python, "-m", "pip", "install", "--quiet"], &PYTHON_PACKAGES[..]].concat())

@@ -48,7 +48,6 @@ pub(super) const C_COMPILER: Package = Package {
 pub(super) const CONSUMERS: Package = Package {
     debian: &[
         "gpsd",
-        "chrony",
         "socat",
         "rtklib",
         "cmake",
@@ -62,10 +61,18 @@ pub(super) const CONSUMERS: Package = Package {
     ],
     brew: None,
     command: "sudo apt-get update && sudo apt-get install --no-remove --no-install-recommends \
-              gpsd chrony socat rtklib cmake pkg-config gcc-arm-none-eabi libnewlib-arm-none-eabi python3-venv \
+              gpsd socat rtklib cmake pkg-config gcc-arm-none-eabi libnewlib-arm-none-eabi python3-venv \
               lintian man-db qemu-user",
-    words: "install gpsd, chrony, socat, RTKLIB (for convbin), CMake, pkg-config, GCC for bare Arm with newlib, \
+    words: "install gpsd, socat, RTKLIB (for convbin), CMake, pkg-config, GCC for bare Arm with newlib, \
             Python with venv, lintian, man-db and qemu-user",
+};
+
+/// It conflicts with every other daemon that sets the clock, and most systems have one.
+pub(super) const CHRONY: Package = Package {
+    debian: &["chrony"],
+    brew: None,
+    command: "sudo apt-get update && sudo apt-get install --no-remove --no-install-recommends chrony",
+    words: "install chrony",
 };
 
 /// Returns the steps that install a package.
