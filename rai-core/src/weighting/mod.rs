@@ -130,26 +130,35 @@ pub fn noise_factor_from_cn0(cn0_dbhz: Option<f32>) -> f32 {
     }
 }
 
-/// Returns the error of a range of one frequency whose signal may be reflected, one sigma, m.
+/// Returns the variance of the error of a range whose signal may be reflected, m².
 ///
 /// ```text
-/// σ = 20 m (w² − e²), 0 to 14 m          e² = (σ_0² + σ_mp²/sin²el) / (σ_0² + σ_mp²)
+///                σ² = σ_beside² + σ_alone²                  e² = (σ_0² + σ_mp²/sin²el) / (σ_0² + σ_mp²)
+/// one frequency  σ_beside = 20 m (w² − e²), 0 to 14 m       σ_alone² = 25 m² (w² − 12), below 31 dB-Hz
+/// two            σ_beside = 0                               σ_alone² = 25 m² (w² − 25), below 28 dB-Hz
 /// ```
 ///
 /// Under an open sky the signal of a low satellite is weak, by at most `e²` in power. If a signal
 /// is weaker than its elevation explains, the antenna is small, or a wall or roof blocks the direct
-/// path. A reflection in addition to the direct path makes C/A code up to 12 m wrong
-/// ([Eissfeller2007]). A reflection alone is late by its whole detour. On a car between tall
-/// buildings the rms error is 7 m above 36 dB-Hz, 10 m down to 32 dB-Hz, and 28 m below. Ranges of
-/// two frequencies need no such term, because their noise and multipath are amplified threefold,
-/// which contains most of it. `weakness` is that of [`noise_factor_from_cn0`].
+/// path. A reflection beside the direct path makes C/A code up to 12 m wrong ([Eissfeller2007]). A
+/// reflection alone is late by its whole detour: on a car between tall buildings the rms residual is
+/// 7 m above 36 dB-Hz, 10 m down to 32 dB-Hz, and 30, 40 and 58 m in each 4 dB-Hz below. The noise
+/// and multipath of two frequencies are amplified threefold, which contains most of it down to
+/// 28 dB-Hz. Signals that a receiver tracks without their code are as weak under an open sky.
+///
+/// `weakness` is that of [`noise_factor_from_cn0`]; `is_single` is false for an epoch with ranges of
+/// two frequencies.
 ///
 /// [Eissfeller2007]: crate#references
-pub fn reflection_sigma_m(sin_elevation: f32, weakness: f32) -> f32 {
-    const PER_POWER_M: f32 = 20.0;
-    const LARGEST_M: f32 = 14.0;
+pub fn reflection_m2(sin_elevation: f32, weakness: f32, is_single: bool) -> f32 {
+    const BESIDE_M: f32 = 20.0;
+    const LARGEST_BESIDE_M: f32 = 14.0;
+    const ALONE_M2: f32 = 5.0 * 5.0;
+    let power = weakness * weakness;
     let open = code_by_elevation_m2(sin_elevation.max(0.05)) / code_by_elevation_m2(1.0);
-    (PER_POWER_M * (weakness * weakness - open)).clamp(0.0, LARGEST_M)
+    let beside_m = (BESIDE_M * (power - open)).clamp(0.0, LARGEST_BESIDE_M);
+    let (beside_m2, explained) = if is_single { (beside_m * beside_m, 12.0) } else { (0.0, 25.0) };
+    beside_m2 + ALONE_M2 * (power - explained).max(0.0)
 }
 
 /// Number of sigmas with which a shared range error enters the protection levels.

@@ -3,8 +3,8 @@
 
 use raim_core::internals::weighting::ionosphere::{IonosphereError, obliquity};
 use raim_core::internals::weighting::{
-    ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, noise_factor_from_cn0,
-    reflection_sigma_m, sigma_m,
+    ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, noise_factor_from_cn0, reflection_m2,
+    sigma_m,
 };
 use raim_core::satellite::{Constellation, SatelliteId};
 
@@ -167,15 +167,32 @@ fn a_slope_grows_with_the_distance_to_the_pierce_point() {
 
 #[test]
 fn a_signal_weaker_than_its_elevation_explains_may_be_a_reflection() {
-    let close = |have: f32, want: f32| assert!((have - want).abs() < 1e-4, "have {have}, want {want}");
-    close(reflection_sigma_m(1.0, 1.0), 0.0);
-    close(reflection_sigma_m(1.0, 1.44_f32.sqrt()), 20.0 * 0.44);
-    close(reflection_sigma_m(1.0, 2.0), 14.0);
+    let close = |(sin_elevation, weakness): (f32, f32), want_m: f32| {
+        let have_m = reflection_m2(sin_elevation, weakness, true).sqrt();
+        assert!((have_m - want_m).abs() < 1e-4, "{sin_elevation} {weakness}: have {have_m}, want {want_m}");
+    };
+    close((1.0, 1.0), 0.0);
+    close((1.0, 1.44_f32.sqrt()), 20.0 * 0.44);
+    close((1.0, 2.0), 14.0);
     // At 30 degrees the open sky explains (0.09 + 0.36)/0.18 = 2.5 times the power.
-    close(reflection_sigma_m(0.5, 1.58), 0.0);
-    close(reflection_sigma_m(0.5, 2.7_f32.sqrt()), 20.0 * 0.2);
-    close(reflection_sigma_m(0.5, 10.0_f32.sqrt()), 14.0);
-    close(reflection_sigma_m(0.0, 1.0), 0.0);
+    close((0.5, 1.58), 0.0);
+    close((0.5, 2.7_f32.sqrt()), 20.0 * 0.2);
+    close((0.5, 10.0_f32.sqrt()), 14.0);
+    close((0.0, 1.0), 0.0);
+}
+
+#[test]
+fn a_signal_below_any_direct_path_counts_as_a_reflection_alone() {
+    // 10 and 20 dB below 42 dB-Hz the power is a tenth and a hundredth.
+    for (cn0_dbhz, single_m2, pair_m2) in
+        [(32.0, 14.0 * 14.0, 0.0), (22.0, 14.0 * 14.0 + 25.0 * 88.0, 25.0 * 75.0)]
+    {
+        let weakness = noise_factor_from_cn0(Some(cn0_dbhz));
+        for (is_single, want_m2) in [(true, single_m2), (false, pair_m2)] {
+            let have_m2 = reflection_m2(1.0, weakness, is_single);
+            assert!((have_m2 - want_m2).abs() < 1e-2, "{cn0_dbhz} {is_single}: {have_m2}, want {want_m2}");
+        }
+    }
 }
 
 #[test]

@@ -9,15 +9,15 @@ use raim_core::internals::numeric::angle::sine;
 use raim_core::internals::weighting::ionosphere::IonosphereError;
 use raim_core::internals::weighting::shared::SharedError;
 use raim_core::internals::weighting::{
-    ErrorBudget, Ism, MIXED_CARRIERS_M, UserModel, ephemeris_sigma_m, integrity_sigma_with_m,
-    reflection_sigma_m, sigma_with_m,
+    ErrorBudget, Ism, MIXED_CARRIERS_M, UserModel, ephemeris_sigma_m, integrity_sigma_with_m, reflection_m2,
+    sigma_with_m,
 };
 use raim_core::satellite::Constellation;
 
 use super::atmosphere::{Klobuchar, Place, Troposphere};
 use super::frequency::Ranges;
 use super::horizon::Horizon;
-use super::{CAPACITY, Choice, Fate, Located, Sky, Tally, root_of_squares, sum_m};
+use super::{CAPACITY, Choice, Fate, Located, Sky, Tally, sum_m};
 use crate::counters::count;
 use crate::raw::Band;
 use crate::time::GpsTime;
@@ -148,16 +148,15 @@ impl Site {
         }
         let (choice, promised_m) = located.range(ranges)?;
         let (delay_m, error) = self.ionosphere(choice, line_of_sight);
-        let (error, reflection_m) = match ionosphere {
-            Ionosphere::Whole => (error.undivided(), 0.0),
-            Ionosphere::Divided => (error, reflection_sigma_m(sin_elevation, choice.weakness)),
-        };
+        let is_single = ionosphere == Ionosphere::Divided;
+        let error = if is_single { error } else { error.undivided() };
+        let reflection_m2 = reflection_m2(sin_elevation, choice.weakness, is_single);
         let mixed_m =
             if usual.is(located.satellite.constellation(), choice) { 0.0 } else { MIXED_CARRIERS_M };
-        let receiver_m = root_of_squares(root_of_squares(choice.uncalibrated_m, mixed_m), reflection_m);
+        let others_m2 = choice.uncalibrated_m * choice.uncalibrated_m + mixed_m * mixed_m + reflection_m2;
         let budget = ErrorBudget {
             sin_elevation,
-            ephemeris_m: root_of_squares(ephemeris_sigma_m(located.satellite, promised_m), receiver_m),
+            ephemeris_m: ephemeris_sigma_m(located.satellite, promised_m),
             noise_gain: choice.noise_gain,
             weakness: choice.weakness,
             ionosphere_m: error.own_m,
@@ -170,10 +169,9 @@ impl Site {
             sigma_m: match &self.ism {
                 Some(ism) if cfg!(feature = "araim") => {
                     let support = ism.of(located.satellite.constellation());
-                    let sigma_m = integrity_sigma_with_m(&support, promised_m, &budget, own_m2);
-                    root_of_squares(sigma_m, receiver_m)
+                    integrity_sigma_with_m(&support, promised_m, &budget, own_m2 + others_m2)
                 }
-                _ => sigma_with_m(&budget, own_m2),
+                _ => sigma_with_m(&budget, own_m2 + others_m2),
             },
             receiver_m2: own_m2,
             shared: error.shared,

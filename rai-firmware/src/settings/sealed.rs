@@ -239,7 +239,7 @@ mod tests {
         let text = memory[HEAD..].split(|byte| *byte == 0).next().expect("a text");
         let have = std::str::from_utf8(text).expect("ASCII");
         let want = "PHASE,NPA\nPFF,1e-7\nTTA,10\nPOLICY,T1\nMETHOD,AUTO\nLEVELS,BOUND\nSYSTEMS,GEC\nMASK,10\n\
-                    CLOCKAID,OFF\nCN0MASK,28\nVMAX,515\nHEIGHT,-500,20000\nRECOVER,3,3\nFREQ,AUTO\n\
+                    CLOCKAID,OFF\nCN0MASK,20\nVMAX,515\nHEIGHT,-500,20000\nRECOVER,3,3\nFREQ,AUTO\n\
                     NOISE,AUTO\nBAUD,AUTO\nOUTPUT,RMC,1\nOUTPUT,GGA,1\nOUTPUT,GNS,1\nOUTPUT,VTG,1\n\
                     OUTPUT,ZDA,1\nOUTPUT,GSA,1\nOUTPUT,GST,1\nOUTPUT,GBS,1\nOUTPUT,GSV,0\n\
                     OUTPUT,HEARTBEAT,0\nOUTPUT,GPS_INPUT,0\nOUTPUT,GNSS_INTEGRITY,0\nISM,ICAO\nSPOOFFLAG,HOLD\nPLACE,OFF\n";

@@ -240,7 +240,7 @@ settings! {
         text: "`ON` adds a forecast of the receiver clock as a row to those of the satellites",
     }
     "CN0MASK" SignalMask {
-        signal_mask_db_hz: f64 = 28.0,
+        signal_mask_db_hz: f64 = 20.0,
         // No receiver shows more than this in the open.
         ranges: &[(0.0, 55.0)],
         unit: "dB-Hz",
