@@ -18,7 +18,8 @@
 //! | 35 m, upwards only | a single low satellite behind the equatorial crest: 100 TECU (16 m) more than for the others, at an obliquity of 2.2. The lower bound does not need it, because no delay is below zero |
 //!
 //! It is unknown which band is wrong, so that neither is used. Fewer than [`LEAST`] satellites with
-//! the same bands are not compared. If half of them are faulty, the median itself is wrong.
+//! the same bands are not compared. If half of them are faulty, the median itself is wrong. A signal
+//! below 28 dB-Hz is noisier than the bound allows for, and has a sigma that says so.
 
 use heapless::Vec;
 use raim_core::satellite::Constellation;
@@ -41,6 +42,9 @@ const SPREADS: f32 = 5.0;
 /// Largest ionospheric delay of a single satellite in excess of its system, m.
 const CREST_M: f32 = 35.0;
 
+/// Noise of a signal of 28 dB-Hz relative to that of a strong one.
+const WEAKEST: f32 = 5.0;
+
 /// Group of satellites that are compared: those of one system with the same two bands.
 type Group = (Constellation, Band, Band);
 
@@ -48,7 +52,11 @@ type Group = (Constellation, Band, Band);
 fn group_of(located: &Located) -> Option<Group> {
     let (pair, single) = (located.choices.pair.as_ref()?, located.choices.single.as_ref()?);
     let (first, Some(second)) = pair.bands else { return None };
-    (single.bands.0 == first).then_some((located.satellite.constellation(), first, second))
+    (single.bands.0 == first && pair.weakness <= WEAKEST).then_some((
+        located.satellite.constellation(),
+        first,
+        second,
+    ))
 }
 
 /// Returns the delay of the ionosphere that the bands of a satellite measure, m.
