@@ -34,6 +34,7 @@ mod line;
 mod motion;
 mod nature;
 mod orbits;
+mod prelude;
 
 use anyhow::Result;
 use serde::Serialize;

@@ -4,19 +4,13 @@
 //! mixes up two receivers, can change the time, the week, the leap seconds or the place of the
 //! start.
 
-use anyhow::{Context as _, Result};
-use raim::signal::encode::{Frequency, Selection, ubx};
-use raim::signal::sky::raw::Simulation;
-use raim_core::satellite::{Constellation, SatelliteId};
-use rig::shared;
+use raim::signal::encode::ubx;
 use rig::stations::STATIC_BASE;
 use rtcm_rs::Message;
 
-use crate::attack::forgery::{Sky, elsewhere, of_week, read, write};
+use crate::attack::forgery::{of_week, read, write};
 use crate::attack::nature::recordings::skipped;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 use crate::soak::noise::frames;
 
 /// Attack with two leaps of time, by nearly half a week each.

@@ -7,17 +7,11 @@
 //!
 //! Each half agrees with itself, and no satellite is in both. Half of them are at a wrong place.
 
-use anyhow::Result;
 use rtcm_rs::Message;
 
-use crate::attack::forgery::{Sky, read, write};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::forgery::{read, write};
+use crate::attack::prelude::*;
 use crate::soak::noise::frames;
-use raim::signal::encode::Frequency;
-use raim::signal::sky::Fleet;
-use raim::signal::sky::raw::Simulation;
 
 /// Attack with halves of epochs.
 pub(super) const ATTACK: Attack = Attack {

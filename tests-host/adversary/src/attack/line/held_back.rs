@@ -3,16 +3,9 @@
 //!
 //! The signals are healthy and carry their own tags. Only the module's own clock reveals their age.
 
-use anyhow::Result;
-use raim::signal::encode::Frequency;
-use raim::signal::sky::raw::Simulation;
 use raim_firmware::receiver::Boot;
-use raim_firmware::time::GpsTime;
 
-use crate::attack::forgery::{Sky, elsewhere};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with a line that is too slow.
 pub(super) const ATTACK: Attack = Attack {

@@ -6,16 +6,11 @@
 //! receiver falls silent and the other continues. In the third form the other one is heard only
 //! after the own one has fallen silent.
 
-use anyhow::Result;
 use rtcm_rs::Message;
 
-use crate::attack::forgery::{Sky, elsewhere, read, write};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::forgery::{read, write};
+use crate::attack::prelude::*;
 use crate::soak::noise::frames;
-use raim::signal::encode::Frequency;
-use raim::signal::sky::raw::Simulation;
 
 /// Attack with a receiver whose messages join those of the own one.
 pub(super) const JOINED: Attack = Attack {

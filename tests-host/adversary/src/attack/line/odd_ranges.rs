@@ -1,14 +1,11 @@
 //! Messages of ranges that are valid but unusual: empty and ahead of their time, a millisecond
 //! apart, of another week.
 
-use anyhow::Result;
 use rtcm_rs::Message;
 use rtcm_rs::msg::{Msg1077Data, Msg1077T};
 
-use crate::attack::forgery::{Sky, of_week, read, write};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Figure};
+use crate::attack::forgery::{of_week, read, write};
+use crate::attack::prelude::*;
 use crate::soak::noise::frames;
 
 /// Attack with empty messages tagged ahead of time.

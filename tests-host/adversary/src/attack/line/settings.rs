@@ -1,20 +1,8 @@
 //! Settings that weaken the meaning of the pin.
 
-use anyhow::Result;
 use raim_firmware::settings::SEALED_BYTES;
 
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::sky::raw::Simulation;
-use raim_core::satellite::SatelliteId;
-use rand::rngs::ChaCha8Rng;
-use rand::seq::IndexedRandom as _;
-use rand::{RngExt as _, SeedableRng as _};
-
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with a time to alert of an hour.
 pub(super) const TIME_TO_ALERT: Attack = Attack {

@@ -9,14 +9,10 @@
 //!
 //! The sky itself is healthy, so only the receiver's warning contradicts the promise.
 
-use anyhow::Result;
 use raim::signal::encode::ubx;
 use raim_firmware::input::Suspicion;
 
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::{Seen, Victim};
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with a warning that another message denies.
 pub(super) const ATTACK: Attack = Attack {

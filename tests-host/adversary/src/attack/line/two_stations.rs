@@ -4,16 +4,10 @@
 //! first, and its ephemerides are the same. For a while only the station sends. A receiver that
 //! sends everything twice is tried as well; it must not be taken for a second station.
 
-use anyhow::Result;
 use raim::signal::checksum::rtcm_frame;
-use raim::signal::encode::Frequency;
 use raim::signal::measurement::MeasuredSignal;
-use raim::signal::sky::raw::Simulation;
 
-use crate::attack::forgery::{Sky, elsewhere};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with a reference station 11 km away.
 pub(super) const ATTACK: Attack = Attack {

@@ -4,16 +4,11 @@
 //! GPS sets then have reference times in the next week, and appear to be of the beginning of this
 //! one. Ranges agree with orbits that are all dated a week early as well as with the right ones.
 
-use anyhow::Result;
-use raim::signal::encode::{Encoder, Frequency, Selection};
-use raim::signal::sky::raw::Simulation;
-use raim::signal::sky::{Fleet, Satellite};
+use raim::signal::sky::Satellite;
 use rtcm_rs::Message;
 
 use crate::attack::forgery::{read, write};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 use crate::soak::noise::frames;
 
 /// Attack at the end of a week.

@@ -1,18 +1,10 @@
 //! Counterfeit signals of one antenna: all of one strength. The sign alone withdraws nothing;
 //! beside a receiver that suspects spoofing it does.
 
-use anyhow::{Context as _, Result};
-use raim::in_order::Together as _;
-use raim::signal::encode::{Encoder, Frequency, Selection, ubx};
-use raim::signal::recording::Recording;
-use raim_core::frame::Ecef;
-use rig::shared;
+use raim::signal::encode::ubx;
 
-use crate::attack::forgery::Sky;
 use crate::attack::nature::recordings::{STATIONS, skipped};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with signals of one strength, and the false alarms of the sign in nature.
 pub(super) const ATTACK: Attack = Attack {

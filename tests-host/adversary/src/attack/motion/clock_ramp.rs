@@ -4,18 +4,9 @@
 //! of them drifts. The drift is slow enough that a forecast learning only from positions it vouches
 //! for itself would follow it.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::fault::{Fault, Kind, Measured, Target};
-use raim_core::satellite::{Constellation, SatelliteId};
-use rand::rngs::ChaCha8Rng;
-use rand::seq::IndexedRandom as _;
-use rand::{RngExt as _, SeedableRng as _};
+use raim::signal::fault::{Fault, Kind, Target};
 
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with a ramp on one of the few satellites that remain.
 pub(super) const ATTACK: Attack = Attack {
@@ -57,7 +48,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
 fn attempt(systems: &[Constellation], count: usize, epochs: u32, seed: u64) -> Result<Tally> {
     let sky = Sky::quiet(LEARNT + epochs, seed)?;
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
-    let last = sky.recording.epochs.last().map_or_else(Vec::new, Measured::satellites);
+    let last = sky.recording.epochs.last().map_or_else(Vec::new, MeasuredEpoch::satellites);
     let seen: Vec<SatelliteId> =
         last.into_iter().filter(|satellite| systems.contains(&satellite.constellation())).collect();
     let kept: Vec<SatelliteId> = seen.sample(&mut chance, count).copied().collect();

@@ -4,20 +4,8 @@
 //! The ranges are right, so the position is promised; the receiver stands still. If enough
 //! satellites may be left out, some of the few that remain always agree by chance.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::encode::Frequency;
-use raim::signal::measurement::MeasuredEpoch;
-use raim::signal::sky::Fleet;
-use raim::signal::sky::raw::Simulation;
-use raim_core::satellite::Constellation;
-use rand::rngs::ChaCha8Rng;
-use rand::{RngExt as _, SeedableRng as _};
-
-use crate::attack::forgery::{Sky, keep_first};
-use crate::attack::tally::least_rate;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::forgery::keep_first;
+use crate::attack::prelude::*;
 
 /// Attack with negated range rates.
 pub(super) const NEGATED: Attack = Attack {

@@ -4,14 +4,7 @@
 //! that the new place is reachable. Only the module's own clock then shows that the time has not
 //! passed.
 
-use anyhow::Result;
-use raim::signal::encode::Frequency;
-use raim::signal::sky::raw::Simulation;
-
-use crate::attack::forgery::{Sky, elsewhere};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with a leap of the place.
 pub(super) const ATTACK: Attack = Attack {

@@ -3,16 +3,7 @@
 //! All ranges of an epoch agree, so that no test of one epoch sees the attack. The range rates are
 //! those of the true receiver, at rest with its true clock.
 
-use anyhow::Result;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::measurement::MeasuredEpoch;
-use raim::signal::sky::raw::Simulation;
-
-use crate::attack::forgery::{Sky, elsewhere};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack on the position.
 pub(super) const WALK: Attack = Attack {

@@ -5,22 +5,9 @@
 //! not show one where there is none: on hours of simulated oscillators, with a clock that is
 //! steered, and on recordings whose Doppler frequencies are removed.
 
-use anyhow::{Context as _, Result};
-use raim::in_order::Together as _;
-use raim::signal::encode::{Encoder, Frequency, Selection};
-use raim::signal::fault::Measured as _;
-use raim::signal::measurement::MeasuredEpoch;
-use raim::signal::recording::Recording;
-use raim::signal::sky::Oscillator;
-use raim::signal::sky::raw::Simulation;
-use raim_core::frame::Ecef;
-use rig::shared;
 use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with a repeater.
 pub(super) const ATTACK: Attack = Attack {

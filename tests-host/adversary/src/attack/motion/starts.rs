@@ -5,16 +5,7 @@
 //! repeater does. This happens once, so that the alert has to end. Rates that are refused now and
 //! then, as beside reflections, must not renew it.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::sky::raw::Simulation;
-
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// A start in the middle.
 pub(super) const ATTACK: Attack = Attack {

@@ -4,18 +4,7 @@
 //! back in every epoch, and the rates still show the oscillator. In the first seconds this looks like a
 //! drag-off, so that an alert is due. Nothing is wrong, so that it must end.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::sky::Oscillator;
-use raim::signal::sky::raw::Simulation;
-use raim_core::frame::SPEED_OF_LIGHT_M_S;
-
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Steering that begins in the middle.
 pub(super) const ATTACK: Attack = Attack {

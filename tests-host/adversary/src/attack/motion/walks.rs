@@ -4,22 +4,10 @@
 //! are missing; or each contradicts the others by a constant error. After the first alert, nothing
 //! may be promised while the place is elsewhere.
 
-use anyhow::{Context as _, Result};
-use raim::in_order::Together as _;
-use raim::signal::encode::{Encoder, Frequency, Selection};
-use raim::signal::fault::Measured as _;
-use raim::signal::measurement::MeasuredEpoch;
-use raim::signal::recording::Recording;
-use raim::signal::sky::raw::Simulation;
-use raim_core::frame::Ecef;
-use rand::rngs::ChaCha8Rng;
-use rand::{RngExt as _, SeedableRng as _};
-use rig::shared;
 use rig::stations::{STATIC_BASE, Station, TLSE};
 
 use crate::attack::nature::streets::{Directions, directions};
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with a place that walks off.
 pub(super) const LONG: Attack = Attack {

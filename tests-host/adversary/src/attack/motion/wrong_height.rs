@@ -6,22 +6,12 @@
 //!
 //! [TSO-C129a]: raim_core#references
 
-use anyhow::{Result, bail};
-use raim::in_order::Together as _;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::{Fault, Kind, Measured, Target};
-use raim::signal::sky::raw::Simulation;
-use raim::signal::sky::{Sight, Site};
+use anyhow::bail;
+use raim::signal::fault::{Fault, Kind, Target};
 use raim_core::frame::LocalFrame;
-use raim_core::satellite::{Constellation, SatelliteId};
-use rand::rngs::ChaCha8Rng;
-use rand::seq::IndexedRandom as _;
-use rand::{RngExt as _, SeedableRng as _};
 
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::{NoOpportunity, Seen, Victim};
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
+use crate::attack::victim::NoOpportunity;
 
 /// Attack with wrong heights, few satellites, and a fault of one of them.
 pub(super) const WRONG: Attack = Attack {
@@ -129,7 +119,7 @@ fn wrong(effort: Effort) -> Result<Vec<Figure>> {
 
 /// Keeps some GPS satellites of a sky, at random, or all of both systems.
 fn kept(sky: &Sky, count: usize, chance: &mut ChaCha8Rng) -> Vec<SatelliteId> {
-    let all = sky.recording.epochs.last().map_or_else(Vec::new, Measured::satellites);
+    let all = sky.recording.epochs.last().map_or_else(Vec::new, MeasuredEpoch::satellites);
     let of_gps: Vec<SatelliteId> =
         all.iter().copied().filter(|id| id.constellation() == Constellation::Gps).collect();
     if count > of_gps.len() { all } else { of_gps.sample(chance, count).copied().collect() }

@@ -7,21 +7,10 @@
 //! A car between tall buildings is counted apart, because its ranges are wrong by up to 118 m: an
 //! alarm is justified there if the position is farther off than [`JUSTIFIED_M`].
 
-use anyhow::{Context as _, Result};
-use raim::in_order::Together as _;
 use raim::replay::Truth;
-use raim::signal::encode::{Encoder, Frequency, Selection};
-use raim::signal::fault::Measured as _;
-use raim::signal::recording::Recording;
-use raim::signal::sky::Oscillator;
-use raim::signal::sky::raw::Simulation;
-use raim_core::frame::Ecef;
-use rig::shared;
 
 use super::recordings::{STATIONS, at, skipped};
-use crate::attack::forgery::Sky;
-use crate::attack::victim::{Seen, Victim};
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack by nature alone.
 pub(super) const ATTACK: Attack = Attack {

@@ -3,19 +3,7 @@
 //!
 //! Each comparison with the past meets a gap of its own length. None may find a contradiction.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::encode::Frequency;
-use raim::signal::sky::Oscillator;
-use raim::signal::sky::raw::Simulation;
-use rand::rngs::ChaCha8Rng;
-use rand::seq::IndexedRandom as _;
-use rand::{RngExt as _, SeedableRng as _};
-
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack without an attack.
 pub(super) const ATTACK: Attack = Attack {

@@ -8,20 +8,11 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, Result};
-use raim::in_order::Together as _;
 use raim::replay::Truth;
-use raim::signal::encode::{Encoder, Frequency, Selection};
-use raim::signal::recording::Recording;
-use raim_core::frame::Ecef;
-use raim_firmware::time::GpsTime;
-use rig::shared;
 use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
+use crate::attack::prelude::*;
 use crate::attack::ranges::several_faults::METHODS;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
 
 /// Attack with nominal recordings.
 pub(super) const NOMINAL: Attack = Attack {

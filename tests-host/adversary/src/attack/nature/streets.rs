@@ -20,23 +20,11 @@
 //! epochs above their level is bounded, but not zero. The share of promised epochs has a bound as
 //! well, because a module that promises nothing misleads nobody.
 
-use anyhow::{Context as _, Result};
-use raim::in_order::Together as _;
-use raim_core::frame::{Ecef, Enu};
-use raim_core::satellite::SatelliteId;
-use rand::rngs::ChaCha8Rng;
-use rand::{RngExt as _, SeedableRng as _};
+use raim::signal::lumps::{Broadcast, Heaven};
+use rig::stations::{ESBC, STATIC_BASE, Station, TLSE};
 
 use super::recordings::skipped;
-use crate::attack::tally::Tally;
-use crate::attack::victim::{Seen, Victim};
-use crate::attack::{Attack, Branch, Effort, Figure};
-use raim::signal::encode::{Encoder, Frequency, Selection};
-use raim::signal::fault::Measured as _;
-use raim::signal::lumps::{Broadcast, Heaven};
-use raim::signal::recording::Recording;
-use rig::shared;
-use rig::stations::{ESBC, STATIC_BASE, Station, TLSE};
+use crate::attack::prelude::*;
 
 /// Attack with simulated walls beside the antennas of real recordings.
 pub(super) const ATTACK: Attack = Attack {

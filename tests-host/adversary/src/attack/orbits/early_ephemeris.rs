@@ -5,20 +5,12 @@
 //! sets that follow are accurate at once. A store that ranks sets by reference time would keep the
 //! early one.
 
-use anyhow::{Result, bail};
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::measurement::{Ephemeris, TimedEphemeris};
+use anyhow::bail;
 use raim::signal::sky::broadcast::{drifting, ephemeris};
-use raim::signal::sky::raw::Simulation;
-use raim_core::satellite::{Constellation, SatelliteId};
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1046T};
 use rtcm_rs::{Message, MessageBuilder};
 
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with early ephemerides.
 pub(super) const EARLY: Attack = Attack {

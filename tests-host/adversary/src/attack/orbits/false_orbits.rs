@@ -4,20 +4,9 @@
 //! One set cannot tell whether it is true. A series of sets, each of them near the one before, can
 //! carry all satellites away together, so that all ranges agree on another place.
 
-use anyhow::Result;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::measurement::{Ephemeris, TimedEphemeris};
-use raim::signal::sky::raw::Simulation;
-use raim_core::frame::SPEED_OF_LIGHT_M_S;
-use raim_core::satellite::{Constellation, SatelliteId};
-
 use super::early_ephemeris::{frame, strangers};
 use super::faulty_orbit::move_ahead;
-use crate::attack::forgery::{Sky, elsewhere};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with orbits that turn about the earth's axis.
 pub(super) const TURNED: Attack = Attack {

@@ -5,19 +5,7 @@
 
 use std::f64::consts::PI;
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::fault::Measured as _;
-use raim::signal::measurement::{Ephemeris, TimedEphemeris};
-use raim_core::satellite::SatelliteId;
-use rand::rngs::ChaCha8Rng;
-use rand::seq::IndexedRandom as _;
-use rand::{RngExt as _, SeedableRng as _};
-
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with a wrong orbit.
 pub(super) const ATTACK: Attack = Attack {

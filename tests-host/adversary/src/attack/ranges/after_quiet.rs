@@ -6,21 +6,12 @@
 //! what comes. A ramp also raises the residuals, by which the module raises the variances: the
 //! scale must not hide the ramp from the level.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::encode::{Frequency, Selection};
-use raim::signal::fault::{Fault, Kind, Measured as _, Target};
-use raim::signal::sky::raw::Simulation;
-use rand::rngs::ChaCha8Rng;
-use rand::seq::IndexedRandom as _;
-use rand::{RngExt as _, SeedableRng as _};
+use raim::signal::fault::{Fault, Kind, Target};
 
-use crate::attack::forgery::Sky;
 use crate::attack::line::suspicions::of_both;
-use crate::attack::nature::streets::{self, Streets};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::nature::streets;
+use crate::attack::nature::streets::Streets;
+use crate::attack::prelude::*;
 
 /// Attack with a slow ramp of one satellite.
 pub(super) const RAMP: Attack = Attack {

@@ -5,20 +5,7 @@
 //! δρ_i = δρ_j = δ        two ranges agree that the third is wrong
 //! ```
 
-use anyhow::Result;
-use raim_core::satellite::{Constellation, SatelliteId};
-use rand::rngs::ChaCha8Rng;
-use rand::{RngExt as _, SeedableRng as _};
-
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::measurement::Ephemeris;
-use raim::signal::sky::Fleet;
-use raim::signal::sky::raw::Simulation;
+use crate::attack::prelude::*;
 
 /// Attack with a doubled satellite.
 pub(super) const ATTACK: Attack = Attack {

@@ -6,16 +6,8 @@
 //! more or less. The receiver reports good signal strengths, so that only the disagreement of the
 //! ranges reveals the fault.
 
-use anyhow::Result;
-use raim::signal::fault::Measured as _;
-use raim_core::satellite::Constellation;
-use rand::rngs::ChaCha8Rng;
-use rand::{RngExt, SeedableRng};
-
-use crate::attack::forgery::{Sky, keep_first};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::forgery::keep_first;
+use crate::attack::prelude::*;
 
 /// Attack with false tracking after healthy epochs.
 pub(super) const ATTACK: Attack = Attack {

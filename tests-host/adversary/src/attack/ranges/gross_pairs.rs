@@ -4,20 +4,7 @@
 //! about one point may be wrong (rule of curvature of `raim_core::internals::least_squares`). Levels of a
 //! method hold for its promises here as elsewhere, because gross faults contradict each other.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::sky::raw::Simulation;
-use raim_core::satellite::{Constellation, SatelliteId};
-use rand::rngs::ChaCha8Rng;
-use rand::seq::IndexedRandom as _;
-use rand::{RngExt as _, SeedableRng as _};
-
-use crate::attack::forgery::Sky;
-use crate::attack::tally::{Tally, least_rate};
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with several gross faults.
 pub(super) const ATTACK: Attack = Attack {

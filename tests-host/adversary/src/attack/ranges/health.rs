@@ -9,20 +9,13 @@
 //! ρ_E5a' = ρ_E5a − LOS · d
 //! ```
 
-use anyhow::{Result, anyhow};
-use raim::signal::encode::{Encoder, Frequency, Selection};
-use raim::signal::measurement::{Ephemeris, MeasuredEpoch};
+use anyhow::anyhow;
+use raim::signal::sky::Satellite;
 use raim::signal::sky::orbit::Orbit;
-use raim::signal::sky::raw::Simulation;
-use raim::signal::sky::{Satellite, Sight};
-use raim_core::frame::Enu;
-use raim_core::satellite::{Constellation, SatelliteId};
 use rtcm_rs::msg::Msg1045T;
 use rtcm_rs::{Message, MessageBuilder};
 
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with E5a out of service.
 pub(super) const ATTACK: Attack = Attack {

@@ -14,19 +14,10 @@
 //! | `Δφ` | latitude of the pierce point minus that of the antenna, degrees | |
 //! | `g` | slope to the south, as at the edge of the equatorial anomaly | 0, 0.06 per degree |
 
-use anyhow::{Context as _, Result};
-use raim::in_order::Together as _;
-use raim::signal::encode::{Encoder, Frequency, Selection, ubx};
-use raim::signal::fault::Measured as _;
-use raim::signal::sky::Site;
+use raim::signal::encode::ubx;
 use raim::signal::sky::atmosphere::ionosphere_m;
-use raim::signal::sky::raw::Simulation;
-use raim_core::satellite::{Constellation, SatelliteId};
 
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with the same electron content everywhere.
 pub(super) const EVEN: Attack = Attack {

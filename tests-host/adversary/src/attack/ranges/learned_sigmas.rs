@@ -5,12 +5,7 @@
 //! of an integrity support message, other ranges or other systems. There a level must not fall
 //! below that of sigmas without learning.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-
-use crate::attack::forgery::Sky;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with sigmas learned under other settings.
 pub(super) const ATTACK: Attack = Attack {

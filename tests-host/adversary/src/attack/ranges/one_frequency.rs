@@ -8,23 +8,13 @@
 //! Each epoch with a step follows on seven without one. It counts if the module promised the epoch
 //! before it. The step is noticed if the module leaves a satellite out or promises nothing.
 
-use anyhow::{Context as _, Result, ensure};
-use raim::in_order::Together as _;
-use raim::replay::{self, Lump, Window};
-use raim::signal::encode::{Encoder, Frequency, Selection};
-use raim::signal::fault::Measured as _;
-use raim::signal::recording::Recording;
-use raim::signal::sky::raw::Simulation;
-use raim::signal::sky::{Fleet, Site};
-use raim_core::frame::Ecef;
-use raim_core::satellite::SatelliteId;
-use rig::shared;
+use anyhow::ensure;
+use raim::replay;
+use raim::replay::{Lump, Window};
 use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
 use crate::attack::nature::recordings::skipped;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with real recordings.
 pub(super) const RECORDED: Attack = Attack {

@@ -11,20 +11,10 @@
 //! one epoch, so that some epochs are promised beyond their level. The bounds are the rates of
 //! today and not a promise of the product.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::sky::raw::Simulation;
-use rand::rngs::ChaCha8Rng;
-use rand::{RngExt as _, SeedableRng as _};
 use rand_distr::StandardNormal;
 
-use crate::attack::forgery::Sky;
 use crate::attack::orbits::faulty_orbit::move_ahead;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with noise.
 pub(super) const NOISE: Attack = Attack {

@@ -10,20 +10,8 @@
 //! without the building, so it reveals nothing either. The rate of promised epochs above their
 //! level is therefore bounded, but not zero.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::sky::raw::Simulation;
-use raim::signal::sky::{Fleet, Sight};
-use raim_core::satellite::SatelliteId;
-use rand::rngs::ChaCha8Rng;
-use rand::{RngExt as _, SeedableRng as _};
-
 use super::several_faults::by_every_method;
-use crate::attack::forgery::Sky;
-use crate::attack::tally::{Tally, least_rate};
-use crate::attack::{Attack, Branch, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with a building on one side.
 pub(super) const ATTACK: Attack = Attack {

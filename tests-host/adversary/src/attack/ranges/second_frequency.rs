@@ -7,18 +7,7 @@
 //! Several satellites are wrong at once, which a level does not bound. Their differences `P_2 −
 //! P_1` are unlike those of their system, before any position is known.
 
-use anyhow::Result;
-use raim_core::satellite::SatelliteId;
-use rand::rngs::ChaCha8Rng;
-use rand::seq::IndexedRandom as _;
-use rand::{RngExt as _, SeedableRng as _};
-
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
-use raim::signal::encode::Frequency;
-use raim::signal::sky::raw::Simulation;
+use crate::attack::prelude::*;
 
 /// Attack on the second frequency.
 pub(super) const ATTACK: Attack = Attack {

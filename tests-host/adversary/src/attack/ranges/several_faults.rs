@@ -11,25 +11,11 @@
 //!
 //! For these the module must report that it cannot decide.
 
-use anyhow::Result;
 use nalgebra::{DMatrix, SymmetricEigen};
-use raim::in_order::Together as _;
 use raim::outcomes::Outcomes;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::sky::Sight;
-use raim::signal::sky::raw::Simulation;
-use raim_core::frame::Ecef;
-use raim_core::satellite::{Constellation, SatelliteId};
-use rand::rngs::ChaCha8Rng;
-use rand::seq::IndexedRandom as _;
-use rand::{RngExt as _, SeedableRng as _};
 use serde::Serialize;
 
-use crate::attack::forgery::Sky;
-use crate::attack::tally::{Tally, least_rate};
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with random pairs of satellites.
 pub(super) const PAIRS: Attack = Attack {

@@ -12,22 +12,8 @@
 //! exclusion leaves others that agree by chance. No method detects small shifts that leave no
 //! residual; only ARAIM bounds them, by their prior probability.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::sky::Fleet;
-use raim::signal::sky::raw::Simulation;
-use raim_core::frame::Enu;
-use raim_core::satellite::SatelliteId;
-use rand::rngs::ChaCha8Rng;
-use rand::seq::IndexedRandom as _;
-use rand::{RngExt as _, SeedableRng as _};
-
 use super::several_faults::by_every_method;
-use crate::attack::forgery::Sky;
-use crate::attack::tally::{Tally, least_rate};
-use crate::attack::{Attack, Branch, Figure};
+use crate::attack::prelude::*;
 
 /// Attack on a system that is fully in view.
 pub(super) const WHOLE: Attack = Attack {

@@ -3,20 +3,9 @@
 //! Sizes range from undetectable to obvious. A level holds with a probability, so the rate of
 //! faulty epochs above their level may equal that of missed detections.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::{Fault, Kind, Measured as _, Target};
-use raim::signal::sky::raw::Simulation;
-use raim_core::satellite::{Constellation, SatelliteId};
-use rand::rngs::ChaCha8Rng;
-use rand::seq::IndexedRandom as _;
-use rand::{RngExt as _, SeedableRng as _};
+use raim::signal::fault::{Fault, Kind, Target};
 
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with steps.
 pub(super) const STEPS: Attack = Attack {

@@ -11,19 +11,7 @@
 //! be promised, whatever the sizes of the groups. A single genuine satellite would contradict
 //! nothing, so that all of them are well above the elevation mask.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::measurement::MeasuredEpoch;
-use raim::signal::sky::Fleet;
-use raim::signal::sky::raw::Simulation;
-use raim_core::satellite::{Constellation, SatelliteId};
-
-use crate::attack::forgery::{Sky, elsewhere};
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with a counterfeit system that outnumbers a genuine one.
 pub(super) const ATTACK: Attack = Attack {

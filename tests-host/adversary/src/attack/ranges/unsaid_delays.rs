@@ -12,17 +12,7 @@
 //! ρ_b' = ρ_b + c τ_b        τ_B1C = TGD1 within 1.5 m, 0.6 m rms        τ_B2a, τ_B2b within 3.5 m, 1.4 m rms, whatever TGD1
 //! ```
 
-use anyhow::Result;
-use raim::signal::encode::Frequency;
-use raim::signal::measurement::Ephemeris;
-use raim::signal::sky::Fleet;
-use raim::signal::sky::raw::Simulation;
-use raim_core::frame::SPEED_OF_LIGHT_M_S;
-
-use crate::attack::forgery::Sky;
-use crate::attack::tally::Tally;
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with group delays that D1 does not carry.
 pub(super) const ATTACK: Attack = Attack {

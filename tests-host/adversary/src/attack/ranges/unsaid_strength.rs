@@ -11,20 +11,9 @@
 //! A receiver that reports no strength for any signal, because its format carries none, is believed
 //! as before.
 
-use anyhow::Result;
-use raim::signal::encode::Frequency;
-use raim::signal::fault::Measured as _;
-use raim::signal::sky::raw::Simulation;
-use raim_core::satellite::{Constellation, SatelliteId};
-use rand::rngs::ChaCha8Rng;
-use rand::seq::IndexedRandom as _;
-use rand::{RngExt as _, SeedableRng as _};
 use rand_distr::StandardNormal;
 
-use crate::attack::forgery::Sky;
-use crate::attack::tally::{Tally, least_rate};
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with weak signals of unknown strength.
 pub(super) const ATTACK: Attack = Attack {

@@ -9,17 +9,7 @@
 //! though, a few can always be left out so that the others agree. Tags are first right, then wrong
 //! by `δ`, then right again; or wrong from the start.
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-use raim::signal::encode::Frequency;
-use raim::signal::sky::Fleet;
-use raim::signal::sky::raw::Simulation;
-use raim_firmware::time::GpsTime;
-
-use crate::attack::forgery::Sky;
-use crate::attack::tally::{Tally, least_rate};
-use crate::attack::victim::Victim;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with wrong tags for some epochs.
 pub(super) const BRIEFLY: Attack = Attack {

@@ -14,15 +14,14 @@ mod scenes;
 mod signals;
 mod table;
 
-use anyhow::{Result, ensure};
-use raim::in_order::Together as _;
+use anyhow::ensure;
 
 use self::run::{Course, course};
 use self::scenes::SCENES;
 use self::signals::Skies;
 use super::module::is_small;
 use super::victim::NoOpportunity;
-use super::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 pub use self::table::{Cell, Row, markdown, summary};
 

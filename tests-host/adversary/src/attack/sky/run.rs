@@ -1,17 +1,14 @@
 //! A module's life under an attack, second by second.
 
-use anyhow::{Result, ensure};
+use anyhow::ensure;
 use raim::signal::encode::ubx::{Encoder, IonosphereAndUtc};
-use raim::signal::encode::{Frequency, Selection};
 use raim::signal::osnma::Page;
-use raim_core::satellite::Constellation;
-use raim_firmware::time::GpsTime;
 
-use super::super::victim::Victim;
 use super::Means;
 use super::scenes::{ATTACKED, JAMMED, Pages, Scene};
 use super::signals::{LENGTH, Skies, gst_s};
 use super::table::Cell;
+use crate::attack::prelude::*;
 
 /// Bound of the time that a module is told, s.
 const BOUND_S: u32 = 5;

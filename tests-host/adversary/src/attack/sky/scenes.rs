@@ -1,10 +1,7 @@
 //! The attacks on a signed sky.
 
-use raim::signal::fault::Measured as _;
-use raim::signal::measurement::MeasuredEpoch;
-use raim_core::satellite::Constellation;
-
 use super::signals::{Lie, Skies};
+use crate::attack::prelude::*;
 
 /// Second of the module's life at which the sky is jammed, and at which the attack begins.
 pub(super) const JAMMED: u32 = 240;

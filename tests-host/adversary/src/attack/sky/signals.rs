@@ -1,17 +1,10 @@
 //! What arrives at the antenna: the genuine sky, that of another place, and pages of several signers.
 
-use anyhow::{Context as _, Result};
-use raim::signal::measurement::{Ephemeris, MeasuredEpoch, MeasuredSatellite, TimedEphemeris};
+use raim::signal::measurement::MeasuredSatellite;
 use raim::signal::osnma::words::{Sets, Words as _};
 use raim::signal::osnma::{Chain, Page, Secret, System};
-use raim::signal::recording::Recording;
-use raim::signal::sky::Fleet;
-use raim::signal::sky::raw::Simulation;
-use raim_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
-use raim_core::satellite::{Constellation, SatelliteId};
-use raim_firmware::time::GpsTime;
 
-use super::super::forgery::elsewhere;
+use crate::attack::prelude::*;
 
 /// Seconds that the skies begin before the module, which is how late they can be relayed.
 pub(super) const AHEAD: u32 = 600;

@@ -14,12 +14,9 @@ mod oracle;
 mod run;
 mod scenes;
 
-use anyhow::Result;
-use raim::in_order::Together as _;
-
 use self::oracle::{Finding, Oracle};
 use self::run::Run;
-use crate::attack::{Attack, Branch, Effort, Figure};
+use crate::attack::prelude::*;
 
 /// Attack with random scenes.
 pub(super) const ATTACK: Attack = Attack {

@@ -10,9 +10,9 @@
 //! An epoch is identified by its time of day. If several were sent with one time, the place of any
 //! of them is accepted.
 
-use raim_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
+use raim_core::frame::{Geodetic, LocalFrame};
 
-use crate::attack::victim::Seen;
+use crate::attack::prelude::*;
 
 /// Kind of a wrong report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,20 +3,11 @@
 //! A run has one format, one set of systems and bands, and one time between epochs. The oracle
 //! learns the content, time and place of each epoch before the module receives it.
 
-use anyhow::Result;
-use raim::signal::encode::{Encoder, Frequency, Selection, ubx};
-use raim::signal::fault::Measured as _;
-use raim::signal::measurement::{MeasuredEpoch, TimedEphemeris};
-use raim::signal::sky::Fleet;
-use raim::signal::sky::raw::Simulation;
-use raim_core::frame::Ecef;
-use raim_firmware::time::GpsTime;
-use rand::rngs::ChaCha8Rng;
-use rand::{RngExt as _, SeedableRng as _};
+use raim::signal::encode::ubx;
 
 use super::oracle::{Finding, Oracle, Sent};
 use super::scenes::{Break, Line, Scene, Wrong};
-use crate::attack::victim::{Seen, Victim};
+use crate::attack::prelude::*;
 use crate::soak::noise::frames;
 
 /// Number of scenes of a run.

@@ -9,13 +9,9 @@
 //! | the line | good; cuts an epoch in two and sends the second half with the next; loses bytes; sends everything twice |
 //! | the host | nothing, or one command |
 
-use raim::signal::fault::Measured as _;
-use raim::signal::measurement::MeasuredEpoch;
-use raim::signal::sky::Site;
-use raim_core::satellite::SatelliteId;
-use rand::RngExt as _;
-use rand::rngs::ChaCha8Rng;
-use rand::seq::{IndexedRandom as _, SliceRandom as _};
+use rand::seq::SliceRandom as _;
+
+use crate::attack::prelude::*;
 
 /// Number of epochs of a scene.
 const EPOCHS: std::ops::RangeInclusive<u32> = 2..=25;
