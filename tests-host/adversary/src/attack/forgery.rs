@@ -1,17 +1,50 @@
 //! Tools of an adversary: skies as bytes, epoch by epoch, changed on the way.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use anyhow::Result;
 use raim::signal::encode::{Encoder, Frequency, Selection};
-use raim::signal::fault::Measured;
+use raim::signal::fault::{Fault, Kind, Measured, Target};
 use raim::signal::measurement::MeasuredEpoch;
 use raim::signal::recording::Recording;
-use raim::signal::sky::Site;
 use raim::signal::sky::raw::Simulation;
+use raim::signal::sky::{Fleet, Satellite, Sight, Site};
 use raim_core::frame::Ecef;
 use raim_core::satellite::{Constellation, SatelliteId};
+use rand::RngExt as _;
+use rand::rngs::ChaCha8Rng;
+use rand::seq::IndexedRandom as _;
 use rtcm_rs::{Message, MessageBuilder, MessageFrame};
+
+/// Letters of systems, and their satellites.
+pub(super) type Systems = (&'static str, &'static [Fleet]);
+
+pub(super) const GPS: Systems = ("G", &[Fleet::Gps31]);
+pub(super) const GPS_BEIDOU: Systems = ("GC", &[Fleet::Gps31, Fleet::BeidouRegional]);
+pub(super) const GPS_GALILEO: Systems = ("GE", &[Fleet::Gps31, Fleet::Galileo24]);
+pub(super) const THREE: Systems = ("GEC", &[Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal]);
+
+/// Returns the satellites of several fleets.
+pub(super) fn satellites(fleets: &[Fleet]) -> Vec<Satellite> {
+    fleets.iter().flat_map(|fleet| fleet.satellites()).collect()
+}
+
+/// Draws the start of a sky, s: a time of day on the full minute.
+pub(super) fn start_s(chance: &mut ChaCha8Rng) -> f64 {
+    f64::from(chance.random_range(0..1440_u32)) * 60.0
+}
+
+/// Draws a size uniformly in its logarithm.
+pub(super) fn size(sizes: Range<f64>, chance: &mut ChaCha8Rng) -> f64 {
+    chance.random_range(sizes.start.ln()..sizes.end.ln()).exp()
+}
+
+/// Draws a size uniformly in its logarithm, and its sign.
+pub(super) fn signed_size(sizes: Range<f64>, chance: &mut ChaCha8Rng) -> f64 {
+    let size = size(sizes, chance);
+    if chance.random() { size } else { -size }
+}
 
 /// A sky and the selection of signals to send.
 pub(super) struct Sky {
@@ -46,6 +79,15 @@ impl Sky {
         Self::of(&Simulation::above_xian(3600.0, epochs, seed), Frequency::Dual)
     }
 
+    /// Draws satellites of the first epoch, from seven to all in view, and one of them.
+    pub(super) fn draw(&self, chance: &mut ChaCha8Rng) -> (Vec<SatelliteId>, SatelliteId) {
+        let seen = self.recording.epochs[0].satellites();
+        let count = chance.random_range(7..=seen.len().max(8));
+        let kept: Vec<SatelliteId> = seen.sample(chance, count).copied().collect();
+        let one = *kept.choose(chance).unwrap_or(&seen[0]);
+        (kept, one)
+    }
+
     /// Encodes every epoch after `change` has altered it.
     pub(super) fn bytes(&self, mut change: impl FnMut(usize, &mut MeasuredEpoch)) -> Result<Vec<Vec<u8>>> {
         let mut encoder = self.encoder();
@@ -77,6 +119,35 @@ pub(super) fn elsewhere(simulation: &Simulation, north_deg: f64) -> Simulation {
         geodetic.height_m,
     );
     Simulation { site, ..simulation.clone() }
+}
+
+/// Returns the time between two epochs of a recording, s.
+pub(super) fn step_s(recording: &Recording) -> f64 {
+    match recording.epochs.as_slice() {
+        [first, second, ..] => second.time.since_ms(first.time) as f64 * 1e-3,
+        _ => 1.0,
+    }
+}
+
+/// Returns a fault of one satellite that lasts from an epoch on, of one a second.
+pub(super) fn lasting(satellite: SatelliteId, kind: Kind, from: u32) -> Fault {
+    Fault { target: Target::Satellite(satellite), kind, start_s: f64::from(from), end_s: f64::INFINITY }
+}
+
+/// Makes all ranges longer, m.
+pub(super) fn lengthen_all(epoch: &mut MeasuredEpoch, by_m: f64) {
+    for satellite in epoch.satellites() {
+        epoch.lengthen(satellite, by_m);
+    }
+}
+
+/// Changes ranges from those of one place to those of another.
+pub(super) fn move_ranges(epoch: &mut MeasuredEpoch, here: &[Sight], there: &[Sight]) {
+    for sight in here {
+        if let Some(moved) = there.iter().find(|moved| moved.satellite == sight.satellite) {
+            epoch.lengthen(sight.satellite, moved.range_m - sight.range_m);
+        }
+    }
 }
 
 /// Keeps the first `count` satellites of one system, in the order of their numbers, and drops all

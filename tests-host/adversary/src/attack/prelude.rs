@@ -16,7 +16,10 @@ pub(super) use rand::seq::IndexedRandom as _;
 pub(super) use rand::{RngExt as _, SeedableRng as _};
 pub(super) use rig::shared;
 
-pub(super) use super::forgery::{Sky, elsewhere};
-pub(super) use super::tally::{Tally, least_rate};
+pub(super) use super::forgery::{
+    GPS, GPS_BEIDOU, GPS_GALILEO, Sky, Systems, THREE, elsewhere, lasting, lengthen_all, move_ranges,
+    satellites, signed_size, size, start_s, step_s,
+};
+pub(super) use super::tally::{MISSED, Tally, least_rate};
 pub(super) use super::victim::{Seen, Victim};
 pub(super) use super::{Attack, Branch, Effort, Figure};

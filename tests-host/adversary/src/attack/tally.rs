@@ -7,6 +7,9 @@ use raim::outcomes::{Outcome, Outcomes};
 use super::Figure;
 use super::seen::Seen;
 
+/// Probability of missed detection at start.
+pub const MISSED: f64 = 1e-3;
+
 /// Outcomes of the epochs, and what else an attack counts.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
@@ -68,6 +71,46 @@ impl Tally {
         self
     }
 
+    /// Returns the number of judged epochs, as a figure has it.
+    pub fn epochs(&self) -> f64 {
+        self.outcomes.epochs() as f64
+    }
+
+    /// Returns the number of promised epochs.
+    pub fn promised(&self) -> f64 {
+        self.outcomes.promised as f64
+    }
+
+    /// Returns the number of promised epochs beyond a level.
+    pub fn misleading(&self) -> f64 {
+        self.outcomes.misleading as f64
+    }
+
+    /// Returns the number of alerts.
+    pub fn alerts(&self) -> f64 {
+        self.outcomes.alerts as f64
+    }
+
+    /// Returns the share of the epochs that are promised.
+    pub fn share(&self) -> f64 {
+        self.promised() / self.epochs().max(1.0)
+    }
+
+    /// Returns the same share in percent.
+    pub fn percent(&self) -> f64 {
+        100.0 * self.promised() / self.epochs().max(1.0)
+    }
+
+    /// Returns the rate of misleading epochs that chance does not explain (95 %).
+    pub fn least_rate(&self) -> f64 {
+        least_rate(self.outcomes.misleading, self.outcomes.epochs())
+    }
+
+    /// Returns the largest error of a promised epoch, horizontal or vertical, m.
+    pub fn worst_m(&self) -> f64 {
+        self.worst_horizontal_m.max(self.worst_vertical_m)
+    }
+
     /// Returns the number of epochs with this reason.
     pub fn of_reason(&self, reason: &str) -> usize {
         self.reasons.get(reason).copied().unwrap_or(0)
@@ -77,20 +120,31 @@ impl Tally {
     /// `misleading`.
     pub fn figures(&self, misleading: f64) -> Vec<Figure> {
         vec![
-            Figure::plain("epochs", self.outcomes.epochs() as f64),
-            Figure::plain("protected", self.outcomes.promised as f64),
-            Figure::at_most("beyond their level", self.outcomes.misleading as f64, misleading),
-            Figure::plain("largest error of them, m", self.worst_horizontal_m.max(self.worst_vertical_m)),
+            Figure::plain("epochs", self.epochs()),
+            Figure::plain("protected", self.promised()),
+            Figure::at_most("beyond their level", self.misleading(), misleading),
+            Figure::plain("largest error of them, m", self.worst_m()),
         ]
     }
 
     /// Returns the same figures if misleading epochs are allowed with a probability. The rate is
     /// too high only if chance does not explain it (95 %).
     pub fn figures_by_rate(&self, probability: f64) -> Vec<Figure> {
-        let rate = least_rate(self.outcomes.misleading, self.outcomes.epochs());
         let mut figures = self.figures(f64::INFINITY);
-        figures.push(Figure::at_most("their rate is above", rate, probability));
+        figures.push(Figure::at_most("their rate is above", self.least_rate(), probability));
         figures
+    }
+}
+
+impl<'t> FromIterator<&'t Self> for Tally {
+    fn from_iter<I: IntoIterator<Item = &'t Self>>(tallies: I) -> Self {
+        tallies.into_iter().fold(Self::default(), Self::with)
+    }
+}
+
+impl FromIterator<Self> for Tally {
+    fn from_iter<I: IntoIterator<Item = Self>>(tallies: I) -> Self {
+        tallies.into_iter().fold(Self::default(), |sum, tally| sum.with(&tally))
     }
 }
 

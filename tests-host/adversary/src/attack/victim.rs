@@ -118,6 +118,18 @@ impl Victim {
         self.seen(&reported, truth)
     }
 
+    /// Sends the bytes of one time step after another, and counts the reports.
+    ///
+    /// # Errors
+    /// If a sentence cannot be read.
+    pub fn judge(&mut self, steps: impl IntoIterator<Item: AsRef<[u8]>>, truth: Ecef) -> Result<Tally> {
+        let mut tally = Tally::default();
+        for bytes in steps {
+            tally.add_all(&self.receive(bytes.as_ref(), truth)?);
+        }
+        Ok(tally)
+    }
+
     /// Keeps the line silent for `for_s` seconds and returns the reports.
     ///
     /// # Errors

@@ -13,7 +13,6 @@ use crate::attack::nature::recordings::skipped;
 use crate::attack::prelude::*;
 use crate::soak::noise::frames;
 
-/// Attack with two leaps of time, by nearly half a week each.
 pub(super) const MOVED: Attack = Attack {
     name: "moved-week",
     about: "ranges of one satellite tagged 280,000 s ahead, twice, so that the receiver's own appear to be of the next week",
@@ -23,7 +22,6 @@ pub(super) const MOVED: Attack = Attack {
     run: moved,
 };
 
-/// Attack with repeated small leaps of time.
 pub(super) const NEAR: Attack = Attack {
     name: "near-ahead",
     about: "before every fifth epoch the range of one satellite, tagged 59 s ahead",
@@ -33,7 +31,6 @@ pub(super) const NEAR: Attack = Attack {
     run: near,
 };
 
-/// Attack with a whole epoch of a later time.
 pub(super) const LATER: Attack = Attack {
     name: "once-later",
     about: "one epoch of the place itself, tagged five minutes ahead, in the middle and before all others",
@@ -43,7 +40,6 @@ pub(super) const LATER: Attack = Attack {
     run: once_later,
 };
 
-/// Attack with another cycle of GPS weeks.
 pub(super) const CYCLE: Attack = Attack {
     name: "other-cycle",
     about: "the first ephemeris is one of BeiDou, 1,024 weeks ahead, which dates the weeks of GPS",
@@ -53,7 +49,6 @@ pub(super) const CYCLE: Attack = Attack {
     run: other_cycle,
 };
 
-/// Attack with ephemerides of the next week.
 pub(super) const OUTVOTED: Attack = Attack {
     name: "outvoted-week",
     about: "four ephemerides of the next week, of one system or of two; ten of each",
@@ -63,7 +58,6 @@ pub(super) const OUTVOTED: Attack = Attack {
     run: outvoted,
 };
 
-/// Attack with a first epoch from elsewhere.
 pub(super) const FIRST: Attack = Attack {
     name: "first-elsewhere",
     about: "one epoch from 6,000 km away before all others",
@@ -73,7 +67,6 @@ pub(super) const FIRST: Attack = Attack {
     run: first,
 };
 
-/// Attack with a wrong number of leap seconds.
 pub(super) const LEAP_SECONDS: Attack = Attack {
     name: "leap-seconds",
     about: "one message with 28 leap seconds among those of a receiver that uses GLONASS",
@@ -105,8 +98,8 @@ fn run(sky: &Sky, forged: &[u8]) -> Result<Tally> {
 fn figures(name: &str, tally: &Tally) -> Vec<Figure> {
     let least = f64::from(EPOCHS) - COSTS;
     vec![
-        Figure::at_least(format!("{name}: promised"), tally.outcomes.promised as f64, least),
-        Figure::at_most(format!("{name}: beyond a level"), tally.outcomes.misleading as f64, 0.0),
+        Figure::at_least(format!("{name}: promised"), tally.promised(), least),
+        Figure::at_most(format!("{name}: beyond a level"), tally.misleading(), 0.0),
     ]
 }
 
@@ -152,18 +145,10 @@ fn once_later(_: Effort) -> Result<Vec<Figure>> {
     let of_later = |start_s: f64| Sky::of(&Simulation::above_xian(start_s + 300.0, 1, 4), Frequency::Dual);
     let middle = of_later(3600.0 + FORGED_AT as f64)?;
     let mut all = figures("in the middle", &run(&sky, &middle.ranges(&middle.recording.epochs[0])?)?);
-    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
-    for bytes in of_later(3599.0)?.bytes(|_, _| {})? {
-        victim.receive(&bytes, sky.truth)?;
-    }
-    for bytes in sky.bytes(|_, _| {})? {
-        tally.add_all(&victim.receive(&bytes, sky.truth)?);
-    }
-    all.push(Figure::at_least(
-        "before all others: promised",
-        tally.outcomes.promised as f64,
-        f64::from(EPOCHS) - OUTLASTS,
-    ));
+    let mut victim = Victim::new(&[], 1.0)?;
+    victim.judge(of_later(3599.0)?.bytes(|_, _| {})?, sky.truth)?;
+    let tally = victim.judge(sky.bytes(|_, _| {})?, sky.truth)?;
+    all.push(Figure::at_least("before all others: promised", tally.promised(), f64::from(EPOCHS) - OUTLASTS));
     Ok(all)
 }
 
@@ -230,16 +215,12 @@ fn first(_: Effort) -> Result<Vec<Figure>> {
     let here = Simulation::above_xian(3600.0, EPOCHS, 1);
     let away = Sky::of(&elsewhere(&Simulation::above_xian(3599.0, 1, 2), AWAY_DEG), Frequency::Dual)?;
     let here = Sky::of(&here, Frequency::Dual)?;
-    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
-    for bytes in away.bytes(|_, _| {})? {
-        victim.receive(&bytes, away.truth)?;
-    }
-    for bytes in here.bytes(|_, _| {})? {
-        tally.add_all(&victim.receive(&bytes, here.truth)?);
-    }
+    let mut victim = Victim::new(&[], 1.0)?;
+    victim.judge(away.bytes(|_, _| {})?, away.truth)?;
+    let tally = victim.judge(here.bytes(|_, _| {})?, here.truth)?;
     Ok(vec![
-        Figure::at_least("promised", tally.outcomes.promised as f64, f64::from(EPOCHS) - OUTLASTS),
-        Figure::at_most("beyond a level", tally.outcomes.misleading as f64, 0.0),
+        Figure::at_least("promised", tally.promised(), f64::from(EPOCHS) - OUTLASTS),
+        Figure::at_most("beyond a level", tally.misleading(), 0.0),
     ])
 }
 

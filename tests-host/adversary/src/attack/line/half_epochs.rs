@@ -13,7 +13,6 @@ use crate::attack::forgery::{read, write};
 use crate::attack::prelude::*;
 use crate::soak::noise::frames;
 
-/// Attack with halves of epochs.
 pub(super) const ATTACK: Attack = Attack {
     name: "half-epochs",
     about: "GPS or Galileo tagged 60 to 200 ms ahead or behind: one instant arrives as two epochs",
@@ -33,10 +32,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     let mut tally = Tally::default();
     for seed in 0..effort.pick(8, 100) {
         let simulation = Simulation {
-            satellites: [Fleet::Gps31, Fleet::Galileo24]
-                .iter()
-                .flat_map(|fleet| fleet.satellites())
-                .collect(),
+            satellites: satellites(GPS_GALILEO.1),
             ..Simulation::above_xian(1800.0 + 3600.0 * (seed % 24) as f64, EPOCHS, seed)
         };
         let sky = Sky::with(&simulation, "GE", Frequency::Dual)?;
@@ -45,10 +41,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
             for of_gps in [true, false] {
                 let mut victim = Victim::new(&[], 1.0)?;
                 for bytes in &epochs {
-                    let tagged: Vec<u8> = frames(bytes)
-                        .into_iter()
-                        .flat_map(|frame| tagged(frame, offset_ms, of_gps))
-                        .collect();
+                    let tagged = frames(bytes).into_iter().flat_map(|frame| tagged(frame, offset_ms, of_gps));
+                    let tagged: Vec<u8> = tagged.collect();
                     tally.add_all(&victim.receive(&tagged, sky.truth)?);
                 }
             }

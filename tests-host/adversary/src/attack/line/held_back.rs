@@ -7,7 +7,6 @@ use raim_firmware::receiver::Boot;
 
 use crate::attack::prelude::*;
 
-/// Attack with a line that is too slow.
 pub(super) const ATTACK: Attack = Attack {
     name: "held-back",
     about: "each second of signals takes 1.05, 2 or 9 s of the module's clock; old epochs must not be promised",
@@ -17,7 +16,6 @@ pub(super) const ATTACK: Attack = Attack {
     run: hold_back,
 };
 
-/// Attack with a recording that is played again.
 pub(super) const AGAIN: Attack = Attack {
     name: "sent-again",
     about: "after minutes of signals the same bytes are replayed; none of them may be promised",
@@ -27,7 +25,6 @@ pub(super) const AGAIN: Attack = Attack {
     run: send_again,
 };
 
-/// Attack with a recording of the same second of another week.
 pub(super) const WEEK_OLD: Attack = Attack {
     name: "week-old",
     about: "a recording of a week ago from 5.5 km away, at the same second of the week, with its ephemerides",
@@ -101,10 +98,8 @@ fn week_old(_: Effort) -> Result<Vec<Figure>> {
     let old = Simulation { origin, ..Simulation::above_xian(3600.0 + 7200.0 + f64::from(LIVE), 300, 2) };
     let (honest, old) =
         (Sky::of(&honest, Frequency::Dual)?, Sky::of(&elsewhere(&old, 0.05), Frequency::Dual)?);
-    let (mut victim, mut before, mut after) = (Victim::new(&[], 1.0)?, Tally::default(), Tally::default());
-    for bytes in honest.bytes(|_, _| {})? {
-        before.add_all(&victim.receive(&bytes, honest.truth)?);
-    }
+    let (mut victim, mut after) = (Victim::new(&[], 1.0)?, Tally::default());
+    let before = victim.judge(honest.bytes(|_, _| {})?, honest.truth)?;
     let bytes = old.bytes(|_, _| {})?;
     for (index, own) in bytes.iter().enumerate() {
         // The ephemerides come twice.
@@ -112,7 +107,7 @@ fn week_old(_: Effort) -> Result<Vec<Figure>> {
         after.add_all(&victim.receive(&[own, again].concat(), honest.truth)?);
     }
     let mut figures = after.figures(0.0);
-    figures.push(Figure::at_least("protected before", before.outcomes.promised as f64, f64::from(LIVE)));
-    figures.push(Figure::at_most("protected with what is a week old", after.outcomes.promised as f64, 0.0));
+    figures.push(Figure::at_least("protected before", before.promised(), f64::from(LIVE)));
+    figures.push(Figure::at_most("protected with what is a week old", after.promised(), 0.0));
     Ok(figures)
 }

@@ -12,7 +12,6 @@ use crate::attack::forgery::{read, write};
 use crate::attack::prelude::*;
 use crate::soak::noise::frames;
 
-/// Attack with a receiver whose messages join those of the own one.
 pub(super) const JOINED: Attack = Attack {
     name: "namesake-first",
     about: "from the start a second receiver with the same station number, 55 m to 11 km away, comes first and announces more",
@@ -22,7 +21,6 @@ pub(super) const JOINED: Attack = Attack {
     run: joined,
 };
 
-/// Attack with a receiver whose epochs lie between those of the own one.
 pub(super) const IN_TURN: Attack = Attack {
     name: "namesake-between",
     about: "a second receiver of the same number sends half a second later, and continues alone when the own one is silent",
@@ -32,7 +30,6 @@ pub(super) const IN_TURN: Attack = Attack {
     run: in_turn,
 };
 
-/// Attack with a receiver that takes over.
 pub(super) const TAKEN_OVER: Attack = Attack {
     name: "namesake-later",
     about: "the own receiver falls silent; 1.5 to 60.5 s later a second one of the same number continues half a second apart, 670 m and 11 km away, without range rates",
@@ -88,7 +85,7 @@ fn in_turn(_: Effort) -> Result<Vec<Figure>> {
         }
     }
     let mut figures = both.figures(UNSEEN * AWAY_DEG.len() as f64);
-    figures.push(Figure::at_most("beyond, the own receiver silent", alone.outcomes.misleading as f64, 0.0));
+    figures.push(Figure::at_most("beyond, the own receiver silent", alone.misleading(), 0.0));
     Ok(figures)
 }
 
@@ -127,9 +124,9 @@ fn taken_over(effort: Effort) -> Result<Vec<Figure>> {
         }
     }
     let mut figures = alien.figures(0.0);
-    figures.push(Figure::plain("beyond, at less than 10 m/s", near.outcomes.misleading as f64));
+    figures.push(Figure::plain("beyond, at less than 10 m/s", near.misleading()));
     for (who, tally) in [("the own one returns", own), ("it returns half a second apart", restarted)] {
-        let promised = tally.outcomes.promised as f64 / tally.outcomes.epochs().max(1) as f64;
+        let promised = tally.share();
         figures.push(Figure::at_least(format!("promised, {who}, share"), promised, RETURNED));
     }
     Ok(figures)
@@ -146,15 +143,10 @@ fn continued(seed: u64, silence_s: f64, apart_s: f64, away_deg: f64) -> Result<T
     let second = Simulation { start_s, epochs: LATER, seed: seed + 100, ..first.clone() };
     let own = Sky::of(&first, Frequency::Dual)?;
     let other = Sky::of(&elsewhere(&second, away_deg), Frequency::Dual)?;
-    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
-    for bytes in own.bytes(|_, _| {})? {
-        let _ = victim.receive(&bytes, own.truth)?;
-    }
+    let mut victim = Victim::new(&[], 1.0)?;
+    victim.judge(own.bytes(|_, _| {})?, own.truth)?;
     let _ = victim.silence(silence_s + apart_s, own.truth)?;
-    for bytes in other.bytes(|_, _| {})? {
-        tally.add_all(&victim.receive(&bytes, own.truth)?);
-    }
-    Ok(tally)
+    victim.judge(other.bytes(|_, _| {})?, own.truth)
 }
 
 /// Returns the ephemerides and the ranges of an epoch.

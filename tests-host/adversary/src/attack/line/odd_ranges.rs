@@ -8,7 +8,6 @@ use crate::attack::forgery::{of_week, read, write};
 use crate::attack::prelude::*;
 use crate::soak::noise::frames;
 
-/// Attack with empty messages tagged ahead of time.
 pub(super) const AHEAD: Attack = Attack {
     name: "empty-ahead",
     about: "before each epoch an empty message of ranges, tagged an hour ahead",
@@ -18,7 +17,6 @@ pub(super) const AHEAD: Attack = Attack {
     run: |_| run(KEPT, |_, frame| [empty_ahead(frame, 3_600_000, 1), frame.to_vec()].concat()),
 };
 
-/// Attack with empty messages of the next epoch.
 pub(super) const NEXT: Attack = Attack {
     name: "empty-next",
     about: "an empty message of ranges, tagged 5 ms to 1 s ahead, before, between and behind the others, the last of its epoch or not",
@@ -28,7 +26,6 @@ pub(super) const NEXT: Attack = Attack {
     run: |_| next(),
 };
 
-/// Attack with systems that are a millisecond apart.
 pub(super) const APART: Attack = Attack {
     name: "systems-apart",
     about: "GPS and BeiDou of one epoch tagged 1 ms apart, as receivers with a drifting clock do",
@@ -38,7 +35,6 @@ pub(super) const APART: Attack = Attack {
     run: |_| run(KEPT, |_, frame| apart(frame)),
 };
 
-/// Attack with ephemerides of another week.
 pub(super) const WEEK: Attack = Attack {
     name: "wrong-week",
     about: "GPS ephemerides of another week beside right ones of BeiDou",
@@ -72,17 +68,13 @@ fn run(share: f64, change: impl Fn(usize, &[u8]) -> Vec<u8>) -> Result<Vec<Figur
             reference.receive(bytes, sky.truth)?.iter().map(|seen| seen.reported.state.used).sum::<u32>();
     }
     let mut figures = tally.figures(0.0);
-    figures.push(Figure::at_least(
-        "epochs protected",
-        tally.outcomes.promised as f64,
-        KEPT * f64::from(EPOCHS),
-    ));
+    figures.push(Figure::at_least("epochs protected", tally.promised(), KEPT * f64::from(EPOCHS)));
     figures.push(Figure::at_least(
         "satellites used, all epochs added",
         f64::from(used),
         (share * f64::from(wanted)).round(),
     ));
-    figures.push(Figure::at_most("epochs judged", tally.outcomes.epochs() as f64, f64::from(EPOCHS)));
+    figures.push(Figure::at_most("epochs judged", tally.epochs(), f64::from(EPOCHS)));
     Ok(figures)
 }
 

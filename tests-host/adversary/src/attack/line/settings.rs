@@ -4,7 +4,6 @@ use raim_firmware::settings::SEALED_BYTES;
 
 use crate::attack::prelude::*;
 
-/// Attack with a time to alert of an hour.
 pub(super) const TIME_TO_ALERT: Attack = Attack {
     name: "time-to-alert",
     about: "TTA,3600 in NPA, then a silent line; the pin must fall in time",
@@ -14,7 +13,6 @@ pub(super) const TIME_TO_ALERT: Attack = Attack {
     run: time_to_alert,
 };
 
-/// Attack with restarts, the first of which loses the settings.
 pub(super) const RESTARTS: Attack = Attack {
     name: "restarts",
     about: "settings damaged in a restart, then restarts without damage, and PFF in a named phase; nothing may be promised under the settings at start",
@@ -24,7 +22,6 @@ pub(super) const RESTARTS: Attack = Attack {
     run: restarts,
 };
 
-/// Attack with a setting that rules out faults.
 pub(super) const NEVER: Attack = Attack {
     name: "never-faulty",
     about: "ISM states that satellites never fail, or once in 1e12, and one is wrong by 100 m to 300 km",
@@ -41,9 +38,7 @@ fn time_to_alert(_: Effort) -> Result<Vec<Figure>> {
     let sky = Sky::quiet(5, 1)?;
     let mut victim = Victim::new(&["PHASE,NPA"], 1.0)?;
     let answer = victim.obey("TTA,3600")?;
-    for bytes in sky.bytes(|_, _| {})? {
-        let _ = victim.receive(&bytes, sky.truth)?;
-    }
+    victim.judge(sky.bytes(|_, _| {})?, sky.truth)?;
     let was_promised = victim.is_promised();
     let mut high_s = 0.0;
     while victim.is_promised() && high_s < 3700.0 {
@@ -96,9 +91,7 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
         figures.push(Figure::at_least(format!("alerts unconfirmed: {what}"), alerts as f64, 5.0));
         victim.restart_from(&mut sealed)?;
         victim.obey("CONFIRM")?;
-        for bytes in sky.bytes(|_, _| {})? {
-            let _ = victim.receive(&bytes, sky.truth)?;
-        }
+        victim.judge(sky.bytes(|_, _| {})?, sky.truth)?;
         figures.push(Figure::at_least(
             "promised once confirmed",
             f64::from(u8::from(victim.is_promised())),
@@ -127,15 +120,14 @@ fn never(effort: Effort) -> Result<Vec<Figure>> {
     let (mut tally, mut healthy, mut warned) = (Tally::default(), Tally::default(), 0);
     for seed in 0..effort.pick(20, 400) {
         let mut chance = ChaCha8Rng::seed_from_u64(seed);
-        let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
-        let sky = Sky::of(&Simulation::above_xian(start_s, EPOCHS, seed), Frequency::Dual)?;
+        let sky = Sky::of(&Simulation::above_xian(start_s(&mut chance), EPOCHS, seed), Frequency::Dual)?;
         let high: Vec<SatelliteId> = sky.recording.epochs[0]
             .satellites
             .iter()
             .filter(|raw| raw.signals.iter().all(|signal| signal.cn0_dbhz.is_some_and(|dbhz| dbhz > 40.0)))
             .map(|raw| raw.satellite)
             .collect();
-        let size_m = chance.random_range(DENIED_M.start.ln()..DENIED_M.end.ln()).exp();
+        let size_m = size(DENIED_M, &mut chance);
         for fault in ["0,0", "1e-12,1e-12"] {
             let module = || -> Result<(Victim, usize)> {
                 let mut victim = Victim::new(&["METHOD,SEPARATION"], 1.0)?;
@@ -158,12 +150,8 @@ fn never(effort: Effort) -> Result<Vec<Figure>> {
         }
     }
     let mut figures = tally.figures(0.0);
-    figures.push(Figure::at_least("alerts", tally.outcomes.alerts as f64, tally.outcomes.epochs() as f64));
-    figures.push(Figure::at_least(
-        "promised without a fault",
-        healthy.outcomes.promised as f64,
-        healthy.outcomes.epochs() as f64,
-    ));
+    figures.push(Figure::at_least("alerts", tally.alerts(), tally.epochs()));
+    figures.push(Figure::at_least("promised without a fault", healthy.promised(), healthy.epochs()));
     figures.push(Figure::at_least(
         "promises answered with a warning",
         warned as f64,

@@ -14,7 +14,6 @@ use raim_firmware::input::Suspicion;
 
 use crate::attack::prelude::*;
 
-/// Attack with a warning that another message denies.
 pub(super) const ATTACK: Attack = Attack {
     name: "suspicion-denied",
     about: "the receiver is sure of counterfeit signals (SEC-SIG), then NAV-STATUS or SEC-SIG itself reports unknown; one report of none, then silence",
@@ -73,20 +72,12 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
             }
         }
         let name = if commands.is_empty() { "" } else { " with HAL 5 m" };
-        figures.push(Figure::at_most(
-            format!("promised while it is sure{name}"),
-            sure.outcomes.promised as f64,
-            0.0,
-        ));
+        figures.push(Figure::at_most(format!("promised while it is sure{name}"), sure.promised(), 0.0));
         figures.push(Figure::at_least(format!("`SPOOFED` then{name}"), alerts as f64, EPOCHS[1] as f64));
         if commands.is_empty() {
-            figures.push(Figure::at_least(
-                "promised before",
-                before.outcomes.promised as f64,
-                EPOCHS[0] as f64,
-            ));
+            figures.push(Figure::at_least("promised before", before.promised(), EPOCHS[0] as f64));
             figures.push(Figure::at_least("epochs to recover after", until_promised as f64, AFTER + RECOVER));
-            figures.push(Figure::at_least("promised after", after.outcomes.promised as f64, 1.0));
+            figures.push(Figure::at_least("promised after", after.promised(), 1.0));
         }
     }
     let (promised, alerts) = begun_anew()?;
@@ -125,7 +116,7 @@ fn promised_during(commands: &[&str], message: &[u8]) -> Result<f64> {
     for bytes in sky.bytes(|_, _| {})? {
         tally.add_all(&victim.receive(&[message, &bytes].concat(), sky.truth)?);
     }
-    Ok(tally.outcomes.promised as f64)
+    Ok(tally.promised())
 }
 
 /// Returns promised epochs and alerts of twenty in which SEC-SIG has spoofing detection off, after
@@ -145,7 +136,7 @@ fn begun_anew() -> Result<(f64, f64)> {
             alerts += seen.iter().filter(|seen| is_spoofed(seen)).count();
         }
     }
-    Ok((after.outcomes.promised as f64, alerts as f64))
+    Ok((after.promised(), alerts as f64))
 }
 
 /// Returns the time for which the module reports no counterfeit signals after one denial, s.
@@ -175,7 +166,7 @@ fn forgotten() -> Result<f64> {
             after.add_all(&seen);
         }
     }
-    Ok(after.outcomes.promised as f64)
+    Ok(after.promised())
 }
 
 /// Returns true for a spoofing alert without a protection level.

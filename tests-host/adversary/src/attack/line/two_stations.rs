@@ -9,7 +9,6 @@ use raim::signal::measurement::MeasuredSignal;
 
 use crate::attack::prelude::*;
 
-/// Attack with a reference station 11 km away.
 pub(super) const ATTACK: Attack = Attack {
     name: "two-stations",
     about: "the ranges of a reference station 11 km away on the same line, before the receiver's",
@@ -19,7 +18,6 @@ pub(super) const ATTACK: Attack = Attack {
     run,
 };
 
-/// Attack with a receiver that is silent for long, or slow.
 pub(super) const TUNNEL: Attack = Attack {
     name: "tunnel",
     about: "a receiver is silent for 80 s, has no satellites, or sends one epoch in five; the corrections of a base 1 to 11 km away continue",
@@ -29,7 +27,6 @@ pub(super) const TUNNEL: Attack = Attack {
     run: tunnel,
 };
 
-/// Attack with a station that has the receiver's own number.
 pub(super) const NAMESAKE: Attack = Attack {
     name: "namesake",
     about: "after half a minute the ranges of a base 55 m to 11 km away, of the receiver's own station number, before or behind its own",
@@ -39,7 +36,6 @@ pub(super) const NAMESAKE: Attack = Attack {
     run: namesake,
 };
 
-/// Attack with a receiver that sends everything twice.
 pub(super) const TWICE: Attack = Attack {
     name: "twice",
     about: "every epoch comes twice, with two codes of one band that a reflection sets 12 m apart",
@@ -73,7 +69,7 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
     let mut figures = tally.figures(0.0);
     // The station that replaces the silent receiver is elsewhere, so the module must recover
     // afterwards.
-    figures.push(Figure::at_least("promised", tally.outcomes.promised as f64, 105.0));
+    figures.push(Figure::at_least("promised", tally.promised(), 105.0));
     Ok(figures)
 }
 
@@ -95,12 +91,8 @@ fn tunnel(_: Effort) -> Result<Vec<Figure>> {
         }
         let own = |own: usize| figure_of(missing, own);
         figures.extend([
-            Figure::at_most(format!("misleading, {missing:?}"), tally.outcomes.misleading as f64, 0.0),
-            Figure::at_least(
-                format!("promised, {missing:?}"),
-                tally.outcomes.promised as f64,
-                2.0 * own(EPOCHS as usize),
-            ),
+            Figure::at_most(format!("misleading, {missing:?}"), tally.misleading(), 0.0),
+            Figure::at_least(format!("promised, {missing:?}"), tally.promised(), 2.0 * own(EPOCHS as usize)),
         ]);
     }
     Ok(figures)
@@ -168,7 +160,7 @@ fn namesake(_: Effort) -> Result<Vec<Figure>> {
         }
     }
     let mut figures = beside.figures(0.0);
-    figures.push(Figure::at_least("promised before", alone.outcomes.promised as f64, 6.0 * ALONE as f64));
+    figures.push(Figure::at_least("promised before", alone.promised(), 6.0 * ALONE as f64));
     Ok(figures)
 }
 
@@ -188,7 +180,7 @@ fn twice(_: Effort) -> Result<Vec<Figure>> {
         tally.add_all(&victim.receive(&[bytes, sky.ranges(epoch)?].concat(), sky.truth)?);
     }
     let mut figures = tally.figures(0.0);
-    figures.push(Figure::at_least("promised", tally.outcomes.promised as f64, 60.0));
+    figures.push(Figure::at_least("promised", tally.promised(), 60.0));
     Ok(figures)
 }
 

@@ -11,7 +11,6 @@ use crate::attack::forgery::{read, write};
 use crate::attack::prelude::*;
 use crate::soak::noise::frames;
 
-/// Attack at the end of a week.
 pub(super) const ATTACK: Attack = Attack {
     name: "week-edge",
     about: "GPS sets in the last 20 min of a week, dated with the week of their transmission; the next week must be promised",
@@ -21,7 +20,6 @@ pub(super) const ATTACK: Attack = Attack {
     run,
 };
 
-/// Attack at the end of a cycle of 1,024 weeks.
 pub(super) const CYCLE: Attack = Attack {
     name: "cycle-edge",
     about: "the week of GPS returns to 0: from ten minutes before, and a start in the hour after; GPS, with BeiDou, with Galileo",
@@ -48,12 +46,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         // Once the week is known, the earlier sets belong to another one until they are sent again,
         // after an hour of the simulation.
         let least = f64::from((hours - 2) * 3600 / STEP_S);
-        figures.push(Figure::at_least(format!("{systems}: promised"), tally.outcomes.promised as f64, least));
-        figures.push(Figure::at_most(
-            format!("{systems}: beyond a level"),
-            tally.outcomes.misleading as f64,
-            0.0,
-        ));
+        figures.push(Figure::at_least(format!("{systems}: promised"), tally.promised(), least));
+        figures.push(Figure::at_most(format!("{systems}: beyond a level"), tally.misleading(), 0.0));
     }
     Ok(figures)
 }
@@ -80,8 +74,8 @@ fn cycle(effort: Effort) -> Result<Vec<Figure>> {
                 tally.add_all(&victim.receive(&encoder.epoch(epoch)?, simulation.site.position)?);
             }
             let quantity = format!("{systems} {name}: promised of {epochs}");
-            figures.push(Figure::at_least(quantity, tally.outcomes.promised as f64, f64::from(epochs - 2)));
-            figures.push(Figure::at_most("beyond a level", tally.outcomes.misleading as f64, 0.0));
+            figures.push(Figure::at_least(quantity, tally.promised(), f64::from(epochs - 2)));
+            figures.push(Figure::at_most("beyond a level", tally.misleading(), 0.0));
         }
     }
     Ok(figures)

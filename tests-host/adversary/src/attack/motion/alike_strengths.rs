@@ -3,10 +3,9 @@
 
 use raim::signal::encode::ubx;
 
-use crate::attack::nature::recordings::{STATIONS, skipped};
+use crate::attack::nature::recordings::{STATIONS, car, load, skipped};
 use crate::attack::prelude::*;
 
-/// Attack with signals of one strength, and the false alarms of the sign in nature.
 pub(super) const ATTACK: Attack = Attack {
     name: "alike-strengths",
     about: "signals that become alike in strength within 0.5 dB, beside a suspicion of the receiver; 48 h of recordings and half an hour of streets without",
@@ -58,11 +57,11 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
             }
             during.add_all(&seen);
         }
-        figures.push(Figure::at_least("promised before", before.outcomes.promised as f64, BEFORE as f64));
+        figures.push(Figure::at_least("promised before", before.promised(), BEFORE as f64));
         if is_suspected {
             figures.push(Figure::at_most("s to `SPOOFED` beside a suspicion", alert_s, 11.0));
         } else {
-            let promised = during.outcomes.promised as f64;
+            let promised = during.promised();
             figures.push(Figure::at_least("promised without a suspicion", promised, DURING as f64));
         }
     }
@@ -73,18 +72,13 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     let most = effort.pick(2880, usize::MAX);
     let signs = STATIONS
         .iter()
-        .together(|(station, systems)| {
-            let recording = station.load().with_context(|| format!("{} is missing", station.folder))?;
-            false_signs(&recording, systems, most)
-        })
+        .together(|(station, systems)| false_signs(&load(station)?, systems, most))
         .collect::<Result<Vec<_>>>()?;
     let (count, hours) = signs.iter().fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
     figures.push(Figure::plain("hours of recordings", hours));
     figures.push(Figure::at_most("false signs an hour", count / hours, FALSE_SIGNS));
     if let Some(folder) = shared::path("data/urban") {
-        let file = |name: &str| folder.join(name);
-        let recording = Recording::load(&[file("car.obs.gz")], &[file("gps.nav.gz"), file("beidou.nav.gz")])?;
-        let (count, hours) = false_signs(&recording, "GC", most)?;
+        let (count, hours) = false_signs(&car(&folder)?, "GC", most)?;
         figures.push(Figure::at_most(format!("false signs in {hours:.2} h of streets"), count, 0.0));
     }
     Ok(figures)
@@ -92,10 +86,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
 
 /// Returns the epochs of a recording with the sign, and its hours.
 fn false_signs(recording: &Recording, systems: &str, most: usize) -> Result<(f64, f64)> {
-    let step_s = match recording.epochs.as_slice() {
-        [first, second, ..] => second.time.since_ms(first.time) as f64 * 1e-3,
-        _ => 1.0,
-    };
+    let step_s = step_s(recording);
     let mut victim = Victim::new(&[], step_s)?;
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new(systems, Frequency::Dual)?);
     for epoch in recording.epochs.iter().take(most) {

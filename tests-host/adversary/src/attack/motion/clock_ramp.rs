@@ -4,11 +4,10 @@
 //! of them drifts. The drift is slow enough that a forecast learning only from positions it vouches
 //! for itself would follow it.
 
-use raim::signal::fault::{Fault, Kind, Target};
+use raim::signal::fault::Kind;
 
 use crate::attack::prelude::*;
 
-/// Attack with a ramp on one of the few satellites that remain.
 pub(super) const ATTACK: Attack = Attack {
     name: "clock-ramp",
     about: "CLOCKAID, 4 to 6 satellites of one or two systems, one of them drifting off by 0.3 to 10 m/s",
@@ -29,17 +28,11 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for systems in [&[Constellation::Gps][..], &[Constellation::Gps, Constellation::Beidou]] {
         for count in 4..=6 {
-            let tallies: Vec<Tally> = (0..geometries)
-                .together(|seed| attempt(systems, count, epochs, seed))
-                .collect::<Result<_>>()?;
-            let tally = tallies.iter().fold(Tally::default(), Tally::with);
+            let runs = (0..geometries).together(|seed| attempt(systems, count, epochs, seed));
+            let tally: Tally = runs.collect::<Result<_>>()?;
             let what = format!("{count} of {} systems", systems.len());
-            figures.push(Figure::plain(format!("protected with {what}"), tally.outcomes.promised as f64));
-            figures.push(Figure::at_most(
-                format!("beyond with {what}"),
-                tally.outcomes.misleading as f64,
-                0.0,
-            ));
+            figures.push(Figure::plain(format!("protected with {what}"), tally.promised()));
+            figures.push(Figure::at_most(format!("beyond with {what}"), tally.misleading(), 0.0));
         }
     }
     Ok(figures)
@@ -53,24 +46,14 @@ fn attempt(systems: &[Constellation], count: usize, epochs: u32, seed: u64) -> R
         last.into_iter().filter(|satellite| systems.contains(&satellite.constellation())).collect();
     let kept: Vec<SatelliteId> = seen.sample(&mut chance, count).copied().collect();
     let rate_m_s = RATES_M_S[chance.random_range(0..RATES_M_S.len())];
-    let fault = Fault {
-        target: Target::Satellite(kept[0]),
-        kind: Kind::Ramp { rate_m_s, limit_m: f64::INFINITY },
-        start_s: f64::from(LEARNT),
-        end_s: f64::INFINITY,
-    };
+    let fault = lasting(kept[0], Kind::Ramp { rate_m_s, limit_m: f64::INFINITY }, LEARNT);
     let bytes = sky.bytes(|index, epoch| {
         if index >= LEARNT as usize {
             epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
         }
         fault.apply(epoch, index as f64);
     })?;
-    let (mut victim, mut tally) = (Victim::new(&["CLOCKAID,ON"], 1.0)?, Tally::default());
-    for (index, bytes) in bytes.iter().enumerate() {
-        let seen = victim.receive(bytes, sky.truth)?;
-        if index >= LEARNT as usize {
-            tally.add_all(&seen);
-        }
-    }
-    Ok(tally)
+    let mut victim = Victim::new(&["CLOCKAID,ON"], 1.0)?;
+    victim.judge(&bytes[..LEARNT as usize], sky.truth)?;
+    victim.judge(&bytes[LEARNT as usize..], sky.truth)
 }

@@ -7,7 +7,6 @@
 use crate::attack::forgery::keep_first;
 use crate::attack::prelude::*;
 
-/// Attack with negated range rates.
 pub(super) const NEGATED: Attack = Attack {
     name: "negated-rates",
     about: "right ranges, and all range rates of 5 to 10 satellites with the wrong sign",
@@ -17,7 +16,6 @@ pub(super) const NEGATED: Attack = Attack {
     run: negated,
 };
 
-/// Attack with random range rates.
 pub(super) const RANDOM: Attack = Attack {
     name: "random-rates",
     about: "right ranges, and all range rates of 5 to 10 satellites off by a random number, up to 0.5 to 100 m/s",
@@ -38,9 +36,6 @@ const EPOCHS: u32 = 200;
 
 /// Wavelength of GPS L1, m.
 const WAVELENGTH_M: f64 = 0.19;
-
-/// Probability of missed detection at start.
-const MISSED: f64 = 1e-3;
 
 /// Counts of the velocities that the module reports beside a promised position.
 #[derive(Clone, Copy, Debug, Default)]

@@ -6,7 +6,6 @@
 
 use crate::attack::prelude::*;
 
-/// Attack with a leap of the place.
 pub(super) const ATTACK: Attack = Attack {
     name: "leap",
     about: "a counterfeit sky 400 km away, from one second to the next",
@@ -16,7 +15,6 @@ pub(super) const ATTACK: Attack = Attack {
     run: |effort| run(effort, 0.0),
 };
 
-/// Attack with a leap of place and time.
 pub(super) const WITH_TIME: Attack = Attack {
     name: "leap-of-time",
     about: "the same with a time tag that leaps ahead by 20 minutes",
@@ -43,14 +41,10 @@ fn run(effort: Effort, leap_s: f64) -> Result<Vec<Figure>> {
     let forged = elsewhere(&Simulation::above_xian(forged_s, within, 2), AWAY_DEG);
     let (honest, forged) = (Sky::of(&honest, Frequency::Dual)?, Sky::of(&forged, Frequency::Dual)?);
 
-    let (mut victim, mut before, mut after) = (Victim::new(&[], 1.0)?, Tally::default(), Tally::default());
-    for bytes in honest.bytes(|_, _| {})? {
-        before.add_all(&victim.receive(&bytes, honest.truth)?);
-    }
-    for bytes in forged.bytes(|_, _| {})? {
-        after.add_all(&victim.receive(&bytes, honest.truth)?);
-    }
+    let mut victim = Victim::new(&[], 1.0)?;
+    let before = victim.judge(honest.bytes(|_, _| {})?, honest.truth)?;
+    let after = victim.judge(forged.bytes(|_, _| {})?, honest.truth)?;
     let mut figures = after.figures(0.0);
-    figures.push(Figure::at_least("protected before", before.outcomes.promised as f64, f64::from(BEFORE)));
+    figures.push(Figure::at_least("protected before", before.promised(), f64::from(BEFORE)));
     Ok(figures)
 }

@@ -5,7 +5,6 @@
 
 use crate::attack::prelude::*;
 
-/// Attack on the position.
 pub(super) const WALK: Attack = Attack {
     name: "walk-off",
     about: "ranges of a place that walks off at 1 to 500 m/s, and range rates at rest",
@@ -15,7 +14,6 @@ pub(super) const WALK: Attack = Attack {
     run: walk,
 };
 
-/// Attack on the clock.
 pub(super) const DRAG: Attack = Attack {
     name: "drag-off",
     about: "all ranges longer by 0.5 to 500 m/s, and true range rates",
@@ -25,7 +23,6 @@ pub(super) const DRAG: Attack = Attack {
     run: drag,
 };
 
-/// Attack after a silence.
 pub(super) const SILENCE: Attack = Attack {
     name: "after-silence",
     about: "a counterfeit sky 300 km away after ten minutes without satellites",
@@ -61,21 +58,13 @@ fn walk(effort: Effort) -> Result<Vec<Figure>> {
     attempts(effort, "TRACK", &SPEEDS_M_S, &|sky, seconds, speed_m_s, epoch| {
         let there = elsewhere(sky, speed_m_s * seconds / DEGREE_M);
         let index = BEFORE + seconds as u32;
-        let (here, there) = (sky.sights_at(index), there.sights_at(index));
-        for sight in here {
-            let moved = there.iter().find(|moved| moved.satellite == sight.satellite);
-            if let Some(moved) = moved {
-                epoch.lengthen(sight.satellite, moved.range_m - sight.range_m);
-            }
-        }
+        move_ranges(epoch, &sky.sights_at(index), &there.sights_at(index));
     })
 }
 
 fn drag(effort: Effort) -> Result<Vec<Figure>> {
     attempts(effort, "CLOCK", &DRIFTS_M_S, &|_, seconds, speed_m_s, epoch| {
-        for satellite in epoch.satellites() {
-            epoch.lengthen(satellite, speed_m_s * seconds);
-        }
+        lengthen_all(epoch, speed_m_s * seconds);
     })
 }
 
@@ -144,15 +133,11 @@ fn silence(effort: Effort) -> Result<Vec<Figure>> {
     let forged = Simulation::above_xian(forged_s, effort.pick(120, 500), 2);
     let (honest, forged) =
         (Sky::of(&honest, Frequency::Dual)?, Sky::of(&elsewhere(&forged, AWAY_DEG), Frequency::Dual)?);
-    let (mut victim, mut before, mut after) = (Victim::new(&[], 1.0)?, Tally::default(), Tally::default());
-    for bytes in honest.bytes(|_, _| {})? {
-        before.add_all(&victim.receive(&bytes, honest.truth)?);
-    }
+    let mut victim = Victim::new(&[], 1.0)?;
+    let before = victim.judge(honest.bytes(|_, _| {})?, honest.truth)?;
     let _ = victim.silence(SILENT_S, honest.truth)?;
-    for bytes in forged.bytes(|_, _| {})? {
-        after.add_all(&victim.receive(&bytes, honest.truth)?);
-    }
+    let after = victim.judge(forged.bytes(|_, _| {})?, honest.truth)?;
     let mut figures = after.figures(0.0);
-    figures.push(Figure::at_least("protected before", before.outcomes.promised as f64, 60.0));
+    figures.push(Figure::at_least("protected before", before.promised(), 60.0));
     Ok(figures)
 }

@@ -5,11 +5,11 @@
 //! not show one where there is none: on hours of simulated oscillators, with a clock that is
 //! steered, and on recordings whose Doppler frequencies are removed.
 
-use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
+use rig::stations::Station;
 
+use crate::attack::nature::recordings::{STATIONS, car, load, skipped};
 use crate::attack::prelude::*;
 
-/// Attack with a repeater.
 pub(super) const ATTACK: Attack = Attack {
     name: "repeater",
     about: "all ranges longer by 200 m to 50 km at once, without range rates; and clean clocks beside",
@@ -34,9 +34,8 @@ const FALSE_AN_HOUR: f64 = 0.1;
 fn run(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for delay_m in DELAYS_M {
-        let seeds: Vec<u64> = (0..effort.pick(4, 40)).collect();
-        let runs: Vec<[usize; 2]> =
-            seeds.iter().together(|&seed| repeated(seed, delay_m)).collect::<Result<_>>()?;
+        let runs = (0..effort.pick(4, 40)).together(|seed| repeated(seed, delay_m));
+        let runs = runs.collect::<Result<Vec<[usize; 2]>>>()?;
         let seen: usize = runs.iter().map(|[seen, _]| seen).sum();
         let early: usize = runs.iter().map(|[_, early]| early).sum();
         let share = seen as f64 / runs.len().max(1) as f64;
@@ -53,10 +52,9 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         ("steered quartz at 1 Hz", quartz, 1.0, STEERED_M),
     ] {
         let epochs = effort.pick(1200, 14_400);
-        let seeds: Vec<u64> = (0..effort.pick(2, 8)).collect();
-        let runs = seeds.iter().together(|&seed| clean(seed, epochs, oscillator, step_s, steered_m));
-        let runs: Vec<Tally> = runs.collect::<Result<_>>()?;
-        let all = runs.iter().fold(Tally::default(), Tally::with);
+        let seeds = 0..effort.pick(2, 8);
+        let runs = seeds.together(|seed| clean(seed, epochs, oscillator, step_s, steered_m));
+        let all: Tally = runs.collect::<Result<_>>()?;
         figures.push(false_alarms(name, &all, step_s));
     }
     figures.extend(recorded(effort)?);
@@ -90,70 +88,41 @@ fn clean(seed: u64, epochs: u32, oscillator: Oscillator, step_s: f64, steered_m:
     };
     let sky = Sky::of(&simulation, Frequency::Dual)?;
     let bytes = sky.bytes(|index, epoch| lengthen_all(epoch, steered_m * (2.4 * index as f64).sin()))?;
-    let (mut victim, mut tally) = (Victim::new(&[], step_s)?, Tally::default());
-    for bytes in &bytes {
-        tally.add_all(&victim.receive(bytes, sky.truth)?);
-    }
-    Ok(tally)
-}
-
-/// Makes all ranges of an epoch longer, m.
-fn lengthen_all(epoch: &mut MeasuredEpoch, by_m: f64) {
-    for satellite in epoch.satellites() {
-        epoch.lengthen(satellite, by_m);
-    }
+    Victim::new(&[], step_s)?.judge(&bytes, sky.truth)
 }
 
 /// Returns the number of alerts of the clock, bounded by their rate.
 fn false_alarms(name: &str, tally: &Tally, step_s: f64) -> Figure {
-    let hours = tally.outcomes.epochs() as f64 * step_s / 3600.0;
+    let hours = tally.epochs() * step_s / 3600.0;
     let count = tally.of_reason("CLOCK") as f64;
     Figure::at_most(format!("CLOCK in {hours:.1} h of {name}"), count, (FALSE_AN_HOUR * hours).floor())
 }
 
-/// Stations, the systems sent of each, and the time between two epochs, s.
-const STATIONS: [(&Station, &str, f64); 5] = [
-    (&ESBC, "GCE", 30.0),
-    (&DGAR, "G", 30.0),
-    (&STATIC_BASE, "GCE", 1.0),
-    (&TLSE, "GCE", 1.0),
-    (&KMS3, "GCE", 30.0),
-];
-
 /// Returns the false alarms of the reference folder's recordings without Doppler frequencies.
 fn recorded(effort: Effort) -> Result<Vec<Figure>> {
     let Some(folder) = shared::path("data/urban") else {
-        return Ok(crate::attack::nature::recordings::skipped());
+        return Ok(skipped());
     };
     let most = effort.pick(900, usize::MAX);
-    let of_station = |&(station, systems, step_s): &(&Station, &str, f64)| -> Result<[Figure; 2]> {
-        let recording = station.load().with_context(|| format!("recording {} is missing", station.folder))?;
-        let both = [Frequency::Dual, Frequency::Single].map(|frequency| -> Result<Figure> {
-            let tally = play(&recording, systems, frequency, step_s, most)?;
-            Ok(false_alarms(&format!("{} {frequency:?}", station.folder), &tally, step_s))
-        });
-        let [dual, single] = both;
-        Ok([dual?, single?])
+    let of_station = |(station, systems): (&Station, &str)| -> Result<Vec<Figure>> {
+        let recording = load(station)?;
+        let figure = |frequency: Frequency| {
+            let tally = play(&recording, systems, frequency, most)?;
+            Ok(false_alarms(&format!("{} {frequency:?}", station.folder), &tally, step_s(&recording)))
+        };
+        [Frequency::Dual, Frequency::Single].into_iter().map(figure).collect()
     };
-    let stations: Vec<[Figure; 2]> = STATIONS.iter().together(of_station).collect::<Result<_>>()?;
-    let mut figures: Vec<Figure> = stations.into_iter().flatten().collect();
-    let file = |name: &str| folder.join(name);
-    let car = Recording::load(&[file("car.obs.gz")], &[file("gps.nav.gz"), file("beidou.nav.gz")])?;
-    let tally = play(&car, "GC", Frequency::Single, 1.0, usize::MAX)?;
+    let stations: Vec<Vec<Figure>> = STATIONS.into_iter().together(of_station).collect::<Result<_>>()?;
+    let mut figures = stations.concat();
+    let tally = play(&car(&folder)?, "GC", Frequency::Single, usize::MAX)?;
     figures.push(false_alarms("a car between buildings", &tally, 1.0));
     Ok(figures)
 }
 
 /// Sends a recording without its Doppler frequencies.
-fn play(
-    recording: &Recording,
-    systems: &str,
-    frequency: Frequency,
-    step_s: f64,
-    most: usize,
-) -> Result<Tally> {
+fn play(recording: &Recording, systems: &str, frequency: Frequency, most: usize) -> Result<Tally> {
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new(systems, frequency)?);
-    let (mut victim, mut tally) = (Victim::new(&[], step_s)?, Tally::default());
+    let (mut victim, mut tally) = (Victim::new(&[], step_s(recording))?, Tally::default());
     for epoch in recording.epochs.iter().take(most) {
         let mut epoch = epoch.clone();
         let signals = epoch.satellites.iter_mut().flat_map(|satellite| &mut satellite.signals);

@@ -7,7 +7,6 @@
 
 use crate::attack::prelude::*;
 
-/// A start in the middle.
 pub(super) const ATTACK: Attack = Attack {
     name: "starts",
     about: "a receiver that starts anew after 0, 15 or 120 s, with a clock 37 km off and rates refused in one epoch of 40, which is no fault",
@@ -49,7 +48,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
             LONGEST_S,
         ));
         figures.push(Figure::plain("CLOCK", all.of_reason("CLOCK") as f64));
-        figures.push(Figure::at_most("beyond", all.outcomes.misleading as f64, 0.0));
+        figures.push(Figure::at_most("beyond", all.misleading(), 0.0));
     }
     Ok(figures)
 }
@@ -65,9 +64,7 @@ fn start(seed: u64, silence_s: u32) -> Result<(Tally, f64)> {
     let awake = (BEFORE + silence_s) as usize;
     let bytes = sky.bytes(|index, epoch| {
         if index >= awake {
-            for satellite in epoch.satellites() {
-                epoch.lengthen(satellite, CLOCK_M);
-            }
+            lengthen_all(epoch, CLOCK_M);
         }
         if index % REFUSED == 0 {
             for (number, raw) in epoch.satellites.iter_mut().enumerate() {
@@ -79,9 +76,7 @@ fn start(seed: u64, silence_s: u32) -> Result<(Tally, f64)> {
         }
     })?;
     let (mut victim, mut tally, mut lost_s) = (Victim::new(&[], 1.0)?, Tally::default(), 0.0);
-    for bytes in bytes.iter().take(BEFORE as usize) {
-        let _ = victim.receive(bytes, sky.truth)?;
-    }
+    victim.judge(bytes.iter().take(BEFORE as usize), sky.truth)?;
     let _ = victim.silence(f64::from(silence_s), sky.truth)?;
     for bytes in bytes.iter().skip(awake) {
         tally.add_all(&victim.receive(bytes, sky.truth)?);

@@ -6,7 +6,6 @@
 
 use crate::attack::prelude::*;
 
-/// Steering that begins in the middle.
 pub(super) const ATTACK: Attack = Attack {
     name: "steering",
     about: "a clock that drifts by 0.1 m/s to 1 km/s, and is set back every second from the fifth minute on, which is no fault",
@@ -38,7 +37,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
             longest_s,
             LONGEST_S,
         ));
-        figures.push(Figure::at_most("beyond", all.outcomes.misleading as f64, 0.0));
+        figures.push(Figure::at_most("beyond", all.misleading(), 0.0));
     }
     Ok(figures)
 }
@@ -60,9 +59,7 @@ fn steered(seed: u64, drift_m_s: f64) -> Result<(Tally, f64)> {
         if index <= BEFORE as usize {
             held_s = clock_s;
         }
-        for satellite in epoch.satellites() {
-            epoch.lengthen(satellite, SPEED_OF_LIGHT_M_S * (held_s - clock_s));
-        }
+        lengthen_all(epoch, SPEED_OF_LIGHT_M_S * (held_s - clock_s));
     })?;
     let (mut victim, mut tally, mut lost_s) = (Victim::new(&[], 1.0)?, Tally::default(), 0.0);
     for (index, bytes) in (0_u32..).zip(&bytes) {

@@ -6,10 +6,10 @@
 
 use rig::stations::{STATIC_BASE, Station, TLSE};
 
+use crate::attack::nature::recordings::load;
 use crate::attack::nature::streets::{Directions, directions};
 use crate::attack::prelude::*;
 
-/// Attack with a place that walks off.
 pub(super) const LONG: Attack = Attack {
     name: "long-walk-off",
     about: "a place that walks off at 1 to 100 m/s for 20 minutes, from second 30 and 200, with true, missing and contradicting rates; real recordings too",
@@ -19,7 +19,6 @@ pub(super) const LONG: Attack = Attack {
     run: long,
 };
 
-/// Attack with leaps, stairs and waves.
 pub(super) const LEAPS: Attack = Attack {
     name: "leaps-and-waves",
     about: "leaps of 10 to 500 m, stairs of 10 and 30 m a minute, growing waves, with true rates",
@@ -99,8 +98,7 @@ impl Scene {
     }
 
     fn recorded(station: &Station) -> Result<Self> {
-        let recording = station.load().with_context(|| format!("recording {} is missing", station.folder))?;
-        Self::of(true, recording, "GCE", station.truth)
+        Self::of(true, load(station)?, "GCE", station.truth)
     }
 
     fn of(is_recorded: bool, recording: Recording, systems: &str, truth: Ecef) -> Result<Self> {

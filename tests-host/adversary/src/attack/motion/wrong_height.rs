@@ -7,13 +7,12 @@
 //! [TSO-C129a]: raim_core#references
 
 use anyhow::bail;
-use raim::signal::fault::{Fault, Kind, Target};
+use raim::signal::fault::Kind;
 use raim_core::frame::LocalFrame;
 
 use crate::attack::prelude::*;
 use crate::attack::victim::NoOpportunity;
 
-/// Attack with wrong heights, few satellites, and a fault of one of them.
 pub(super) const WRONG: Attack = Attack {
     name: "wrong-height",
     about: "HEIGHTAID wrong by 5 to 1000 m, stepping or drifting by 0.3 to 10 m/s, said to be good to 3 m; four, five, six or all satellites",
@@ -23,7 +22,6 @@ pub(super) const WRONG: Attack = Attack {
     run: wrong,
 };
 
-/// Attack with a counterfeit sky that rises slowly.
 pub(super) const RISING: Attack = Attack {
     name: "rising-sky",
     about: "all satellites agree on a place that rises by 0.2 to 2 m/s, without range rates; true HEIGHTAID",
@@ -33,7 +31,6 @@ pub(super) const RISING: Attack = Attack {
     run: rising,
 };
 
-/// The ramps of the standard.
 pub(super) const RAMPS: Attack = Attack {
     name: "altimeter-ramps",
     about: "the ramps of TSO-C129a of one satellite (86.2, 135, 26.6, 19 m/min) and of the altimeter (−275, 200, 50, 37 m/min), six satellites: seconds to the alarm",
@@ -97,16 +94,15 @@ fn wrong(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for count in [4, 5, 6, usize::MAX] {
         for has_fault in [false, true] {
-            let tallies: Vec<Tally> = (0..geometries * WRONGS.len() as u64)
+            let tally: Tally = (0..geometries * WRONGS.len() as u64)
                 .together(|seed| attempt(count, has_fault, epochs, seed))
                 .collect::<Result<_>>()?;
-            let tally = tallies.iter().fold(Tally::default(), Tally::with);
             let satellites = if count == usize::MAX { "all".to_owned() } else { count.to_string() };
             let fault = if has_fault { " and a ramp of one" } else { "" };
             let what = format!("with {satellites} satellites{fault}");
-            figures.push(Figure::plain(format!("promised {what}"), tally.outcomes.promised as f64));
+            figures.push(Figure::plain(format!("promised {what}"), tally.promised()));
             // Two errors at once are beyond what a level bounds.
-            let beyond = (format!("beyond {what}"), tally.outcomes.misleading as f64);
+            let beyond = (format!("beyond {what}"), tally.misleading());
             figures.push(if has_fault {
                 Figure::plain(beyond.0, beyond.1)
             } else {
@@ -132,12 +128,7 @@ fn attempt(count: usize, has_fault: bool, epochs: u32, seed: u64) -> Result<Tall
     let kept = kept(&sky, count, &mut chance);
     let wrong = WRONGS[seed as usize % WRONGS.len()];
     let rate_m_s = [2.0, -0.5, 10.0][chance.random_range(0..3)];
-    let fault = Fault {
-        target: Target::Satellite(kept[0]),
-        kind: Kind::Ramp { rate_m_s, limit_m: f64::INFINITY },
-        start_s: f64::from(BEFORE),
-        end_s: f64::INFINITY,
-    };
+    let fault = lasting(kept[0], Kind::Ramp { rate_m_s, limit_m: f64::INFINITY }, BEFORE);
     let bytes = sky.bytes(|index, epoch| {
         epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
         if has_fault {
@@ -210,13 +201,8 @@ fn risen(simulation: &Simulation, speed_m_s: f64, has_height: bool) -> Result<Ve
             geodetic.longitude_rad.to_degrees(),
             geodetic.height_m + risen_m,
         );
-        let (here, there) =
-            (simulation.sights_at(index), Simulation { site, ..simulation.clone() }.sights_at(index));
-        for sight in here {
-            if let Some(moved) = there.iter().find(|moved| moved.satellite == sight.satellite) {
-                epoch.lengthen(sight.satellite, moved.range_m - sight.range_m);
-            }
-        }
+        let there = Simulation { site, ..simulation.clone() };
+        move_ranges(epoch, &simulation.sights_at(index), &there.sights_at(index));
     })?;
     let mut victim = Victim::new(&[], 1.0)?;
     let mut reports = Vec::new();
@@ -284,12 +270,8 @@ fn ramp(seed: u64, of_satellite: Option<f64>, of_altimeter: Option<f64>) -> Resu
     let high = high(&simulation);
     let kept: Vec<SatelliteId> = high.sample(&mut chance, 6).copied().collect();
     let Some(faulty) = kept.first() else { return Ok(None) };
-    let fault = Fault {
-        target: Target::Satellite(*faulty),
-        kind: Kind::Ramp { rate_m_s: of_satellite.unwrap_or(0.0) / 60.0, limit_m: f64::INFINITY },
-        start_s: f64::from(BEFORE),
-        end_s: f64::INFINITY,
-    };
+    let rate_m_s = of_satellite.unwrap_or(0.0) / 60.0;
+    let fault = lasting(*faulty, Kind::Ramp { rate_m_s, limit_m: f64::INFINITY }, BEFORE);
     let bytes = sky.bytes(|index, epoch| {
         epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
         fault.apply(epoch, index as f64);

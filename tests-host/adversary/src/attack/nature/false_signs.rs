@@ -9,10 +9,9 @@
 
 use raim::replay::Truth;
 
-use super::recordings::{STATIONS, at, skipped};
+use super::recordings::{STATIONS, at, car, load, skipped, tell_ionosphere};
 use crate::attack::prelude::*;
 
-/// Attack by nature alone.
 pub(super) const ATTACK: Attack = Attack {
     name: "false-signs",
     about: "no fault: alarms of the module's own signs an hour, in seven recordings under an open sky on two frequencies and on one, and with simulated clocks; a car beside",
@@ -159,9 +158,9 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         ("quartz with jumps of a millisecond", quartz, 1.0, &jumping),
     ];
     for (name, oscillator, step_s, offset_m) in clocks {
-        let seeds: Vec<u64> = (0..effort.pick(2, 8)).collect();
         let epochs = effort.pick(1800, 14_400).min((LONGEST_S / step_s) as u32);
-        let runs = seeds.iter().together(|&seed| simulated(seed, epochs, oscillator, step_s, offset_m));
+        let runs =
+            (0..effort.pick(2, 8)).together(|seed| simulated(seed, epochs, oscillator, step_s, offset_m));
         let runs: Vec<Signs> = runs.collect::<Result<_>>()?;
         report(name, runs.iter().fold(Signs::default(), Signs::with));
     }
@@ -177,10 +176,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     figures.extend(all.rates());
     match shared::path("data/urban") {
         Some(folder) => {
-            let file = |name: &str| folder.join(name);
-            let car = Recording::load(&[file("car.obs.gz")], &[file("gps.nav.gz"), file("beidou.nav.gz")])?;
-            let truth = Truth::from_file(&file("truth.csv"))?;
-            let signs = recorded(&car, "GC", Frequency::Single, Some(&truth))?;
+            let truth = Truth::from_file(&folder.join("truth.csv"))?;
+            let signs = recorded(&car(&folder)?, "GC", Frequency::Single, Some(&truth))?;
             figures.extend(signs.figures("a car between buildings"));
             figures.extend(signs.justified());
         }
@@ -193,14 +190,13 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
 fn open_skies(data: &std::path::Path) -> Result<Vec<(&'static str, Recording, &'static str)>> {
     let mut all = Vec::new();
     for (station, systems) in STATIONS {
-        let recording = station.load().with_context(|| format!("{} is missing", station.folder))?;
-        all.push((station.folder, recording, systems));
+        all.push((station.folder, load(station)?, systems));
     }
-    let load = |observations: &str, navigation: &str| {
+    let read = |observations: &str, navigation: &str| {
         Recording::load(&[data.join(observations)], &[data.join(navigation)])
     };
-    all.push(("static1hz rover", load("static1hz/rover.obs.gz", "static1hz/base.nav.gz")?, "GCE"));
-    all.push(("cres", load("sbas/cres.obs.gz", "sbas/cres.nav.gz")?, "G"));
+    all.push(("static1hz rover", read("static1hz/rover.obs.gz", "static1hz/base.nav.gz")?, "GCE"));
+    all.push(("cres", read("sbas/cres.obs.gz", "sbas/cres.nav.gz")?, "G"));
     Ok(all)
 }
 
@@ -214,11 +210,7 @@ fn simulated(
     let start_s = 3700.0 + 7200.0 * (seed % 12) as f64;
     let simulation = Simulation { oscillator, step_s, ..Simulation::above_xian(start_s, epochs, seed) };
     let sky = Sky::of(&simulation, Frequency::Dual)?;
-    let bytes = sky.bytes(|index, epoch| {
-        for satellite in epoch.satellites() {
-            epoch.lengthen(satellite, offset_m(index));
-        }
-    })?;
+    let bytes = sky.bytes(|index, epoch| lengthen_all(epoch, offset_m(index)))?;
     let (mut victim, mut signs) = (Victim::new(&[], step_s)?, Signs::default());
     for bytes in &bytes {
         for seen in victim.receive(bytes, sky.truth)? {
@@ -234,15 +226,9 @@ fn recorded(
     frequency: Frequency,
     truth: Option<&Truth>,
 ) -> Result<Signs> {
-    let step_s = match recording.epochs.as_slice() {
-        [first, second, ..] => second.time.since_ms(first.time) as f64 * 1e-3,
-        _ => 1.0,
-    };
+    let step_s = step_s(recording);
     let (mut victim, mut signs) = (Victim::new(&[], step_s)?, Signs::default());
-    if let Some(coefficients) = recording.klobuchar {
-        let numbers: Vec<String> = coefficients.iter().map(|number| format!("{number:e}")).collect();
-        let _ = victim.obey(&format!("IONO,{}", numbers.join(",")))?;
-    }
+    tell_ionosphere(recording, &mut victim)?;
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new(systems, frequency)?);
     for epoch in &recording.epochs {
         let point = truth.and_then(|truth| at(truth, epoch.time));

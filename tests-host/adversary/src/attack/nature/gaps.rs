@@ -5,7 +5,6 @@
 
 use crate::attack::prelude::*;
 
-/// Attack without an attack.
 pub(super) const ATTACK: Attack = Attack {
     name: "gaps",
     about: "no fault: receivers of 1, 5, 10 and 20 Hz, silent for 1 to 120 s every minute, two oscillators, with and without range rates",
@@ -43,16 +42,15 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
                 })
                 .collect();
             let epochs = effort.pick(quick, long);
-            let tallies: Vec<Tally> = kinds
+            let tally: Tally = kinds
                 .iter()
                 .together(|&(seed, oscillator)| listen(seed, oscillator, hertz, epochs, has_range_rates))
                 .collect::<Result<_>>()?;
-            let tally = tallies.iter().fold(Tally::default(), Tally::with);
             let hours = f64::from(epochs) / hertz / 3600.0 * kinds.len() as f64;
             let count: usize = FALSE.iter().map(|reason| tally.of_reason(reason)).sum();
             let name = format!("{hours:.1} h at {hertz} Hz {word}");
             figures.push(Figure::at_most(format!("{name}: false alarms"), count as f64, 0.0));
-            let promised = tally.outcomes.promised as f64 / tally.outcomes.epochs().max(1) as f64;
+            let promised = tally.share();
             figures.push(Figure::at_least("promised, share", promised, PROMISED));
         }
     }

@@ -6,15 +6,15 @@
 //!
 //! Without the reference folder nothing is attempted, and the figures report it.
 
-use std::path::PathBuf;
+use std::path::Path;
 
+use anyhow::ensure;
 use raim::replay::Truth;
 use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
 use crate::attack::prelude::*;
 use crate::attack::ranges::several_faults::METHODS;
 
-/// Attack with nominal recordings.
 pub(super) const NOMINAL: Attack = Attack {
     name: "nominal-recordings",
     about: "no fault: five real recordings on two frequencies, non-precision approach and LPV-200",
@@ -24,7 +24,6 @@ pub(super) const NOMINAL: Attack = Attack {
     run: nominal,
 };
 
-/// Attack with a car between tall buildings.
 pub(super) const URBAN: Attack = Attack {
     name: "urban",
     about: "a car between tall buildings, up to five satellites wrong at once, one frequency, every method",
@@ -45,6 +44,26 @@ const URBAN_BEYOND: f64 = 0.01;
 pub(in crate::attack) const STATIONS: [(&Station, &str); 5] =
     [(&ESBC, "GCE"), (&DGAR, "G"), (&STATIC_BASE, "GCE"), (&TLSE, "GCE"), (&KMS3, "GCE")];
 
+/// Returns the recording of a station.
+pub(in crate::attack) fn load(station: &Station) -> Result<Recording> {
+    station.load().with_context(|| format!("recording {} is missing", station.folder))
+}
+
+/// Returns the recording of a car between tall buildings, from its folder.
+pub(in crate::attack) fn car(folder: &Path) -> Result<Recording> {
+    let navigation = ["gps.nav.gz", "beidou.nav.gz"].map(|name| folder.join(name));
+    Recording::load(&[folder.join("car.obs.gz")], &navigation)
+}
+
+/// Tells a module the ionosphere of a recording, if it is known.
+pub(in crate::attack) fn tell_ionosphere(recording: &Recording, victim: &mut Victim) -> Result<()> {
+    let Some(coefficients) = recording.klobuchar else { return Ok(()) };
+    let numbers = coefficients.map(|number| format!("{number:e}"));
+    let answer = victim.obey(&format!("IONO,{}", numbers.join(",")))?;
+    ensure!(answer.contains(",OK"), "coefficients are refused: {answer}");
+    Ok(())
+}
+
 /// Returns the figure that reports missing recordings.
 pub(in crate::attack) fn skipped() -> Vec<Figure> {
     vec![Figure::plain("skipped, the reference folder is missing", 1.0)]
@@ -64,7 +83,7 @@ fn nominal(effort: Effort) -> Result<Vec<Figure>> {
 }
 
 fn of_station(station: &Station, systems: &str, most: usize) -> Result<Vec<Figure>> {
-    let recording = station.load().with_context(|| format!("recording {} is missing", station.folder))?;
+    let recording = load(station)?;
     let name = station.folder;
     let truth = Truth::Fixed(station.truth);
     let mut figures = Vec::new();
@@ -72,12 +91,8 @@ fn of_station(station: &Station, systems: &str, most: usize) -> Result<Vec<Figur
         let (tally, apart) =
             play(&recording, systems, Frequency::Dual, &[&format!("PHASE,{phase}")], &truth, most)?;
         figures.push(Figure::at_most(format!("{name} {phase} bands apart"), f64::from(apart), 0.0));
-        let available = tally.outcomes.promised as f64 / tally.outcomes.epochs().max(1) as f64;
-        figures.push(Figure::at_most(
-            format!("{name} {phase} beyond"),
-            tally.outcomes.misleading as f64,
-            0.0,
-        ));
+        let available = tally.share();
+        figures.push(Figure::at_most(format!("{name} {phase} beyond"), tally.misleading(), 0.0));
         let quantity = format!("{name} {phase} protected, %");
         let value = 100.0 * available;
         // In a short recording the few epochs lost at the start are more than a hundredth.
@@ -93,9 +108,8 @@ fn of_station(station: &Station, systems: &str, most: usize) -> Result<Vec<Figur
 
 fn urban(effort: Effort) -> Result<Vec<Figure>> {
     let Some(folder) = shared::path("data/urban") else { return Ok(skipped()) };
-    let file = |name: &str| -> PathBuf { folder.join(name) };
-    let recording = Recording::load(&[file("car.obs.gz")], &[file("gps.nav.gz"), file("beidou.nav.gz")])?;
-    let truth = Truth::from_file(&file("truth.csv"))?;
+    let recording = car(&folder)?;
+    let truth = Truth::from_file(&folder.join("truth.csv"))?;
     let methods = effort.pick(&METHODS[..1], &METHODS[..]);
     let limits: [&[&str]; 2] = [&["PHASE,NPA"], &["HAL,50", "VAL,100"]];
     let runs: Vec<(&str, &[&str])> =
@@ -112,13 +126,13 @@ fn urban(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for ((method, limits), (tally, _)) in runs.iter().zip(&played) {
         let what = format!("{method} {}", limits.join(" "));
-        let share = tally.outcomes.misleading as f64 / tally.outcomes.promised.max(1) as f64;
+        let share = tally.misleading() / tally.outcomes.promised.max(1) as f64;
         figures.push(Figure::plain(
             format!("{what} protected of {}", tally.outcomes.epochs()),
-            tally.outcomes.promised as f64,
+            tally.promised(),
         ));
         figures.push(Figure::at_most("beyond their level, share", share, URBAN_BEYOND));
-        let worst_m = tally.worst_horizontal_m.max(tally.worst_vertical_m);
+        let worst_m = tally.worst_m();
         figures.push(Figure::plain("largest error, m", worst_m));
         if limits.len() > 1 {
             figures.push(Figure::at_most("beyond the limits", tally.outcomes.hazardous as f64, 0.0));
@@ -137,15 +151,9 @@ fn play(
     truth: &Truth,
     most: usize,
 ) -> Result<(Tally, u32)> {
-    let step_s = match recording.epochs.as_slice() {
-        [first, second, ..] => second.time.since_ms(first.time) as f64 * 1e-3,
-        _ => 1.0,
-    };
+    let step_s = step_s(recording);
     let mut victim = Victim::new(commands, step_s)?;
-    if let Some(coefficients) = recording.klobuchar {
-        let numbers: Vec<String> = coefficients.iter().map(|number| format!("{number:e}")).collect();
-        let _ = victim.obey(&format!("IONO,{}", numbers.join(",")))?;
-    }
+    tell_ionosphere(recording, &mut victim)?;
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new(systems, frequency)?);
     let mut tally = Tally::default();
     for epoch in recording.epochs.iter().take(most) {

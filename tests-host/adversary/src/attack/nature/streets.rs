@@ -23,10 +23,9 @@
 use raim::signal::lumps::{Broadcast, Heaven};
 use rig::stations::{ESBC, STATIC_BASE, Station, TLSE};
 
-use super::recordings::skipped;
+use super::recordings::{load, skipped};
 use crate::attack::prelude::*;
 
-/// Attack with simulated walls beside the antennas of real recordings.
 pub(super) const ATTACK: Attack = Attack {
     name: "streets",
     about: "three real recordings on two frequencies between simulated walls that block low satellites or reflect them late, the method at start",
@@ -108,8 +107,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         figures.extend(streets.figures(&format!("{} {systems}", station.folder)));
         all = all.with(&streets.all);
     }
-    let (epochs, promised) = (all.outcomes.epochs().max(1) as f64, all.outcomes.promised as f64);
-    let beyond = all.outcomes.misleading as f64 / promised.max(1.0);
+    let (epochs, promised) = (all.outcomes.epochs().max(1) as f64, all.promised());
+    let beyond = all.misleading() / promised.max(1.0);
     figures.push(Figure::at_least(format!("all protected {promised}, share"), promised / epochs, PROMISED));
     figures.push(Figure::at_most(format!("{} beyond, share", all.outcomes.misleading), beyond, BEYOND));
     Ok(figures)
@@ -142,17 +141,14 @@ impl Streets {
     fn figures(&self, name: &str) -> Vec<Figure> {
         let all = &self.all;
         let mut figures = vec![
-            Figure::plain(
-                format!("{name} protected of {}", all.outcomes.epochs()),
-                all.outcomes.promised as f64,
-            ),
-            Figure::plain("beyond", all.outcomes.misleading as f64),
+            Figure::plain(format!("{name} protected of {}", all.outcomes.epochs()), all.promised()),
+            Figure::plain("beyond", all.misleading()),
         ];
         for (count, tally) in self.by_excluded.iter().enumerate() {
             let quantity = format!("of {} without {count}", tally.outcomes.promised);
-            figures.push(Figure::plain(quantity, tally.outcomes.misleading as f64));
+            figures.push(Figure::plain(quantity, tally.misleading()));
         }
-        let worst_m = all.worst_horizontal_m.max(all.worst_vertical_m);
+        let worst_m = all.worst_m();
         figures.push(Figure::plain("largest error, m", worst_m));
         figures.push(Figure::plain("SIGMAS", all.of_reason("SIGMAS") as f64));
         figures
@@ -160,7 +156,7 @@ impl Streets {
 }
 
 fn of_station(station: &Station, systems: &str, seeds: u64, most: usize) -> Result<Streets> {
-    let recording = station.load().with_context(|| format!("recording {} is missing", station.folder))?;
+    let recording = load(station)?;
     let selection = Selection::new(systems, Frequency::Dual)?;
     let directions = directions(&recording, &selection, station.truth, most)?;
     let runs: Vec<Streets> = (0..seeds)
@@ -195,10 +191,7 @@ pub(in crate::attack) fn drive(
     truth: Ecef,
     (begins, seed): (usize, u64),
 ) -> Result<Streets> {
-    let step_s = match recording.epochs.as_slice() {
-        [first, second, ..] => second.time.since_ms(first.time) as f64 * 1e-3,
-        _ => 1.0,
-    };
+    let step_s = step_s(recording);
     let epochs_per_block = BLOCK_EPOCHS.max((BLOCK_S / step_s) as usize);
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     let mut block = Block::draw(&mut chance);

@@ -12,7 +12,6 @@ use rtcm_rs::{Message, MessageBuilder};
 
 use crate::attack::prelude::*;
 
-/// Attack with early ephemerides.
 pub(super) const EARLY: Attack = Attack {
     name: "early-ephemeris",
     about: "five ephemerides up to 3.9 h early come first; two hours before their time they are 60 m wrong",
@@ -22,7 +21,6 @@ pub(super) const EARLY: Attack = Attack {
     run: early,
 };
 
-/// Attack with ephemerides of absent satellites.
 pub(super) const ABSENT: Attack = Attack {
     name: "absent-satellites",
     about: "96 valid ephemerides of absent satellites, two days early, before the first real one",
@@ -32,7 +30,6 @@ pub(super) const ABSENT: Attack = Attack {
     run: absent,
 };
 
-/// Attack with ephemerides of a hundred satellites in one stream.
 pub(super) const CROWD: Attack = Attack {
     name: "crowd",
     about: "ephemerides of a hundred absent satellites, repeated between those of the satellites in view",
@@ -134,7 +131,7 @@ fn figures_of(
         tally.add_all(&seen);
     }
     let mut figures = tally.figures(0.0);
-    figures.push(Figure::at_most("alerts", tally.outcomes.alerts as f64, 0.0));
+    figures.push(Figure::at_most("alerts", tally.alerts(), 0.0));
     figures.push(Figure::at_most("satellites left out", tally.left_out as f64, 0.0));
     let wanted = wanted as f64 * share;
     figures.push(Figure::at_least("satellites used, all epochs added", used as f64, wanted.round()));

@@ -8,7 +8,6 @@ use super::early_ephemeris::{frame, strangers};
 use super::faulty_orbit::move_ahead;
 use crate::attack::prelude::*;
 
-/// Attack with orbits that turn about the earth's axis.
 pub(super) const TURNED: Attack = Attack {
     name: "turned-orbits",
     about: "new sets of all satellites every second or half minute, turned together so that the place moves at 0.5 to 50 m/s",
@@ -18,7 +17,6 @@ pub(super) const TURNED: Attack = Attack {
     run: turned,
 };
 
-/// Attack with clocks of satellites.
 pub(super) const CLOCKS: Attack = Attack {
     name: "stepping-clocks",
     about: "new sets of all satellites every 7 s, whose clocks step so that the place moves by 2 to 30 m",
@@ -28,7 +26,6 @@ pub(super) const CLOCKS: Attack = Attack {
     run: clocks,
 };
 
-/// Attack with the first sets.
 pub(super) const FIRST: Attack = Attack {
     name: "false-first-sets",
     about: "sets turned by 5 km are the first to come; or come after true ones and 96 of absent satellites",
@@ -38,7 +35,6 @@ pub(super) const FIRST: Attack = Attack {
     run: first,
 };
 
-/// Attack with a leap of all orbits.
 pub(super) const LEAP: Attack = Attack {
     name: "leaping-orbits",
     about: "two new sets of every satellite, turned by 50 m to 5 km, a minute apart, again and again",
@@ -48,7 +44,6 @@ pub(super) const LEAP: Attack = Attack {
     run: leap,
 };
 
-/// Attack on one satellite.
 pub(super) const ONE: Attack = Attack {
     name: "one-false-set",
     about: "one set of one satellite, 50 m to 50 km away, once, between epochs of six and of all satellites",
@@ -119,8 +114,8 @@ fn leap(effort: Effort) -> Result<Vec<Figure>> {
         } else {
             ("without true sets", f64::INFINITY)
         };
-        let beyond = tally.outcomes.misleading as f64;
-        figures.push(Figure::plain(format!("{name}, protected"), tally.outcomes.promised as f64));
+        let beyond = tally.misleading();
+        figures.push(Figure::plain(format!("{name}, protected"), tally.promised()));
         figures.push(Figure::at_most("beyond their level", beyond, most));
     }
     Ok(figures)
@@ -128,7 +123,7 @@ fn leap(effort: Effort) -> Result<Vec<Figure>> {
 
 fn figures(tally: &Tally) -> Vec<Figure> {
     let mut figures = tally.figures(0.0);
-    figures.push(Figure::at_most("alerts", tally.outcomes.alerts as f64, 0.0));
+    figures.push(Figure::at_most("alerts", tally.alerts(), 0.0));
     figures
 }
 
@@ -212,9 +207,9 @@ fn first(_: Effort) -> Result<Vec<Figure>> {
             let tally = if index < TRUE_EVERY - 1 { &mut alone } else { &mut after };
             tally.add_all(&seen);
         }
-        let count = |tally: &Tally| tally.outcomes.misleading as f64;
+        let count = |tally: &Tally| tally.misleading();
         let until = format!("false sets {name}, until a true one, promised");
-        figures.push(Figure::plain(until, alone.outcomes.promised as f64));
+        figures.push(Figure::plain(until, alone.promised()));
         figures.push(Figure::plain("beyond", count(&alone)));
         figures.push(Figure::at_most("and after it", count(&after), 0.0));
     }
@@ -253,8 +248,8 @@ fn one(effort: Effort) -> Result<Vec<Figure>> {
         }
     }
     for (name, tally) in [("six others", few), ("all others", all)] {
-        let promised = tally.outcomes.promised as f64 / tally.outcomes.epochs().max(1) as f64;
-        let beyond = tally.outcomes.misleading as f64;
+        let promised = tally.share();
+        let beyond = tally.misleading();
         figures.push(Figure::at_most(format!("beyond, with {name}"), beyond, 0.0));
         let least = if name == "all others" { 1.0 } else { 0.0 };
         figures.push(Figure::at_least(format!("promised, with {name}, share"), promised, least));

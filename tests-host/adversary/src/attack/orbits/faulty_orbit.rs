@@ -7,7 +7,6 @@ use std::f64::consts::PI;
 
 use crate::attack::prelude::*;
 
-/// Attack with a wrong orbit.
 pub(super) const ATTACK: Attack = Attack {
     name: "orbit",
     about: "a satellite 10 m to 30 km away from its broadcast orbit",
@@ -23,33 +22,20 @@ const SIZES_M: std::ops::Range<f64> = 10.0..30_000.0;
 /// Epochs of a run.
 const EPOCHS: u32 = 40;
 
-/// Probability of missed detection at start.
-const MISSED: f64 = 1e-3;
-
 fn run(effort: Effort) -> Result<Vec<Figure>> {
-    let seeds: Vec<u64> = (0..effort.pick(8, 400)).collect();
-    let tallies: Vec<Tally> = seeds.iter().together(|&seed| attempt(seed)).collect::<Result<_>>()?;
-    Ok(tallies.iter().fold(Tally::default(), Tally::with).figures_by_rate(MISSED))
+    let tally: Tally = (0..effort.pick(8, 400)).together(attempt).collect::<Result<_>>()?;
+    Ok(tally.figures_by_rate(MISSED))
 }
 
 fn attempt(seed: u64) -> Result<Tally> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     let mut sky = Sky::quiet(EPOCHS, seed)?;
-    let seen: Vec<SatelliteId> = sky.recording.epochs[0].satellites();
-    let count = chance.random_range(7..=seen.len().max(8));
-    let kept: Vec<SatelliteId> = seen.sample(&mut chance, count).copied().collect();
-    let astray = *kept.choose(&mut chance).unwrap_or(&seen[0]);
-    let along_m = chance.random_range(SIZES_M.start.ln()..SIZES_M.end.ln()).exp();
-    sky.recording
-        .ephemerides
-        .iter_mut()
-        .filter(|ephemeris| ephemeris.satellite == astray)
-        .for_each(|ephemeris| move_ahead(ephemeris, along_m));
-    let (mut victim, mut tally) = (Victim::new(&["HAL,60"], 1.0)?, Tally::default());
-    for bytes in sky.bytes(|_, epoch| epoch.satellites.retain(|raw| kept.contains(&raw.satellite)))? {
-        tally.add_all(&victim.receive(&bytes, sky.truth)?);
-    }
-    Ok(tally)
+    let (kept, astray) = sky.draw(&mut chance);
+    let along_m = size(SIZES_M, &mut chance);
+    let own = sky.recording.ephemerides.iter_mut().filter(|set| set.satellite == astray);
+    own.for_each(|set| move_ahead(set, along_m));
+    Victim::new(&["HAL,60"], 1.0)?
+        .judge(sky.bytes(|_, epoch| epoch.satellites.retain(|raw| kept.contains(&raw.satellite)))?, sky.truth)
 }
 
 /// Moves a satellite along its orbit.

@@ -6,14 +6,13 @@
 //! what comes. A ramp also raises the residuals, by which the module raises the variances: the
 //! scale must not hide the ramp from the level.
 
-use raim::signal::fault::{Fault, Kind, Target};
+use raim::signal::fault::Kind;
 
 use crate::attack::line::suspicions::of_both;
 use crate::attack::nature::streets;
 use crate::attack::nature::streets::Streets;
 use crate::attack::prelude::*;
 
-/// Attack with a slow ramp of one satellite.
 pub(super) const RAMP: Attack = Attack {
     name: "ramp-after-quiet",
     about: "one satellite of seven or more drifts by 0.01 to 1 m/s for ten minutes, after twelve quiet ones in which NOISE,AUTO lowered the variances",
@@ -23,7 +22,6 @@ pub(super) const RAMP: Attack = Attack {
     run: ramps,
 };
 
-/// Attack with walls.
 pub(super) const STREET: Attack = Attack {
     name: "street-after-quiet",
     about: "walls that block or reflect after twelve quiet minutes of NOISE,AUTO",
@@ -33,7 +31,6 @@ pub(super) const STREET: Attack = Attack {
     run: street,
 };
 
-/// Promises after a warning that was true once.
 pub(super) const SUSPICION: Attack = Attack {
     name: "suspicion-once",
     about: "a receiver that is sure of counterfeit signals for five seconds, and denies them from then on",
@@ -53,9 +50,6 @@ const LIMIT_M: f64 = 600.0;
 /// Epochs of a ramp.
 const DRIFTING: u32 = 600;
 
-/// Probability of missed detection at start.
-const MISSED: f64 = 1e-3;
-
 fn ramps(effort: Effort) -> Result<Vec<Figure>> {
     let runs: Vec<(f64, u64)> = RATES_M_S
         .into_iter()
@@ -63,13 +57,12 @@ fn ramps(effort: Effort) -> Result<Vec<Figure>> {
         .collect();
     let tallies: Vec<Tally> =
         runs.iter().together(|&(rate_m_s, seed)| ramp(rate_m_s, seed)).collect::<Result<_>>()?;
-    let all = tallies.iter().fold(Tally::default(), Tally::with);
+    let all: Tally = tallies.iter().collect();
     let mut figures = all.figures_by_rate(MISSED);
     for rate_m_s in RATES_M_S {
         let of_rate = runs.iter().zip(&tallies).filter(|((of, _), _)| of.to_bits() == rate_m_s.to_bits());
-        let tally = of_rate.map(|(_, tally)| tally).fold(Tally::default(), Tally::with);
-        let share = 100.0 * tally.outcomes.promised as f64 / tally.outcomes.epochs().max(1) as f64;
-        figures.push(Figure::plain(format!("% protected at {rate_m_s} m/s"), share));
+        let tally: Tally = of_rate.map(|(_, tally)| tally).collect();
+        figures.push(Figure::plain(format!("% protected at {rate_m_s} m/s"), tally.percent()));
     }
     Ok(figures)
 }
@@ -78,29 +71,16 @@ fn ramps(effort: Effort) -> Result<Vec<Figure>> {
 fn ramp(rate_m_s: f64, seed: u64) -> Result<Tally> {
     let sky = Sky::quiet(QUIET + DRIFTING, seed)?;
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
-    let seen = sky.recording.epochs[0].satellites();
-    let count = chance.random_range(7..=seen.len().max(8));
-    let kept: Vec<_> = seen.sample(&mut chance, count).copied().collect();
-    let faulty = *kept.choose(&mut chance).unwrap_or(&seen[0]);
+    let (kept, faulty) = sky.draw(&mut chance);
     let rate_m_s = if chance.random() { rate_m_s } else { -rate_m_s };
-    let fault = Fault {
-        target: Target::Satellite(faulty),
-        kind: Kind::Ramp { rate_m_s, limit_m: LIMIT_M },
-        start_s: f64::from(QUIET),
-        end_s: f64::INFINITY,
-    };
+    let fault = lasting(faulty, Kind::Ramp { rate_m_s, limit_m: LIMIT_M }, QUIET);
     let bytes = sky.bytes(|index, epoch| {
         epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
         fault.apply(epoch, index as f64);
     })?;
-    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
-    for (index, bytes) in bytes.iter().enumerate() {
-        let seen = victim.receive(bytes, sky.truth)?;
-        if index >= QUIET as usize {
-            tally.add_all(&seen);
-        }
-    }
-    Ok(tally)
+    let mut victim = Victim::new(&[], 1.0)?;
+    victim.judge(&bytes[..QUIET as usize], sky.truth)?;
+    victim.judge(&bytes[QUIET as usize..], sky.truth)
 }
 
 /// Epochs of a street.
@@ -109,10 +89,10 @@ const STREET_EPOCHS: u32 = 300;
 fn street(effort: Effort) -> Result<Vec<Figure>> {
     let drives: Vec<Streets> = (0..effort.pick(8, 160)).together(drive_after_quiet).collect::<Result<_>>()?;
     let all = drives.iter().fold(Tally::default(), |sum, drive| sum.with(&drive.all));
-    let share = all.outcomes.promised as f64 / all.outcomes.epochs().max(1) as f64;
+    let share = all.share();
     let mut figures = vec![Figure::plain("share protected", share)];
     let promised = all.outcomes.promised.max(1) as f64;
-    let beyond = all.outcomes.misleading as f64 / promised;
+    let beyond = all.misleading() / promised;
     figures.push(Figure::at_most(
         format!("{} beyond, share", all.outcomes.misleading),
         beyond,

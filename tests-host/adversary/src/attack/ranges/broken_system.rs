@@ -10,7 +10,6 @@
 
 use crate::attack::prelude::*;
 
-/// Attack with a broken system.
 pub(super) const ATTACK: Attack = Attack {
     name: "broken-system",
     about: "every BeiDou range off by 50 m to 1 km, or every second one by 1,875 m in half of the epochs, beside GPS and Galileo that agree; AUTO, BAARDA, SEPARATION",
@@ -38,25 +37,19 @@ const EPOCHS: u32 = 120;
 const KEPT: f64 = 0.97;
 
 fn run(effort: Effort) -> Result<Vec<Figure>> {
-    let seeds: Vec<u64> = (0..effort.pick(6, 60)).collect();
     let mut figures = Vec::new();
     for method in ["AUTO", "BAARDA", "ARAIM"] {
         let all = |fault: Fault| -> Result<Tally> {
-            let tallies = seeds.iter().together(|&seed| attempt(method, fault, seed));
-            let tallies: Vec<Tally> = tallies.collect::<Result<_>>()?;
-            Ok(tallies.iter().fold(Tally::default(), Tally::with))
+            (0..effort.pick(6, 60)).together(|seed| attempt(method, fault, seed)).collect()
         };
         let without = all(Fault::Absent)?;
-        figures.push(Figure::plain(
-            format!("{method}: promised without BeiDou"),
-            without.outcomes.promised as f64,
-        ));
+        figures.push(Figure::plain(format!("{method}: promised without BeiDou"), without.promised()));
         for fault in [Fault::Orbits, Fault::Jumps] {
             let tally = all(fault)?;
-            let share = tally.outcomes.promised as f64 / without.outcomes.promised.max(1) as f64;
+            let share = tally.promised() / without.outcomes.promised.max(1) as f64;
             figures.push(Figure::at_least(format!("{fault:?}: share of it"), share, KEPT));
-            figures.push(Figure::at_most("beyond their level", tally.outcomes.misleading as f64, 0.0));
-            figures.push(Figure::plain("alerts", tally.outcomes.alerts as f64));
+            figures.push(Figure::at_most("beyond their level", tally.misleading(), 0.0));
+            figures.push(Figure::plain("alerts", tally.alerts()));
         }
     }
     Ok(figures)
@@ -65,11 +58,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
 fn attempt(method: &str, fault: Fault, seed: u64) -> Result<Tally> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     let start_s = 600.0 + 3600.0 * (seed % 24) as f64;
-    let fleets = [Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal];
-    let simulation = Simulation {
-        satellites: fleets.into_iter().flat_map(Fleet::satellites).collect(),
-        ..Simulation::above_xian(start_s, EPOCHS, seed)
-    };
+    let simulation =
+        Simulation { satellites: satellites(THREE.1), ..Simulation::above_xian(start_s, EPOCHS, seed) };
     let letters = if fault == Fault::Absent { "GE" } else { "GEC" };
     let sky = Sky::with(&simulation, letters, Frequency::Dual)?;
     let mut errors_m = Vec::new();
@@ -85,11 +75,7 @@ fn attempt(method: &str, fault: Fault, seed: u64) -> Result<Tally> {
             epoch.lengthen(satellite, error_m);
         }
     })?;
-    let (mut victim, mut tally) = (Victim::new(&[&format!("METHOD,{method}")], 1.0)?, Tally::default());
-    for bytes in &bytes {
-        tally.add_all(&victim.receive(bytes, sky.truth)?);
-    }
-    Ok(tally)
+    Victim::new(&[&format!("METHOD,{method}")], 1.0)?.judge(&bytes, sky.truth)
 }
 
 fn beidou(epoch: &MeasuredEpoch) -> Vec<SatelliteId> {
@@ -108,8 +94,7 @@ fn constant_of(
     if let Some((_, error_m)) = errors_m.iter().find(|(known, _)| *known == satellite) {
         return *error_m;
     }
-    let size_m = chance.random_range(50_f64.ln()..1000_f64.ln()).exp();
-    let error_m = if chance.random() { size_m } else { -size_m };
+    let error_m = signed_size(50.0..1000.0, chance);
     errors_m.push((satellite, error_m));
     error_m
 }

@@ -7,7 +7,6 @@
 
 use crate::attack::prelude::*;
 
-/// Attack with a doubled satellite.
 pub(super) const ATTACK: Attack = Attack {
     name: "doubled-satellite",
     about: "a satellite that is 20 to 300 m wrong comes under two or three numbers, AUTO and SEPARATION",
@@ -39,9 +38,10 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
 fn attempt(seed: u64, method: &str, copies: u8) -> Result<(Tally, u32)> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     let size_m = SIZES_M[seed as usize % SIZES_M.len()];
-    let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
-    let simulation =
-        Simulation { satellites: Fleet::Gps31.satellites(), ..Simulation::above_xian(start_s, 1, seed) };
+    let simulation = Simulation {
+        satellites: Fleet::Gps31.satellites(),
+        ..Simulation::above_xian(start_s(&mut chance), 1, seed)
+    };
     let mut sky = Sky::with(&simulation, "G", Frequency::Dual)?;
     let seen = sky.recording.epochs[0].satellites();
     let doubled = seen[chance.random_range(0..seen.len())];
@@ -71,7 +71,7 @@ fn attempt(seed: u64, method: &str, copies: u8) -> Result<(Tally, u32)> {
             }));
         }
     })?;
-    let (mut victim, mut tally) = (Victim::new(&[method], 1.0)?, Tally::default());
-    tally.add_all(&victim.receive(&bytes.concat(), sky.truth)?);
+    let mut victim = Victim::new(&[method], 1.0)?;
+    let tally = victim.judge(bytes, sky.truth)?;
     Ok((tally, victim.counter("satellite_twice")?))
 }

@@ -9,7 +9,6 @@
 use crate::attack::forgery::keep_first;
 use crate::attack::prelude::*;
 
-/// Attack with false tracking after healthy epochs.
 pub(super) const ATTACK: Attack = Attack {
     name: "false-tracking",
     about: "every range wrong by up to 3 km, independently in each epoch, so that some sets agree by chance",
@@ -19,7 +18,6 @@ pub(super) const ATTACK: Attack = Attack {
     run,
 };
 
-/// The same in the first epoch after a silence, or after the host has sent `FORGET`.
 pub(super) const AFTERWARDS: Attack = Attack {
     name: "false-tracking-afterwards",
     about: "the same in the first epoch after a minute of silence, or after FORGET, without earlier epochs; five and six satellites",
@@ -37,12 +35,9 @@ const EPOCHS: u32 = 960;
 const HEALTHY: usize = 20;
 
 fn run(effort: Effort) -> Result<Vec<Figure>> {
-    let mut tally = Tally::default();
-    for seed in 0..effort.pick(2, 40) {
-        tally = tally.with(&attempt(seed)?);
-    }
+    let tally: Tally = (0..effort.pick(2, 40)).map(attempt).collect::<Result<_>>()?;
     let mut figures = tally.figures(0.0);
-    figures.push(Figure::plain("alerts", tally.outcomes.alerts as f64));
+    figures.push(Figure::plain("alerts", tally.alerts()));
     Ok(figures)
 }
 
@@ -66,9 +61,7 @@ fn afterwards(effort: Effort) -> Result<Vec<Figure>> {
         };
         for (tally, gap_s) in [(&mut silent, SILENCE_S), (&mut forgotten, 0)] {
             let mut victim = Victim::new(&[], 1.0)?;
-            for bytes in &healthy[..HEALTHY] {
-                let _ = victim.receive(bytes, sky.truth)?;
-            }
+            victim.judge(&healthy[..HEALTHY], sky.truth)?;
             if gap_s == 0 {
                 victim.obey("FORGET")?;
             } else {
@@ -77,9 +70,8 @@ fn afterwards(effort: Effort) -> Result<Vec<Figure>> {
             tally.add_all(&victim.receive(&falsely(HEALTHY + gap_s)?, sky.truth)?);
         }
     }
-    let figure = |what: &str, tally: &Tally| {
-        Figure::at_most(format!("promised {what}"), tally.outcomes.promised as f64, 0.0)
-    };
+    let figure =
+        |what: &str, tally: &Tally| Figure::at_most(format!("promised {what}"), tally.promised(), 0.0);
     let epochs = Figure::at_least(
         "epochs",
         (silent.outcomes.epochs() + forgotten.outcomes.epochs()) as f64,
@@ -101,12 +93,7 @@ fn attempt(seed: u64) -> Result<Tally> {
             epoch.lengthen(satellite, chance.random_range(-SPREAD_M..SPREAD_M));
         }
     })?;
-    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
-    for (index, bytes) in bytes.iter().enumerate() {
-        let seen = victim.receive(bytes, sky.truth)?;
-        if index >= HEALTHY {
-            tally.add_all(&seen);
-        }
-    }
-    Ok(tally)
+    let mut victim = Victim::new(&[], 1.0)?;
+    victim.judge(&bytes[..HEALTHY], sky.truth)?;
+    victim.judge(&bytes[HEALTHY..], sky.truth)
 }

@@ -6,7 +6,6 @@
 
 use crate::attack::prelude::*;
 
-/// Attack with several gross faults.
 pub(super) const ATTACK: Attack = Attack {
     name: "gross-pairs",
     about: "two or three satellites of one system wrong by 1 km to 10,000 km, equal, opposite or drawn; one of each of two systems; one beside one of 20 to 100 m; from the first epoch and after a quiet minute, SEPARATION and AUTO",
@@ -44,30 +43,21 @@ const SMALL_M: std::ops::Range<f64> = 20.0..100.0;
 const HEALTHY: usize = 60;
 const FAULTY: usize = 30;
 
-/// Probability of missed detection at start.
-const MISSED: f64 = 1e-3;
-
 fn run(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for method in ["SEPARATION", "AUTO"] {
         for faults in ALL {
-            let runs: Vec<(u64, usize)> =
-                (0..effort.pick(6, 60)).flat_map(|seed| [(seed, 0), (seed, HEALTHY)]).collect();
-            let tallies: Vec<Tally> = runs
-                .iter()
-                .together(|&(seed, healthy)| attempt(method, faults, seed, healthy))
-                .collect::<Result<_>>()?;
-            let tally = tallies.iter().fold(Tally::default(), Tally::with);
-            let share = 100.0 * tally.outcomes.promised as f64 / tally.outcomes.epochs().max(1) as f64;
-            figures.push(Figure::plain(format!("{method} {faults:?}: % promised"), share));
+            let runs = (0..effort.pick(6, 60)).flat_map(|seed| [(seed, 0), (seed, HEALTHY)]);
+            let runs = runs.together(|(seed, healthy)| attempt(method, faults, seed, healthy));
+            let tally: Tally = runs.collect::<Result<_>>()?;
+            figures.push(Figure::plain(format!("{method} {faults:?}: % promised"), tally.percent()));
             let beyond = if faults == Faults::BesideSmall {
-                let rate = least_rate(tally.outcomes.misleading, tally.outcomes.epochs());
-                figures.push(Figure::at_most("rate beyond is above", rate, MISSED));
+                figures.push(Figure::at_most("rate beyond is above", tally.least_rate(), MISSED));
                 f64::INFINITY
             } else {
                 0.0
             };
-            figures.push(Figure::at_most("beyond their level", tally.outcomes.misleading as f64, beyond));
+            figures.push(Figure::at_most("beyond their level", tally.misleading(), beyond));
         }
     }
     Ok(figures)
@@ -86,14 +76,9 @@ fn attempt(method: &str, faults: Faults, seed: u64, healthy: usize) -> Result<Ta
             }
         }
     })?;
-    let (mut victim, mut tally) = (Victim::new(&[&format!("METHOD,{method}")], 1.0)?, Tally::default());
-    for (index, bytes) in bytes.iter().enumerate() {
-        let seen = victim.receive(bytes, sky.truth)?;
-        if index >= healthy {
-            tally.add_all(&seen);
-        }
-    }
-    Ok(tally)
+    let mut victim = Victim::new(&[&format!("METHOD,{method}")], 1.0)?;
+    victim.judge(&bytes[..healthy], sky.truth)?;
+    victim.judge(&bytes[healthy..], sky.truth)
 }
 
 /// Draws the faulty satellites with their errors, m.
@@ -103,24 +88,18 @@ fn draw(seen: &[SatelliteId], faults: Faults, chance: &mut ChaCha8Rng) -> Vec<(S
         seen.iter().copied().filter(|satellite| satellite.constellation() == system).collect()
     };
     let system = systems[usize::from(chance.random_bool(0.5))];
-    let error_m = size_m(GROSS_M, chance);
+    let error_m = signed_size(GROSS_M, chance);
     let own: Vec<SatelliteId> = of(system).sample(chance, 3).copied().collect();
     let pair = |other_m: f64| own.iter().copied().zip([error_m, other_m]).collect();
     match faults {
         Faults::Equal => pair(error_m),
         Faults::Opposite => pair(-error_m),
-        Faults::Drawn => pair(size_m(GROSS_M, chance)),
-        Faults::BesideSmall => pair(size_m(SMALL_M, chance)),
-        Faults::Three => own.into_iter().map(|satellite| (satellite, size_m(GROSS_M, chance))).collect(),
+        Faults::Drawn => pair(signed_size(GROSS_M, chance)),
+        Faults::BesideSmall => pair(signed_size(SMALL_M, chance)),
+        Faults::Three => own.into_iter().map(|satellite| (satellite, signed_size(GROSS_M, chance))).collect(),
         Faults::OneEach => {
-            let mut one = |system| Some((*of(system).choose(chance)?, size_m(GROSS_M, chance)));
+            let mut one = |system| Some((*of(system).choose(chance)?, signed_size(GROSS_M, chance)));
             systems.into_iter().filter_map(&mut one).collect()
         }
     }
-}
-
-/// Draws a size with either sign.
-fn size_m(sizes_m: std::ops::Range<f64>, chance: &mut ChaCha8Rng) -> f64 {
-    let size_m = chance.random_range(sizes_m.start.ln()..sizes_m.end.ln()).exp();
-    if chance.random() { size_m } else { -size_m }
 }

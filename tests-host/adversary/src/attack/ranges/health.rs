@@ -17,7 +17,6 @@ use rtcm_rs::{Message, MessageBuilder};
 
 use crate::attack::prelude::*;
 
-/// Attack with E5a out of service.
 pub(super) const ATTACK: Attack = Attack {
     name: "health",
     about: "Galileo's E5a out of service by F/NAV, healthy I/NAV, ranges on E5a that agree on a place 40 m away",

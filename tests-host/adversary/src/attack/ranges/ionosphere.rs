@@ -19,7 +19,6 @@ use raim::signal::sky::atmosphere::ionosphere_m;
 
 use crate::attack::prelude::*;
 
-/// Attack with the same electron content everywhere.
 pub(super) const EVEN: Attack = Attack {
     name: "ionosphere",
     about: "one frequency, 60 to 150 TECU, three latitudes, no coefficients",
@@ -29,7 +28,6 @@ pub(super) const EVEN: Attack = Attack {
     run: |effort| run(effort, 0.0, None),
 };
 
-/// Attack with an electron content that grows to the south.
 pub(super) const SLOPED: Attack = Attack {
     name: "ionosphere-slope",
     about: "the same with 6 % more or less per degree of latitude",
@@ -39,7 +37,6 @@ pub(super) const SLOPED: Attack = Attack {
     run: |effort| run(effort, -0.06, None),
 };
 
-/// Attack with broadcast coefficients of zero.
 pub(super) const ZEROS: Attack = Attack {
     name: "ionosphere-zeros",
     about: "the same with broadcast coefficients that are all zero, if they are accepted",
@@ -49,7 +46,6 @@ pub(super) const ZEROS: Attack = Attack {
     run: |effort| run(effort, 0.0, Some("IONO,0,0,0,0,0,0,0,0")),
 };
 
-/// Attack with forged coefficients.
 pub(super) const FORGED: Attack = Attack {
     name: "ionosphere-forged",
     about: "one frequency, NOISE,AUTO, and after quiet minutes one forged page of coefficients",
@@ -87,12 +83,12 @@ fn run(effort: Effort, slope_per_deg: f64, command: Option<&'static str>) -> Res
             attempt(effort.pick(24, 144), latitude_deg, electrons_tecu, slope_per_deg, command)
         })
         .collect::<Result<_>>()?;
-    let all = tallies.iter().fold(Tally::default(), Tally::with);
+    let all: Tally = tallies.iter().collect();
     let mut figures = all.figures(0.0);
     for ((latitude_deg, electrons_tecu), tally) in skies.iter().zip(&tallies) {
         if tally.outcomes.misleading > 0 {
             let what = format!("of these at {latitude_deg:.0}° under {electrons_tecu} TECU");
-            figures.push(Figure::plain(what, tally.outcomes.misleading as f64));
+            figures.push(Figure::plain(what, tally.misleading()));
         }
     }
     Ok(figures)
@@ -125,15 +121,12 @@ fn attempt(
             epoch.lengthen(sight.satellite, more_m);
         }
     })?;
-    let (mut victim, mut tally) = (Victim::new(&["PHASE,ENROUTE", "TTA,60"], STEP_S)?, Tally::default());
+    let mut victim = Victim::new(&["PHASE,ENROUTE", "TTA,60"], STEP_S)?;
     if let Some(command) = command {
         // The answer does not matter, because only later promises count.
         let _ = victim.obey(command)?;
     }
-    for bytes in bytes {
-        tally.add_all(&victim.receive(&bytes, sky.truth)?);
-    }
-    Ok(tally)
+    victim.judge(bytes, sky.truth)
 }
 
 /// Coefficients `α0…α3, β0…β3` in units of the page, and those units as powers of two.
@@ -157,11 +150,9 @@ const QUIET: usize = 160;
 const EPOCHS: u32 = 400;
 
 fn forged(_: Effort) -> Result<Vec<Figure>> {
-    let tallies: Vec<Tally> = PAGES
-        .iter()
-        .together(|&(latitude_deg, start_ks, page)| under_forged(latitude_deg, 1e3 * start_ks, page))
-        .collect::<Result<_>>()?;
-    Ok(tallies.iter().fold(Tally::default(), Tally::with).figures(0.0))
+    let forged = |(latitude_deg, start_ks, page)| under_forged(latitude_deg, 1e3 * start_ks, page);
+    let tally: Tally = PAGES.into_iter().together(forged).collect::<Result<_>>()?;
+    Ok(tally.figures(0.0))
 }
 
 fn under_forged(latitude_deg: f64, start_s: f64, page: Page) -> Result<Tally> {

@@ -7,7 +7,6 @@
 
 use crate::attack::prelude::*;
 
-/// Attack with sigmas learned under other settings.
 pub(super) const ATTACK: Attack = Attack {
     name: "learned-sigmas",
     about: "ten quiet minutes of NOISE,AUTO, then levels of ARAIM, of one frequency, of one system: those of the measured noise, or of the integrity parameters",

@@ -13,10 +13,9 @@ use raim::replay;
 use raim::replay::{Lump, Window};
 use rig::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
-use crate::attack::nature::recordings::skipped;
+use crate::attack::nature::recordings::{load, skipped, tell_ionosphere};
 use crate::attack::prelude::*;
 
-/// Attack with real recordings.
 pub(super) const RECORDED: Attack = Attack {
     name: "one-frequency-recorded",
     about: "five real recordings on one frequency, a step of 60 m on each satellite in turn",
@@ -26,7 +25,6 @@ pub(super) const RECORDED: Attack = Attack {
     run: recorded,
 };
 
-/// Attack with simulated skies.
 pub(super) const SIMULATED: Attack = Attack {
     name: "one-frequency-simulated",
     about: "GPS and Galileo at 5°, 34° and 62° of latitude on one frequency, 20 TECU, a step of 60 m on each satellite in turn",
@@ -89,10 +87,7 @@ impl Course {
     fn of(mut recording: Recording, systems: &str, truth: Ecef, most: usize) -> Result<Self> {
         recording.epochs.truncate(most);
         let selection = Selection::new(systems, Frequency::Single)?;
-        let step_s = match recording.epochs.as_slice() {
-            [first, second, ..] => second.time.since_ms(first.time) as f64 * 1e-3,
-            _ => 1.0,
-        };
+        let step_s = step_s(&recording);
         let lumps = replay::encode(&recording, &selection, &[], &Window::ALL)?;
         let tested = lumps_tested(&lumps, truth, recording.klobuchar);
         ensure!(tested.len() == recording.epochs.len(), "every epoch must be corrected");
@@ -103,11 +98,7 @@ impl Course {
     /// steps.
     fn drive(&self, run: usize) -> Result<Sighting> {
         let mut victim = Victim::new(&[], self.step_s)?;
-        if let Some(coefficients) = self.recording.klobuchar {
-            let numbers = coefficients.map(|number| format!("{number:e}"));
-            let answer = victim.obey(&format!("IONO,{}", numbers.join(",")))?;
-            ensure!(answer.contains(",OK"), "coefficients are refused: {answer}");
-        }
+        tell_ionosphere(&self.recording, &mut victim)?;
         let mut encoder = Encoder::new(&self.recording.ephemerides, self.selection.clone());
         let (mut sighting, mut was_promised) = (Sighting::default(), false);
         for (index, (epoch, tested)) in self.recording.epochs.iter().zip(&self.tested).enumerate() {
@@ -149,7 +140,7 @@ impl Course {
             Figure::plain(format!("{name} steps"), all.steps as f64),
             Figure::at_least("noticed, %", noticed, NOTICED),
             Figure::at_most("median HPL, m", median_m, most_m),
-            Figure::at_most("beyond their level", all.all.outcomes.misleading as f64, 0.0),
+            Figure::at_most("beyond their level", all.all.misleading(), 0.0),
         ])
     }
 }
@@ -175,7 +166,7 @@ fn recorded(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (station, systems, most_m) in STATIONS {
         let name = station.folder;
-        let recording = station.load().with_context(|| format!("recording {name} is missing"))?;
+        let recording = load(station)?;
         // A short recording is sent more often, so that every satellite has its turn.
         let runs = runs * (480 / recording.epochs.len().min(480)).min(24);
         figures.extend(Course::of(recording, systems, station.truth, most)?.figures(name, runs, most_m)?);
@@ -187,7 +178,7 @@ fn simulated(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (latitude_deg, most_m) in LATITUDES {
         let simulation = Simulation {
-            satellites: [Fleet::Gps31, Fleet::Galileo24].into_iter().flat_map(Fleet::satellites).collect(),
+            satellites: satellites(GPS_GALILEO.1),
             site: Site::geodetic(latitude_deg, 108.57, 400.0),
             step_s: 30.0,
             ..Simulation::above_xian(3600.0, effort.pick(240, 2880), 11)

@@ -16,7 +16,6 @@ use rand_distr::StandardNormal;
 use crate::attack::orbits::faulty_orbit::move_ahead;
 use crate::attack::prelude::*;
 
-/// Attack with noise.
 pub(super) const NOISE: Attack = Attack {
     name: "noise-four-times",
     about: "ranges of all satellites four times as noisy as their standard deviations, ARAIM and the method at start",
@@ -26,7 +25,6 @@ pub(super) const NOISE: Attack = Attack {
     run: |effort| run(effort, Poor::Noise, [0.0, 0.05]),
 };
 
-/// Attack with orbits.
 pub(super) const ORBITS: Attack = Attack {
     name: "orbits-astray",
     about: "all satellites 7 to 15 m from their broadcast orbits, ARAIM and the method at start",
@@ -36,7 +34,6 @@ pub(super) const ORBITS: Attack = Attack {
     run: |effort| run(effort, Poor::Orbits, [0.0, 0.0]),
 };
 
-/// Attack with rounded ranges.
 pub(super) const ROUNDED: Attack = Attack {
     name: "rounded-ranges",
     about: "all ranges rounded to 100 m, ARAIM and the method at start",
@@ -77,16 +74,12 @@ const UNIT_M: f64 = 100.0;
 fn run(effort: Effort, poor: Poor, bounds: [f64; 2]) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (method, bound) in ["ARAIM", "AUTO"].into_iter().zip(bounds) {
-        let seeds: Vec<u64> = (0..effort.pick(48, 480)).collect();
-        let tallies: Vec<Tally> =
-            seeds.iter().together(|&seed| attempt(method, poor, seed)).collect::<Result<_>>()?;
-        let all = tallies.iter().fold(Tally::default(), Tally::with);
-        let [epochs, promised, beyond] =
-            [all.outcomes.epochs(), all.outcomes.promised, all.outcomes.misleading].map(|count| count as f64);
-        figures.push(Figure::plain(format!("{method}: epochs"), epochs));
-        figures.push(Figure::plain("protected", promised));
-        figures.push(Figure::plain("beyond their level", beyond));
-        figures.push(Figure::at_most("their share", beyond / promised.max(1.0), bound));
+        let all: Tally =
+            (0..effort.pick(48, 480)).together(|seed| attempt(method, poor, seed)).collect::<Result<_>>()?;
+        figures.push(Figure::plain(format!("{method}: epochs"), all.epochs()));
+        figures.push(Figure::plain("protected", all.promised()));
+        figures.push(Figure::plain("beyond their level", all.misleading()));
+        figures.push(Figure::at_most("their share", all.misleading() / all.promised().max(1.0), bound));
     }
     Ok(figures)
 }
@@ -119,9 +112,5 @@ fn attempt(method: &str, poor: Poor, seed: u64) -> Result<Tally> {
             }
         }
     })?;
-    let (mut victim, mut tally) = (Victim::new(&[&format!("METHOD,{method}")], 1.0)?, Tally::default());
-    for bytes in &bytes {
-        tally.add_all(&victim.receive(bytes, sky.truth)?);
-    }
-    Ok(tally)
+    Victim::new(&[&format!("METHOD,{method}")], 1.0)?.judge(&bytes, sky.truth)
 }

@@ -13,7 +13,6 @@
 use super::several_faults::by_every_method;
 use crate::attack::prelude::*;
 
-/// Attack with a building on one side.
 pub(super) const ATTACK: Attack = Attack {
     name: "reflections",
     about: "all satellites below 50° in a sector of 60° are 5 to 80 m late, each by half of that or more; one to three systems, on one frequency and two, every method",
@@ -23,12 +22,7 @@ pub(super) const ATTACK: Attack = Attack {
     run: |effort| run(effort.pick(8, 100)),
 };
 
-/// Letters of the systems, and their satellites.
-const SYSTEMS: [(&str, &[Fleet]); 3] = [
-    ("G", &[Fleet::Gps31]),
-    ("GC", &[Fleet::Gps31, Fleet::BeidouRegional]),
-    ("GEC", &[Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal]),
-];
+const SYSTEMS: [Systems; 3] = [GPS, GPS_BEIDOU, THREE];
 
 /// Largest delay, m.
 const SIZES_M: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
@@ -57,33 +51,23 @@ fn run(seeds: u64) -> Result<Vec<Figure>> {
             Ok((frequency, attempt(systems, frequency, size_m, seed)?))
         })
         .collect::<Result<_>>()?;
-    let of = |wanted: &dyn Fn(Frequency) -> bool| {
-        let these = tallies.iter().filter(|(frequency, _)| wanted(*frequency)).map(|(_, tally)| tally);
-        these.fold(Tally::default(), Tally::with)
-    };
-    let all = of(&|_| true);
-    let on_one = of(&|frequency| matches!(frequency, Frequency::Single));
+    let all: Tally = tallies.iter().map(|(_, tally)| tally).collect();
+    let on_one = tallies.iter().filter(|(frequency, _)| matches!(frequency, Frequency::Single));
+    let on_one: Tally = on_one.map(|(_, tally)| tally).collect();
     let mut figures = all.figures(f64::INFINITY);
-    figures.push(Figure::at_most("on one frequency", on_one.outcomes.misleading as f64, 0.0));
-    figures.push(Figure::at_most(
-        "their rate is above",
-        least_rate(all.outcomes.misleading, all.outcomes.epochs()),
-        BEYOND,
-    ));
+    figures.push(Figure::at_most("on one frequency", on_one.misleading(), 0.0));
+    figures.push(Figure::at_most("their rate is above", all.least_rate(), BEYOND));
     Ok(figures)
 }
 
 /// Sends one epoch under every method.
-fn attempt(systems: (&str, &[Fleet]), frequency: Frequency, size_m: f64, seed: u64) -> Result<Tally> {
+fn attempt(systems: Systems, frequency: Frequency, size_m: f64, seed: u64) -> Result<Tally> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
-    // Each seed has its own time of day, on the full minute.
-    let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
+    let start_s = start_s(&mut chance);
     let towards_rad = chance.random_range(0.0..std::f64::consts::TAU);
     let (letters, fleets) = systems;
-    let simulation = Simulation {
-        satellites: fleets.iter().flat_map(|fleet| fleet.satellites()).collect(),
-        ..Simulation::above_xian(start_s, 1, seed)
-    };
+    let simulation =
+        Simulation { satellites: satellites(fleets), ..Simulation::above_xian(start_s, 1, seed) };
     let behind = |sight: &Sight| {
         let los = sight.line_of_sight;
         let aside_rad = (los.east.atan2(los.north) - towards_rad).rem_euclid(std::f64::consts::TAU);

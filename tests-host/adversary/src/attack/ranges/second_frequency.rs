@@ -9,7 +9,6 @@
 
 use crate::attack::prelude::*;
 
-/// Attack on the second frequency.
 pub(super) const ATTACK: Attack = Attack {
     name: "second-frequency",
     about: "the second frequency of a third of GPS 40 to 60 m too long or too short, AUTO and SEPARATION",
@@ -34,7 +33,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
                 tally = tally.with(&one);
                 apart += counted;
             }
-            figures.extend(tally.figures(beyond * tally.outcomes.epochs() as f64));
+            figures.extend(tally.figures(beyond * tally.epochs()));
             figures.push(Figure::plain("left out for their bands", f64::from(apart)));
         }
     }
@@ -43,14 +42,9 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
 
 fn attempt(seed: u64, method: &str, sign: f64) -> Result<(Tally, u32)> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
-    let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
-    let sky = Sky::with(&Simulation::above_xian(start_s, 1, seed), "G", Frequency::Dual)?;
-    let of_gps: Vec<SatelliteId> = sky.recording.epochs[0]
-        .satellites
-        .iter()
-        .map(|raw| raw.satellite)
-        .filter(|satellite| satellite.constellation().letter() == 'G')
-        .collect();
+    let sky = Sky::with(&Simulation::above_xian(start_s(&mut chance), 1, seed), "G", Frequency::Dual)?;
+    let mut of_gps = sky.recording.epochs[0].satellites();
+    of_gps.retain(|satellite| satellite.constellation() == Constellation::Gps);
     let wrong: Vec<SatelliteId> = of_gps.sample(&mut chance, of_gps.len() / 3).copied().collect();
     let size_m = sign * chance.random_range(40.0..60.0);
     let bytes = sky.bytes(|_, epoch| {
@@ -60,7 +54,7 @@ fn attempt(seed: u64, method: &str, sign: f64) -> Result<(Tally, u32)> {
             }
         }
     })?;
-    let (mut victim, mut tally) = (Victim::new(&[method], 1.0)?, Tally::default());
-    tally.add_all(&victim.receive(&bytes.concat(), sky.truth)?);
+    let mut victim = Victim::new(&[method], 1.0)?;
+    let tally = victim.judge(bytes, sky.truth)?;
     Ok((tally, victim.counter("bands_apart")?))
 }

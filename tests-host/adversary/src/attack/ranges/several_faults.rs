@@ -17,7 +17,6 @@ use serde::Serialize;
 
 use crate::attack::prelude::*;
 
-/// Attack with random pairs of satellites.
 pub(super) const PAIRS: Attack = Attack {
     name: "two-faults",
     about: "two of 7 to 12 satellites wrong by 20 m to 2 km, more than a level bounds, the method at start",
@@ -27,7 +26,6 @@ pub(super) const PAIRS: Attack = Attack {
     run: pairs,
 };
 
-/// Attack with pairs that look like other pairs.
 pub(super) const CHOSEN: Attack = Attack {
     name: "chosen-pairs",
     about: "two of seven satellites wrong so that leaving out two healthy ones explains the ranges as well, every method",
@@ -49,12 +47,10 @@ pub const KINDS: u64 = (METHODS.len() * FAULTS.len() * SATELLITES.len()) as u64;
 
 /// Sends the bytes to a fresh module under each method, and counts the reports.
 pub(in crate::attack) fn by_every_method(bytes: &[u8], truth: Ecef) -> Result<Tally> {
-    let mut tally = Tally::default();
-    for method in METHODS {
-        let mut victim = Victim::new(&[&format!("METHOD,{method}")], 1.0)?;
-        tally.add_all(&victim.receive(bytes, truth)?);
-    }
-    Ok(tally)
+    METHODS
+        .iter()
+        .map(|method| Victim::new(&[&format!("METHOD,{method}")], 1.0)?.judge([bytes], truth))
+        .collect()
 }
 
 /// Sizes of faults, m, drawn uniformly in their logarithm.
@@ -112,13 +108,12 @@ fn pairs(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for satellites in 7..=12 {
         let tally = random(&[], satellites, 2, effort.pick(40, 400))?;
-        figures.push(Figure::plain(format!("beyond with {satellites}"), tally.outcomes.misleading as f64));
+        figures.push(Figure::plain(format!("beyond with {satellites}"), tally.misleading()));
         all = all.with(&tally);
     }
-    let rate = least_rate(all.outcomes.misleading, all.outcomes.epochs());
-    figures.insert(0, Figure::plain("epochs", all.outcomes.epochs() as f64));
-    figures.insert(1, Figure::plain("protected", all.outcomes.promised as f64));
-    figures.insert(2, Figure::at_most("rate beyond the level is above", rate, PAIRS_BEYOND));
+    figures.insert(0, Figure::plain("epochs", all.epochs()));
+    figures.insert(1, Figure::plain("protected", all.promised()));
+    figures.insert(2, Figure::at_most("rate beyond the level is above", all.least_rate(), PAIRS_BEYOND));
     Ok(figures)
 }
 
@@ -127,16 +122,13 @@ fn random(commands: &[&str], satellites: usize, faults: usize, epochs: u64) -> R
     let mut tally = Tally::default();
     for run in 0..epochs {
         let mut chance = ChaCha8Rng::seed_from_u64(run << 16 | (satellites << 8 | faults) as u64);
-        // Each epoch has its own time of day, on the full minute.
-        let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
-        let sky = Sky::of(&Simulation::above_xian(start_s, 1, run), Frequency::Dual)?;
+        let sky = Sky::of(&Simulation::above_xian(start_s(&mut chance), 1, run), Frequency::Dual)?;
         let seen = sky.recording.epochs[0].satellites();
         let kept: Vec<SatelliteId> = seen.sample(&mut chance, satellites).copied().collect();
         let bytes = sky.bytes(|_, epoch| {
             epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
             for faulty in kept.iter().take(faults) {
-                let size_m = chance.random_range(SIZES_M.start.ln()..SIZES_M.end.ln()).exp();
-                epoch.lengthen(*faulty, if chance.random() { size_m } else { -size_m });
+                epoch.lengthen(*faulty, signed_size(SIZES_M, &mut chance));
             }
         })?;
         tally.add_all(&Victim::new(commands, 1.0)?.receive(&bytes.concat(), sky.truth)?);
@@ -148,10 +140,10 @@ fn chosen(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for method in METHODS {
         let tally = of_chosen(&format!("METHOD,{method}"), effort.pick(8, 120))?;
-        figures.push(Figure::plain(format!("{method} protected"), tally.outcomes.promised as f64));
+        figures.push(Figure::plain(format!("{method} protected"), tally.promised()));
         // If one healthy satellite explains both faults, nothing separates the two sets. The
         // smaller set is taken, and the level bounds one fault.
-        figures.push(Figure::plain("beyond its level", tally.outcomes.misleading as f64));
+        figures.push(Figure::plain("beyond its level", tally.misleading()));
         figures.push(Figure::at_most("of these with several left out", tally.misled_by_several as f64, 0.0));
         figures.push(Figure::at_most("beyond 556 m", tally.outcomes.hazardous as f64, 0.0));
     }

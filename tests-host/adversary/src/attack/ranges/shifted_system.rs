@@ -15,7 +15,6 @@
 use super::several_faults::by_every_method;
 use crate::attack::prelude::*;
 
-/// Attack on a system that is fully in view.
 pub(super) const WHOLE: Attack = Attack {
     name: "shifted-system",
     about: "all satellites of one of two or three systems agree on a place 20 to 300 m beside the true one, every method",
@@ -25,7 +24,6 @@ pub(super) const WHOLE: Attack = Attack {
     run: |effort| run(&[None], effort.pick(8, 100), BEYOND),
 };
 
-/// Attack on a system with few satellites in view.
 pub(super) const FEW: Attack = Attack {
     name: "few-shifted",
     about: "the same for a system with two to four satellites in view, and five or seven of others",
@@ -38,12 +36,7 @@ pub(super) const FEW: Attack = Attack {
 /// Satellites in view of the shifted system, and of others.
 const FEW_IN_VIEW: [(usize, usize); 5] = [(2, 7), (3, 5), (3, 7), (4, 5), (4, 7)];
 
-/// Letters of the systems, and their satellites.
-const SYSTEMS: [(&str, &[Fleet]); 3] = [
-    ("GC", &[Fleet::Gps31, Fleet::BeidouRegional]),
-    ("GE", &[Fleet::Gps31, Fleet::Galileo24]),
-    ("GEC", &[Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal]),
-];
+const SYSTEMS: [Systems; 3] = [GPS_BEIDOU, GPS_GALILEO, THREE];
 
 /// Distance from the true place, m.
 const SIZES_M: [f64; 4] = [20.0, 50.0, 100.0, 300.0];
@@ -65,34 +58,27 @@ fn run(in_view: &[Option<(usize, usize)>], seeds: u64, beyond: f64) -> Result<Ve
             }
         }
     }
-    let tallies: Vec<Tally> = trials
+    let all: Tally = trials
         .iter()
         .together(|&(systems, shifted, size_m, in_view, seed)| {
             attempt(systems, shifted, size_m, in_view, seed)
         })
         .collect::<Result<_>>()?;
-    let all = tallies.iter().fold(Tally::default(), Tally::with);
-    let mut figures = all.figures(f64::INFINITY);
-    figures.push(Figure::at_most(
-        "their rate is above",
-        least_rate(all.outcomes.misleading, all.outcomes.epochs()),
-        beyond,
-    ));
+    let mut figures = all.figures_by_rate(beyond);
     figures.push(Figure::at_most("of these with several left out", all.misled_by_several as f64, 0.0));
     Ok(figures)
 }
 
 /// Sends one epoch under every method.
 fn attempt(
-    systems: (&str, &[Fleet]),
+    systems: Systems,
     shifted: char,
     size_m: f64,
     in_view: Option<(usize, usize)>,
     seed: u64,
 ) -> Result<Tally> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
-    // Each seed has its own time of day, on the full minute.
-    let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
+    let start_s = start_s(&mut chance);
     let azimuth = chance.random_range(0.0..std::f64::consts::TAU);
     let elevation = chance.random_range(-1.5..1.5_f64);
     let away = Enu {
@@ -101,10 +87,8 @@ fn attempt(
         up: size_m * elevation.sin(),
     };
     let (letters, fleets) = systems;
-    let simulation = Simulation {
-        satellites: fleets.iter().flat_map(|fleet| fleet.satellites()).collect(),
-        ..Simulation::above_xian(start_s, 1, seed)
-    };
+    let simulation =
+        Simulation { satellites: satellites(fleets), ..Simulation::above_xian(start_s, 1, seed) };
     let of_system = |satellite: SatelliteId| satellite.constellation().letter() == shifted;
     let sights = simulation.sights_at(0);
     let sky = Sky::with(&simulation, letters, Frequency::Dual)?;

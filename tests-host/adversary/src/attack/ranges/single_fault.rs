@@ -3,11 +3,10 @@
 //! Sizes range from undetectable to obvious. A level holds with a probability, so the rate of
 //! faulty epochs above their level may equal that of missed detections.
 
-use raim::signal::fault::{Fault, Kind, Target};
+use raim::signal::fault::Kind;
 
 use crate::attack::prelude::*;
 
-/// Attack with steps.
 pub(super) const STEPS: Attack = Attack {
     name: "step",
     about: "one satellite wrong by 2 m to 2 km, every method, policy and aid",
@@ -17,7 +16,6 @@ pub(super) const STEPS: Attack = Attack {
     run: |effort| run(effort, |bias_m| Kind::Step { bias_m }),
 };
 
-/// Attack with ramps.
 pub(super) const RAMPS: Attack = Attack {
     name: "ramp",
     about: "one satellite drifting by 2 m to 2 km within a minute, every method, policy and aid",
@@ -65,9 +63,6 @@ const SIZES_M: std::ops::Range<f64> = 2.0..2000.0;
 const HEALTHY: u32 = 20;
 const FAULTY: u32 = 60;
 
-/// Probability of missed detection at start.
-const MISSED: f64 = 1e-3;
-
 /// Settings of the module. Limits close to the levels are included, because there a fault matters.
 const SETTINGS: [&[&str]; 11] = [
     &["METHOD,BAARDA"],
@@ -88,16 +83,13 @@ fn run(effort: Effort, kind: fn(f64) -> Kind) -> Result<Vec<Figure>> {
         (0..SETTINGS.len()).flat_map(|set| (0..effort.pick(2, 60)).map(move |seed| (set, seed))).collect();
     let tallies: Vec<Tally> =
         runs.iter().together(|&(set, seed)| attempt(SETTINGS[set], seed, kind)).collect::<Result<_>>()?;
-    let all = tallies.iter().fold(Tally::default(), Tally::with);
+    let all: Tally = tallies.iter().collect();
     let mut figures = all.figures_by_rate(MISSED);
     for (set, commands) in SETTINGS.iter().enumerate() {
         let of_set = runs.iter().zip(&tallies).filter(|((of, _), _)| *of == set).map(|(_, tally)| tally);
-        let tally = of_set.fold(Tally::default(), Tally::with);
+        let tally: Tally = of_set.collect();
         if tally.outcomes.misleading > 0 {
-            figures.push(Figure::plain(
-                format!("of these {}", commands.join(" ")),
-                tally.outcomes.misleading as f64,
-            ));
+            figures.push(Figure::plain(format!("of these {}", commands.join(" ")), tally.misleading()));
         }
     }
     Ok(figures)
@@ -107,15 +99,12 @@ fn gross(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     let mut all = Tally::default();
     for commands in METHODS {
-        let runs: Vec<(f64, u64)> = GROSS_M
-            .into_iter()
-            .flat_map(|bias_m| (0..effort.pick(4, 24)).map(move |seed| (bias_m, seed)))
-            .collect();
-        let tallies: Vec<Tally> =
-            runs.iter().together(|&(bias_m, seed)| grossly(commands, bias_m, seed)).collect::<Result<_>>()?;
-        let tally = tallies.iter().fold(Tally::default(), Tally::with);
-        let share = 100.0 * tally.outcomes.promised as f64 / tally.outcomes.epochs() as f64;
-        figures.push(Figure::at_least(format!("% protected by {}", commands.join(" ")), share, 100.0 * KEPT));
+        let seeds = 0..effort.pick(4, 24);
+        let runs = GROSS_M.into_iter().flat_map(|bias_m| seeds.clone().map(move |seed| (bias_m, seed)));
+        let runs = runs.together(|(bias_m, seed)| grossly(commands, bias_m, seed));
+        let tally: Tally = runs.collect::<Result<_>>()?;
+        let quantity = format!("% protected by {}", commands.join(" "));
+        figures.push(Figure::at_least(quantity, tally.percent(), 100.0 * KEPT));
         all = all.with(&tally);
     }
     figures.extend(all.figures(0.0));
@@ -142,19 +131,10 @@ fn grossly(commands: &[&str], bias_m: f64, seed: u64) -> Result<Tally> {
 fn attempt(commands: &[&str], seed: u64, kind: fn(f64) -> Kind) -> Result<Tally> {
     let sky = Sky::quiet(HEALTHY + FAULTY, seed)?;
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
-    let seen: Vec<SatelliteId> = sky.recording.epochs[0].satellites();
-    let size_m = chance.random_range(SIZES_M.start.ln()..SIZES_M.end.ln()).exp();
-    let bias_m = if chance.random() { size_m } else { -size_m };
+    let bias_m = signed_size(SIZES_M, &mut chance);
     // The number kept ranges from all in view down to hardly a redundant one.
-    let kept = chance.random_range(7..=seen.len().max(8));
-    let kept: Vec<SatelliteId> = seen.sample(&mut chance, kept).copied().collect();
-    let faulty = *kept.choose(&mut chance).unwrap_or(&seen[0]);
-    let fault = Fault {
-        target: Target::Satellite(faulty),
-        kind: kind(bias_m),
-        start_s: f64::from(HEALTHY),
-        end_s: f64::INFINITY,
-    };
+    let (kept, faulty) = sky.draw(&mut chance);
+    let fault = lasting(faulty, kind(bias_m), HEALTHY);
     let bytes = sky.bytes(|index, epoch| {
         epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
         fault.apply(epoch, index as f64);
@@ -164,12 +144,7 @@ fn attempt(commands: &[&str], seed: u64, kind: fn(f64) -> Kind) -> Result<Tally>
 
 /// Counts the reports of a module with these settings on the faulty epochs.
 fn receive(commands: &[&str], sky: &Sky, bytes: &[Vec<u8>]) -> Result<Tally> {
-    let (mut victim, mut tally) = (Victim::new(commands, 1.0)?, Tally::default());
-    for (index, bytes) in bytes.iter().enumerate() {
-        let seen = victim.receive(bytes, sky.truth)?;
-        if index >= HEALTHY as usize {
-            tally.add_all(&seen);
-        }
-    }
-    Ok(tally)
+    let mut victim = Victim::new(commands, 1.0)?;
+    victim.judge(&bytes[..HEALTHY as usize], sky.truth)?;
+    victim.judge(&bytes[HEALTHY as usize..], sky.truth)
 }

@@ -13,7 +13,6 @@
 
 use crate::attack::prelude::*;
 
-/// Attack with a counterfeit system that outnumbers a genuine one.
 pub(super) const ATTACK: Attack = Attack {
     name: "two-truths",
     about: "eight counterfeit GPS satellites agree on a place 400 km away, two to six genuine Galileo satellites on the true one, SEPARATION and AUTO",
@@ -42,15 +41,10 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for method in ["ARAIM", "AUTO"] {
         for genuine in GENUINE {
-            let seeds: Vec<u64> = (0..effort.pick(6, 60)).collect();
-            let tallies: Vec<Tally> =
-                seeds.iter().together(|&seed| attempt(method, genuine, seed)).collect::<Result<_>>()?;
-            let all = tallies.iter().fold(Tally::default(), Tally::with);
-            figures.push(Figure::plain(
-                format!("{method}, {genuine} genuine: epochs"),
-                all.outcomes.epochs() as f64,
-            ));
-            figures.push(Figure::at_most("promised", all.outcomes.promised as f64, 0.0));
+            let runs = (0..effort.pick(6, 60)).together(|seed| attempt(method, genuine, seed));
+            let all: Tally = runs.collect::<Result<_>>()?;
+            figures.push(Figure::plain(format!("{method}, {genuine} genuine: epochs"), all.epochs()));
+            figures.push(Figure::at_most("promised", all.promised(), 0.0));
             figures.push(Figure::plain("AMBIGUOUS", all.of_reason("AMBIGUOUS") as f64));
         }
     }
@@ -60,10 +54,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
 /// Sends the two groups to a module with this method.
 fn attempt(method: &str, genuine: usize, seed: u64) -> Result<Tally> {
     let start_s = 600.0 + 3600.0 * (seed % 24) as f64;
-    let simulation = Simulation {
-        satellites: [Fleet::Gps31, Fleet::Galileo24].into_iter().flat_map(Fleet::satellites).collect(),
-        ..Simulation::above_xian(start_s, EPOCHS, seed)
-    };
+    let simulation =
+        Simulation { satellites: satellites(GPS_GALILEO.1), ..Simulation::above_xian(start_s, EPOCHS, seed) };
     let away = elsewhere(&simulation, NORTH_DEG).record();
     let sky = Sky::with(&simulation, "GE", Frequency::Dual)?;
     let first = |epoch: &MeasuredEpoch, constellation: Constellation, count: usize| {
@@ -89,9 +81,5 @@ fn attempt(method: &str, genuine: usize, seed: u64) -> Result<Tally> {
         let forged = away.epochs[index].satellites.iter();
         epoch.satellites.extend(forged.filter(|raw| counterfeit.contains(&raw.satellite)).cloned());
     })?;
-    let (mut victim, mut tally) = (Victim::new(&[&format!("METHOD,{method}")], 1.0)?, Tally::default());
-    for bytes in &bytes {
-        tally.add_all(&victim.receive(bytes, sky.truth)?);
-    }
-    Ok(tally)
+    Victim::new(&[&format!("METHOD,{method}")], 1.0)?.judge(&bytes, sky.truth)
 }

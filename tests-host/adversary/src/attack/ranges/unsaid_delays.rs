@@ -14,7 +14,6 @@
 
 use crate::attack::prelude::*;
 
-/// Attack with group delays that D1 does not carry.
 pub(super) const ATTACK: Attack = Attack {
     name: "unsaid-delays",
     about: "BeiDou's third generation on B1C and B2a, and on B1I and B2b labelled B2I, with the group delays of 18 real satellites, which D1 does not contain",
@@ -64,19 +63,14 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     for (sent, bands) in
         [(Sent::Pairs, "B1C and B2a"), (Sent::Singles, "B1C"), (Sent::Misnamed, "B1I and B2b as B2I")]
     {
-        let mut tally = Tally::default();
-        for seed in 0..effort.pick(1200, 4800) {
-            tally = tally.with(&attempt(seed, sent)?);
-        }
-        figures.push(Figure::plain(format!("epochs of {bands}"), tally.outcomes.epochs() as f64));
-        figures.push(Figure::plain("protected", tally.outcomes.promised as f64));
-        figures.push(Figure::at_most("beyond their level", tally.outcomes.misleading as f64, 0.0));
+        let seeds = 0..effort.pick(1200, 4800);
+        let tally: Tally = seeds.map(|seed| attempt(seed, sent)).collect::<Result<_>>()?;
+        figures.push(Figure::plain(format!("epochs of {bands}"), tally.epochs()));
+        figures.push(Figure::plain("protected", tally.promised()));
+        figures.push(Figure::at_most("beyond their level", tally.misleading(), 0.0));
         figures.push(Figure::at_most("healthy satellites left out", tally.left_out as f64, 0.0));
-        figures.push(Figure::at_most("alerts", tally.outcomes.alerts as f64, 0.0));
-        figures.push(Figure::plain(
-            "largest error of them, m",
-            tally.worst_horizontal_m.max(tally.worst_vertical_m),
-        ));
+        figures.push(Figure::at_most("alerts", tally.alerts(), 0.0));
+        figures.push(Figure::plain("largest error of them, m", tally.worst_m()));
     }
     Ok(figures)
 }
@@ -115,9 +109,5 @@ fn attempt(seed: u64, sent: Sent) -> Result<Tally> {
             }
         }
     })?;
-    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
-    for bytes in &bytes {
-        tally.add_all(&victim.receive(bytes, sky.truth)?);
-    }
-    Ok(tally)
+    Victim::new(&[], 1.0)?.judge(&bytes, sky.truth)
 }

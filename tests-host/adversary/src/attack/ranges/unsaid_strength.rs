@@ -15,7 +15,6 @@ use rand_distr::StandardNormal;
 
 use crate::attack::prelude::*;
 
-/// Attack with weak signals of unknown strength.
 pub(super) const ATTACK: Attack = Attack {
     name: "unsaid-strength",
     about: "GPS, a third to two thirds of the satellites as noisy as at 28, 24, 20 and 14 dB-Hz with a C/N0 of 0, which means not computed; a healthy sky with C/N0 0 for all",
@@ -28,29 +27,20 @@ pub(super) const ATTACK: Attack = Attack {
 /// Strength of the weak signals, dB-Hz: at the mask, and below it.
 const WEAK_DBHZ: [f64; 4] = [28.0, 24.0, 20.0, 14.0];
 
-/// Probability of missed detection at start.
-const MISSED: f64 = 1e-3;
-
 /// Code noise and multipath of a strong signal at the zenith, m.
 const STRONG_M: f64 = 0.42;
 
 fn run(effort: Effort) -> Result<Vec<Figure>> {
-    let (mut all, mut silent) = (Tally::default(), Tally::default());
-    let mut figures = Vec::new();
+    let (mut all, mut figures) = (Tally::default(), Vec::new());
     for weak_dbhz in WEAK_DBHZ {
-        let mut tally = Tally::default();
-        for seed in 0..effort.pick(60, 600) {
-            tally = tally.with(&receive(seed, Some(weak_dbhz))?);
-        }
-        figures.push(Figure::plain(format!("beyond at {weak_dbhz} dB-Hz"), tally.outcomes.misleading as f64));
-        figures.push(Figure::plain("of protected", tally.outcomes.promised as f64));
+        let seeds = 0..effort.pick(60, 600);
+        let tally: Tally = seeds.map(|seed| receive(seed, Some(weak_dbhz))).collect::<Result<_>>()?;
+        figures.push(Figure::plain(format!("beyond at {weak_dbhz} dB-Hz"), tally.misleading()));
+        figures.push(Figure::plain("of protected", tally.promised()));
         all = all.with(&tally);
     }
-    for seed in 0..effort.pick(12, 120) {
-        silent = silent.with(&receive(seed, None)?);
-    }
-    let rate = least_rate(all.outcomes.misleading, all.outcomes.epochs());
-    figures.push(Figure::at_most("their rate is above", rate, MISSED));
+    let silent: Tally = (0..effort.pick(12, 120)).map(|seed| receive(seed, None)).collect::<Result<_>>()?;
+    figures.push(Figure::at_most("their rate is above", all.least_rate(), MISSED));
     figures.extend(all.figures(f64::INFINITY));
     let lost = silent.outcomes.epochs() - silent.outcomes.promised;
     figures.push(Figure::at_most("not promised where no strength is said", lost as f64, 0.0));
@@ -78,9 +68,5 @@ fn receive(seed: u64, weak_dbhz: Option<f64>) -> Result<Tally> {
             signal.pseudorange_m += noise_m * chance.sample::<f64, _>(StandardNormal);
         }
     })?;
-    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
-    for bytes in &bytes {
-        tally.add_all(&victim.receive(bytes, sky.truth)?);
-    }
-    Ok(tally)
+    Victim::new(&[], 1.0)?.judge(&bytes, sky.truth)
 }

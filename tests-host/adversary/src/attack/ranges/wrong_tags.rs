@@ -11,7 +11,6 @@
 
 use crate::attack::prelude::*;
 
-/// Attack with wrong tags for some epochs.
 pub(super) const BRIEFLY: Attack = Attack {
     name: "wrong-tags",
     about: "time tags wrong by 5 ms to 200 ms, ahead and behind, for ten epochs or from the start; four sets of systems, twelve settings",
@@ -21,7 +20,6 @@ pub(super) const BRIEFLY: Attack = Attack {
     run: briefly,
 };
 
-/// Attack with wrong tags while sigmas learn.
 pub(super) const LEARNED: Attack = Attack {
     name: "wrong-tags-learned",
     about: "time tags wrong by 20 ms to 200 ms for four minutes, while NOISE,AUTO learns",
@@ -34,13 +32,7 @@ pub(super) const LEARNED: Attack = Attack {
 /// Offsets of the tags, ms, applied ahead and behind.
 const OFFSETS_MS: [i64; 8] = [5, 10, 15, 20, 30, 50, 100, 200];
 
-/// Letters of the systems, and their satellites.
-const SYSTEMS: [(&str, &[Fleet]); 4] = [
-    ("G", &[Fleet::Gps31]),
-    ("GC", &[Fleet::Gps31, Fleet::BeidouRegional]),
-    ("GE", &[Fleet::Gps31, Fleet::Galileo24]),
-    ("GEC", &[Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal]),
-];
+const SYSTEMS: [Systems; 4] = [GPS, GPS_BEIDOU, GPS_GALILEO, THREE];
 
 /// Settings of the module.
 const SETTINGS: [&[&str]; 12] = [
@@ -67,16 +59,13 @@ const AGAIN: u32 = 10;
 /// Epochs with wrong tags while sigmas learn: several times what learning needs.
 const LONG: u32 = 240;
 
-/// Probability of missed detection at start.
-const MISSED: f64 = 1e-3;
-
 /// State of the pin at the end: after wrong tags, and of a module that had right tags only.
 type InTheEnd = (bool, bool);
 
 /// Parameters of one attempt.
 #[derive(Clone, Copy)]
 struct Trial {
-    systems: (&'static str, &'static [Fleet]),
+    systems: Systems,
     commands: &'static [&'static str],
     offset_ms: i64,
     right: u32,
@@ -135,21 +124,19 @@ fn attempt_all(trials: &[Trial]) -> Result<(Vec<Tally>, Vec<InTheEnd>)> {
 }
 
 fn told(trials: &[Trial], tallies: &[Tally]) -> Vec<Figure> {
-    let all = tallies.iter().fold(Tally::default(), Tally::with);
-    let mut figures = all.figures(f64::INFINITY);
-    let rate = least_rate(all.outcomes.misleading, all.outcomes.epochs());
-    figures.push(Figure::at_most("their rate is above", rate, MISSED));
+    let all: Tally = tallies.iter().collect();
+    let mut figures = all.figures_by_rate(MISSED);
     figures.push(Figure::plain("of satellites left out in promised epochs", all.left_out as f64));
     figures.push(Figure::plain("`TIME`", all.of_reason("TIME") as f64));
     figures.push(Figure::plain("other alerts", (all.outcomes.alerts - all.of_reason("TIME")) as f64));
-    let of = |is_of: &dyn Fn(&Trial) -> bool| {
+    let of = |is_of: &dyn Fn(&Trial) -> bool| -> Tally {
         let these = trials.iter().zip(tallies).filter(|(trial, _)| is_of(trial));
-        these.fold(Tally::default(), |sum, (_, tally)| sum.with(tally))
+        these.map(|(_, tally)| tally).collect()
     };
     let mut beyond = |what: String, tally: &Tally| {
         if tally.outcomes.misleading > 0 {
             let quantity = format!("beyond {what} of {} promised", tally.outcomes.promised);
-            figures.push(Figure::plain(quantity, tally.outcomes.misleading as f64));
+            figures.push(Figure::plain(quantity, tally.misleading()));
         }
     };
     for offset_ms in OFFSETS_MS {
@@ -168,7 +155,7 @@ fn attempt(trial: &Trial) -> Result<(Tally, InTheEnd)> {
     let Trial { systems: (letters, fleets), commands, offset_ms, right, wrong, seed } = *trial;
     let epochs = right + wrong + AGAIN;
     let simulation = Simulation {
-        satellites: fleets.iter().flat_map(|fleet| fleet.satellites()).collect(),
+        satellites: satellites(fleets),
         // Each seed has its own sky, between two changes of ephemerides.
         ..Simulation::above_xian(
             600.0 + 7200.0 * (seed % 12) as f64 + 130.0 * (seed / 12) as f64,
@@ -177,25 +164,19 @@ fn attempt(trial: &Trial) -> Result<(Tally, InTheEnd)> {
         )
     };
     let sky = Sky::with(&simulation, letters, Frequency::Dual)?;
-    let is_wrong = |index: usize| (right as usize..(right + wrong) as usize).contains(&index);
+    let wrong = right as usize..(right + wrong) as usize;
     let bytes = sky.bytes(|index, epoch| {
-        if is_wrong(index) {
+        if wrong.contains(&index) {
             epoch.time = GpsTime::from_ms(epoch.time.to_ms().wrapping_add_signed(offset_ms));
         }
     })?;
     let mut victim = Victim::new(commands, 1.0)?;
-    let mut tally = Tally::default();
-    for (index, bytes) in bytes.iter().enumerate() {
-        let seen = victim.receive(bytes, sky.truth)?;
-        if is_wrong(index) {
-            tally.add_all(&seen);
-        }
-    }
+    victim.judge(&bytes[..wrong.start], sky.truth)?;
+    let tally = victim.judge(&bytes[wrong.clone()], sky.truth)?;
+    victim.judge(&bytes[wrong.end..], sky.truth)?;
     let ended_well = victim.is_promised();
     // With limits close to the levels, a healthy module may promise nothing either.
     let mut reference = Victim::new(commands, 1.0)?;
-    for bytes in sky.bytes(|_, _| {})? {
-        reference.receive(&bytes, sky.truth)?;
-    }
+    reference.judge(sky.bytes(|_, _| {})?, sky.truth)?;
     Ok((tally, (ended_well, reference.is_promised())))
 }

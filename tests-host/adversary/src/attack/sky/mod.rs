@@ -25,7 +25,6 @@ use crate::attack::prelude::*;
 
 pub use self::table::{Cell, Row, markdown, summary};
 
-/// Attack on a sky that is signed.
 pub(super) const ATTACK: Attack = Attack {
     name: "sky",
     about: "a signed sky, jammed, then forged, relayed, pulled off, poisoned, or signed by another key",

@@ -205,7 +205,7 @@ impl Scene {
             }
             (_, Ranges::Relayed) => {
                 let mut epoch = skies.there(second, self.late_s, has_rates).clone();
-                epoch.satellites().into_iter().for_each(|satellite| epoch.lengthen(satellite, CABLES_M));
+                lengthen_all(&mut epoch, CABLES_M);
                 epoch
             }
             (_, Ranges::Elsewhere) => skies.there(second, self.late_s, has_rates).clone(),

@@ -57,10 +57,7 @@ pub(super) struct Skies {
 impl Skies {
     pub(super) fn new() -> Result<Self> {
         let simulation = |has_range_rates| Simulation {
-            satellites: [Fleet::Gps31, Fleet::Galileo24, Fleet::Beidou24]
-                .into_iter()
-                .flat_map(Fleet::satellites)
-                .collect(),
+            satellites: satellites(&[Fleet::Gps31, Fleet::Galileo24, Fleet::Beidou24]),
             has_range_rates,
             ..Simulation::above_xian(START_S - f64::from(AHEAD), AHEAD + LENGTH, 1)
         };

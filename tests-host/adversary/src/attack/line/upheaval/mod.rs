@@ -18,7 +18,6 @@ use self::oracle::{Finding, Oracle};
 use self::run::Run;
 use crate::attack::prelude::*;
 
-/// Attack with random scenes.
 pub(super) const ATTACK: Attack = Attack {
     name: "upheaval",
     about: "random events: the place jumps by up to 1,000 km, tags go ahead and back, the line is silent, cuts, delays and repeats, ranges are wrong, the host sends commands",

@@ -75,15 +75,10 @@ impl Run {
     /// If the module cannot start.
     pub(super) fn of(seed: u64, is_told: bool) -> Result<Self> {
         let mut chance = ChaCha8Rng::seed_from_u64(seed);
-        let systems: [(&str, &[Fleet]); 3] = [
-            ("G", &[Fleet::Gps31]),
-            ("GC", &[Fleet::Gps31, Fleet::BeidouRegional]),
-            ("GE", &[Fleet::Gps31, Fleet::Galileo24]),
-        ];
-        let (letters, fleets) = systems[chance.random_range(0..systems.len())];
+        let (letters, fleets) = [GPS, GPS_BEIDOU, GPS_GALILEO][chance.random_range(0..3)];
         let frequency = if chance.random_bool(0.7) { Frequency::Dual } else { Frequency::Single };
         let sky = Simulation {
-            satellites: fleets.iter().flat_map(|fleet| fleet.satellites()).collect(),
+            satellites: satellites(fleets),
             has_range_rates: chance.random(),
             step_s: if chance.random_bool(0.85) { 1.0 } else { SLOW_S[chance.random_range(0..SLOW_S.len())] },
             ..Simulation::above_xian(NOON_S, 1, seed)

@@ -150,16 +150,12 @@ impl Scene {
         let mut satellites = epoch.map_or(Vec::new(), MeasuredEpoch::satellites);
         satellites.truncate(self.most_satellites);
         satellites.shuffle(chance);
-        let size_m = |chance: &mut ChaCha8Rng| {
-            let size_m = chance.random_range(15_f64.ln()..2000_f64.ln()).exp();
-            if chance.random() { size_m } else { -size_m }
-        };
         match self.wrong {
             Wrong::Nothing => return Vec::new(),
             Wrong::Some(many) => satellites.truncate(many),
             Wrong::All => {}
         }
-        satellites.into_iter().map(|satellite| (satellite, size_m(chance))).collect()
+        satellites.into_iter().map(|satellite| (satellite, signed_size(15.0..2000.0, chance))).collect()
     }
 }
 
@@ -184,7 +180,7 @@ fn next_place_deg(place_deg: (f64, f64), chance: &mut ChaCha8Rng) -> (f64, f64) 
         0..60 => place_deg,
         60..75 => (0.0, 0.0),
         _ => {
-            let away_deg = DEGREES_A_METRE * chance.random_range(100_f64.ln()..1e6_f64.ln()).exp();
+            let away_deg = DEGREES_A_METRE * size(100.0..1e6, chance);
             let azimuth = chance.random_range(0.0..std::f64::consts::TAU);
             let (north_deg, east_deg) =
                 (place_deg.0 + away_deg * azimuth.cos(), place_deg.1 + away_deg * azimuth.sin());
