@@ -17,6 +17,8 @@ pub struct Tally {
     pub outcomes: Outcomes,
     /// Number of misleading epochs with more than one satellite left out.
     pub misled_by_several: usize,
+    /// Satellites used, summed over all reports.
+    pub used: u32,
     /// Satellites left out of promised epochs, summed.
     pub left_out: usize,
     /// Largest horizontal error of a promised epoch, m.
@@ -31,6 +33,7 @@ impl Tally {
     /// Counts an epoch. A verdict without an epoch is none.
     pub fn add(&mut self, seen: &Seen) {
         let state = &seen.reported.state;
+        self.used += state.used;
         if !state.has_epoch() {
             return;
         }
@@ -62,6 +65,7 @@ impl Tally {
     pub fn with(mut self, other: &Self) -> Self {
         self.outcomes += other.outcomes;
         self.misled_by_several += other.misled_by_several;
+        self.used += other.used;
         self.left_out += other.left_out;
         self.worst_horizontal_m = self.worst_horizontal_m.max(other.worst_horizontal_m);
         self.worst_vertical_m = self.worst_vertical_m.max(other.worst_vertical_m);

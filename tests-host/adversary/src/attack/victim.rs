@@ -7,10 +7,6 @@ use anyhow::{Result, ensure};
 use raim::sentence;
 use raim::verdict::EpochOutput;
 use raim_core::frame::{Ecef, Enu, LocalFrame};
-use raim_core::internals::velocity::Velocity;
-use raim_firmware::input::Suspicion;
-use raim_firmware::osnma::Summary;
-use raim_firmware::settings::SEALED_BYTES;
 
 use super::module::Module;
 use super::tally::Tally;
@@ -48,7 +44,7 @@ impl std::error::Error for NoOpportunity {}
 
 /// A module under attack.
 pub struct Victim {
-    module: Module,
+    pub(super) module: Module,
     now_ms: u64,
     step_ms: u64,
 }
@@ -70,32 +66,6 @@ impl Victim {
             ensure!(answer.contains(",OK"), "`{command}` is refused: {answer}");
         }
         Ok(victim)
-    }
-
-    /// Seals the settings and restarts from that memory, without a power cycle.
-    ///
-    /// # Errors
-    /// If the module cannot start.
-    pub fn restart(&mut self, sealed: &mut [u8; SEALED_BYTES]) -> Result<()> {
-        self.module.seal(sealed)?;
-        self.restart_from(sealed)
-    }
-
-    /// Restarts from the memory, without a power cycle, and then seals the settings as a board
-    /// does.
-    ///
-    /// # Errors
-    /// If the module cannot start.
-    pub fn restart_from(&mut self, sealed: &mut [u8; SEALED_BYTES]) -> Result<()> {
-        self.module.restart(sealed)
-    }
-
-    /// Returns the hash of the settings in force.
-    ///
-    /// # Errors
-    /// If the module does not answer.
-    pub fn settings_hash(&mut self) -> Result<u32> {
-        self.module.settings_hash()
     }
 
     /// Sends a command and returns the answer.
@@ -175,21 +145,6 @@ impl Victim {
     /// Returns true while the pin is high.
     pub fn is_promised(&self) -> bool {
         self.module.is_promised()
-    }
-
-    /// Returns the current state of spoofing detection.
-    pub fn spoofing(&self) -> Suspicion {
-        self.module.spoofing()
-    }
-
-    /// Returns what is known of the authentication, if there is a key.
-    pub fn authentication(&self) -> Option<Summary> {
-        self.module.authentication()
-    }
-
-    /// Returns the velocity of the last epoch, if there is one.
-    pub fn velocity(&self) -> Option<&Velocity> {
-        self.module.velocity()
     }
 
     /// Returns a counter, or 0 if no counter has this name.

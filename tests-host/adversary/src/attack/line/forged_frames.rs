@@ -155,13 +155,7 @@ fn once_later(_: Effort) -> Result<Vec<Figure>> {
 fn other_cycle(_: Effort) -> Result<Vec<Figure>> {
     let sky = Sky::quiet(EPOCHS, 3)?;
     let used_of = |bytes: &[Vec<u8>]| -> Result<f64> {
-        let mut victim = Victim::new(&[], 1.0)?;
-        let mut used = 0;
-        for bytes in bytes {
-            used +=
-                victim.receive(bytes, sky.truth)?.iter().map(|seen| seen.reported.state.used).sum::<u32>();
-        }
-        Ok(f64::from(used))
+        Ok(Victim::new(&[], 1.0)?.judge(bytes, sky.truth)?.used.into())
     };
     let mut bytes = sky.bytes(|_, _| {})?;
     let wanted = used_of(&bytes)?;
@@ -240,28 +234,22 @@ fn leap_seconds(_: Effort) -> Result<Vec<Figure>> {
     let (mut figures, mut wanted) = (Vec::new(), 0.0);
     for words in [0, 1, 3] {
         let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection.clone(), Some(reported));
-        let (mut victim, mut used, mut promised) = (Victim::new(&["SYSTEMS,GCER"], 1.0)?, 0, 0.0);
+        let (mut victim, mut tally) = (Victim::new(&["SYSTEMS,GCER"], 1.0)?, Tally::default());
         for (index, epoch) in recording.epochs.iter().take(EPOCHS as usize).enumerate() {
             let mut bytes = encoder.epoch(epoch)?;
             for _ in 0..if index == FORGED_AT { words } else { 0 } {
                 bytes.extend(ubx::utc(galileo, &forged)?);
             }
-            for seen in victim.receive(&bytes, STATIC_BASE.truth)? {
-                used += seen.reported.state.used;
-                promised += f64::from(u8::from(seen.is_promised));
-            }
+            tally.add_all(&victim.receive(&bytes, STATIC_BASE.truth)?);
         }
         if words == 0 {
-            wanted = f64::from(used);
+            wanted = f64::from(tally.used);
             continue;
         }
         let least = f64::from(EPOCHS) - COSTS;
-        figures.push(Figure::at_least(format!("{words} words: promised"), promised, least));
-        figures.push(Figure::at_least(
-            format!("{words} words: satellites used, all epochs added"),
-            f64::from(used),
-            wanted,
-        ));
+        figures.push(Figure::at_least(format!("{words} words: promised"), tally.promised(), least));
+        let quantity = format!("{words} words: satellites used, all epochs added");
+        figures.push(Figure::at_least(quantity, tally.used.into(), wanted));
     }
     Ok(figures)
 }

@@ -57,21 +57,17 @@ const OTHERS: f64 = 0.4;
 /// judged.
 fn run(share: f64, change: impl Fn(usize, &[u8]) -> Vec<u8>) -> Result<Vec<Figure>> {
     let sky = Sky::quiet(EPOCHS, 3)?;
-    let (mut victim, mut reference) = (Victim::new(&[], 1.0)?, Victim::new(&[], 1.0)?);
-    let (mut tally, mut used, mut wanted) = (Tally::default(), 0, 0);
-    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
-        let changed: Vec<u8> = frames(bytes).into_iter().flat_map(|frame| change(index, frame)).collect();
-        let seen = victim.receive(&changed, sky.truth)?;
-        tally.add_all(&seen);
-        used += seen.iter().map(|seen| seen.reported.state.used).sum::<u32>();
-        wanted +=
-            reference.receive(bytes, sky.truth)?.iter().map(|seen| seen.reported.state.used).sum::<u32>();
-    }
+    let bytes = sky.bytes(|_, _| {})?;
+    let changed = bytes.iter().enumerate().map(|(index, bytes)| -> Vec<u8> {
+        frames(bytes).into_iter().flat_map(|frame| change(index, frame)).collect()
+    });
+    let tally = Victim::new(&[], 1.0)?.judge(changed, sky.truth)?;
+    let wanted = Victim::new(&[], 1.0)?.judge(&bytes, sky.truth)?.used;
     let mut figures = tally.figures(0.0);
     figures.push(Figure::at_least("epochs protected", tally.promised(), KEPT * f64::from(EPOCHS)));
     figures.push(Figure::at_least(
         "satellites used, all epochs added",
-        f64::from(used),
+        f64::from(tally.used),
         (share * f64::from(wanted)).round(),
     ));
     figures.push(Figure::at_most("epochs judged", tally.epochs(), f64::from(EPOCHS)));

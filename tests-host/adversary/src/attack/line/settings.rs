@@ -63,15 +63,16 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
     {
         let mut sealed = [0; SEALED_BYTES];
         let mut victim = Victim::new(&commands, 1.0)?;
-        let hash = victim.settings_hash()?;
-        victim.restart(&mut sealed)?;
-        let kept = f64::from(u8::from(victim.settings_hash()? == hash));
+        let hash = victim.module.settings_hash()?;
+        victim.module.seal(&mut sealed)?;
+        victim.module.restart(&mut sealed)?;
+        let kept = f64::from(u8::from(victim.module.settings_hash()? == hash));
         figures.push(Figure::at_least(format!("kept over a restart: {what}"), kept, 1.0));
 
         sealed[SEALED_BYTES - 1] ^= 1;
         let mut promised = 0;
         for _ in 0..3 {
-            victim.restart_from(&mut sealed)?;
+            victim.module.restart(&mut sealed)?;
             for bytes in sky.bytes(|_, _| {})? {
                 let _ = victim.receive(&bytes, sky.truth)?;
                 promised += usize::from(victim.is_promised());
@@ -79,7 +80,7 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
         }
         figures.push(Figure::at_most(format!("promised by none of them: {what}"), promised as f64, 0.0));
         // An alert for unconfirmed settings must not hide the alert for the wrong position.
-        victim.restart_from(&mut sealed)?;
+        victim.module.restart(&mut sealed)?;
         let mut alerts = 0;
         for bytes in wrong(&sky)? {
             alerts += victim
@@ -89,7 +90,7 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
                 .count();
         }
         figures.push(Figure::at_least(format!("alerts unconfirmed: {what}"), alerts as f64, 5.0));
-        victim.restart_from(&mut sealed)?;
+        victim.module.restart(&mut sealed)?;
         victim.obey("CONFIRM")?;
         victim.judge(sky.bytes(|_, _| {})?, sky.truth)?;
         figures.push(Figure::at_least(

@@ -112,11 +112,8 @@ fn said_only() -> Result<f64> {
 /// Returns the promised epochs of thirty with a message before each of them.
 fn promised_during(commands: &[&str], message: &[u8]) -> Result<f64> {
     let sky = Sky::quiet(30, 1)?;
-    let (mut victim, mut tally) = (Victim::new(commands, 1.0)?, Tally::default());
-    for bytes in sky.bytes(|_, _| {})? {
-        tally.add_all(&victim.receive(&[message, &bytes].concat(), sky.truth)?);
-    }
-    Ok(tally.promised())
+    let steps = sky.bytes(|_, _| {})?.into_iter().map(|bytes| [message, &bytes].concat());
+    Ok(Victim::new(commands, 1.0)?.judge(steps, sky.truth)?.promised())
 }
 
 /// Returns promised epochs and alerts of twenty in which SEC-SIG has spoofing detection off, after
@@ -146,7 +143,7 @@ fn word_of_none_s() -> Result<f64> {
     for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
         let reported = if index == 10 { of_both(1) } else { Vec::new() };
         victim.receive(&[&reported[..], bytes].concat(), sky.truth)?;
-        holds_s += f64::from(u8::from(victim.spoofing() == Suspicion::None));
+        holds_s += f64::from(u8::from(victim.module.spoofing() == Suspicion::None));
     }
     Ok(holds_s)
 }

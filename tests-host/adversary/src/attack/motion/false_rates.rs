@@ -63,7 +63,7 @@ impl Told {
     fn add(&mut self, victim: &Victim) {
         self.epochs += 1;
         self.promised += usize::from(victim.is_promised());
-        let Some(velocity) = victim.velocity().filter(|_| victim.is_promised()) else { return };
+        let Some(velocity) = victim.module.velocity().filter(|_| victim.is_promised()) else { return };
         let [east, north, up] = velocity.east_north_up_m_s;
         let (ground_m_s, levels) = (east.hypot(north), velocity.levels_m_s);
         self.velocities += 1;
@@ -83,7 +83,7 @@ impl Told {
 fn negated(effort: Effort) -> Result<Vec<Figure>> {
     let seeds = effort.pick(24, 96);
     let reverse = |sign: f64| {
-        attempts(&KEPT, seeds, &|kept, seed| {
+        attempts(seeds, &|kept, seed| {
             attempt(kept, seed, |epoch| change(epoch, |doppler_hz| sign * doppler_hz))
         })
     };
@@ -98,7 +98,7 @@ fn negated(effort: Effort) -> Result<Vec<Figure>> {
 fn random(effort: Effort) -> Result<Vec<Figure>> {
     let (mut all, mut figures) = (Told::default(), Vec::new());
     for spread_m_s in SPREADS_M_S {
-        let told = attempts(&KEPT, effort.pick(4, 60), &|kept, seed| {
+        let told = attempts(effort.pick(4, 60), &|kept, seed| {
             let mut chance = ChaCha8Rng::seed_from_u64(seed);
             let spread_hz = spread_m_s / WAVELENGTH_M;
             attempt(kept, seed, |epoch| {
@@ -115,14 +115,9 @@ fn random(effort: Effort) -> Result<Vec<Figure>> {
 }
 
 /// Attempts every seed with every number of satellites.
-fn attempts(
-    kept: &[usize],
-    seeds: u64,
-    attempt: &(impl Fn(usize, u64) -> Result<Told> + Sync),
-) -> Result<Told> {
-    let runs: Vec<(usize, u64)> =
-        kept.iter().flat_map(|&kept| (0..seeds).map(move |seed| (kept, seed))).collect();
-    let told = runs.iter().together(|&(kept, seed)| attempt(kept, seed)).collect::<Result<Vec<_>>>()?;
+fn attempts(seeds: u64, attempt: &(impl Fn(usize, u64) -> Result<Told> + Sync)) -> Result<Told> {
+    let runs = KEPT.into_iter().flat_map(|kept| (0..seeds).map(move |seed| (kept, seed)));
+    let told = runs.together(|(kept, seed)| attempt(kept, seed)).collect::<Result<Vec<_>>>()?;
     Ok(told.iter().fold(Told::default(), Told::with))
 }
 

@@ -102,11 +102,11 @@ fn wrong(effort: Effort) -> Result<Vec<Figure>> {
             let what = format!("with {satellites} satellites{fault}");
             figures.push(Figure::plain(format!("promised {what}"), tally.promised()));
             // Two errors at once are beyond what a level bounds.
-            let beyond = (format!("beyond {what}"), tally.misleading());
+            let quantity = format!("beyond {what}");
             figures.push(if has_fault {
-                Figure::plain(beyond.0, beyond.1)
+                Figure::plain(quantity, tally.misleading())
             } else {
-                Figure::at_most(beyond.0, beyond.1, 0.0)
+                Figure::at_most(quantity, tally.misleading(), 0.0)
             });
         }
     }

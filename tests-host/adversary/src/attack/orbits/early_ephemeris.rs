@@ -82,7 +82,7 @@ fn early(effort: Effort) -> Result<Vec<Figure>> {
     }
     let mut victim = Victim::new(SETTINGS, STEP_S)?;
     let _ = victim.receive(&first, sky.truth)?;
-    figures_of(&mut victim, &sky, DISPUTED, |_| Vec::new())
+    figures_of(&mut victim, &sky, DISPUTED, &[])
 }
 
 fn absent(_: Effort) -> Result<Vec<Figure>> {
@@ -90,10 +90,8 @@ fn absent(_: Effort) -> Result<Vec<Figure>> {
     let mut victim = Victim::new(SETTINGS, STEP_S)?;
     let in_view: Vec<SatelliteId> = sky.recording.epochs[0].satellites();
     let strangers = strangers(&simulation, START_S + 172_800.0, |satellite| !in_view.contains(&satellite))?;
-    for stranger in strangers.iter().take(96) {
-        let _ = victim.receive(stranger, sky.truth)?;
-    }
-    figures_of(&mut victim, &sky, KEPT, |_| Vec::new())
+    victim.judge(strangers.iter().take(96), sky.truth)?;
+    figures_of(&mut victim, &sky, KEPT, &[])
 }
 
 fn crowd(effort: Effort) -> Result<Vec<Figure>> {
@@ -104,37 +102,20 @@ fn crowd(effort: Effort) -> Result<Vec<Figure>> {
     let is_ever_seen =
         |satellite| sky.recording.epochs.iter().any(|epoch| epoch.satellites().contains(&satellite));
     let strangers = strangers(&simulation, START_S, |satellite| !is_ever_seen(satellite))?;
-    figures_of(&mut victim, &sky, KEPT, |_| strangers.concat())
+    figures_of(&mut victim, &sky, KEPT, &strangers.concat())
 }
 
-/// Sends the sky, each epoch after the bytes that `between` returns. The positions must use at
-/// least `share` of the satellites.
-fn figures_of(
-    victim: &mut Victim,
-    sky: &Sky,
-    share: f64,
-    between: impl Fn(usize) -> Vec<u8>,
-) -> Result<Vec<Figure>> {
-    let mut tally = Tally::default();
-    let mut used = 0;
-    let mut reference = Victim::new(SETTINGS, STEP_S)?;
-    let mut wanted = 0;
-    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
-        let crowded = [between(index), bytes.clone()].concat();
-        let seen = victim.receive(&crowded, sky.truth)?;
-        used += seen.iter().map(|seen| seen.reported.state.used as usize).sum::<usize>();
-        wanted += reference
-            .receive(bytes, sky.truth)?
-            .iter()
-            .map(|seen| seen.reported.state.used as usize)
-            .sum::<usize>();
-        tally.add_all(&seen);
-    }
+/// Sends the sky, each epoch after the bytes of `between`. The positions must use at least `share` of
+/// the satellites.
+fn figures_of(victim: &mut Victim, sky: &Sky, share: f64, between: &[u8]) -> Result<Vec<Figure>> {
+    let bytes = sky.bytes(|_, _| {})?;
+    let wanted = Victim::new(SETTINGS, STEP_S)?.judge(&bytes, sky.truth)?.used;
+    let tally = victim.judge(bytes.iter().map(|bytes| [between, bytes].concat()), sky.truth)?;
     let mut figures = tally.figures(0.0);
     figures.push(Figure::at_most("alerts", tally.alerts(), 0.0));
     figures.push(Figure::at_most("satellites left out", tally.left_out as f64, 0.0));
-    let wanted = wanted as f64 * share;
-    figures.push(Figure::at_least("satellites used, all epochs added", used as f64, wanted.round()));
+    let wanted = (f64::from(wanted) * share).round();
+    figures.push(Figure::at_least("satellites used, all epochs added", tally.used.into(), wanted));
     Ok(figures)
 }
 

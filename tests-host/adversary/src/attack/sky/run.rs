@@ -72,7 +72,7 @@ pub(super) fn course(skies: &Skies, scene: &Scene, means: Means) -> Result<Cours
                 reported = Some((seen.is_promised, seen.is_misleading(), seen.reported.state.reason.clone()));
             }
         }
-        let summary = victim.authentication();
+        let summary = victim.module.authentication();
         if summary.is_some_and(|summary| summary.proved >= 4) {
             course.first_four_s.get_or_insert(second);
         }

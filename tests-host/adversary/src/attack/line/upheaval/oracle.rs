@@ -67,7 +67,7 @@ struct Recovering {
 }
 
 /// Observer of one run.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Oracle {
     seed: u64,
     sent: Vec<Sent>,
@@ -101,22 +101,7 @@ const DELAY_S: f64 = 1.0;
 impl Oracle {
     /// Returns an oracle for a module with the settings at start.
     pub(super) fn new(seed: u64) -> Self {
-        Self {
-            seed,
-            sent: Vec::new(),
-            recover: (3, 3.0),
-            max_speed_m_s: 515.0,
-            promise: None,
-            since_promise: 0,
-            lost: None,
-            last_tag_s: 0.0,
-            findings: Vec::new(),
-            epochs: 0,
-            promised: 0,
-            alerts: 0,
-            last_reason: String::new(),
-            has_promised_last: false,
-        }
+        Self { seed, recover: (3, 3.0), max_speed_m_s: 515.0, ..Self::default() }
     }
 
     /// Returns the findings of one kind.

@@ -159,7 +159,7 @@ impl Run {
         };
         let recording = stretch.record();
         let reported: &[TimedEphemeris] = if scene.says_ephemerides { &recording.ephemerides } else { &[] };
-        let mut encoder = AnyEncoder::new(self.format, reported, self.selection.clone());
+        let mut encode = encoder(self.format, reported, self.selection.clone());
         let mut wrong = scene.wrong_of(recording.epochs.first(), &mut self.chance);
         for mut epoch in recording.epochs {
             epoch.satellites.truncate(scene.most_satellites);
@@ -175,8 +175,7 @@ impl Run {
                 place: stretch.site.position,
                 wrong: wrong.len(),
             });
-            let bytes = encoder.epoch(&epoch)?;
-            self.send(bytes, scene.line, stretch.site.position)?;
+            self.send(encode(&epoch)?, scene.line, stretch.site.position)?;
         }
         Ok(())
     }
@@ -265,24 +264,19 @@ fn utc_of_day_s(time: GpsTime) -> f64 {
     (time.to_s() - GPS_MINUS_UTC_S).rem_euclid(DAY_S)
 }
 
-/// An encoder of either format.
-enum AnyEncoder {
-    Rtcm(Box<Encoder>),
-    Ubx(Box<ubx::Encoder>),
-}
+/// Encodes an epoch.
+type Encode = Box<dyn FnMut(&MeasuredEpoch) -> Result<Vec<u8>>>;
 
-impl AnyEncoder {
-    fn new(format: Format, ephemerides: &[TimedEphemeris], selection: Selection) -> Self {
-        match format {
-            Format::Rtcm => Self::Rtcm(Box::new(Encoder::new(ephemerides, selection))),
-            Format::Ubx => Self::Ubx(Box::new(ubx::Encoder::new(ephemerides, selection, None))),
+/// Returns an encoder of either format.
+fn encoder(format: Format, ephemerides: &[TimedEphemeris], selection: Selection) -> Encode {
+    match format {
+        Format::Rtcm => {
+            let mut encoder = Encoder::new(ephemerides, selection);
+            Box::new(move |epoch| encoder.epoch(epoch))
         }
-    }
-
-    fn epoch(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
-        match self {
-            Self::Rtcm(encoder) => encoder.epoch(epoch),
-            Self::Ubx(encoder) => encoder.epoch(epoch),
+        Format::Ubx => {
+            let mut encoder = ubx::Encoder::new(ephemerides, selection, None);
+            Box::new(move |epoch| encoder.epoch(epoch))
         }
     }
 }
