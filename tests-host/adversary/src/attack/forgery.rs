@@ -99,6 +99,11 @@ impl Sky {
         self.recording.epochs.iter().enumerate().map(bytes).collect()
     }
 
+    /// Encodes every epoch as it is.
+    pub(super) fn unchanged(&self) -> Result<Vec<Vec<u8>>> {
+        self.bytes(|_, _| {})
+    }
+
     /// Encodes the ranges of an epoch, without ephemerides.
     pub(super) fn ranges(&self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
         Encoder::new(&[], self.selection.clone()).epoch(epoch)

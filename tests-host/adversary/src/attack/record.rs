@@ -13,6 +13,8 @@ use anyhow::{Context as _, Result};
 
 use super::{Bound, Effort, Outcome, attacks, rounded};
 
+const FILE: &str = "attacks.tsv";
+
 /// Quantity of the first line.
 const VERSION: &str = "version";
 
@@ -71,9 +73,7 @@ impl Record {
     /// # Errors
     /// If the file cannot be read, or a line is not of the record.
     pub fn committed() -> Result<Self> {
-        let path = path();
-        let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-        Self::parse(&text).with_context(|| path.display().to_string())
+        Self::parse(&read(FILE)?).context(FILE)
     }
 
     /// Writes the record in the order of the attacks. Entries of attacks that do not exist any more
@@ -82,9 +82,7 @@ impl Record {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(&self) -> Result<PathBuf> {
-        let path = path();
-        fs::write(&path, self.text()).with_context(|| path.display().to_string())?;
-        Ok(path)
+        write(FILE, &self.text())
     }
 
     /// Returns the entry of an attack in a form.
@@ -143,8 +141,21 @@ impl Record {
     }
 }
 
-fn path() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("records/attacks.tsv")
+/// Reads a file of the folder `records`.
+pub(super) fn read(file: &str) -> Result<String> {
+    let path = path(file);
+    fs::read_to_string(&path).with_context(|| path.display().to_string())
+}
+
+/// Writes a file of the folder `records`; returns its path.
+pub(super) fn write(file: &str, text: &str) -> Result<PathBuf> {
+    let path = path(file);
+    fs::write(&path, text).with_context(|| path.display().to_string())?;
+    Ok(path)
+}
+
+fn path(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("records").join(file)
 }
 
 #[cfg(test)]

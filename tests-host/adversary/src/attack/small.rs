@@ -8,13 +8,14 @@
 //! an opportunity has the reason in the second column alone.
 
 use std::fmt;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 
 use super::victim::{NoOpportunity, take_tally};
-use super::{Attack, Effort};
+use super::{Attack, Effort, record};
+
+const FILE: &str = "small.tsv";
 
 /// Result of an attack on the small module.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +81,7 @@ pub fn line(attack: &str, finding: &Finding) -> String {
 /// # Errors
 /// If the file cannot be read.
 pub fn committed() -> Result<String> {
-    fs::read_to_string(path()).with_context(|| path().display().to_string())
+    record::read(FILE)
 }
 
 /// Writes the record of all attacks.
@@ -89,10 +90,5 @@ pub fn committed() -> Result<String> {
 /// If the file cannot be written.
 pub fn write(findings: &[(&str, Finding)]) -> Result<PathBuf> {
     let text: String = findings.iter().map(|(attack, finding)| line(attack, finding) + "\n").collect();
-    fs::write(path(), text).with_context(|| path().display().to_string())?;
-    Ok(path())
-}
-
-fn path() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("records/small.tsv")
+    record::write(FILE, &text)
 }

@@ -12,9 +12,10 @@ use anyhow::{Context as _, Result, bail};
 use raim::signal::encode::{Frequency, Selection, ubx};
 use raim::signal::recording::Recording;
 use raim::signal::sky::raw::Simulation;
+use raim_firmware::time::GpsTime;
 
 /// GPS time less UTC of the simulated day, ms.
-const LEAP_MS: u64 = 18_000;
+pub(super) const LEAP_MS: u64 = 18_000;
 const DAY_MS: u64 = 86_400_000;
 /// Longest wait for a connection.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -48,10 +49,8 @@ impl Sky {
         Ok(if second == 0 { [self.orbits(), ranges].concat() } else { ranges })
     }
 
-    /// Returns the time of day of an epoch in UTC, as a sentence has it, in hundredths of a second.
     fn of_day(&self, second: u32) -> Option<u64> {
-        let time = self.recording.epochs.get(second as usize)?.time;
-        Some((time.to_ms() - LEAP_MS + 5) % DAY_MS / 10)
+        self.recording.epochs.get(second as usize).map(|epoch| utc_of_day(epoch.time))
     }
 }
 
@@ -155,18 +154,26 @@ impl Reader {
 
 fn read(stream: TcpStream, states: &States) {
     for line in BufReader::new(stream).lines().map_while(Result::ok) {
-        let fields: Vec<_> = line.split(',').collect();
-        if let ["$PRAIS", time, state, reason, ..] = fields.as_slice()
-            && *reason != "STALE"
-            && let (Some(time), Some(state)) = (of_day(time), state.chars().next())
-        {
+        if let Some((time, state)) = judged(&line) {
             states.lock().unwrap_or_else(PoisonError::into_inner).insert(time, state);
         }
     }
 }
 
+/// Returns the time of day of an epoch in UTC, as a sentence has it, in hundredths of a second.
+pub(super) fn utc_of_day(time: GpsTime) -> u64 {
+    (time.to_ms() - LEAP_MS + 5) % DAY_MS / 10
+}
+
+/// Returns the time of day and the state of an epoch, if a sentence is its verdict.
+pub(super) fn judged(sentence: &str) -> Option<(u64, char)> {
+    let fields: Vec<_> = sentence.split(',').collect();
+    let ["$PRAIS", time, state, reason, ..] = fields[..] else { return None };
+    (reason != "STALE").then_some((of_day(time)?, state.chars().next()?))
+}
+
 /// Parses `hhmmss.ss` to hundredths of a second of the day.
-pub(super) fn of_day(text: &str) -> Option<u64> {
+fn of_day(text: &str) -> Option<u64> {
     let number = |range: std::ops::Range<usize>| text.get(range)?.parse::<u64>().ok();
     Some(((number(0..2)? * 60 + number(2..4)?) * 60 + number(4..6)?) * 100 + number(7..9)?)
 }

@@ -27,7 +27,7 @@ use raim::signal::encode::{Frequency, Selection, ubx};
 use raim::signal::sky::raw::Simulation;
 use raim_firmware::time::GpsTime;
 
-use super::feed::of_day;
+use super::feed::{LEAP_MS, judged, utc_of_day};
 use super::pace::Pace;
 use super::process::Process;
 use super::{LOAD, Program};
@@ -37,10 +37,8 @@ pub const RATE_HZ: u32 = 10;
 /// Largest resident memory, KiB.
 pub const MEMORY_KIB: u64 = 16 * 1024;
 
-/// Start of GPS time in Unix time, ms, and GPS time less UTC, ms.
+/// Start of GPS time in Unix time, ms.
 const GPS_BEGAN_MS: u64 = 315_964_800_000;
-const LEAP_MS: u64 = 18_000;
-const DAY_MS: u64 = 86_400_000;
 /// A sky starts at a multiple of this, ms.
 const GRID_MS: u64 = 16_000;
 /// Longest wait for a connection, and pause between two attempts.
@@ -194,7 +192,7 @@ fn send(
         sent += bytes.len() as u64;
         // The first epoch on a line may have begun before the service connected.
         if number > 0 {
-            expected.insert((epoch.time.to_ms() - LEAP_MS + 5) % DAY_MS / 10);
+            expected.insert(utc_of_day(epoch.time));
         }
         if number % u64::from(RATE_HZ) == 0 {
             process.sample();
@@ -239,14 +237,10 @@ impl Readers {
 
 fn read_sentences(stream: TcpStream, readers: &Readers) {
     for line in BufReader::new(stream).lines().map_while(Result::ok) {
-        let fields: Vec<_> = line.split(',').collect();
-        if let ["$PRAIS", time, state, reason, ..] = fields.as_slice()
-            && *reason != "STALE"
-            && let Some(time) = of_day(time)
-        {
+        if let Some((time, state)) = judged(&line) {
             let mut judged = readers.judged.lock().unwrap_or_else(PoisonError::into_inner);
             judged[0].insert(time);
-            if *state == "P" {
+            if state == 'P' {
                 judged[1].insert(time);
             }
         }

@@ -32,7 +32,7 @@ pub fn run(input: &[u8]) {
     let mut tape = Tape::new(input);
     let broadcast = broadcast(&mut tape);
     let Ok(ephemeris) = Ephemeris::new(&broadcast) else { return };
-    assert!(numbers(&broadcast).iter().all(|number| number.is_finite()), "let in: {broadcast:?}");
+    assert!(numbers(&broadcast).all(f64::is_finite), "let in: {broadcast:?}");
     while !tape.is_over() {
         let received = near(broadcast.toe, &mut tape);
         let range_m = tape.number(0.0, 6e7);
@@ -95,8 +95,7 @@ fn near(time: GpsTime, tape: &mut Tape<'_>) -> GpsTime {
     GpsTime::from_ms(time.to_ms().saturating_add_signed(offset_ms))
 }
 
-fn numbers(broadcast: &Broadcast) -> [f64; 20] {
-    let b = broadcast;
+fn numbers(b: &Broadcast) -> impl Iterator<Item = f64> {
     let narrow = [
         b.cuc_rad,
         b.cus_rad,
@@ -121,9 +120,7 @@ fn numbers(broadcast: &Broadcast) -> [f64; 20] {
         b.af1_s_s,
         b.af2_s_s2,
     ];
-    std::array::from_fn(|index| {
-        wide.get(index).copied().unwrap_or_else(|| f64::from(narrow[index - wide.len()]))
-    })
+    wide.into_iter().chain(narrow.map(f64::from))
 }
 
 fn fly(broadcast: &Broadcast, ephemeris: &Ephemeris, received: GpsTime, range_m: f64) {

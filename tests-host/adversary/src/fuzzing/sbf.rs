@@ -1,7 +1,4 @@
 //! Target: the GNSS port of a Septentrio receiver. The bytes are read as those of [`super::stream`];
 //! the seeds differ, and grow by other code.
 
-/// Sends the bytes.
-pub fn run(input: &[u8]) {
-    super::stream::run(input);
-}
+pub use super::stream::run;

@@ -41,14 +41,12 @@ fn epochs<T: Real>(tape: &mut Tape<'_>) {
 
 /// Returns one of the two allocations in use, with some of its numbers changed.
 fn allocation(tape: &mut Tape<'_>) -> Allocation {
-    let base = tape.one_of(&[Allocation::horizontal(), Allocation::vertical_guidance()]);
-    {
-        let mut allocation = base;
-        allocation.unmonitored_probability = tape.one_of(&[base.unmonitored_probability, 1e-12, 1e-4]);
-        allocation.consolidation = tape.one_of(&[base.consolidation, 0.0, 1.0]);
-        allocation.exclusion = tape.byte() < 200;
-        allocation
-    }
+    let mut allocation = tape.one_of(&[Allocation::horizontal(), Allocation::vertical_guidance()]);
+    let unmonitored = [allocation.unmonitored_probability, 1e-12, 1e-4];
+    allocation.unmonitored_probability = tape.one_of(&unmonitored);
+    allocation.consolidation = tape.one_of(&[allocation.consolidation, 0.0, 1.0]);
+    allocation.exclusion = tape.byte() < 200;
+    allocation
 }
 
 fn epoch<T: Real>(tape: &mut Tape<'_>) -> (LinearEpoch<T, ROWS>, Vec<Prior<T>>) {

@@ -87,12 +87,9 @@ const COSTS: f64 = 5.0;
 
 /// Sends a healthy sky with `forged` before one epoch.
 fn run(sky: &Sky, forged: &[u8]) -> Result<Tally> {
-    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
-    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
-        let before = if index == FORGED_AT { forged } else { &[] };
-        tally.add_all(&victim.receive(&[before, bytes].concat(), sky.truth)?);
-    }
-    Ok(tally)
+    let mut bytes = sky.unchanged()?;
+    bytes[FORGED_AT].splice(..0, forged.iter().copied());
+    Victim::new(&[], 1.0)?.judge(bytes, sky.truth)
 }
 
 fn figures(name: &str, tally: &Tally) -> Vec<Figure> {
@@ -127,7 +124,7 @@ fn moved(_: Effort) -> Result<Vec<Figure>> {
 fn near(_: Effort) -> Result<Vec<Figure>> {
     let sky = Sky::quiet(EPOCHS, 3)?;
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
-    for (index, (bytes, epoch)) in sky.bytes(|_, _| {})?.iter().zip(&sky.recording.epochs).enumerate() {
+    for (index, (bytes, epoch)) in sky.unchanged()?.iter().zip(&sky.recording.epochs).enumerate() {
         let mut one = epoch.clone();
         one.satellites.retain(|seen| seen.satellite.constellation() == Constellation::Gps);
         one.satellites.truncate(1);
@@ -146,8 +143,8 @@ fn once_later(_: Effort) -> Result<Vec<Figure>> {
     let middle = of_later(3600.0 + FORGED_AT as f64)?;
     let mut all = figures("in the middle", &run(&sky, &middle.ranges(&middle.recording.epochs[0])?)?);
     let mut victim = Victim::new(&[], 1.0)?;
-    victim.judge(of_later(3599.0)?.bytes(|_, _| {})?, sky.truth)?;
-    let tally = victim.judge(sky.bytes(|_, _| {})?, sky.truth)?;
+    victim.judge(of_later(3599.0)?.unchanged()?, sky.truth)?;
+    let tally = victim.judge(sky.unchanged()?, sky.truth)?;
     all.push(Figure::at_least("before all others: promised", tally.promised(), f64::from(EPOCHS) - OUTLASTS));
     Ok(all)
 }
@@ -157,7 +154,7 @@ fn other_cycle(_: Effort) -> Result<Vec<Figure>> {
     let used_of = |bytes: &[Vec<u8>]| -> Result<f64> {
         Ok(Victim::new(&[], 1.0)?.judge(bytes, sky.truth)?.used.into())
     };
-    let mut bytes = sky.bytes(|_, _| {})?;
+    let mut bytes = sky.unchanged()?;
     let wanted = used_of(&bytes)?;
     let is_beidou = |frame: &&[u8]| read(frame).is_some_and(|message| message.number() == Some(1042));
     let forged = frames(&bytes[0]).into_iter().find(is_beidou).map(|frame| of_week(frame, 1024));
@@ -182,7 +179,7 @@ fn later(frame: &[u8], by_s: u32) -> Vec<u8> {
 
 fn outvoted(_: Effort) -> Result<Vec<Figure>> {
     let sky = Sky::quiet(EPOCHS, 3)?;
-    let bytes = sky.bytes(|_, _| {})?;
+    let bytes = sky.unchanged()?;
     let of = |number: u16| -> Vec<&[u8]> {
         let is_set = |frame: &&[u8]| read(frame).is_some_and(|message| message.number() == Some(number));
         frames(&bytes[0]).into_iter().filter(is_set).collect()
@@ -210,8 +207,8 @@ fn first(_: Effort) -> Result<Vec<Figure>> {
     let away = Sky::of(&elsewhere(&Simulation::above_xian(3599.0, 1, 2), AWAY_DEG), Frequency::Dual)?;
     let here = Sky::of(&here, Frequency::Dual)?;
     let mut victim = Victim::new(&[], 1.0)?;
-    victim.judge(away.bytes(|_, _| {})?, away.truth)?;
-    let tally = victim.judge(here.bytes(|_, _| {})?, here.truth)?;
+    victim.judge(away.unchanged()?, away.truth)?;
+    let tally = victim.judge(here.unchanged()?, here.truth)?;
     Ok(vec![
         Figure::at_least("promised", tally.promised(), f64::from(EPOCHS) - OUTLASTS),
         Figure::at_most("beyond a level", tally.misleading(), 0.0),

@@ -36,7 +36,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
             ..Simulation::above_xian(1800.0 + 3600.0 * (seed % 24) as f64, EPOCHS, seed)
         };
         let sky = Sky::with(&simulation, "GE", Frequency::Dual)?;
-        let epochs = sky.bytes(|_, _| {})?;
+        let epochs = sky.unchanged()?;
         for offset_ms in OFFSETS_MS {
             for of_gps in [true, false] {
                 let mut victim = Victim::new(&[], 1.0)?;

@@ -40,7 +40,7 @@ const TIME_TO_ALERT_S: f64 = 10.0;
 fn hold_back(effort: Effort) -> Result<Vec<Figure>> {
     let epochs = effort.pick(600, 3600);
     let sky = Sky::quiet(epochs, 1)?;
-    let bytes = sky.bytes(|_, _| {})?;
+    let bytes = sky.unchanged()?;
     let mut figures = Vec::new();
     for own_s in [1.0, 1.05, 2.0, 9.0] {
         let (mut victim, mut oldest_s, mut promised) = (Victim::new(&[], own_s)?, 0.0_f64, 0);
@@ -66,7 +66,7 @@ fn hold_back(effort: Effort) -> Result<Vec<Figure>> {
 
 fn send_again(effort: Effort) -> Result<Vec<Figure>> {
     let sky = Sky::quiet(effort.pick(200, 1200), 2)?;
-    let bytes = sky.bytes(|_, _| {})?;
+    let bytes = sky.unchanged()?;
     let mut victim = Victim::new(&[], 1.0)?;
     let promised = |victim: &mut Victim| -> Result<f64> {
         let mut promised = 0.0;
@@ -99,8 +99,8 @@ fn week_old(_: Effort) -> Result<Vec<Figure>> {
     let (honest, old) =
         (Sky::of(&honest, Frequency::Dual)?, Sky::of(&elsewhere(&old, 0.05), Frequency::Dual)?);
     let (mut victim, mut after) = (Victim::new(&[], 1.0)?, Tally::default());
-    let before = victim.judge(honest.bytes(|_, _| {})?, honest.truth)?;
-    let bytes = old.bytes(|_, _| {})?;
+    let before = victim.judge(honest.unchanged()?, honest.truth)?;
+    let bytes = old.unchanged()?;
     for (index, own) in bytes.iter().enumerate() {
         // The ephemerides come twice.
         let again: &[u8] = if index == 30 { &bytes[0] } else { &[] };

@@ -59,7 +59,7 @@ fn joined(_: Effort) -> Result<Vec<Figure>> {
         let other = Sky::of(&elsewhere(&receiver, away_deg), Frequency::Dual)?;
         let own = Sky::of(&receiver, Frequency::Dual)?;
         let mut victim = Victim::new(&[], 1.0)?;
-        for (own_bytes, of_other) in own.bytes(|_, _| {})?.into_iter().zip(&other.recording.epochs) {
+        for (own_bytes, of_other) in own.unchanged()?.into_iter().zip(&other.recording.epochs) {
             let of_other = announcing(&other.ranges(of_other)?);
             let (sets, ranges) = parted(&own_bytes);
             tally.add_all(&victim.receive(&[sets, of_other, ranges].concat(), own.truth)?);
@@ -76,7 +76,7 @@ fn in_turn(_: Effort) -> Result<Vec<Figure>> {
         let other = Sky::of(&elsewhere(&later, away_deg), Frequency::Dual)?;
         let own = Sky::of(&receiver, Frequency::Dual)?;
         let mut victim = Victim::new(&[], 0.5)?;
-        let epochs = own.bytes(|_, _| {})?.into_iter().zip(&other.recording.epochs);
+        let epochs = own.unchanged()?.into_iter().zip(&other.recording.epochs);
         for (index, (own_bytes, of_other)) in epochs.enumerate() {
             let own_bytes = if index < SILENT_FROM { own_bytes } else { Vec::new() };
             let tally = if index < SILENT_FROM { &mut both } else { &mut alone };
@@ -144,9 +144,9 @@ fn continued(seed: u64, silence_s: f64, apart_s: f64, away_deg: f64) -> Result<T
     let own = Sky::of(&first, Frequency::Dual)?;
     let other = Sky::of(&elsewhere(&second, away_deg), Frequency::Dual)?;
     let mut victim = Victim::new(&[], 1.0)?;
-    victim.judge(own.bytes(|_, _| {})?, own.truth)?;
+    victim.judge(own.unchanged()?, own.truth)?;
     let _ = victim.silence(silence_s + apart_s, own.truth)?;
-    victim.judge(other.bytes(|_, _| {})?, own.truth)
+    victim.judge(other.unchanged()?, own.truth)
 }
 
 /// Returns the ephemerides and the ranges of an epoch.

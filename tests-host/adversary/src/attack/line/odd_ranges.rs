@@ -57,7 +57,7 @@ const OTHERS: f64 = 0.4;
 /// judged.
 fn run(share: f64, change: impl Fn(usize, &[u8]) -> Vec<u8>) -> Result<Vec<Figure>> {
     let sky = Sky::quiet(EPOCHS, 3)?;
-    let bytes = sky.bytes(|_, _| {})?;
+    let bytes = sky.unchanged()?;
     let changed = bytes.iter().enumerate().map(|(index, bytes)| -> Vec<u8> {
         frames(bytes).into_iter().flat_map(|frame| change(index, frame)).collect()
     });
@@ -83,7 +83,7 @@ fn next() -> Result<Vec<Figure>> {
         for more_follow in [1, 0] {
             for place in 0..3 {
                 let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
-                for bytes in sky.bytes(|_, _| {})? {
+                for bytes in sky.unchanged()? {
                     let changed = frames(&bytes).into_iter().flat_map(|frame| {
                         let empty = empty_ahead(frame, ahead_ms, more_follow);
                         let is_of_others = matches!(read(frame), Some(Message::Msg1127(_)));

@@ -38,7 +38,7 @@ fn time_to_alert(_: Effort) -> Result<Vec<Figure>> {
     let sky = Sky::quiet(5, 1)?;
     let mut victim = Victim::new(&["PHASE,NPA"], 1.0)?;
     let answer = victim.obey("TTA,3600")?;
-    victim.judge(sky.bytes(|_, _| {})?, sky.truth)?;
+    victim.judge(sky.unchanged()?, sky.truth)?;
     let was_promised = victim.is_promised();
     let mut high_s = 0.0;
     while victim.is_promised() && high_s < 3700.0 {
@@ -73,7 +73,7 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
         let mut promised = 0;
         for _ in 0..3 {
             victim.module.restart(&mut sealed)?;
-            for bytes in sky.bytes(|_, _| {})? {
+            for bytes in sky.unchanged()? {
                 let _ = victim.receive(&bytes, sky.truth)?;
                 promised += usize::from(victim.is_promised());
             }
@@ -92,7 +92,7 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
         figures.push(Figure::at_least(format!("alerts unconfirmed: {what}"), alerts as f64, 5.0));
         victim.module.restart(&mut sealed)?;
         victim.obey("CONFIRM")?;
-        victim.judge(sky.bytes(|_, _| {})?, sky.truth)?;
+        victim.judge(sky.unchanged()?, sky.truth)?;
         figures.push(Figure::at_least(
             "promised once confirmed",
             f64::from(u8::from(victim.is_promised())),
@@ -145,7 +145,7 @@ fn never(effort: Effort) -> Result<Vec<Figure>> {
             for bytes in sky.bytes(|_, epoch| epoch.lengthen(astray, size_m))? {
                 tally.add_all(&victim.0.receive(&bytes, sky.truth)?);
             }
-            for bytes in sky.bytes(|_, _| {})? {
+            for bytes in sky.unchanged()? {
                 healthy.add_all(&reference.receive(&bytes, sky.truth)?);
             }
         }

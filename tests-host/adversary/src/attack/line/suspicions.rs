@@ -52,7 +52,7 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
         let (mut alerts, mut until_promised) = (0, 0);
         let sky = Sky::quiet(EPOCHS.iter().sum::<usize>() as u32, 1)?;
         let mut victim = Victim::new(commands, 1.0)?;
-        for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+        for (index, bytes) in sky.unchanged()?.iter().enumerate() {
             let reported = match index.checked_sub(EPOCHS[0]) {
                 None => Vec::new(),
                 Some(since) if since < EPOCHS[1] => [of_both(3), of_spoofing_unknown()].concat(),
@@ -112,7 +112,7 @@ fn said_only() -> Result<f64> {
 /// Returns the promised epochs of thirty with a message before each of them.
 fn promised_during(commands: &[&str], message: &[u8]) -> Result<f64> {
     let sky = Sky::quiet(30, 1)?;
-    let steps = sky.bytes(|_, _| {})?.into_iter().map(|bytes| [message, &bytes].concat());
+    let steps = sky.unchanged()?.into_iter().map(|bytes| [message, &bytes].concat());
     Ok(Victim::new(commands, 1.0)?.judge(steps, sky.truth)?.promised())
 }
 
@@ -121,7 +121,7 @@ fn promised_during(commands: &[&str], message: &[u8]) -> Result<f64> {
 fn begun_anew() -> Result<(f64, f64)> {
     let sky = Sky::quiet(40, 1)?;
     let (mut victim, mut after, mut alerts) = (Victim::new(&[], 1.0)?, Tally::default(), 0);
-    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+    for (index, bytes) in sky.unchanged()?.iter().enumerate() {
         let reported = match index {
             0..10 => of_both(1),
             10..20 => of_both(3),
@@ -139,10 +139,10 @@ fn begun_anew() -> Result<(f64, f64)> {
 /// Returns the time for which the module reports no counterfeit signals after one denial, s.
 fn word_of_none_s() -> Result<f64> {
     let sky = Sky::quiet(120, 1)?;
-    let (mut victim, mut holds_s) = (Victim::new(&[], 1.0)?, 0.0);
-    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
-        let reported = if index == 10 { of_both(1) } else { Vec::new() };
-        victim.receive(&[&reported[..], bytes].concat(), sky.truth)?;
+    let (mut victim, mut bytes, mut holds_s) = (Victim::new(&[], 1.0)?, sky.unchanged()?, 0.0);
+    bytes[10].splice(..0, of_both(1));
+    for bytes in bytes {
+        victim.receive(&bytes, sky.truth)?;
         holds_s += f64::from(u8::from(victim.module.spoofing() == Suspicion::None));
     }
     Ok(holds_s)
@@ -152,18 +152,11 @@ fn word_of_none_s() -> Result<f64> {
 /// no SEC-SIG, after a single forged one.
 fn forgotten() -> Result<f64> {
     let sky = Sky::quiet(40, 1)?;
-    let (mut victim, mut after) = (Victim::new(&[], 1.0)?, Tally::default());
-    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
-        let reported = if index == 10 { of_both(3) } else { Vec::new() };
-        if index == 20 {
-            victim.obey("FORGET")?;
-        }
-        let seen = victim.receive(&[&reported[..], bytes].concat(), sky.truth)?;
-        if index >= 20 {
-            after.add_all(&seen);
-        }
-    }
-    Ok(after.promised())
+    let (mut victim, mut bytes) = (Victim::new(&[], 1.0)?, sky.unchanged()?);
+    bytes[10].splice(..0, of_both(3));
+    victim.judge(&bytes[..20], sky.truth)?;
+    victim.obey("FORGET")?;
+    Ok(victim.judge(&bytes[20..], sky.truth)?.promised())
 }
 
 /// Returns true for a spoofing alert without a protection level.

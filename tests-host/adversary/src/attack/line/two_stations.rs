@@ -60,7 +60,7 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
     let receiver = Sky::of(&receiver, Frequency::Dual)?;
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     for (index, (own, of_station)) in
-        receiver.bytes(|_, _| {})?.into_iter().zip(&station.recording.epochs).enumerate()
+        receiver.unchanged()?.into_iter().zip(&station.recording.epochs).enumerate()
     {
         let own = if SILENT.contains(&index) { Vec::new() } else { own };
         let of_station = if index == 0 { Vec::new() } else { renumbered(&station.ranges(of_station)?) };
@@ -147,7 +147,7 @@ fn namesake(_: Effort) -> Result<Vec<Figure>> {
         let receiver = Sky::of(&receiver, Frequency::Dual)?;
         for is_first in [true, false] {
             let mut victim = Victim::new(&[], 1.0)?;
-            let own = receiver.bytes(|_, _| {})?;
+            let own = receiver.unchanged()?;
             for (index, (own, of_station)) in own.into_iter().zip(&station.recording.epochs).enumerate() {
                 if index < ALONE {
                     alone.add_all(&victim.receive(&own, receiver.truth)?);
@@ -176,7 +176,7 @@ fn twice(_: Effort) -> Result<Vec<Figure>> {
         }
     }
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
-    for (bytes, epoch) in sky.bytes(|_, _| {})?.into_iter().zip(&sky.recording.epochs) {
+    for (bytes, epoch) in sky.unchanged()?.into_iter().zip(&sky.recording.epochs) {
         tally.add_all(&victim.receive(&[bytes, sky.ranges(epoch)?].concat(), sky.truth)?);
     }
     let mut figures = tally.figures(0.0);

@@ -42,8 +42,8 @@ fn run(effort: Effort, leap_s: f64) -> Result<Vec<Figure>> {
     let (honest, forged) = (Sky::of(&honest, Frequency::Dual)?, Sky::of(&forged, Frequency::Dual)?);
 
     let mut victim = Victim::new(&[], 1.0)?;
-    let before = victim.judge(honest.bytes(|_, _| {})?, honest.truth)?;
-    let after = victim.judge(forged.bytes(|_, _| {})?, honest.truth)?;
+    let before = victim.judge(honest.unchanged()?, honest.truth)?;
+    let after = victim.judge(forged.unchanged()?, honest.truth)?;
     let mut figures = after.figures(0.0);
     figures.push(Figure::at_least("protected before", before.promised(), f64::from(BEFORE)));
     Ok(figures)

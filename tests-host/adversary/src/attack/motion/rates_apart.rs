@@ -134,9 +134,9 @@ fn silence(effort: Effort) -> Result<Vec<Figure>> {
     let (honest, forged) =
         (Sky::of(&honest, Frequency::Dual)?, Sky::of(&elsewhere(&forged, AWAY_DEG), Frequency::Dual)?);
     let mut victim = Victim::new(&[], 1.0)?;
-    let before = victim.judge(honest.bytes(|_, _| {})?, honest.truth)?;
+    let before = victim.judge(honest.unchanged()?, honest.truth)?;
     let _ = victim.silence(SILENT_S, honest.truth)?;
-    let after = victim.judge(forged.bytes(|_, _| {})?, honest.truth)?;
+    let after = victim.judge(forged.unchanged()?, honest.truth)?;
     let mut figures = after.figures(0.0);
     figures.push(Figure::at_least("protected before", before.promised(), 60.0));
     Ok(figures)

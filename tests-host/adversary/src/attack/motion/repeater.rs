@@ -72,11 +72,8 @@ fn repeated(seed: u64, delay_m: f64) -> Result<[usize; 2]> {
         }
     })?;
     let mut victim = Victim::new(&[], 1.0)?;
-    let (mut seen, mut before) = (Tally::default(), Tally::default());
-    for (index, bytes) in (0_u32..).zip(&bytes) {
-        let tally = if index < BEFORE { &mut before } else { &mut seen };
-        tally.add_all(&victim.receive(bytes, sky.truth)?);
-    }
+    let before = victim.judge(&bytes[..BEFORE as usize], sky.truth)?;
+    let seen = victim.judge(&bytes[BEFORE as usize..], sky.truth)?;
     Ok([seen.of_reason("CLOCK").min(1), before.of_reason("CLOCK")])
 }
 

@@ -78,7 +78,7 @@ fn start(seed: u64, silence_s: u32) -> Result<(Tally, f64)> {
     let (mut victim, mut tally, mut lost_s) = (Victim::new(&[], 1.0)?, Tally::default(), 0.0);
     victim.judge(bytes.iter().take(BEFORE as usize), sky.truth)?;
     let _ = victim.silence(f64::from(silence_s), sky.truth)?;
-    for bytes in bytes.iter().skip(awake) {
+    for bytes in &bytes[awake..] {
         tally.add_all(&victim.receive(bytes, sky.truth)?);
         lost_s += if victim.is_promised() { 0.0 } else { 1.0 };
     }

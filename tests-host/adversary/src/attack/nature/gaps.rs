@@ -72,7 +72,7 @@ fn listen(
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     let (mut victim, mut tally) = (Victim::new(&[], step_s)?, Tally::default());
     let (mut silent_from, mut silent_until) = (60.0, 60.0);
-    for (index, bytes) in (0_u32..).zip(sky.bytes(|_, _| {})?) {
+    for (index, bytes) in (0_u32..).zip(sky.unchanged()?) {
         let time_s = f64::from(index) * step_s;
         if time_s >= silent_until {
             silent_from = silent_until.max(time_s) + chance.random_range(BETWEEN_S);

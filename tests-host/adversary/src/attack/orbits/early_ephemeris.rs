@@ -108,7 +108,7 @@ fn crowd(effort: Effort) -> Result<Vec<Figure>> {
 /// Sends the sky, each epoch after the bytes of `between`. The positions must use at least `share` of
 /// the satellites.
 fn figures_of(victim: &mut Victim, sky: &Sky, share: f64, between: &[u8]) -> Result<Vec<Figure>> {
-    let bytes = sky.bytes(|_, _| {})?;
+    let bytes = sky.unchanged()?;
     let wanted = Victim::new(SETTINGS, STEP_S)?.judge(&bytes, sky.truth)?.used;
     let tally = victim.judge(bytes.iter().map(|bytes| [between, bytes].concat()), sky.truth)?;
     let mut figures = tally.figures(0.0);

@@ -155,7 +155,7 @@ fn attempt_beside(every_s: u32, change: Change<'_>, is_truth_sent: bool, during:
     let sky = sky(&simulation(BEFORE + during))?;
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     let sets = in_view(&sky);
-    for (index, bytes) in (0_u32..).zip(sky.bytes(|_, _| {})?) {
+    for (index, bytes) in (0_u32..).zip(sky.unchanged()?) {
         let Some(since_s) = index.checked_sub(BEFORE) else {
             let _ = victim.receive(&bytes, sky.truth)?;
             continue;
@@ -221,38 +221,26 @@ const TRUE_EVERY: usize = 30;
 
 fn one(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
-    let (mut few, mut all) = (Tally::default(), Tally::default());
     let sky = sky(&simulation(BEFORE + 60))?;
     let sets = in_view(&sky);
     let away: &[f64] = effort.pick(&[50.0, 5000.0], &[12.0, 20.0, 50.0, 300.0, 5000.0, 50_000.0]);
-    for &away_m in away {
-        for set in &sets {
+    for (name, count, least) in [("six others", 7, 0.0), ("all others", usize::MAX, 1.0)] {
+        let mut tally = Tally::default();
+        for (&away_m, set) in away.iter().flat_map(|away_m| sets.iter().map(move |set| (away_m, set))) {
             let mut set = set.clone();
             move_ahead(&mut set, away_m);
             edit(&mut set, 1);
-            for (count, tally) in [(7, &mut few), (usize::MAX, &mut all)] {
-                let mut victim = Victim::new(&[], 1.0)?;
-                let kept: Vec<SatelliteId> =
-                    std::iter::once(set.satellite).chain(sets.iter().map(|set| set.satellite)).collect();
-                let kept: Vec<SatelliteId> = kept.into_iter().take(count).collect();
-                let bytes =
-                    sky.bytes(|_, epoch| epoch.satellites.retain(|raw| kept.contains(&raw.satellite)))?;
-                for (index, bytes) in (0_u32..).zip(bytes) {
-                    let falsified = if index == BEFORE { frame(&set)? } else { Vec::new() };
-                    let seen = victim.receive(&[falsified, bytes].concat(), sky.truth)?;
-                    if index >= BEFORE {
-                        tally.add_all(&seen);
-                    }
-                }
-            }
+            let own = std::iter::once(&set).chain(&sets).map(|set| set.satellite);
+            let kept: Vec<SatelliteId> = own.take(count).collect();
+            let mut bytes =
+                sky.bytes(|_, epoch| epoch.satellites.retain(|raw| kept.contains(&raw.satellite)))?;
+            bytes[BEFORE as usize].splice(..0, frame(&set)?);
+            let mut victim = Victim::new(&[], 1.0)?;
+            victim.judge(&bytes[..BEFORE as usize], sky.truth)?;
+            tally = tally.with(&victim.judge(&bytes[BEFORE as usize..], sky.truth)?);
         }
-    }
-    for (name, tally) in [("six others", few), ("all others", all)] {
-        let promised = tally.share();
-        let beyond = tally.misleading();
-        figures.push(Figure::at_most(format!("beyond, with {name}"), beyond, 0.0));
-        let least = if name == "all others" { 1.0 } else { 0.0 };
-        figures.push(Figure::at_least(format!("promised, with {name}, share"), promised, least));
+        figures.push(Figure::at_most(format!("beyond, with {name}"), tally.misleading(), 0.0));
+        figures.push(Figure::at_least(format!("promised, with {name}, share"), tally.share(), least));
     }
     Ok(figures)
 }

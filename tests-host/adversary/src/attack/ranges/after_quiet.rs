@@ -117,7 +117,7 @@ fn suspicion(effort: Effort) -> Result<Vec<Figure>> {
     let epochs = effort.pick(400, 3600);
     let sky = Sky::quiet(epochs, 1)?;
     let (mut victim, mut after) = (Victim::new(&[], 1.0)?, Tally::default());
-    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+    for (index, bytes) in sky.unchanged()?.iter().enumerate() {
         let reported = of_both(if (100..100 + SURE).contains(&index) { 3 } else { 1 });
         let seen = victim.receive(&[&reported[..], bytes].concat(), sky.truth)?;
         if index >= 100 + SURE + AGAIN {

@@ -46,7 +46,7 @@ const SILENCE_S: usize = 60;
 
 fn afterwards(effort: Effort) -> Result<Vec<Figure>> {
     let sky = Sky::quiet((HEALTHY + SILENCE_S + 1) as u32, 1)?;
-    let healthy = sky.bytes(|_, _| {})?;
+    let healthy = sky.unchanged()?;
     let draws: u32 = effort.pick(300, 3000);
     let (mut silent, mut forgotten) = (Tally::default(), Tally::default());
     for (seed, count) in (0..u64::from(draws)).flat_map(|seed| [(seed, 5), (seed, 6)]) {

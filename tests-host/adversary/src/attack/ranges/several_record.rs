@@ -4,12 +4,14 @@
 //! method, number of faults, number of satellites, epochs, promised, misleading, hazardous.
 
 use std::fmt::Write as _;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context as _, Result, ensure};
 
 use super::several_faults::{METHODS, Passing};
+use crate::attack::record;
+
+const FILE: &str = "several.tsv";
 
 /// First word of the first line.
 const VERSION: &str = "version";
@@ -26,9 +28,7 @@ pub fn write(cells: &[Passing], version: &str) -> Result<PathBuf> {
             "{method}\t{faults}\t{satellites}\t{epochs}\t{promised}\t{misleading}\t{hazardous}"
         );
     }
-    let path = path();
-    fs::write(&path, text).with_context(|| path.display().to_string())?;
-    Ok(path)
+    record::write(FILE, &text)
 }
 
 /// Reads the committed record.
@@ -36,8 +36,7 @@ pub fn write(cells: &[Passing], version: &str) -> Result<PathBuf> {
 /// # Errors
 /// If the file cannot be read, or a line is not a cell.
 pub fn committed() -> Result<Vec<Passing>> {
-    let path = path();
-    let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let text = record::read(FILE)?;
     let mut lines = text.lines();
     ensure!(lines.next().is_some_and(|line| line.starts_with(VERSION)), "the first line must be the version");
     lines.map(|line| cell(line).with_context(|| format!("`{line}` must be a cell"))).collect()
@@ -51,10 +50,6 @@ fn cell(line: &str) -> Result<Passing> {
         anyhow::bail!("there must be six counts");
     };
     Ok(Passing { method, satellites, faults, epochs, promised, misleading, hazardous })
-}
-
-fn path() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("records/several.tsv")
 }
 
 /// Returns a Markdown table: a row per method and number of faults, a column per number of

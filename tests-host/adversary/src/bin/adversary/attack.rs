@@ -42,10 +42,10 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(epochs) = arguments.several {
         return several(epochs, arguments.record);
     }
+    let effort = if arguments.long { Effort::Long } else { Effort::Quick };
     if arguments.small {
-        return crate::attack_small::run(&attacks, effort_of(arguments), arguments.record);
+        return crate::attack_small::run(&attacks, effort, arguments.record);
     }
-    let effort = effort_of(arguments);
     let mut lost = Vec::new();
     let mut outcomes = Vec::new();
     for attack in &attacks {
@@ -76,10 +76,6 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         lost.join(", ")
     );
     Ok(())
-}
-
-fn effort_of(arguments: &Arguments) -> Effort {
-    if arguments.long { Effort::Long } else { Effort::Quick }
 }
 
 fn chosen(names: &[String]) -> anyhow::Result<Vec<&'static Attack>> {

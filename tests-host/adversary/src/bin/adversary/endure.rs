@@ -1,5 +1,6 @@
 //! `cargo xtask endure`: `rai run` for an hour between cuts, kills and dead clients.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use adversary::endurance::{self, Program};
@@ -33,24 +34,19 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     });
     std::fs::remove_dir_all(&folder)?;
     let outcome = outcome?;
-    println!("{outcome}");
-    let broken = outcome.broken();
-    ensure!(broken.is_empty(), "{}", broken.join("; "));
-    Ok(())
+    conclude(&outcome, &outcome.broken())
 }
 
-#[cfg(unix)]
 fn with_all_readers(program: &Program, seconds: u32, folder: &Path) -> anyhow::Result<()> {
     let outcome = endurance::readers::run(program, seconds, folder, |sent| eprintln!("{sent} epochs sent"));
     std::fs::remove_dir_all(folder)?;
     let outcome = outcome?;
-    println!("{outcome}");
-    let broken = outcome.broken();
-    ensure!(broken.is_empty(), "{}", broken.join("; "));
-    Ok(())
+    conclude(&outcome, &outcome.broken())
 }
 
-#[cfg(not(unix))]
-fn with_all_readers(_: &Program, _: u32, _: &Path) -> anyhow::Result<()> {
-    anyhow::bail!("chronyd has its socket on Unix only")
+/// Prints an outcome, and fails if it broke a promise.
+fn conclude(outcome: &impl Display, broken: &[String]) -> anyhow::Result<()> {
+    println!("{outcome}");
+    ensure!(broken.is_empty(), "{}", broken.join("; "));
+    Ok(())
 }

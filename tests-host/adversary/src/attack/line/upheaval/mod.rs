@@ -28,9 +28,8 @@ pub(super) const ATTACK: Attack = Attack {
 };
 
 fn run(effort: Effort) -> Result<Vec<Figure>> {
-    let seeds = seeds(effort);
-    let oracles: Vec<Oracle> =
-        seeds.together(|seed| Run::of(seed, is_told()).and_then(Run::play)).collect::<Result<_>>()?;
+    let play = |seed| Run::of(seed, asked_for().is_some())?.play();
+    let oracles: Vec<Oracle> = seeds(effort).together(play).collect::<Result<_>>()?;
     let count = |number: fn(&Oracle) -> usize| oracles.iter().map(number).sum::<usize>() as f64;
     let mut figures = vec![
         Figure::plain("epochs", count(|oracle| oracle.epochs)),
@@ -55,10 +54,6 @@ fn seeds(effort: Effort) -> Vec<u64> {
         Some(seed) => vec![seed],
         None => (0..effort.pick(40, 2000)).chain(effort.pick(&LED_AWAY[..], &[]).iter().copied()).collect(),
     }
-}
-
-fn is_told() -> bool {
-    asked_for().is_some()
 }
 
 fn asked_for() -> Option<u64> {
