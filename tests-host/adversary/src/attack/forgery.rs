@@ -155,12 +155,18 @@ pub(super) fn move_ranges(epoch: &mut MeasuredEpoch, here: &[Sight], there: &[Si
     }
 }
 
+/// Returns the satellites of one system, in the order of their numbers.
+pub(super) fn of_system(epoch: &MeasuredEpoch, constellation: Constellation) -> Vec<SatelliteId> {
+    let mut satellites = epoch.satellites();
+    satellites.retain(|id| id.constellation() == constellation);
+    satellites.sort_unstable();
+    satellites
+}
+
 /// Keeps the first `count` satellites of one system, in the order of their numbers, and drops all
 /// others.
 pub(super) fn keep_first(epoch: &mut MeasuredEpoch, constellation: Constellation, count: usize) {
-    let mut kept: Vec<SatelliteId> =
-        epoch.satellites().into_iter().filter(|id| id.constellation() == constellation).collect();
-    kept.sort_unstable();
+    let mut kept = of_system(epoch, constellation);
     kept.truncate(count);
     epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
 }

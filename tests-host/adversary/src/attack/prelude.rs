@@ -18,7 +18,7 @@ pub(super) use rig::shared;
 
 pub(super) use super::forgery::{
     GPS, GPS_BEIDOU, GPS_GALILEO, Sky, Systems, THREE, elsewhere, lasting, lengthen_all, move_ranges,
-    satellites, signed_size, size, start_s, step_s,
+    of_system, satellites, signed_size, size, start_s, step_s,
 };
 pub(super) use super::tally::{MISSED, Tally, least_rate};
 pub(super) use super::victim::{Seen, Victim};

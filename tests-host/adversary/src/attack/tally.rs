@@ -1,6 +1,8 @@
 //! Counts of the outcomes of an attack.
 
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
+use std::ops::AddAssign;
 
 use raim::outcomes::{Outcome, Outcomes};
 
@@ -60,21 +62,6 @@ impl Tally {
         }
     }
 
-    /// Returns the sum of two tallies.
-    #[must_use]
-    pub fn with(mut self, other: &Self) -> Self {
-        self.outcomes += other.outcomes;
-        self.misled_by_several += other.misled_by_several;
-        self.used += other.used;
-        self.left_out += other.left_out;
-        self.worst_horizontal_m = self.worst_horizontal_m.max(other.worst_horizontal_m);
-        self.worst_vertical_m = self.worst_vertical_m.max(other.worst_vertical_m);
-        for (reason, count) in &other.reasons {
-            *self.reasons.entry(reason.clone()).or_default() += count;
-        }
-        self
-    }
-
     /// Returns the number of judged epochs, as a figure has it.
     pub fn epochs(&self) -> f64 {
         self.outcomes.epochs() as f64
@@ -103,6 +90,11 @@ impl Tally {
     /// Returns the same share in percent.
     pub fn percent(&self) -> f64 {
         100.0 * self.promised() / self.epochs().max(1.0)
+    }
+
+    /// Returns the share of the promised epochs that are beyond a level.
+    pub fn beyond(&self) -> f64 {
+        self.misleading() / self.promised().max(1.0)
     }
 
     /// Returns the rate of misleading epochs that chance does not explain (95 %).
@@ -140,15 +132,25 @@ impl Tally {
     }
 }
 
-impl<'t> FromIterator<&'t Self> for Tally {
-    fn from_iter<I: IntoIterator<Item = &'t Self>>(tallies: I) -> Self {
-        tallies.into_iter().fold(Self::default(), Self::with)
+impl AddAssign<&Self> for Tally {
+    fn add_assign(&mut self, other: &Self) {
+        self.outcomes += other.outcomes;
+        self.misled_by_several += other.misled_by_several;
+        self.used += other.used;
+        self.left_out += other.left_out;
+        self.worst_horizontal_m = self.worst_horizontal_m.max(other.worst_horizontal_m);
+        self.worst_vertical_m = self.worst_vertical_m.max(other.worst_vertical_m);
+        for (reason, count) in &other.reasons {
+            *self.reasons.entry(reason.clone()).or_default() += count;
+        }
     }
 }
 
-impl FromIterator<Self> for Tally {
-    fn from_iter<I: IntoIterator<Item = Self>>(tallies: I) -> Self {
-        tallies.into_iter().fold(Self::default(), |sum, tally| sum.with(&tally))
+impl<T: Borrow<Self>> FromIterator<T> for Tally {
+    fn from_iter<I: IntoIterator<Item = T>>(tallies: I) -> Self {
+        let mut sum = Self::default();
+        tallies.into_iter().for_each(|tally| sum += tally.borrow());
+        sum
     }
 }
 

@@ -28,7 +28,6 @@
 mod feed;
 mod pace;
 mod process;
-#[cfg(unix)]
 pub mod readers;
 
 use std::collections::BTreeSet;

@@ -100,7 +100,7 @@ pub fn run(image: &Path, plan: Plan, progress: impl FnMut(u64)) -> Result<Outcom
     }
     bench.finish()?;
     let Bench { rig, line, tally, watch, unread, next_ms, .. } = bench;
-    rig.stop()?;
+    rig.board.stop()?;
     let disturbances = line.counts().collect();
     Ok(Outcome { name, tempo, seed, board_s: next_ms as f64 * 1e-3, tally, watch, disturbances, unread })
 }
@@ -163,11 +163,11 @@ impl<P: FnMut(u64)> Bench<P> {
     /// Sends a piece after its pause; returns the length of that pause on the board, ms.
     fn send(&mut self, piece: &Piece) -> Result<u64> {
         if piece.pause_ms == 0 {
-            return self.rig.feed(&piece.bytes).map(|()| 0);
+            return self.rig.board.feed(&piece.bytes).map(|()| 0);
         }
         let start_ms = self.rig.now_ms()?;
         self.rig.wait_until(start_ms + piece.pause_ms)?;
-        self.rig.feed(&piece.bytes)?;
+        self.rig.board.feed(&piece.bytes)?;
         Ok(self.rig.now_ms()? - start_ms)
     }
 
@@ -179,13 +179,15 @@ impl<P: FnMut(u64)> Bench<P> {
                 self.rig.reset()
             }
             Some(&Mishap::Unread { epochs }) => {
-                self.rig.listen(false);
+                self.rig.board.listen(false);
                 self.tally.stop_listening();
                 (self.unread_left, self.unread) = (epochs, self.unread + 1);
                 Ok(())
             }
             Some(Mishap::Setting(setting)) => self.set(setting),
-            Some(&Mishap::Questions { count }) => (0..count).try_for_each(|_| self.rig.command("STATS")),
+            Some(&Mishap::Questions { count }) => {
+                (0..count).try_for_each(|_| self.rig.board.command("STATS"))
+            }
             None => Ok(()),
         }
     }
@@ -197,7 +199,7 @@ impl<P: FnMut(u64)> Bench<P> {
         if setting == "FORGET" {
             self.tally.expect_lateness();
         }
-        self.rig.command(setting)
+        self.rig.board.command(setting)
     }
 
     /// Waits until the next epoch is due, and reads the host port meanwhile.
@@ -207,7 +209,7 @@ impl<P: FnMut(u64)> Bench<P> {
         self.receive()?;
         match self.unread_left {
             0 => self.tally.caught_up(),
-            1 => self.rig.listen(true),
+            1 => self.rig.board.listen(true),
             _ => {}
         }
         self.unread_left = self.unread_left.saturating_sub(1);
@@ -215,16 +217,16 @@ impl<P: FnMut(u64)> Bench<P> {
     }
 
     fn receive(&mut self) -> Result<()> {
-        for line in self.rig.heard() {
+        for line in self.rig.board.heard() {
             // Settings survive every restart, so they are sent once.
             if self.tally.receive(&line) == Heard::Greeting && !std::mem::replace(&mut self.is_set_up, true) {
                 // The rate of the line is fixed. With seconds of noise the module would otherwise
                 // search for another rate and lose an epoch.
-                self.rig.command("BAUD,115200")?;
+                self.rig.board.command("BAUD,115200")?;
                 // Only this phase allows a time to alert as long as the intervals of a recording
                 // require.
-                self.rig.command("PHASE,CUSTOM")?;
-                self.rig.command(&format!("TTA,{}", self.tempo.time_to_alert_s))?;
+                self.rig.board.command("PHASE,CUSTOM")?;
+                self.rig.board.command(&format!("TTA,{}", self.tempo.time_to_alert_s))?;
                 self.set(&format!("HAL,{}", self.tempo.alert_limits_m[0]))?;
             }
         }
@@ -234,7 +236,7 @@ impl<P: FnMut(u64)> Bench<P> {
 
     /// Keeps the line silent until the module has reported it.
     fn finish(&mut self) -> Result<()> {
-        self.rig.listen(true);
+        self.rig.board.listen(true);
         let due_ms = self.rig.now_ms()? + (self.tempo.time_to_alert_s * 1e3) as u64 + 1000;
         self.rig.wait_until(due_ms)?;
         self.receive()

@@ -16,6 +16,17 @@ const WEEK_END_S: f64 = 6.0 * 86_400.0;
 /// Number of epochs of a simulated sky that are computed together.
 const SKY_EPOCHS: u32 = 1800;
 
+/// Pace of the recording.
+const RECORDING: Tempo = Tempo {
+    step_s: 30.0,
+    interval_ms: 30_000,
+    time_to_alert_s: 75.0,
+    alert_limits_m: [25, 20, 40, 556],
+    calm_epochs: 40,
+    disturbance: 0.03,
+    repeated_ephemerides: 6,
+};
+
 /// Source and length of a soak.
 pub struct Plan {
     /// Name for the table.
@@ -69,28 +80,17 @@ impl Plan {
     /// Returns `hours` hours of the recording `esbc`, 24 at most, one epoch in 30 s; `None` if the
     /// recording is missing.
     pub fn recording(hours: f64, seed: u64) -> Option<Self> {
-        let tempo = Tempo {
-            step_s: 30.0,
-            interval_ms: 30_000,
-            time_to_alert_s: 75.0,
-            alert_limits_m: [25, 20, 40, 556],
-            calm_epochs: 40,
-            disturbance: 0.03,
-            repeated_ephemerides: 6,
-        };
-        Self::of_recording((hours * 120.0) as usize, tempo, seed)
+        Self::of_recording((hours * 120.0) as usize, RECORDING, seed)
     }
 
     /// Returns an hour of the same in minutes: its epochs are sent 2 s apart.
     pub fn short_recording(seed: u64) -> Option<Self> {
         let tempo = Tempo {
-            step_s: 30.0,
             interval_ms: 2000,
             time_to_alert_s: 10.0,
-            alert_limits_m: [25, 20, 40, 556],
             calm_epochs: 25,
             disturbance: 0.05,
-            repeated_ephemerides: 6,
+            ..RECORDING
         };
         Self::of_recording(120, tempo, seed)
     }

@@ -18,7 +18,8 @@ const LOOKS: std::ops::RangeInclusive<Duration> = Duration::from_millis(2)..=Dur
 
 /// A board with its bench.
 pub struct Rig {
-    board: EmulatedBoard,
+    /// The board, with its ports.
+    pub board: EmulatedBoard,
     monitor: Monitor,
     lines_seen: usize,
     earlier_starts_ms: u64,
@@ -63,22 +64,6 @@ impl Rig {
         Ok(())
     }
 
-    /// Sends bytes to the GNSS port.
-    ///
-    /// # Errors
-    /// If the board does not accept them.
-    pub fn feed(&mut self, bytes: &[u8]) -> Result<()> {
-        self.board.feed(bytes)
-    }
-
-    /// Sends a command to the host port.
-    ///
-    /// # Errors
-    /// If the board does not accept it.
-    pub fn command(&mut self, body: &str) -> Result<()> {
-        self.board.command(body)
-    }
-
     /// Resets the chip, whatever it is doing.
     ///
     /// # Errors
@@ -96,28 +81,10 @@ impl Rig {
         Ok(())
     }
 
-    /// Stops or resumes reading the host port.
-    pub fn listen(&mut self, listens: bool) {
-        self.board.listen(listens);
-    }
-
-    /// Returns the lines of the host port since the last call.
-    pub fn heard(&mut self) -> Vec<Vec<u8>> {
-        self.board.heard()
-    }
-
     /// Returns the lines of the log since the last call.
     pub fn logged(&mut self) -> Vec<LogLine> {
         let lines = self.board.log().get(self.lines_seen..).unwrap_or_default().to_vec();
         self.lines_seen += lines.len();
         lines
-    }
-
-    /// Powers the board off.
-    ///
-    /// # Errors
-    /// If the emulator had already ended.
-    pub fn stop(self) -> Result<()> {
-        self.board.stop()
     }
 }

@@ -117,17 +117,16 @@ fn taken_over(effort: Effort) -> Result<Vec<Figure>> {
             for away_deg in FAR_DEG {
                 let is_near = away_deg * DEGREE_M < EXPECTED_M_S * (silence_s + APART_S) + LEVELS_M;
                 let tally = if is_near { &mut near } else { &mut alien };
-                *tally = std::mem::take(tally).with(&continued(seed, silence_s, APART_S, away_deg)?);
+                *tally += &continued(seed, silence_s, APART_S, away_deg)?;
             }
-            own = own.with(&continued(seed, silence_s, 0.0, 0.0)?);
-            restarted = restarted.with(&continued(seed, silence_s, APART_S, 0.0)?);
+            own += &continued(seed, silence_s, 0.0, 0.0)?;
+            restarted += &continued(seed, silence_s, APART_S, 0.0)?;
         }
     }
     let mut figures = alien.figures(0.0);
     figures.push(Figure::plain("beyond, at less than 10 m/s", near.misleading()));
     for (who, tally) in [("the own one returns", own), ("it returns half a second apart", restarted)] {
-        let promised = tally.share();
-        figures.push(Figure::at_least(format!("promised, {who}, share"), promised, RETURNED));
+        figures.push(Figure::at_least(format!("promised, {who}, share"), tally.share(), RETURNED));
     }
     Ok(figures)
 }

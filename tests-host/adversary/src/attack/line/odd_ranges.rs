@@ -104,7 +104,7 @@ fn next() -> Result<Vec<Figure>> {
                     tally.add_all(&victim.receive(&changed, sky.truth)?);
                 }
                 least = least.min(tally.outcomes.promised);
-                all = all.with(&tally);
+                all += &tally;
             }
         }
     }

@@ -84,29 +84,15 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
     figures.push(Figure::at_most("promised once it does not know any more", promised, 0.0));
     figures.push(Figure::at_least("`SPOOFED` then", alerts, 20.0));
     figures.push(Figure::at_most("s for which one word of none holds", word_of_none_s()?, 4.0));
-    figures.push(Figure::at_least(
-        "promised after one word of it and `FORGET`",
-        forgotten()?,
-        20.0 - RECOVER,
-    ));
-    figures.push(Figure::at_least("promised of 30 while it suspects", suspected(&[])?, 30.0));
-    figures.push(Figure::at_least(
-        "promised of 30 with `SPOOFFLAG,SAY` while it is sure",
-        said_only()?,
-        30.0,
-    ));
+    let least = 20.0 - RECOVER;
+    figures.push(Figure::at_least("promised after one word of it and `FORGET`", forgotten()?, least));
+    // It suspects spoofing and jamming.
+    let suspects = ubx::frame([0x27, 0x09], &[2, 0b0010_1101, 0, 0]);
+    let promised = promised_during(&[], &suspects)?;
+    figures.push(Figure::at_least("promised of 30 while it suspects", promised, 30.0));
+    let promised = promised_during(&["SPOOFFLAG,SAY"], &of_both(3))?;
+    figures.push(Figure::at_least("promised of 30 with `SPOOFFLAG,SAY` while it is sure", promised, 30.0));
     Ok(figures)
-}
-
-/// Returns the promised epochs of thirty in which the receiver suspects spoofing and jamming.
-fn suspected(commands: &[&str]) -> Result<f64> {
-    promised_during(commands, &ubx::frame([0x27, 0x09], &[2, 0b0010_1101, 0, 0]))
-}
-
-/// Returns the promised epochs of thirty in which the receiver is sure, and its word is only
-/// reported.
-fn said_only() -> Result<f64> {
-    promised_during(&["SPOOFFLAG,SAY"], &of_both(3))
 }
 
 /// Returns the promised epochs of thirty with a message before each of them.

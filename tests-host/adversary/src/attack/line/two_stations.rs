@@ -8,6 +8,7 @@ use raim::signal::checksum::rtcm_frame;
 use raim::signal::measurement::MeasuredSignal;
 
 use crate::attack::prelude::*;
+use crate::soak::noise::frames;
 
 pub(super) const ATTACK: Attack = Attack {
     name: "two-stations",
@@ -85,15 +86,11 @@ enum Missing {
 fn tunnel(_: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for missing in [Missing::Silent, Missing::Empty, Missing::Slow(5)] {
-        let mut tally = Tally::default();
-        for away_deg in [0.01, AWAY_DEG] {
-            tally = tally.with(&beside_a_base(away_deg, missing)?);
-        }
-        let own = |own: usize| figure_of(missing, own);
-        figures.extend([
-            Figure::at_most(format!("misleading, {missing:?}"), tally.misleading(), 0.0),
-            Figure::at_least(format!("promised, {missing:?}"), tally.promised(), 2.0 * own(EPOCHS as usize)),
-        ]);
+        let runs = [0.01, AWAY_DEG].into_iter().map(|away_deg| beside_a_base(away_deg, missing));
+        let tally: Tally = runs.collect::<Result<_>>()?;
+        let least = 2.0 * least_of(missing);
+        figures.push(Figure::at_most(format!("misleading, {missing:?}"), tally.misleading(), 0.0));
+        figures.push(Figure::at_least(format!("promised, {missing:?}"), tally.promised(), least));
     }
     Ok(figures)
 }
@@ -103,10 +100,10 @@ const EPOCHS: u32 = 180;
 
 /// Returns the smallest number of the receiver's own epochs that must be promised, allowing for
 /// recovery.
-fn figure_of(missing: Missing, epochs: usize) -> f64 {
+fn least_of(missing: Missing) -> f64 {
     match missing {
-        Missing::Silent | Missing::Empty => (epochs - TUNNEL_EPOCHS.len()) as f64 - 5.0,
-        Missing::Slow(interval) => (epochs / interval) as f64,
+        Missing::Silent | Missing::Empty => (EPOCHS as usize - TUNNEL_EPOCHS.len()) as f64 - 5.0,
+        Missing::Slow(interval) => (EPOCHS as usize / interval) as f64,
     }
 }
 
@@ -185,16 +182,12 @@ fn twice(_: Effort) -> Result<Vec<Figure>> {
 }
 
 /// Returns the same messages of ranges with the number of the other station.
-fn renumbered(mut bytes: &[u8]) -> Vec<u8> {
-    let mut frames = Vec::new();
-    while let [0xD3, high, low, ..] = *bytes {
-        let length = usize::from(u16::from_be_bytes([high & 3, low]));
-        let (frame, rest) = bytes.split_at(length + 6);
-        let mut payload = frame[3..3 + length].to_vec();
+fn renumbered(bytes: &[u8]) -> Vec<u8> {
+    let renumbered = |frame: &[u8]| {
+        let mut payload = frame[3..frame.len() - 3].to_vec();
         payload[1] = payload[1] & 0xF0 | (STATION >> 8) as u8;
         payload[2] = STATION as u8;
-        frames.extend(rtcm_frame(&payload));
-        bytes = rest;
-    }
-    frames
+        rtcm_frame(&payload)
+    };
+    frames(bytes).into_iter().flat_map(renumbered).collect()
 }

@@ -41,17 +41,14 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
                 }
             }
         })?;
-        let (mut victim, mut before, mut during) =
-            (Victim::new(&[], 1.0)?, Tally::default(), Tally::default());
-        let mut alert_s = f64::INFINITY;
-        for (index, bytes) in bytes.iter().enumerate() {
-            let state = if is_suspected { 0b0010_1011 } else { 0b0001_1011 };
-            let reported = ubx::frame([0x27, 0x09], &[2, state, 0, 0]);
-            let seen = victim.receive(&[&reported[..], bytes].concat(), sky.truth)?;
-            let Some(seconds) = index.checked_sub(BEFORE) else {
-                before.add_all(&seen);
-                continue;
-            };
+        let state = if is_suspected { 0b0010_1011 } else { 0b0001_1011 };
+        let reported = ubx::frame([0x27, 0x09], &[2, state, 0, 0]);
+        let steps: Vec<Vec<u8>> = bytes.iter().map(|bytes| [&reported[..], bytes].concat()).collect();
+        let mut victim = Victim::new(&[], 1.0)?;
+        let before = victim.judge(&steps[..BEFORE], sky.truth)?;
+        let (mut during, mut alert_s) = (Tally::default(), f64::INFINITY);
+        for (seconds, bytes) in steps[BEFORE..].iter().enumerate() {
+            let seen = victim.receive(bytes, sky.truth)?;
             if seen.iter().any(|seen| seen.reported.state.reason == "SPOOFED") {
                 alert_s = alert_s.min(seconds as f64);
             }

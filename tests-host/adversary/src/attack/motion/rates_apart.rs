@@ -108,13 +108,10 @@ fn attempt(seed: u64, speed_m_s: f64, change: Change<'_>) -> Result<Run> {
         }
     })?;
     let mut victim = Victim::new(&[], 1.0)?;
-    let (mut before, mut after, mut alert_s) = (Tally::default(), Tally::default(), f64::INFINITY);
-    for (index, bytes) in (0_u32..).zip(&bytes) {
+    let before = victim.judge(&bytes[..BEFORE as usize], sky.truth)?;
+    let (mut after, mut alert_s) = (Tally::default(), f64::INFINITY);
+    for (seconds, bytes) in (0_u32..).zip(&bytes[BEFORE as usize..]) {
         let seen = victim.receive(bytes, sky.truth)?;
-        let Some(seconds) = index.checked_sub(BEFORE) else {
-            before.add_all(&seen);
-            continue;
-        };
         if seen.iter().any(|seen| seen.reported.state.state == 'A') {
             alert_s = alert_s.min(f64::from(seconds));
         }

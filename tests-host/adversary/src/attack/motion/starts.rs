@@ -40,13 +40,10 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     for silence_s in SILENCES_S {
         let runs = (0..effort.pick(4, 40)).together(|seed| start(seed, silence_s));
         let runs = runs.collect::<Result<Vec<_>>>()?;
-        let all = runs.iter().fold(Tally::default(), |sum, (tally, _)| sum.with(tally));
+        let all: Tally = runs.iter().map(|(tally, _)| tally).collect();
         let longest_s = runs.iter().map(|(_, lost_s)| *lost_s).fold(0.0, f64::max);
-        figures.push(Figure::at_most(
-            format!("s without a promise after {silence_s} s"),
-            longest_s,
-            LONGEST_S,
-        ));
+        let quantity = format!("s without a promise after {silence_s} s");
+        figures.push(Figure::at_most(quantity, longest_s, LONGEST_S));
         figures.push(Figure::plain("CLOCK", all.of_reason("CLOCK") as f64));
         figures.push(Figure::at_most("beyond", all.misleading(), 0.0));
     }

@@ -30,13 +30,10 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     for drift_m_s in DRIFTS_M_S {
         let runs = (0..effort.pick(1, 12)).together(|seed| steered(seed, drift_m_s));
         let runs = runs.collect::<Result<Vec<_>>>()?;
-        let all = runs.iter().fold(Tally::default(), |sum, (tally, _)| sum.with(tally));
+        let all: Tally = runs.iter().map(|(tally, _)| tally).collect();
         let longest_s = runs.iter().map(|(_, lost_s)| *lost_s).fold(0.0, f64::max);
-        figures.push(Figure::at_most(
-            format!("s without a promise at {drift_m_s} m/s"),
-            longest_s,
-            LONGEST_S,
-        ));
+        let quantity = format!("s without a promise at {drift_m_s} m/s");
+        figures.push(Figure::at_most(quantity, longest_s, LONGEST_S));
         figures.push(Figure::at_most("beyond", all.misleading(), 0.0));
     }
     Ok(figures)

@@ -156,12 +156,9 @@ fn rising(effort: Effort) -> Result<Vec<Figure>> {
     for speed_m_s in [0.2, 0.5, 2.0] {
         let epochs = (RISEN_M / speed_m_s) as u32;
         for has_height in [false, true] {
-            let runs = (0..effort.pick(2_u32, 12)).together(|seed| {
-                let simulation = Simulation::above_xian(
-                    3700.0 + 7200.0 * f64::from(seed),
-                    BEFORE + epochs,
-                    u64::from(seed),
-                );
+            let runs = (0..effort.pick(2, 12)).together(|seed| {
+                let start_s = 3700.0 + 7200.0 * seed as f64;
+                let simulation = Simulation::above_xian(start_s, BEFORE + epochs, seed);
                 let seen = risen(&simulation, speed_m_s, has_height)?;
                 let alert_s = noticed_s(&seen, |seen| seen.reported.state.state == 'A');
                 let promised = seen.iter().flatten().filter(|seen| seen.is_misleading()).count();
@@ -171,18 +168,12 @@ fn rising(effort: Effort) -> Result<Vec<Figure>> {
             let latest_s = runs.iter().map(|run| run.0).fold(0.0, f64::max);
             let beyond: usize = runs.iter().map(|run| run.1).sum();
             if has_height {
-                let bound_s = f64::from(epochs);
-                figures.push(Figure::at_most(
-                    format!("s to the alert at {speed_m_s} m/s"),
-                    latest_s,
-                    bound_s,
-                ));
+                let quantity = format!("s to the alert at {speed_m_s} m/s");
+                figures.push(Figure::at_most(quantity, latest_s, f64::from(epochs)));
                 figures.push(Figure::at_most("beyond", beyond as f64, 0.0));
             } else {
-                figures.push(Figure::plain(
-                    format!("beyond at {speed_m_s} m/s without a height"),
-                    beyond as f64,
-                ));
+                let quantity = format!("beyond at {speed_m_s} m/s without a height");
+                figures.push(Figure::plain(quantity, beyond as f64));
             }
         }
     }

@@ -75,11 +75,8 @@ fn nominal(effort: Effort) -> Result<Vec<Figure>> {
     }
     // The quick effort sends the first hours only.
     let most = effort.pick(360, usize::MAX);
-    let per_station: Vec<Vec<Figure>> = STATIONS
-        .iter()
-        .together(|&(station, systems)| of_station(station, systems, most))
-        .collect::<Result<_>>()?;
-    Ok(per_station.concat())
+    let figures = STATIONS.into_iter().together(|(station, systems)| of_station(station, systems, most));
+    Ok(figures.collect::<Result<Vec<_>>>()?.concat())
 }
 
 fn of_station(station: &Station, systems: &str, most: usize) -> Result<Vec<Figure>> {
@@ -91,10 +88,9 @@ fn of_station(station: &Station, systems: &str, most: usize) -> Result<Vec<Figur
         let (tally, apart) =
             play(&recording, systems, Frequency::Dual, &[&format!("PHASE,{phase}")], &truth, most)?;
         figures.push(Figure::at_most(format!("{name} {phase} bands apart"), f64::from(apart), 0.0));
-        let available = tally.share();
         figures.push(Figure::at_most(format!("{name} {phase} beyond"), tally.misleading(), 0.0));
         let quantity = format!("{name} {phase} protected, %");
-        let value = 100.0 * available;
+        let value = 100.0 * tally.share();
         // In a short recording the few epochs lost at the start are more than a hundredth.
         let bound = if recording.epochs.len() > 1000 { 100.0 * AVAILABLE } else { 0.0 };
         figures.push(if is_held {
@@ -126,14 +122,9 @@ fn urban(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for ((method, limits), (tally, _)) in runs.iter().zip(&played) {
         let what = format!("{method} {}", limits.join(" "));
-        let share = tally.misleading() / tally.outcomes.promised.max(1) as f64;
-        figures.push(Figure::plain(
-            format!("{what} protected of {}", tally.outcomes.epochs()),
-            tally.promised(),
-        ));
-        figures.push(Figure::at_most("beyond their level, share", share, URBAN_BEYOND));
-        let worst_m = tally.worst_m();
-        figures.push(Figure::plain("largest error, m", worst_m));
+        figures.push(Figure::plain(format!("{what} protected of {}", tally.epochs()), tally.promised()));
+        figures.push(Figure::at_most("beyond their level, share", tally.beyond(), URBAN_BEYOND));
+        figures.push(Figure::plain("largest error, m", tally.worst_m()));
         if limits.len() > 1 {
             figures.push(Figure::at_most("beyond the limits", tally.outcomes.hazardous as f64, 0.0));
         }
@@ -151,8 +142,7 @@ fn play(
     truth: &Truth,
     most: usize,
 ) -> Result<(Tally, u32)> {
-    let step_s = step_s(recording);
-    let mut victim = Victim::new(commands, step_s)?;
+    let mut victim = Victim::new(commands, step_s(recording))?;
     tell_ionosphere(recording, &mut victim)?;
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new(systems, frequency)?);
     let mut tally = Tally::default();

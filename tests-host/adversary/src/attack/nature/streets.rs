@@ -105,12 +105,10 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     for (station, systems) in STREETS {
         let streets = of_station(station, systems, seeds, most)?;
         figures.extend(streets.figures(&format!("{} {systems}", station.folder)));
-        all = all.with(&streets.all);
+        all += &streets.all;
     }
-    let (epochs, promised) = (all.outcomes.epochs().max(1) as f64, all.promised());
-    let beyond = all.misleading() / promised.max(1.0);
-    figures.push(Figure::at_least(format!("all protected {promised}, share"), promised / epochs, PROMISED));
-    figures.push(Figure::at_most(format!("{} beyond, share", all.outcomes.misleading), beyond, BEYOND));
+    figures.push(Figure::at_least(format!("all protected {}, share", all.promised()), all.share(), PROMISED));
+    figures.push(Figure::at_most(format!("{} beyond, share", all.misleading()), all.beyond(), BEYOND));
     Ok(figures)
 }
 
@@ -129,13 +127,10 @@ impl Streets {
         }
     }
 
-    fn with(self, other: &Self) -> Self {
-        let [a, b, c, d] = self.by_excluded;
-        let [other_a, other_b, other_c, other_d] = &other.by_excluded;
-        Self {
-            all: self.all.with(&other.all),
-            by_excluded: [a.with(other_a), b.with(other_b), c.with(other_c), d.with(other_d)],
-        }
+    fn with(mut self, other: &Self) -> Self {
+        self.all += &other.all;
+        self.by_excluded.iter_mut().zip(&other.by_excluded).for_each(|(sum, more)| *sum += more);
+        self
     }
 
     fn figures(&self, name: &str) -> Vec<Figure> {
@@ -148,8 +143,7 @@ impl Streets {
             let quantity = format!("of {} without {count}", tally.outcomes.promised);
             figures.push(Figure::plain(quantity, tally.misleading()));
         }
-        let worst_m = all.worst_m();
-        figures.push(Figure::plain("largest error, m", worst_m));
+        figures.push(Figure::plain("largest error, m", all.worst_m()));
         figures.push(Figure::plain("SIGMAS", all.of_reason("SIGMAS") as f64));
         figures
     }

@@ -71,7 +71,7 @@ fn turned(effort: Effort) -> Result<Vec<Figure>> {
     let speeds: &[f64] = effort.pick(&[0.5, 5.0], &[0.5, 1.0, 2.0, 5.0, 10.0, 50.0]);
     for &speed_m_s in speeds {
         for every_s in [1, 30] {
-            tally = tally.with(&attempt(every_s, &|set, since_s| turn(set, speed_m_s * since_s))?);
+            tally += &attempt(every_s, &|set, since_s| turn(set, speed_m_s * since_s))?;
         }
     }
     Ok(figures(&tally))
@@ -84,7 +84,7 @@ fn clocks(effort: Effort) -> Result<Vec<Figure>> {
     let (here, there) = (here.sights_at(0), there.sights_at(0));
     // Change of the range of a satellite if the place moves by a metre.
     let per_metre = |satellite: SatelliteId| {
-        let range_m = |sights: &[raim::signal::sky::Sight]| {
+        let range_m = |sights: &[Sight]| {
             sights.iter().find(|sight| sight.satellite == satellite).map(|sight| sight.range_m)
         };
         range_m(&there).zip(range_m(&here)).map_or(0.0, |(there_m, here_m)| (there_m - here_m) / 111.0)
@@ -94,7 +94,7 @@ fn clocks(effort: Effort) -> Result<Vec<Figure>> {
             let by_m = step_m * (1.0 + (since_s / 7.0).floor()) * per_metre(set.satellite);
             step_clock(set, by_m / SPEED_OF_LIGHT_M_S);
         };
-        tally = tally.with(&attempt(7, &change)?);
+        tally += &attempt(7, &change)?;
     }
     Ok(figures(&tally))
 }
@@ -107,16 +107,15 @@ fn leap(effort: Effort) -> Result<Vec<Figure>> {
         for &away_m in away {
             // A set that differs in nothing is a copy of the one before.
             let change = |set: &mut TimedEphemeris, since_s: f64| turn(set, away_m + since_s * 1e-3);
-            tally = tally.with(&attempt_beside(60, &change, is_truth_sent, 2400)?);
+            tally += &attempt_beside(60, &change, is_truth_sent, 2400)?;
         }
         let (name, most) = if is_truth_sent {
             ("beside true sets every 30 s", 0.0)
         } else {
             ("without true sets", f64::INFINITY)
         };
-        let beyond = tally.misleading();
         figures.push(Figure::plain(format!("{name}, protected"), tally.promised()));
-        figures.push(Figure::at_most("beyond their level", beyond, most));
+        figures.push(Figure::at_most("beyond their level", tally.misleading(), most));
     }
     Ok(figures)
 }
@@ -162,8 +161,7 @@ fn attempt_beside(every_s: u32, change: Change<'_>, is_truth_sent: bool, during:
         };
         let mut sent = Vec::new();
         if since_s.is_multiple_of(every_s) {
-            for set in &sets {
-                let mut set = set.clone();
+            for mut set in sets.clone() {
                 change(&mut set, f64::from(since_s));
                 edit(&mut set, since_s / every_s);
                 sent.extend(frame(&set)?);
@@ -207,11 +205,10 @@ fn first(_: Effort) -> Result<Vec<Figure>> {
             let tally = if index < TRUE_EVERY - 1 { &mut alone } else { &mut after };
             tally.add_all(&seen);
         }
-        let count = |tally: &Tally| tally.misleading();
         let until = format!("false sets {name}, until a true one, promised");
         figures.push(Figure::plain(until, alone.promised()));
-        figures.push(Figure::plain("beyond", count(&alone)));
-        figures.push(Figure::at_most("and after it", count(&after), 0.0));
+        figures.push(Figure::plain("beyond", alone.misleading()));
+        figures.push(Figure::at_most("and after it", after.misleading(), 0.0));
     }
     Ok(figures)
 }
@@ -226,18 +223,19 @@ fn one(effort: Effort) -> Result<Vec<Figure>> {
     let away: &[f64] = effort.pick(&[50.0, 5000.0], &[12.0, 20.0, 50.0, 300.0, 5000.0, 50_000.0]);
     for (name, count, least) in [("six others", 7, 0.0), ("all others", usize::MAX, 1.0)] {
         let mut tally = Tally::default();
-        for (&away_m, set) in away.iter().flat_map(|away_m| sets.iter().map(move |set| (away_m, set))) {
-            let mut set = set.clone();
-            move_ahead(&mut set, away_m);
-            edit(&mut set, 1);
-            let own = std::iter::once(&set).chain(&sets).map(|set| set.satellite);
-            let kept: Vec<SatelliteId> = own.take(count).collect();
-            let mut bytes =
-                sky.bytes(|_, epoch| epoch.satellites.retain(|raw| kept.contains(&raw.satellite)))?;
-            bytes[BEFORE as usize].splice(..0, frame(&set)?);
-            let mut victim = Victim::new(&[], 1.0)?;
-            victim.judge(&bytes[..BEFORE as usize], sky.truth)?;
-            tally = tally.with(&victim.judge(&bytes[BEFORE as usize..], sky.truth)?);
+        for &away_m in away {
+            for mut set in sets.clone() {
+                move_ahead(&mut set, away_m);
+                edit(&mut set, 1);
+                let own = std::iter::once(&set).chain(&sets).map(|set| set.satellite);
+                let kept: Vec<SatelliteId> = own.take(count).collect();
+                let mut bytes =
+                    sky.bytes(|_, epoch| epoch.satellites.retain(|raw| kept.contains(&raw.satellite)))?;
+                bytes[BEFORE as usize].splice(..0, frame(&set)?);
+                let mut victim = Victim::new(&[], 1.0)?;
+                victim.judge(&bytes[..BEFORE as usize], sky.truth)?;
+                tally += &victim.judge(&bytes[BEFORE as usize..], sky.truth)?;
+            }
         }
         figures.push(Figure::at_most(format!("beyond, with {name}"), tally.misleading(), 0.0));
         figures.push(Figure::at_least(format!("promised, with {name}, share"), tally.share(), least));

@@ -88,17 +88,12 @@ const STREET_EPOCHS: u32 = 300;
 
 fn street(effort: Effort) -> Result<Vec<Figure>> {
     let drives: Vec<Streets> = (0..effort.pick(8, 160)).together(drive_after_quiet).collect::<Result<_>>()?;
-    let all = drives.iter().fold(Tally::default(), |sum, drive| sum.with(&drive.all));
-    let share = all.share();
-    let mut figures = vec![Figure::plain("share protected", share)];
-    let promised = all.outcomes.promised.max(1) as f64;
-    let beyond = all.misleading() / promised;
-    figures.push(Figure::at_most(
-        format!("{} beyond, share", all.outcomes.misleading),
-        beyond,
-        streets::BEYOND,
-    ));
-    Ok(figures)
+    let all: Tally = drives.iter().map(|drive| &drive.all).collect();
+    let beyond = format!("{} beyond, share", all.misleading());
+    Ok(vec![
+        Figure::plain("share protected", all.share()),
+        Figure::at_most(beyond, all.beyond(), streets::BEYOND),
+    ])
 }
 
 fn drive_after_quiet(seed: u64) -> Result<Streets> {

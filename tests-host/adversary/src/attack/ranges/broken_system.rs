@@ -66,7 +66,7 @@ fn attempt(method: &str, fault: Fault, seed: u64) -> Result<Tally> {
     let mut is_jumping = false;
     let bytes = sky.bytes(|_, epoch| {
         is_jumping ^= chance.random_bool(0.15);
-        for (index, satellite) in beidou(epoch).into_iter().enumerate() {
+        for (index, satellite) in of_system(epoch, Constellation::Beidou).into_iter().enumerate() {
             let error_m = match fault {
                 Fault::Orbits => constant_of(satellite, &mut errors_m, &mut chance),
                 Fault::Jumps if is_jumping && index.is_multiple_of(2) => JUMP_M,
@@ -76,13 +76,6 @@ fn attempt(method: &str, fault: Fault, seed: u64) -> Result<Tally> {
         }
     })?;
     Victim::new(&[&format!("METHOD,{method}")], 1.0)?.judge(&bytes, sky.truth)
-}
-
-fn beidou(epoch: &MeasuredEpoch) -> Vec<SatelliteId> {
-    let mut satellites = epoch.satellites();
-    satellites.retain(|satellite| satellite.constellation() == Constellation::Beidou);
-    satellites.sort_unstable();
-    satellites
 }
 
 /// Returns the error of a satellite's orbit along the line of sight, m, drawn once.

@@ -25,7 +25,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         for method in ["METHOD,AUTO", "METHOD,SEPARATION"] {
             for copies in [1, 2] {
                 let (one, counted) = attempt(seed, method, copies)?;
-                tally = tally.with(&one);
+                tally += &one;
                 twice += counted;
             }
         }

@@ -131,7 +131,7 @@ impl Course {
             all.steps += run.steps;
             all.noticed += run.noticed;
             all.levels_m.extend(run.levels_m);
-            all.all = all.all.with(&run.all);
+            all.all += &run.all;
         }
         all.levels_m.sort_by(f64::total_cmp);
         let median_m = all.levels_m.get(all.levels_m.len() / 2).copied().unwrap_or(f64::INFINITY);

@@ -79,7 +79,7 @@ fn run(effort: Effort, poor: Poor, bounds: [f64; 2]) -> Result<Vec<Figure>> {
         figures.push(Figure::plain(format!("{method}: epochs"), all.epochs()));
         figures.push(Figure::plain("protected", all.promised()));
         figures.push(Figure::plain("beyond their level", all.misleading()));
-        figures.push(Figure::at_most("their share", all.misleading() / all.promised().max(1.0), bound));
+        figures.push(Figure::at_most("their share", all.beyond(), bound));
     }
     Ok(figures)
 }

@@ -30,7 +30,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
             let (mut tally, mut apart) = (Tally::default(), 0);
             for seed in 0..effort.pick(150, 1500) {
                 let (one, counted) = attempt(seed, method, sign)?;
-                tally = tally.with(&one);
+                tally += &one;
                 apart += counted;
             }
             figures.extend(tally.figures(beyond * tally.epochs()));
@@ -43,8 +43,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
 fn attempt(seed: u64, method: &str, sign: f64) -> Result<(Tally, u32)> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     let sky = Sky::with(&Simulation::above_xian(start_s(&mut chance), 1, seed), "G", Frequency::Dual)?;
-    let mut of_gps = sky.recording.epochs[0].satellites();
-    of_gps.retain(|satellite| satellite.constellation() == Constellation::Gps);
+    let of_gps = of_system(&sky.recording.epochs[0], Constellation::Gps);
     let wrong: Vec<SatelliteId> = of_gps.sample(&mut chance, of_gps.len() / 3).copied().collect();
     let size_m = sign * chance.random_range(40.0..60.0);
     let bytes = sky.bytes(|_, epoch| {

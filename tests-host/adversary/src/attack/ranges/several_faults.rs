@@ -42,8 +42,6 @@ pub const METHODS: [&str; 7] =
 const FAULTS: [usize; 3] = [2, 3, 4];
 /// Numbers of satellites in [`table`].
 const SATELLITES: [usize; 6] = [7, 8, 10, 12, 15, 18];
-/// Number of kinds of epochs in [`table`].
-pub const KINDS: u64 = (METHODS.len() * FAULTS.len() * SATELLITES.len()) as u64;
 
 /// Sends the bytes to a fresh module under each method, and counts the reports.
 pub(in crate::attack) fn by_every_method(bytes: &[u8], truth: Ecef) -> Result<Tally> {
@@ -109,7 +107,7 @@ fn pairs(effort: Effort) -> Result<Vec<Figure>> {
     for satellites in 7..=12 {
         let tally = random(&[], satellites, 2, effort.pick(40, 400))?;
         figures.push(Figure::plain(format!("beyond with {satellites}"), tally.misleading()));
-        all = all.with(&tally);
+        all += &tally;
     }
     figures.insert(0, Figure::plain("epochs", all.epochs()));
     figures.insert(1, Figure::plain("protected", all.promised()));

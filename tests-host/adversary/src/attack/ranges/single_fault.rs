@@ -105,7 +105,7 @@ fn gross(effort: Effort) -> Result<Vec<Figure>> {
         let tally: Tally = runs.collect::<Result<_>>()?;
         let quantity = format!("% protected by {}", commands.join(" "));
         figures.push(Figure::at_least(quantity, tally.percent(), 100.0 * KEPT));
-        all = all.with(&tally);
+        all += &tally;
     }
     figures.extend(all.figures(0.0));
     Ok(figures)

@@ -58,19 +58,13 @@ fn attempt(method: &str, genuine: usize, seed: u64) -> Result<Tally> {
         Simulation { satellites: satellites(GPS_GALILEO.1), ..Simulation::above_xian(start_s, EPOCHS, seed) };
     let away = elsewhere(&simulation, NORTH_DEG).record();
     let sky = Sky::with(&simulation, "GE", Frequency::Dual)?;
-    let first = |epoch: &MeasuredEpoch, constellation: Constellation, count: usize| {
-        let mut seen: Vec<SatelliteId> =
-            epoch.satellites().into_iter().filter(|id| id.constellation() == constellation).collect();
-        seen.sort_unstable();
-        seen.truncate(count);
-        seen
-    };
-    let counterfeit = first(&away.epochs[0], Constellation::Gps, COUNTERFEIT);
+    let mut counterfeit = of_system(&away.epochs[0], Constellation::Gps);
+    counterfeit.truncate(COUNTERFEIT);
     let sights = simulation.sights_at(0);
     let is_high = |id: &SatelliteId| {
         sights.iter().any(|sight| sight.satellite == *id && sight.elevation_rad() > GENUINE_RAD)
     };
-    let mut kept = first(&sky.recording.epochs[0], Constellation::Galileo, usize::MAX);
+    let mut kept = of_system(&sky.recording.epochs[0], Constellation::Galileo);
     kept.retain(is_high);
     kept.truncate(genuine);
     if kept.len() < genuine {

@@ -37,7 +37,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
         let tally: Tally = seeds.map(|seed| receive(seed, Some(weak_dbhz))).collect::<Result<_>>()?;
         figures.push(Figure::plain(format!("beyond at {weak_dbhz} dB-Hz"), tally.misleading()));
         figures.push(Figure::plain("of protected", tally.promised()));
-        all = all.with(&tally);
+        all += &tally;
     }
     let silent: Tally = (0..effort.pick(12, 120)).map(|seed| receive(seed, None)).collect::<Result<_>>()?;
     figures.push(Figure::at_most("their rate is above", all.least_rate(), MISSED));
@@ -53,8 +53,7 @@ fn receive(seed: u64, weak_dbhz: Option<f64>) -> Result<Tally> {
     let start_s = 600.0 + 5400.0 * (seed % 16) as f64;
     let sky = Sky::with(&Simulation::above_xian(start_s, 30, seed), "G", Frequency::Dual)?;
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
-    let mut seen = sky.recording.epochs[0].satellites();
-    seen.retain(|id| id.constellation() == Constellation::Gps);
+    let seen = of_system(&sky.recording.epochs[0], Constellation::Gps);
     let count = match weak_dbhz {
         Some(_) => chance.random_range(seen.len() / 3..=2 * seen.len() / 3),
         None => seen.len(),

@@ -153,15 +153,11 @@ fn told(trials: &[Trial], tallies: &[Tally]) -> Vec<Figure> {
 
 fn attempt(trial: &Trial) -> Result<(Tally, InTheEnd)> {
     let Trial { systems: (letters, fleets), commands, offset_ms, right, wrong, seed } = *trial;
-    let epochs = right + wrong + AGAIN;
+    // Each seed has its own sky, between two changes of ephemerides.
+    let start_s = 600.0 + 7200.0 * (seed % 12) as f64 + 130.0 * (seed / 12) as f64;
     let simulation = Simulation {
         satellites: satellites(fleets),
-        // Each seed has its own sky, between two changes of ephemerides.
-        ..Simulation::above_xian(
-            600.0 + 7200.0 * (seed % 12) as f64 + 130.0 * (seed / 12) as f64,
-            epochs,
-            seed,
-        )
+        ..Simulation::above_xian(start_s, right + wrong + AGAIN, seed)
     };
     let sky = Sky::with(&simulation, letters, Frequency::Dual)?;
     let wrong = right as usize..(right + wrong) as usize;
