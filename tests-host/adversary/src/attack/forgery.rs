@@ -88,9 +88,9 @@ impl Sky {
         (kept, one)
     }
 
-    /// Encodes every epoch after `change` has altered it.
+    /// Encodes every epoch after `change` has altered it, with the ephemerides that are due.
     pub(super) fn bytes(&self, mut change: impl FnMut(usize, &mut MeasuredEpoch)) -> Result<Vec<Vec<u8>>> {
-        let mut encoder = self.encoder();
+        let mut encoder = Encoder::new(&self.recording.ephemerides, self.selection.clone());
         let bytes = |(index, epoch): (usize, &MeasuredEpoch)| {
             let mut epoch = epoch.clone();
             change(index, &mut epoch);
@@ -108,20 +108,20 @@ impl Sky {
     pub(super) fn ranges(&self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
         Encoder::new(&[], self.selection.clone()).epoch(epoch)
     }
-
-    /// Returns an encoder that sends ephemerides when they are due.
-    pub(super) fn encoder(&self) -> Encoder {
-        Encoder::new(&self.recording.ephemerides, self.selection.clone())
-    }
 }
 
 /// Returns the same sky from a site `north_deg` degrees farther north.
 pub(super) fn elsewhere(simulation: &Simulation, north_deg: f64) -> Simulation {
+    moved(simulation, north_deg, 0.0)
+}
+
+/// Returns the same sky from a site so many degrees farther north and metres higher.
+pub(super) fn moved(simulation: &Simulation, north_deg: f64, up_m: f64) -> Simulation {
     let geodetic = simulation.site.frame.geodetic();
     let site = Site::geodetic(
         geodetic.latitude_rad.to_degrees() + north_deg,
         geodetic.longitude_rad.to_degrees(),
-        geodetic.height_m,
+        geodetic.height_m + up_m,
     );
     Simulation { site, ..simulation.clone() }
 }

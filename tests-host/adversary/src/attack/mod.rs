@@ -11,6 +11,7 @@
 //! protected epoch has an error above its level (or no more often than the probability of missed
 //! detection allows), and no healthy epoch is lost to harmless input.
 //!
+//! What nearly every attack uses is in [`prelude`]; [`forgery`] has the skies, and the ways to alter them.
 //! The folders hold the attacks, by what is attacked. A row in the folder's `mod.rs` lists an attack
 //! and makes its test ([`rows`]).
 

@@ -97,7 +97,7 @@ impl Tally {
         self.misleading() / self.promised().max(1.0)
     }
 
-    /// Returns the rate of misleading epochs that chance does not explain (95 %).
+    /// Returns the lower end of the 95 % interval of the rate of misleading epochs.
     pub fn least_rate(&self) -> f64 {
         least_rate(self.outcomes.misleading, self.outcomes.epochs())
     }

@@ -5,9 +5,15 @@ use adversary::fuzzing::{TARGETS, replay};
 /// Number of changed inputs for each target; the seeds make them the same each time.
 const MUTATIONS: usize = 2000;
 
-fn mutate(name: &str) {
-    let target = TARGETS.iter().find(|target| target.name == name).expect("a target");
-    replay::mutate(target, MUTATIONS, 1).unwrap();
+/// Defines a test for each row, which changes the inputs of a target.
+macro_rules! mutations {
+    ($($test:ident: $target:literal,)*) => {
+        $(#[test]
+        fn $test() {
+            let target = TARGETS.iter().find(|target| target.name == $target).expect("a target");
+            replay::mutate(target, MUTATIONS, 1).unwrap();
+        })*
+    };
 }
 
 #[test]
@@ -34,47 +40,14 @@ fn nothing_and_a_single_byte_are_inputs_too() {
     }
 }
 
-#[test]
-fn mutations_of_the_gnss_port_pass() {
-    mutate("stream");
-}
-
-#[test]
-fn mutations_of_the_gnss_port_of_a_u_blox_receiver_pass() {
-    mutate("ubx");
-}
-
-#[test]
-fn mutations_of_the_gnss_port_of_a_septentrio_receiver_pass() {
-    mutate("sbf");
-}
-
-#[test]
-fn mutations_of_navigation_bits_pass() {
-    mutate("navigation_bits");
-}
-
-#[test]
-fn mutations_of_ephemerides_pass() {
-    mutate("ephemeris");
-}
-
-#[test]
-fn mutations_of_epochs_pass() {
-    mutate("epoch");
-}
-
-#[test]
-fn mutations_of_calls_from_c_pass() {
-    mutate("capi");
-}
-
-#[test]
-fn mutations_of_linearised_epochs_pass() {
-    mutate("separation");
-}
-
-#[test]
-fn mutations_of_the_host_port_pass() {
-    mutate("command");
+mutations! {
+    mutations_of_the_gnss_port_pass: "stream",
+    mutations_of_the_gnss_port_of_a_u_blox_receiver_pass: "ubx",
+    mutations_of_the_gnss_port_of_a_septentrio_receiver_pass: "sbf",
+    mutations_of_navigation_bits_pass: "navigation_bits",
+    mutations_of_ephemerides_pass: "ephemeris",
+    mutations_of_epochs_pass: "epoch",
+    mutations_of_calls_from_c_pass: "capi",
+    mutations_of_linearised_epochs_pass: "separation",
+    mutations_of_the_host_port_pass: "command",
 }

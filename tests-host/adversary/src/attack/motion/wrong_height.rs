@@ -10,6 +10,7 @@ use anyhow::bail;
 use raim::signal::fault::Kind;
 use raim_core::frame::LocalFrame;
 
+use crate::attack::forgery::moved;
 use crate::attack::prelude::*;
 use crate::attack::victim::NoOpportunity;
 
@@ -183,16 +184,10 @@ fn rising(effort: Effort) -> Result<Vec<Figure>> {
 /// Returns the reports on a sky that rises after a while, with the true height or without.
 fn risen(simulation: &Simulation, speed_m_s: f64, has_height: bool) -> Result<Vec<Vec<Seen>>> {
     let sky = Sky::of(simulation, Frequency::Dual)?;
-    let geodetic = simulation.site.frame.geodetic();
     let bytes = sky.bytes(|index, epoch| {
         let index = index as u32;
         let risen_m = speed_m_s * f64::from(index.saturating_sub(BEFORE));
-        let site = Site::geodetic(
-            geodetic.latitude_rad.to_degrees(),
-            geodetic.longitude_rad.to_degrees(),
-            geodetic.height_m + risen_m,
-        );
-        let there = Simulation { site, ..simulation.clone() };
+        let there = moved(simulation, 0.0, risen_m);
         move_ranges(epoch, &simulation.sights_at(index), &there.sights_at(index));
     })?;
     let mut victim = Victim::new(&[], 1.0)?;
