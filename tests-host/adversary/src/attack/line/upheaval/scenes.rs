@@ -1,4 +1,4 @@
-//! Random scenes of a run; [`super::run`] plays them.
+//! Random scenes of a run; [`mod@super::run`] plays them.
 //!
 //! | part | choices |
 //! |---|---|
