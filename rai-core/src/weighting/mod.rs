@@ -155,10 +155,13 @@ pub fn reflection_m2(sin_elevation: f32, weakness: f32, is_single: bool) -> f32 
     const LARGEST_BESIDE_M: f32 = 14.0;
     const ALONE_M2: f32 = 5.0 * 5.0;
     let power = weakness * weakness;
+    let alone_m2 = |explained: f32| ALONE_M2 * (power - explained).max(0.0);
+    if !is_single {
+        return alone_m2(25.0);
+    }
     let open = code_by_elevation_m2(sin_elevation.max(0.05)) / code_by_elevation_m2(1.0);
     let beside_m = (BESIDE_M * (power - open)).clamp(0.0, LARGEST_BESIDE_M);
-    let (beside_m2, explained) = if is_single { (beside_m * beside_m, 12.0) } else { (0.0, 25.0) };
-    beside_m2 + ALONE_M2 * (power - explained).max(0.0)
+    beside_m * beside_m + alone_m2(12.0)
 }
 
 /// Number of sigmas with which a shared range error enters the protection levels.
