@@ -263,6 +263,10 @@ pub fn locate(
     locate_within(raw, store, mask_dbhz, systems, None, tally, sky);
 }
 
+/// Strength of a signal of which a receiver says none, while it says that of others, dB-Hz: in streets
+/// two thirds of all signals are stronger.
+const UNSAID_DBHZ: f32 = 28.0;
+
 /// Works like [`locate`]. If the satellites exceed the capacity, those outside the view are left
 /// out.
 #[inline(never)]
@@ -278,11 +282,10 @@ pub(crate) fn locate_within(
     sky.clear();
     tally.notes.clear();
     let mut crowd = Crowd { view, seen: 0 };
-    // If a receiver reports strength for some signals, one without a report counts as just at the
-    // mask.
+    // If a receiver reports strength for some signals, one without a report counts as weak.
     let mut signals = raw.satellites.iter().flat_map(|satellite| &satellite.signals);
     let is_said = signals.any(|signal| signal.cn0_dbhz().is_some());
-    let unsaid_dbhz = if is_said { mask_dbhz } else { f32::INFINITY };
+    let unsaid_dbhz = if is_said { mask_dbhz.max(UNSAID_DBHZ) } else { f32::INFINITY };
     for satellite in &raw.satellites {
         let (letter, _) = satellite.satellite.name();
         if !systems.contains(letter) {

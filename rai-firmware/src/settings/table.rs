@@ -249,7 +249,7 @@ settings! {
         phase: Apart,
         warning: nothing,
         example: "30",
-        text: "Least C/N0 of a signal. A signal without C/N0 counts as being that weak if other signals of the epoch have one",
+        text: "Least C/N0 of a signal. A signal without C/N0 counts as being that weak, or as one of 28 dB-Hz, if other signals of the epoch have one",
     }
     "VMAX" GreatestSpeed {
         greatest_speed_m_s: f64 = 515.0,
