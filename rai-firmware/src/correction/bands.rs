@@ -19,7 +19,7 @@
 //!
 //! It is unknown which band is wrong, so that neither is used. Fewer than [`LEAST`] satellites with
 //! the same bands are not compared. If half of them are faulty, the median itself is wrong. A signal
-//! below 28 dB-Hz is noisier than the bound allows for, and has a sigma that says so.
+//! below 24 dB-Hz is noisier than the bound allows for, and has a sigma that says so.
 
 use heapless::Vec;
 use raim_core::satellite::Constellation;
@@ -42,8 +42,8 @@ const SPREADS: f32 = 5.0;
 /// Largest ionospheric delay of a single satellite in excess of its system, m.
 const CREST_M: f32 = 35.0;
 
-/// Noise of a signal of 28 dB-Hz relative to that of a strong one.
-const WEAKEST: f32 = 5.0;
+/// Noise of a signal of 24 dB-Hz relative to that of a strong one.
+const WEAKEST: f32 = 8.0;
 
 /// Group of satellites that are compared: those of one system with the same two bands.
 type Group = (Constellation, Band, Band);
