@@ -54,12 +54,6 @@ impl Kind {
     pub fn has_ranges(self) -> bool {
         matches!(self, Self::RAWX | Self::MEAS_EPOCH | Self::Rtcm(1071..=1137))
     }
-
-    /// Returns true for whole ranges; those of MSM1 to MSM3 are not.
-    pub fn has_whole_ranges(self) -> bool {
-        matches!(self, Self::RAWX | Self::MEAS_EPOCH)
-            || matches!(self, Self::Rtcm(number @ 1071..=1137) if (4..=7).contains(&(number % 10)))
-    }
 }
 
 /// Returns true if a stream has ranges.
